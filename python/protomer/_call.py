@@ -20,6 +20,8 @@ Integer: TypeAlias = Union[int, str]
 Integers: TypeAlias = Union[Integer, Sequence[Integer]]
 Text: TypeAlias = Union[str, float, Sequence[Union[str, float]]]
 """Text as on the command line; sequences are joined with commas."""
+Quantity: TypeAlias = Union[str, Sequence[str]]
+"""Text with a unit such as "150mM", or several."""
 Progress: TypeAlias = Callable[[int, int, str], None]
 Client: TypeAlias = Any
 """A `distributed.Client`, or text: the address of a scheduler, or "local"."""
@@ -48,7 +50,9 @@ def call(
 
         _cluster.share_out(words, client, parts, progress)
         progress = None
-    done, answer = _protomer.call(words, progress)
+    done, answer, warned = _protomer.call(words, progress)
+    for line in warned:
+        warnings.warn(line.removeprefix("warning: "), stacklevel=3)
     if not done:
         warnings.warn("some of the inputs failed; the result names them", stacklevel=3)
     output: Any = flags.get("--output")

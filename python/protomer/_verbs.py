@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Quantity, Text, call
 from .results import (
     BenchResult,
     CompareResult,
@@ -267,7 +267,7 @@ def surface(
 def potential(
     input: Path,
     *,
-    salt: Number,
+    salt: Quantity,
     model: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
     spacing: Number | None = None,
     margin: Number | None = None,
@@ -1624,7 +1624,7 @@ def inspect(
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: Number | None = None,
     desolvation: bool = False,
-    salt: Number | None = None,
+    salt: Quantity | None = None,
     temperature: Number | None = None,
     permittivity: Number | None = None,
     bjerrum: Number | None = None,
@@ -1724,7 +1724,7 @@ def pair(
     second: Path | None = None,
     *,
     output: Path | None = None,
-    salt: Text | None = None,
+    salt: Quantity | None = None,
     ph: Numbers | None = None,
     interaction: Literal["hard", "bare", "effective"] | None = None,
     relative_error: Number | None = None,
@@ -1870,7 +1870,7 @@ def simulate(
     assembly: Path,
     *,
     output: Path,
-    salt: Number | None = None,
+    salt: Quantity | None = None,
     temperature: Number | None = None,
     permittivity: Number | None = None,
     bjerrum: Number | None = None,
@@ -2015,7 +2015,7 @@ def sweep(
     assembly: Path,
     *,
     output: Path,
-    salt: Text | None = None,
+    salt: Quantity | None = None,
     replicas: Integer | None = None,
     exchange_every: Integer | None = None,
     starts: Literal["assembly", "fluid", "both"] | None = None,
@@ -2773,7 +2773,7 @@ def export(
     *,
     output: Path,
     frame: Text | None = None,
-    salt: Number | None = None,
+    salt: Quantity | None = None,
     replica: Integer | None = None,
     assembly: Path | None = None,
     values: Literal["charge", "hydropathy"] | None = None,
@@ -3152,7 +3152,7 @@ def voxelize(
     orientation: Literal["random", "principal", "deposited"] | None = None,
     seed: Integer | None = None,
     potential: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
-    salt: Number | None = None,
+    salt: Quantity | None = None,
     temperature: Number | None = None,
     ph: Number | None = None,
     probe: Number | None = None,
@@ -3293,7 +3293,7 @@ def bench(
     part: Text | None = None,
     charges: Integers | None = None,
     seed: Integer | None = None,
-    salt: Number | None = None,
+    salt: Quantity | None = None,
     temperature: Number | None = None,
     permittivity: Number | None = None,
     bjerrum: Number | None = None,

@@ -21,8 +21,8 @@ type Call = JoinHandle<anyhow::Result<Answer>>;
 /// Units done, total units, name of a unit.
 type Latest = Arc<Mutex<Option<(u64, u64, String)>>>;
 
-/// Runs `protomer WORDS`; returns whether everything was done, and the answer as Python values
-/// (`None` if there is none).
+/// Runs `protomer WORDS`; returns whether everything was done, the answer as Python values (`None`
+/// if there is none), and the warnings.
 ///
 /// `progress(done, total, unit)` is called in the calling thread. Ctrl-C stops the work at its next
 /// step and raises KeyboardInterrupt; the same call continues it.
@@ -32,7 +32,7 @@ pub fn call(
     py: Python<'_>,
     words: Vec<String>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(bool, Py<PyAny>)> {
+) -> PyResult<(bool, Py<PyAny>, Vec<String>)> {
     let interrupt = Interrupt::default();
     let latest = Latest::default();
     let host = Host {
@@ -57,7 +57,14 @@ pub fn call(
         }) => Err(StoppedError::new_err(
             "stopped before the end; the same call continues it",
         )),
-        Ok(Answer { outcome, value }) => Ok((outcome == Outcome::Done, python_value(py, &value)?)),
+        Ok(Answer {
+            outcome,
+            value,
+            warnings,
+        }) => {
+            let is_done = outcome == Outcome::Done;
+            Ok((is_done, python_value(py, &value)?, warnings))
+        }
         Err(error) => Err(exception(&error)),
     }
 }
@@ -66,6 +73,7 @@ pub fn call(
 struct Answer {
     outcome: Outcome,
     value: Value,
+    warnings: Vec<String>,
 }
 
 impl Answer {
@@ -73,6 +81,7 @@ impl Answer {
         Ok(Self {
             outcome: reply.outcome(),
             value: reply.value()?.unwrap_or_default(),
+            warnings: reply.warnings().into_iter().map(str::to_owned).collect(),
         })
     }
 }

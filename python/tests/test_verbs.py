@@ -94,8 +94,19 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     with pytest.raises(pm.ConvergenceError, match="no minimum"):
         pm.framework(tmp_path / "squares.toml", load="y", stress="1GPa")
     with pytest.raises(pm.ProtomerError, match="nowhere.json"):
-        pm.inspect("nowhere.json", salt=0.1)
+        pm.inspect("nowhere.json", salt="0.1M")
     assert issubclass(pm.ParseError, ValueError)
+
+
+def test_salts_need_a_unit_and_much_salt_is_warned_of(ring):
+    with pytest.raises(pm.ConfigError, match=r"100 what\? write 100mM"):
+        pm.inspect(ring, salt=100)
+    with pytest.raises(pm.ConfigError, match=r"0.1 what\? write 0.1M"):
+        pm.inspect(ring, salt=0.1)
+    with pytest.warns(UserWarning, match="^2 M of salt"):
+        concentrated = pm.inspect(ring, salt="2M")
+    assert abs(concentrated.energy_kT) < abs(pm.inspect(ring, salt="100mM").energy_kT)
+    assert pm.inspect(ring).energy_kT is None
 
 
 def test_stopped_work_goes_on(ring, tmp_path):

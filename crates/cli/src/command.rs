@@ -1,8 +1,8 @@
 //! Parses a command line into its parts, for a program that runs them on other machines.
 
-use super::{Cli, UsageError};
+use super::{UsageError, syntax};
 use clap::parser::ValueSource;
-use clap::{Arg, ArgAction, ArgMatches, CommandFactory};
+use clap::{Arg, ArgAction, ArgMatches};
 use std::any::TypeId;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ impl Command {
     /// # Errors
     /// For words that are not a command.
     pub fn of<S: AsRef<str>>(words: &[S]) -> Result<Self, UsageError> {
-        let mut syntax = Cli::command();
+        let mut syntax = syntax();
         syntax.build();
         let words = ["protomer"]
             .into_iter()

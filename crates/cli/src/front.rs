@@ -5,8 +5,8 @@ use crate::host::{Bar, Host};
 use crate::stderr::note;
 use anyhow::{Context, Result, anyhow};
 use protomer_results::{Execution, Interrupt, Progress};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The caller of a verb: a person at a terminal, or a program.
@@ -14,6 +14,8 @@ pub struct Front {
     flags: Global,
     host: Host,
     bar: Arc<Bar>,
+    /// Warnings for a program, which gets them with the answer.
+    warnings: Mutex<Vec<String>>,
 }
 
 impl Front {
@@ -24,13 +26,19 @@ impl Front {
             flags,
             host: Host::default(),
             bar,
+            warnings: Mutex::default(),
         }
     }
 
     /// A program, which reads answers but not notes.
     pub fn program(flags: Global, host: Host) -> Self {
         let bar = Arc::new(Bar::for_listener(host.progress.clone()));
-        Self { flags, host, bar }
+        Self {
+            flags,
+            host,
+            bar,
+            warnings: Mutex::default(),
+        }
     }
 
     /// The global flags.
@@ -48,6 +56,22 @@ impl Front {
         if !self.flags.quiet {
             note(line);
         }
+    }
+
+    /// Warns before the work begins: a person immediately, unless quiet; a program with the answer.
+    pub fn warn(&self, lines: impl IntoIterator<Item = String>) {
+        for line in lines {
+            self.say(&line);
+            if let Ok(mut warnings) = self.warnings.lock() {
+                warnings.push(line);
+            }
+        }
+    }
+
+    /// The warnings so far.
+    pub fn warnings(&self) -> Vec<String> {
+        let warnings = self.warnings.lock();
+        warnings.map_or_else(|_| Vec::new(), |warnings| warnings.clone())
     }
 
     /// Prints a line immediately if verbose.

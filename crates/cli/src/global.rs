@@ -8,6 +8,7 @@ const MOST_THREADS: usize = 1024;
 
 /// Global options.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Global options")]
 pub struct Global {
     /// Print one JSON object on stdout instead of text.
     #[arg(long, global = true)]

@@ -2,12 +2,17 @@
 
 use crate::global::Global;
 use crate::stderr::note;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::style::TemplateError;
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use protomer_results::{Interrupt, Progress};
 use std::fmt;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+
+/// The bar shows the time that has passed, even while nothing is done.
+const TICK: Duration = Duration::from_millis(500);
 
 /// Receives the progress of long work: units done, total units (0: unknown), and the name of a
 /// unit.
@@ -76,6 +81,7 @@ impl Progress for Bar {
     fn begin(&self, total: u64, unit: &'static str) {
         self.bar.set_length(total);
         self.bar.set_message(unit);
+        self.bar.enable_steady_tick(TICK);
         self.total.store(total, Ordering::Relaxed);
         self.unit.get_or_init(|| unit);
     }
@@ -91,6 +97,7 @@ impl Progress for Bar {
 
     fn describe(&self, what: &str) {
         self.bar.set_message(what.to_owned());
+        self.bar.enable_steady_tick(TICK);
         if self.explains {
             note(what);
         }
@@ -102,8 +109,33 @@ fn terminal_bar(flags: &Global) -> ProgressBar {
         return ProgressBar::hidden();
     }
     let bar = ProgressBar::new(0);
-    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} ({eta} left)") {
+    match style() {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+fn style() -> Result<ProgressStyle, TemplateError> {
+    let style =
+        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {elapsed}, {left} left")?;
+    Ok(style.with_key("left", left))
+}
+
+/// The time that is left; unknown before the first unit is done.
+fn left(state: &ProgressState, out: &mut dyn fmt::Write) {
+    let _ = match state.pos() {
+        0 => out.write_str("?"),
+        _ => write!(out, "{:#}", HumanDuration(state.eta())),
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With a template that cannot be read the bar would fall back to one without times.
+    #[test]
+    fn the_bar_shows_times() {
+        assert!(style().is_ok());
     }
 }

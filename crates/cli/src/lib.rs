@@ -10,6 +10,7 @@
 //! | `flags` | flags that several verbs share |
 //! | `front` | the interface of a verb to its caller |
 //! | `host` | a program as the caller; progress |
+//! | `help` | verbs in groups, examples |
 //! | `reply` | the reply of a verb, and the only place that prints |
 //! | `command` | a command line, parsed into its parts |
 //! | `python_source` | the verbs as Python functions |
@@ -18,6 +19,7 @@ mod command;
 mod flags;
 mod front;
 mod global;
+mod help;
 mod host;
 mod python_source;
 mod reply;
@@ -25,7 +27,7 @@ mod stderr;
 mod verbs;
 
 use anyhow::{Context, Result, anyhow};
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches, Parser};
 use front::Front;
 use global::Global;
 use std::ffi::OsString;
@@ -65,10 +67,24 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
+/// The command line with its groups of verbs and examples.
+fn syntax() -> clap::Command {
+    help::completed(Cli::command())
+}
+
+fn parsed<W: Into<OsString> + Clone>(
+    words: impl IntoIterator<Item = W>,
+) -> Result<Cli, clap::Error> {
+    let mut syntax = syntax();
+    let matches = syntax.try_get_matches_from_mut(words);
+    let matches = matches.map_err(help::without_double_dash)?;
+    Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut syntax))
+}
+
 /// Parses the words of a command line, the program's name first, runs the verb and prints its
 /// reply. Returns the exit code: 0 done, 1 error, 2 usage, 3 stopped early and resumable.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match Cli::try_parse_from(words) {
+    let cli = match parsed(words) {
         Ok(cli) => cli,
         Err(error) => {
             let error = verbs::explain_usage(error);
@@ -116,11 +132,12 @@ pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Reply> {
     let words = ["protomer", "--json", "--quiet"]
         .into_iter()
         .chain(words.iter().map(AsRef::as_ref));
-    let Cli { global, verb } = Cli::try_parse_from(words).map_err(usage)?;
+    let Cli { global, verb } = parsed(words).map_err(usage)?;
     let pool = global.thread_pool()?.build();
     let pool = pool.map_err(|error| anyhow!("cannot start the threads: {error}; try fewer"))?;
     let front = Front::program(global, host);
-    pool.install(|| verb.run(&front))?.unless_failed()
+    let reply = pool.install(|| verb.run(&front))?.unless_failed()?;
+    Ok(reply.with_notes(front.warnings()))
 }
 
 fn usage(error: clap::Error) -> UsageError {

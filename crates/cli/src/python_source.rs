@@ -56,6 +56,8 @@ const RESULTS: [(&str, &str); 13] = [
 const PLAIN: &str = "Result";
 /// Subcommands of a starred verb with plain results.
 const PLAIN_VERBS: [&str; 1] = ["framework tables"];
+/// Flags whose numbers need a unit.
+const TEXT_WITH_UNITS: [&str; 1] = ["salt"];
 /// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 const WIDTH: usize = 110;
@@ -69,7 +71,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Text, call
+from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Quantity, Text, call
 "#;
 
 /// The text of `python/protomer/_verbs.py`.
@@ -202,6 +204,9 @@ fn annotation(arg: &Arg) -> String {
     }
     let most_values = arg.get_num_args().map_or(1, |count| count.max_values());
     let many = matches!(arg.get_action(), ArgAction::Append) || most_values > 1;
+    if TEXT_WITH_UNITS.contains(&arg.get_id().as_str()) {
+        return "Quantity".to_owned();
+    }
     let is = |types: &[TypeId]| types.iter().any(|id| parser.type_id() == *id);
     let integers = [
         TypeId::of::<u8>(),

@@ -168,6 +168,22 @@ impl Reply {
         Ok(value.transpose()?)
     }
 
+    /// The lines that warn of something, each once.
+    pub fn warnings(&self) -> Vec<&str> {
+        let mut warnings = Vec::new();
+        for note in &self.notes {
+            match note {
+                Note::Remark(line)
+                    if line.starts_with("warning: ") && !warnings.contains(&&**line) =>
+                {
+                    warnings.push(line.as_str());
+                }
+                _ => {}
+            }
+        }
+        warnings
+    }
+
     /// The reply, or its error.
     pub(crate) fn unless_failed(mut self) -> Result<Self> {
         match self.failure.take() {

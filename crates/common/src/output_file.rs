@@ -1,28 +1,42 @@
-//! Output files: existing ones are replaced only on request.
+//! Output files: existing ones with other content are replaced only on request.
 
 use anyhow::{Result, bail};
 use protomer_io::atomic::write_atomically;
 use std::path::Path;
 
-/// Writes a file.
+/// Writes a file. One that holds exactly these bytes is left alone, so that the same command may be
+/// repeated.
 ///
 /// # Errors
-/// If it already exists and `force` is not set, or it cannot be written.
+/// If it already exists with other content and `force` is not set, or it cannot be written.
 ///
 /// ```
 /// use protomer_common::output_file::write_once;
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("network.toml");
 /// write_once(&path, "nodes = []", false)?;
-/// assert!(write_once(&path, "nodes = []", false).is_err());
-/// write_once(&path, "nodes = []", true)?;
+/// write_once(&path, "nodes = []", false)?;
+/// assert!(write_once(&path, "rods = []", false).is_err());
+/// write_once(&path, "rods = []", true)?;
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn write_once(path: &Path, text: &str, force: bool) -> Result<()> {
-    refuse_to_overwrite(path, force)?;
-    Ok(write_atomically(path, |file| {
-        file.write_all(text.as_bytes())
-    })?)
+pub fn write_once(path: &Path, content: &(impl AsRef<[u8]> + ?Sized), force: bool) -> Result<()> {
+    let bytes = content.as_ref();
+    refuse_to_replace(path, bytes, force)?;
+    Ok(write_atomically(path, |file| file.write_all(bytes))?)
+}
+
+/// Refuses a file that exists with other content, unless `force` is set. Verbs that write several
+/// files check all of them first.
+///
+/// # Errors
+/// If the file exists with other content and `force` is not set.
+pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
+    let is_same = path.is_file() && std::fs::read(path).is_ok_and(|present| present == bytes);
+    match is_same {
+        true => Ok(()),
+        false => refuse_to_overwrite(path, force),
+    }
 }
 
 /// Refuses an existing file, unless `force` is set.
@@ -39,12 +53,21 @@ pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
-/// Refuses a file that could not be written. Long computations check this before they begin.
+/// Refuses a file that could not be written. Long computations check this before they begin, when
+/// they cannot know yet whether they would write the same again.
 ///
 /// # Errors
-/// As [`refuse_to_overwrite`]; also if its folder is missing.
+/// As [`refuse_to_overwrite`] and [`require_folder`].
 pub fn require_writable(path: &Path, force: bool) -> Result<()> {
     refuse_to_overwrite(path, force)?;
+    require_folder(path)
+}
+
+/// Refuses a file whose folder is missing.
+///
+/// # Errors
+/// If there is no such folder.
+pub fn require_folder(path: &Path) -> Result<()> {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
             bail!(

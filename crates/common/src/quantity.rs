@@ -2,22 +2,51 @@
 
 use anyhow::{Result, bail};
 
-/// Parses a salt concentration in mol/L from `150mM`, `0.15M` or a bare number in mol/L.
+/// Above this concentration (mol/L) a salt is warned of.
+const USUAL_SALT_MOLAR: f64 = 1.0;
+
+/// Parses a salt concentration in mol/L from `150mM` or `0.15M`. Only zero needs no unit: a bare
+/// 100 may mean mmol/L or mol/L.
 ///
 /// # Errors
 /// Quotes the input and gives the accepted forms.
 ///
 /// ```
 /// assert_eq!(protomer_common::quantity::salt_molar("150mM")?, 0.15);
+/// let error = protomer_common::quantity::salt_molar("100").unwrap_err();
+/// assert_eq!(error.to_string(), "100 what? write 100mM");
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn salt_molar(text: &str) -> Result<f64> {
     const UNITS: [(&str, i32); 5] = [("uM", -6), ("µM", -6), ("mM", -3), ("M", 0), ("", 0)];
     let salt = parse(text, "a salt concentration", &UNITS, "100mM or 0.1M")?;
+    let number = text.trim();
+    if salt != 0.0 && !number.ends_with('M') {
+        // A number below one is likely meant in mol/L.
+        let unit = if salt < 1.0 { "M" } else { "mM" };
+        bail!("{number} what? write {number}{unit}");
+    }
     if salt < 0.0 {
         bail!("the salt concentration '{text}' is negative; give zero or more, such as 100mM");
     }
     Ok(salt)
+}
+
+/// A warning for concentrations (mol/L) at which screened charges describe no salt water.
+///
+/// ```
+/// use protomer_common::quantity::salt_warning;
+/// assert!(salt_warning([0.1, 2.0]).unwrap().starts_with("warning: 2 M of salt"));
+/// assert_eq!(salt_warning([0.0, 1.0]), None);
+/// ```
+pub fn salt_warning(salts_molar: impl IntoIterator<Item = f64>) -> Option<String> {
+    let highest = salts_molar.into_iter().fold(0.0, f64::max);
+    (highest > USUAL_SALT_MOLAR).then(|| {
+        format!(
+            "warning: {highest} M of salt: screened charges describe salt water up to some 0.1 M, and \
+             little of it above 1 M; if mmol/L are meant, write {highest}mM"
+        )
+    })
 }
 
 /// Parses a length in Å from `1.4A`, `0.14nm` or a bare number in Å.
@@ -152,7 +181,7 @@ mod tests {
     #[test]
     fn units_are_understood() {
         assert_eq!(salt_molar("0.15M").unwrap(), salt_molar("150mM").unwrap());
-        assert_eq!(salt_molar("0.15").unwrap(), 0.15);
+        assert_eq!(salt_molar("0").unwrap(), 0.0);
         assert_eq!(length_angstrom("4.8nm").unwrap(), 48.0);
         assert_eq!(length_angstrom("48A").unwrap(), 48.0);
         assert_eq!(length_angstrom("48").unwrap(), 48.0);
@@ -178,12 +207,14 @@ mod tests {
             "",
             "nanM",
             "1e400M",
+            "100",
+            "0.1",
+            "10mM,50",
         ] {
             let message = salt_list(text).unwrap_err().to_string();
-            assert!(
-                message.contains(text.split("..").next().unwrap()),
-                "{text}: {message}"
-            );
+            let first = text.split("..").next().unwrap();
+            let named = first.rsplit(',').next().unwrap();
+            assert!(message.contains(named), "{text}: {message}");
         }
     }
 }

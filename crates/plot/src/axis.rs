@@ -27,6 +27,7 @@ const X_TICK_DISTANCE: f64 = 150.0;
 pub(crate) struct Scale {
     range: [f64; 2],
     log: bool,
+    whole: bool,
 }
 
 impl Scale {
@@ -41,6 +42,7 @@ impl Scale {
         Self {
             range,
             log: axis.log,
+            whole: axis.whole,
         }
     }
 
@@ -61,6 +63,7 @@ impl Scale {
     fn ticks(&self, count: usize) -> Vec<Tick> {
         match self.log {
             true => ticks::logarithmic(self.range),
+            false if self.whole => ticks::whole(self.range, count),
             false => ticks::linear(self.range, count),
         }
     }

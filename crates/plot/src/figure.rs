@@ -67,6 +67,9 @@ pub struct Axis {
     pub log: bool,
     /// The values at the two ends; `None` to fit the data.
     pub range: Option<[f64; 2]>,
+    /// Whether only whole numbers are marked, as on an axis that counts.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub whole: bool,
 }
 
 /// Points of one colour.
@@ -113,6 +116,15 @@ impl Axis {
             label: label.into(),
             log: false,
             range: None,
+            whole: false,
+        }
+    }
+
+    /// A linear axis of a count, such as epochs, whose ticks are whole numbers.
+    pub fn count(label: impl Into<String>) -> Self {
+        Self {
+            whole: true,
+            ..Self::linear(label)
         }
     }
 
@@ -122,6 +134,7 @@ impl Axis {
             label: label.into(),
             log: true,
             range: None,
+            whole: false,
         }
     }
 
@@ -380,6 +393,7 @@ mod tests {
                 label: panel.y.label.clone(),
                 log: true,
                 range: None,
+                whole: false,
             };
             figure.x = Axis::linear("salt concentration / mM");
             figure.caption.clear();

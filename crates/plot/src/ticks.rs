@@ -29,6 +29,18 @@ pub(crate) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     (first..=last).map(tick).collect()
 }
 
+/// The same at whole numbers only.
+pub(crate) fn whole([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
+    // A step is at least one if a tick is asked for per whole number at most.
+    let most = (to - from).floor().max(1.0) as usize;
+    let mut ticks = linear([from, to], count.min(most));
+    ticks.retain(|tick| tick.value.fract() == 0.0);
+    for tick in &mut ticks {
+        tick.label = Some(decimal(tick.value, 0));
+    }
+    ticks
+}
+
 /// The ticks of a logarithmic axis: labels at 1, 2, 3, 5 of each decade, fewer over many decades;
 /// minor ticks at every digit. A range of less than a decade gets the ticks of a linear axis.
 pub(crate) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
@@ -109,6 +121,17 @@ mod tests {
         assert_eq!(
             labels(&linear([0.011, 0.0142], 4)),
             ["0.011", "0.012", "0.013", "0.014"]
+        );
+    }
+
+    #[test]
+    fn counts_are_marked_at_whole_numbers() {
+        assert_eq!(labels(&whole([0.9, 3.1], 6)), ["1", "2", "3"]);
+        assert_eq!(labels(&whole([0.96, 2.04], 6)), ["1", "2"]);
+        assert_eq!(labels(&whole([0.5, 1.5], 6)), ["1"]);
+        assert_eq!(
+            labels(&whole([0.0, 40.0], 5)),
+            ["0", "10", "20", "30", "40"]
         );
     }
 

@@ -12,10 +12,12 @@
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`shapes`] | convex shapes from files and names |
+//! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
 
 pub mod assemblies;
 pub mod bodies;
 pub mod export;
+pub mod file_kind;
 pub mod potential;
 pub mod shapes;
 pub mod stability;

@@ -5,6 +5,7 @@ use crate::bodies::surface_of_file::read_sites;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::input::InputFile;
+use protomer_common::output_file::require_writable;
 use protomer_field::debye_huckel::Superposition;
 use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{
@@ -103,14 +104,16 @@ pub struct PotentialSettings {
 /// format of the file's extension.
 ///
 /// # Errors
-/// As [`potential_of_file`]; also for an unknown extension or a missing folder, which are
-/// refused before the computation.
+/// As [`potential_of_file`]; also for an unknown extension, a missing folder, or a file that exists
+/// unless `force` is set, which are refused before the computation.
 pub fn potential(
     path: &Path,
     settings: &PotentialSettings,
     output: Option<&Path>,
+    force: bool,
 ) -> Result<PotentialReport> {
     let format = output.map(VolumeFormat::of_file).transpose()?;
+    output.map_or(Ok(()), |path| require_writable(path, force))?;
     let (field, report) = potential_of_file(
         path,
         &settings.dielectric,
@@ -143,7 +146,7 @@ impl VolumeFormat {
         (".npz", Self::Npz),
     ];
 
-    /// The format of an output file, whose folder must exist.
+    /// The format of an output file.
     fn of_file(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
         let mut known = Self::ENDINGS.iter();
@@ -151,15 +154,6 @@ impl VolumeFormat {
             let endings = Self::ENDINGS.map(|(ending, _)| ending).join(", ");
             bail!("{name} has none of the extensions {endings}; use one of them");
         };
-        if let Some(folder) = path.parent()
-            && !folder.as_os_str().is_empty()
-            && !folder.is_dir()
-        {
-            bail!(
-                "there is no folder {} to write into; create it first",
-                folder.display()
-            );
-        }
         Ok(*format)
     }
 

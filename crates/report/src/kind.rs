@@ -1,6 +1,7 @@
 //! The kind of results in a directory, with their settings.
 
 use anyhow::{Result, bail};
+use protomer::file_kind::FileKind;
 use protomer::stability::run::RunSettings;
 use protomer_lattices::lattice::settings::LatticeSettings;
 use protomer_results::ResultKind;
@@ -45,6 +46,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
                 "the set {name} is not complete yet; the same 'protomer voxelize' command continues it"
             );
         }
+        FileKind::Results(ResultKind::Sweep).require(directory)?;
         bail!(
             "{} is not a directory; give one that protomer wrote its results into",
             directory.display()

@@ -92,6 +92,7 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
         Some(result) if settings.salt_molar.len() == 1 => averages(result) + &table,
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
     };
+    html += &paragraph(&format!("The model: {}.", settings.what_attracts()));
     if let Some((figure, rows)) = traces::traces(directory, settings)? {
         html += &figures::drawn(&figure, &data::data("traces.csv", &rows.to_csv()?)?)?;
     }
@@ -105,11 +106,17 @@ fn averages(result: &Value) -> String {
     definitions(&[
         (
             "radius of gyration",
-            format!(
-                "{} ± {} Å (standard error)",
-                number("r_g_mean_angstrom", 5),
-                number("r_g_se_angstrom", 2)
-            ),
+            match row["r_g_se_angstrom"].as_f64() {
+                Some(error) => format!(
+                    "{} ± {} Å (standard error)",
+                    number("r_g_mean_angstrom", 5),
+                    significant(error, 2)
+                ),
+                None => format!(
+                    "{} Å (too short for an error)",
+                    number("r_g_mean_angstrom", 5)
+                ),
+            },
         ),
         ("native contacts left", number("native_contacts_mean", 4)),
         (

@@ -170,7 +170,10 @@ fn require_same<S: Settings>(
     if there != here {
         return Err(Error::OtherSettings {
             path: path.to_owned(),
-            kind: layout.kind.clone(),
+            holds: match present.name() {
+                Some(name) => name.into(),
+                None => layout.kind.to_string(),
+            },
             differences: differences(&there, &here)?,
         });
     }

@@ -53,7 +53,7 @@ pub enum Error {
     },
     /// The directory holds the same kind of result with other settings.
     #[error(
-        "{} holds {kind} with other settings ({differences}); choose another directory, or start \
+        "{} holds {holds} with other settings ({differences}); choose another directory, or start \
          again with --force",
         path.display()
     )]
@@ -61,13 +61,14 @@ pub enum Error {
         /// The directory.
         path: PathBuf,
         /// What the directory holds.
-        kind: ResultKind,
+        holds: String,
         /// The settings that differ, as in `seed: 1 there, 2 here`.
         differences: String,
     },
     /// The directory holds the same kind of result for other input or other settings.
     #[error(
-        "{} holds {kind} with other input; choose another directory, or start again with --force",
+        "{} holds {kind} with other input: an input file is another one, or has changed since; \
+         choose another directory, or start again with --force",
         path.display()
     )]
     OtherInput {

@@ -45,7 +45,7 @@ pub struct SelectionArgs {
 #[command(next_help_heading = "Charges")]
 pub struct ChargeArgs {
     /// pH of the protonation equilibria.
-    #[arg(long, default_value_t = 7.4)]
+    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
     ph: f64,
     /// Where the charges sit.
     #[arg(long, value_enum, default_value_t = Charges::ForceField)]

@@ -19,14 +19,16 @@ pub struct CacheArgs {
 
 impl CacheArgs {
     /// The user's cache, if there is one and it may be used.
-    pub fn cache(&self) -> Option<DiskCache> {
-        DiskCache::of_user().filter(|_| !self.no_cache)
+    pub fn cache(&self, front: &Front) -> Option<DiskCache> {
+        let cache = DiskCache::of_user().filter(|_| !self.no_cache)?;
+        front.explain(&cache.describe());
+        Some(cache.telling(front.warner()))
     }
 
     /// The effective charges of a run.
     pub fn effective_store(&self, front: &Front) -> Arc<EffectiveStore> {
         let store = EffectiveStore::default();
-        Arc::new(match self.cache() {
+        Arc::new(match self.cache(front) {
             Some(cache) => store.with_cache(cache, front.warner()),
             None => store,
         })

@@ -32,7 +32,7 @@ impl TablesArgs {
     /// The tables of a run.
     pub fn tables(&self, front: &Front) -> Arc<EnergyTables> {
         let tables = EnergyTables::new(self.memory_limit);
-        Arc::new(match self.cache.cache() {
+        Arc::new(match self.cache.cache(front) {
             Some(cache) => tables.with_cache(cache, front.warner()),
             None => tables,
         })

@@ -32,6 +32,11 @@ pub enum Scale {
 }
 
 impl TermsArgs {
+    /// Whether any of the flags is given.
+    pub fn is_given(&self) -> bool {
+        self.contacts.is_some() || self.contact_strength.is_some() || self.desolvation
+    }
+
     /// The flags over the contact term of a configuration; `None` without one.
     ///
     /// # Errors

@@ -1,9 +1,11 @@
 //! `protomer completions` and `protomer man`, generated from the table of flags.
 
-use crate::Cli;
+use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::Result;
-use clap::{Args, CommandFactory};
+use crate::syntax;
+use anyhow::{Context, Result};
+use clap::Args;
+use protomer_common::output_file::{refuse_to_replace, write_once};
 use protomer_results::ResultKind;
 use std::path::PathBuf;
 
@@ -25,17 +27,29 @@ pub struct ManArgs {
 impl CompletionsArgs {
     pub fn run(&self) -> Result<Reply> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "protomer", &mut script);
+        clap_complete::generate(self.shell, &mut syntax(), "protomer", &mut script);
         let script = String::from_utf8(script)?;
         Ok(Reply::text(script.trim_end_matches('\n').to_owned()))
     }
 }
 
 impl ManArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         ResultKind::VoxelSet.refuse_in(&self.output)?;
+        let made = tempfile::tempdir().context("cannot make a temporary folder")?;
+        clap_mangen::generate_to(syntax(), made.path())?;
+        let mut pages = Vec::new();
+        for entry in made.path().read_dir()? {
+            let entry = entry?;
+            let page = self.output.join(entry.file_name());
+            let bytes = std::fs::read(entry.path())?;
+            refuse_to_replace(&page, &bytes, front.force())?;
+            pages.push((page, bytes));
+        }
         std::fs::create_dir_all(&self.output)?;
-        clap_mangen::generate_to(Cli::command(), &self.output)?;
+        for (page, bytes) in pages {
+            write_once(&page, &bytes, front.force())?;
+        }
         Ok(Reply::nothing())
     }
 }

@@ -56,13 +56,13 @@ impl Verb {
         match self {
             Verb::Ingest(args) => args.run(front),
             Verb::Fetch(args) => args.run(front),
-            Verb::Surface(args) => args.run(),
-            Verb::Potential(args) => args.run(),
-            Verb::Shape(args) => args.run(),
-            Verb::Body(args) => args.run(),
-            Verb::Assemble(args) => args.run(),
-            Verb::Candidates(args) => args.run(),
-            Verb::Compare(args) => args.run(),
+            Verb::Surface(args) => args.run(front),
+            Verb::Potential(args) => args.run(front),
+            Verb::Shape(args) => args.run(front),
+            Verb::Body(args) => args.run(front),
+            Verb::Assemble(args) => args.run(front),
+            Verb::Candidates(args) => args.run(front),
+            Verb::Compare(args) => args.run(front),
             Verb::Framework(args) => args.run(front),
             Verb::Inspect(args) => args.run(front),
             Verb::Pair(args) => args.run(front),
@@ -78,7 +78,7 @@ impl Verb {
             Verb::Merge(args) => args.run(front),
             Verb::Bench(args) => args.run(front),
             Verb::Completions(args) => args.run(),
-            Verb::Man(args) => args.run(),
+            Verb::Man(args) => args.run(front),
         }
     }
 }

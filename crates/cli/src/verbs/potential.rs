@@ -1,6 +1,7 @@
 //! `protomer potential`: the electrostatic potential around a structure.
 
 use crate::flags::choices::{BoundaryValues, DielectricSurface, Potential};
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -61,7 +62,8 @@ pub struct PotentialArgs {
 }
 
 impl PotentialArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        front.warn(quantity::salt_warning([self.salt]));
         let settings = PotentialSettings {
             model: self.model.into(),
             dielectric: self.dielectric()?,
@@ -74,7 +76,12 @@ impl PotentialArgs {
             estimate_error: !self.no_error_estimate,
             places: self.points.as_deref().map(read_places).transpose()?,
         };
-        let report = potential(&self.input, &settings, self.output.as_deref())?;
+        let report = potential(
+            &self.input,
+            &settings,
+            self.output.as_deref(),
+            front.force(),
+        )?;
         Ok(Reply::of(report))
     }
 

@@ -802,7 +802,7 @@ fn what_is_no_result_is_refused_and_nothing_is_overwritten_unasked() {
     std::fs::create_dir(place.path("empty")).unwrap();
     assert!(refused("report empty").contains("holds no results that a report can show"));
     assert!(!place.path("empty/report.html").exists());
-    assert!(refused("report ring.json").contains("is not a directory"));
+    assert!(refused("report ring.json").contains("is an assembly: 'protomer sweep'"));
     assert!(refused("report missing").contains("is not a directory"));
     assert!(
         refused("report sweep/salt_0.050000M/replica_0")

@@ -2,14 +2,35 @@
 
 use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::bodies::body_file;
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
 use protomer_common::answer::{Answer, columns, heading};
-use protomer_io::atomic::write_atomically;
+use protomer_common::output_file::{refuse_to_replace, write_once};
+use protomer_kernel::{Pose, Vec3};
 use protomer_results::ResultKind;
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
+
+/// The neighbouring cells of a periodic box, one of each opposite pair.
+const HALF_OF_NEIGHBOURS: [[f64; 3]; 13] = [
+    [1.0, 0.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 1.0, 0.0],
+    [1.0, -1.0, 0.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 0.0, -1.0],
+    [0.0, 1.0, 1.0],
+    [0.0, 1.0, -1.0],
+    [1.0, 1.0, 1.0],
+    [1.0, 1.0, -1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, -1.0, -1.0],
+];
+/// An expansion by more than this, Å, opens the contacts of a structure.
+const LARGE_EXPANSION_ANGSTROM: f64 = 1.0;
 
 /// Bodies with the files they were read from.
 #[derive(Debug)]
@@ -81,6 +102,44 @@ impl BodyFiles {
         Ok(file)
     }
 
+    /// Refuses a periodic box in which bodies overlap across its faces.
+    ///
+    /// # Errors
+    /// Says how large a box is large enough.
+    pub fn require_room(
+        &self,
+        placements: &[assembly::Placement],
+        box_angstrom: Option<[f64; 3]>,
+    ) -> Result<()> {
+        let Some([x, y, z]) = box_angstrom else {
+            return Ok(());
+        };
+        let mut all = placements.to_vec();
+        for shift in HALF_OF_NEIGHBOURS {
+            let shift = Vec3::new(shift[0] * x, shift[1] * y, shift[2] * z);
+            for (kind, pose) in placements {
+                let position = pose.position + shift;
+                all.push((*kind, Pose { position, ..*pose }));
+            }
+        }
+        if !self.hard.any_overlap(&all) {
+            return Ok(());
+        }
+        let radius = |kind: usize| self.bodies[kind].mesh_radius_angstrom();
+        let mut needed_angstrom: f64 = 0.0;
+        for (kind, pose) in placements {
+            for (other, other_pose) in placements {
+                let apart = (pose.position - other_pose.position).norm();
+                needed_angstrom = needed_angstrom.max(apart + radius(*kind) + radius(*other));
+            }
+        }
+        bail!(
+            "in a box of {x} x {y} x {z} Å the bodies overlap with their own images; give a larger \
+             one, such as --box {:.0}",
+            needed_angstrom.ceil()
+        )
+    }
+
     /// The names by which placements refer to bodies: their own names, numbered where two share
     /// one.
     fn names(&self) -> Vec<String> {
@@ -100,15 +159,27 @@ impl BodyFiles {
 /// Writes an assembly file.
 ///
 /// # Errors
-/// If the file cannot be written.
-pub fn write_assembly(path: &Path, file: &AssemblyFile) -> Result<()> {
-    let text = serde_json::to_string_pretty(file).context("the assembly cannot be serialised")?;
+/// If it exists with other content and `force` is not set, or cannot be written.
+pub fn write_assembly(path: &Path, file: &AssemblyFile, force: bool) -> Result<()> {
+    let text = text_of(file)?;
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)
             .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     }
-    write_atomically(path, |out| writeln!(out, "{text}"))?;
-    Ok(())
+    write_once(path, &text, force)
+}
+
+/// Refuses a file that exists and holds anything but exactly this assembly, unless `force` is set.
+///
+/// # Errors
+/// If it does.
+pub fn refuse_another(path: &Path, file: &AssemblyFile, force: bool) -> Result<()> {
+    refuse_to_replace(path, text_of(file)?.as_bytes(), force)
+}
+
+fn text_of(file: &AssemblyFile) -> Result<String> {
+    let text = serde_json::to_string_pretty(file).context("the assembly cannot be serialised")?;
+    Ok(text + "\n")
 }
 
 /// The path from the folder of `from` to `file`.
@@ -143,6 +214,34 @@ pub struct StructureAssembly {
     pub expansion_factor: f64,
     /// The largest displacement of a body by the expansion, Å.
     pub largest_displacement_angstrom: f64,
+}
+
+impl StructureAssembly {
+    /// What a user should know before simulating it.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self
+            .bodies
+            .iter()
+            .map(|body| body.chains.len())
+            .sum::<usize>()
+            == 1
+        {
+            warnings.push(
+                "warning: this is a single chain, which has nothing to fall apart from; ask for the \
+                 biological assembly with --assembly 1"
+                    .into(),
+            );
+        }
+        let moved_angstrom = self.largest_displacement_angstrom;
+        if moved_angstrom > LARGE_EXPANSION_ANGSTROM {
+            warnings.push(format!(
+                "warning: the expansion moved a body by {moved_angstrom:.1} Å, so that contacts of the \
+                 structure are open; shrink the surfaces instead: --offset 0.5 --relax"
+            ));
+        }
+        warnings
+    }
 }
 
 impl Answer for StructureAssembly {
@@ -189,6 +288,8 @@ pub struct StructureSettings {
     pub relax: bool,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
+    /// Whether to overwrite existing files.
+    pub force: bool,
 }
 
 /// Decomposes a structure into bodies, one per kind of chain, and writes them with the assembly
@@ -206,6 +307,7 @@ pub struct StructureSettings {
 ///     body: BodySettings::default(),
 ///     relax: true,
 ///     box_angstrom: Some([300.0; 3]),
+///     force: false,
 /// };
 /// let assembly = assemble_structure(Path::new("6mdr.cif.gz"), Path::new("6mdr"), &settings)?;
 /// println!("{}", assembly.text());
@@ -217,6 +319,7 @@ pub fn assemble_structure(
     settings: &StructureSettings,
 ) -> Result<StructureAssembly> {
     ResultKind::VoxelSet.refuse_in(folder)?;
+    FileKind::Structure.require(input)?;
     let file = protomer_common::input::InputFile::read(input)?;
     let structure = protomer_body::structure::Structure::read(&file.name, &file.bytes)?;
     let selection = structure
@@ -260,17 +363,23 @@ pub fn assemble_structure(
     let files = BodyFiles::new(paths, bodies)?;
     let overlaps = files.hard.overlapping_pairs(&placements);
     let expansion = relax(&files, placements, &overlaps, &chains, settings)?;
-    for (path, body) in files.paths.iter().zip(&files.bodies) {
-        body_file::write(path, body)?;
-    }
     let path = folder.join("assembly.json");
     let provenance = serde_json::json!({
         "source": file.name, "source_sha256": file.sha256, "chains": chains,
         "expansion_factor": expansion.factor,
     });
     let edges = settings.box_angstrom;
+    files.require_room(&expansion.placements, edges)?;
     let assembly = files.assembly_file(&path, &expansion.placements, edges, provenance)?;
-    write_assembly(&path, &assembly)?;
+    let force = settings.force;
+    refuse_another(&path, &assembly, force)?;
+    for (path, body) in files.paths.iter().zip(&files.bodies) {
+        body_file::refuse_another(path, body, force)?;
+    }
+    for (path, body) in files.paths.iter().zip(&files.bodies) {
+        body_file::write_once(path, body, force)?;
+    }
+    write_assembly(&path, &assembly, force)?;
     Ok(StructureAssembly {
         assembly: path,
         bodies: described,

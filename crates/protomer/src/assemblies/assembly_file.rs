@@ -10,6 +10,7 @@
 //! puts a spherical wall around the origin instead.
 
 use crate::bodies::body_file;
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_common::input::path_from;
@@ -118,6 +119,7 @@ impl Assembly {
     /// # Errors
     /// Names the file, the key or the placement, and what to do.
     pub fn read(path: &Path) -> Result<Self> {
+        FileKind::Assembly.require(path)?;
         let bytes = std::fs::read(path)
             .with_context(|| format!("cannot read the assembly {}", path.display()))?;
         let file: AssemblyFile = keys::from_json(path, &bytes)?;

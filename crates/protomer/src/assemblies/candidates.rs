@@ -1,6 +1,6 @@
 //! The up/down arrangements of a ring or stack that are distinct under its symmetry.
 
-use crate::assemblies::assemble::{BodyFiles, write_assembly};
+use crate::assemblies::assemble::{BodyFiles, refuse_another, write_assembly};
 use anyhow::{Result, bail};
 use protomer_body::assembly::{Candidates, Stack, Symmetry};
 use protomer_common::answer::{Answer, columns, heading};
@@ -25,6 +25,8 @@ pub struct CandidatesSettings {
     pub box_angstrom: Option<[f64; 3]>,
     /// Folder for one assembly file per arrangement; with `None` they are only counted.
     pub output: Option<PathBuf>,
+    /// Whether to overwrite existing files.
+    pub force: bool,
 }
 
 /// The arrangements that were found.
@@ -85,6 +87,7 @@ fn letters(up: &[bool]) -> String {
 ///     gap_angstrom: 0.5,
 ///     box_angstrom: None,
 ///     output: None,
+///     force: false,
 /// };
 /// println!("{}", candidates(&settings)?.text());
 /// # Ok::<(), anyhow::Error>(())
@@ -115,11 +118,15 @@ fn write(settings: &CandidatesSettings, stack: &Stack, found: &Candidates) -> Re
     for (index, arrangement) in found.arrangements.iter().enumerate() {
         let recipe = stack.recipe(arrangement);
         let placements = files.hard.close(&recipe, gap)?.placements;
+        files.require_room(&placements, settings.box_angstrom)?;
         let path = folder.join(format!("candidate_{}.json", index + 1));
         let provenance = json!({"arrangement": arrangement, "recipe": recipe, "gap_angstrom": gap});
         let file = files.assembly_file(&path, &placements, settings.box_angstrom, provenance)?;
-        write_assembly(&path, &file)?;
-        written.push(path);
+        refuse_another(&path, &file, settings.force)?;
+        written.push((path, file));
     }
-    Ok(written)
+    for (path, file) in &written {
+        write_assembly(path, file, settings.force)?;
+    }
+    Ok(written.into_iter().map(|(path, _)| path).collect())
 }

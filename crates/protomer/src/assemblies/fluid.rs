@@ -40,8 +40,8 @@ impl Answer for FluidAssembly {
 /// use protomer::assemblies::fluid::assemble_fluid;
 /// use std::path::{Path, PathBuf};
 /// let bodies = [PathBuf::from("a.body"), PathBuf::from("b.body")];
-/// let seed = 1;
-/// let fluid = assemble_fluid(&bodies, &[8, 8], [500.0; 3], seed, Path::new("fluid.json"))?;
+/// let (seed, output, force) = (1, Path::new("fluid.json"), false);
+/// let fluid = assemble_fluid(&bodies, &[8, 8], [500.0; 3], seed, output, force)?;
 /// assert_eq!(fluid.bodies, 16);
 /// # Ok::<(), anyhow::Error>(())
 /// ```
@@ -51,12 +51,13 @@ pub fn assemble_fluid(
     box_angstrom: [f64; 3],
     seed: u64,
     output: &Path,
+    force: bool,
 ) -> Result<FluidAssembly> {
     let files = BodyFiles::read(bodies)?;
     let placements = fluid(&files, counts, box_angstrom, seed)?;
     let provenance = json!({ "fluid": { "counts": counts, "seed": seed } });
     let file = files.assembly_file(output, &placements, Some(box_angstrom), provenance)?;
-    write_assembly(output, &file)?;
+    write_assembly(output, &file, force)?;
     let volume_angstrom3: f64 = box_angstrom.iter().product();
     Ok(FluidAssembly {
         assembly: output.to_owned(),

@@ -21,6 +21,8 @@ pub struct RingSettings {
     pub gap_angstrom: f64,
     /// Periodic box, Å.
     pub box_angstrom: Option<[f64; 3]>,
+    /// Whether to overwrite an existing file.
+    pub force: bool,
 }
 
 /// A ring or stack that was written.
@@ -67,8 +69,9 @@ pub fn assemble_ring(
         "ring_distance_angstrom": closed.ring_distance_angstrom,
     });
     let placements = &closed.placements;
+    files.require_room(placements, settings.box_angstrom)?;
     let file = files.assembly_file(output, placements, settings.box_angstrom, provenance)?;
-    write_assembly(output, &file)?;
+    write_assembly(output, &file, settings.force)?;
     Ok(RingAssembly {
         assembly: output.to_owned(),
         bodies: placements.len(),
@@ -82,6 +85,9 @@ fn recipe(settings: &RingSettings) -> Result<Recipe> {
     let gap = settings.gap_angstrom;
     if !(gap.is_finite() && gap >= 0.0) {
         bail!("--gap is {gap} Å; give zero or more");
+    }
+    if members == 1 && settings.stack == 1 {
+        bail!("a ring of one body is no assembly; give --members 2 or more");
     }
     let recipe = match settings.stack {
         1 => Recipe::ring(members, &settings.pattern),

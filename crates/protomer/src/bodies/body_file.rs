@@ -1,7 +1,9 @@
 //! Body files: everything an engine needs to know about a body, in one versioned, checksummed file.
 
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, Provenance, Residue, Site};
+use protomer_common::output_file;
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::container::{Array, Container};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
@@ -49,6 +51,7 @@ pub fn write(path: &Path, body: &Body) -> Result<()> {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn read(path: &Path) -> Result<(Body, String)> {
+    FileKind::Body.require(path)?;
     let mut bytes = Vec::new();
     std::fs::File::open(path)
         .and_then(|file| file.take(LARGEST_FILE_BYTES).read_to_end(&mut bytes))
@@ -64,17 +67,21 @@ pub fn read(path: &Path) -> Result<(Body, String)> {
     ))
 }
 
-/// Whether the file exists and holds anything but exactly this body. The same input with the
-/// same settings gives the same bytes, so a repeated command recognises its own output.
+/// Writes a body file, unless it holds another body. The same input with the same settings gives the
+/// same bytes, so a repeated command recognises its own output.
 ///
 /// # Errors
-/// If the file exists but cannot be read.
-pub fn is_another(path: &Path, body: &Body) -> Result<bool> {
-    match std::fs::read(path) {
-        Ok(present) => Ok(present != to_bytes(body)?),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(false),
-        Err(error) => Err(error).with_context(|| format!("cannot read {}", path.display())),
-    }
+/// As [`refuse_another`]; also if the file cannot be written.
+pub fn write_once(path: &Path, body: &Body, force: bool) -> Result<()> {
+    output_file::write_once(path, &to_bytes(body)?, force)
+}
+
+/// Refuses a file that exists and holds anything but exactly this body, unless `force` is set.
+///
+/// # Errors
+/// If it does.
+pub fn refuse_another(path: &Path, body: &Body, force: bool) -> Result<()> {
+    output_file::refuse_to_replace(path, &to_bytes(body)?, force)
 }
 
 fn to_bytes(body: &Body) -> Result<Vec<u8>> {

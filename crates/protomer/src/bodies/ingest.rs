@@ -2,6 +2,7 @@
 //! continue.
 
 use crate::bodies::body_file;
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
 use protomer_body::{
@@ -9,7 +10,7 @@ use protomer_body::{
 };
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::{InputFile, stem};
-use protomer_io::atomic::write_atomically;
+use protomer_common::output_file::write_once;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{PointRecord, read_points};
 use protomer_io::pqr::write_pqr;
@@ -227,15 +228,11 @@ fn ingest_file(
 ) -> Result<FileOutcome> {
     let path = folder.join(format!("{name}.body"));
     let built = read_and_build(file, name, &settings.body)?;
-    if !settings.force && body_file::is_another(&path, &built.body)? {
-        bail!(
-            "{}: {} holds another body; overwrite it with --force",
-            file.display(),
-            path.display()
-        );
-    }
-    write_exports(&built.body, folder, name, &settings.exports)?;
-    body_file::write(&path, &built.body)?;
+    let force = settings.force;
+    body_file::refuse_another(&path, &built.body, force)
+        .with_context(|| file.display().to_string())?;
+    write_exports(&built.body, folder, name, settings)?;
+    body_file::write_once(&path, &built.body, force)?;
     let skipped = match &built.selection {
         Some(report) => report.skipped.clone(),
         None => BTreeMap::new(),
@@ -270,6 +267,7 @@ fn ingest_file(
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Result<BuiltBody> {
+    FileKind::Structure.require(file)?;
     let input = InputFile::read(file)?;
     let source = Source {
         file: &input.name,
@@ -294,8 +292,8 @@ fn named(file: &str, error: BodyError) -> anyhow::Error {
     }
 }
 
-fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Result<()> {
-    for ending in endings {
+fn write_exports(body: &Body, folder: &Path, name: &str, settings: &IngestSettings) -> Result<()> {
+    for ending in &settings.exports {
         let path = folder.join(format!("{name}.{ending}"));
         let bytes = match *ending {
             "pqr" => write_pqr(&point_records(body))?.into_bytes(),
@@ -304,7 +302,7 @@ fn write_exports(body: &Body, folder: &Path, name: &str, endings: &[&str]) -> Re
                 &body.mesh,
             ),
         };
-        write_atomically(&path, |file| file.write_all(&bytes))?;
+        write_once(&path, &bytes, settings.force)?;
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ impl Answer for WrittenBody {
 /// Makes a body and writes it to a file.
 ///
 /// # Errors
-/// As [`build`]; also if the file cannot be written.
+/// As [`build`]; also if the file holds another body and `force` is not set, or cannot be written.
 ///
 /// ```no_run
 /// use protomer::bodies::own_body::{OwnBody, make};
@@ -62,13 +62,13 @@ impl Answer for WrittenBody {
 ///     mesh: "patchy.ply".into(),
 ///     charges: Some("patchy.xyzq".into()),
 /// };
-/// let written = make(&own, Path::new("patchy.body"))?;
+/// let written = make(&own, Path::new("patchy.body"), false)?;
 /// assert_eq!(written.name, "patchy");
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn make(own: &OwnBody, output: &Path) -> Result<WrittenBody> {
+pub fn make(own: &OwnBody, output: &Path, force: bool) -> Result<WrittenBody> {
     let body = build(own)?;
-    body_file::write(output, &body)?;
+    body_file::write_once(output, &body, force)?;
     Ok(WrittenBody {
         body: output.to_owned(),
         name: body.name.clone(),

@@ -1,13 +1,14 @@
 //! The solvent-excluded surface of a file, without charges.
 
 use crate::bodies::body_file;
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result};
 use protomer_body::chemistry::{SiteSettings, build_sites, sites_of_points};
 use protomer_body::structure::{Format, SelectionSettings, Structure};
 use protomer_body::{Site, SurfaceSettings, surface_of_sites};
 use protomer_common::answer::Answer;
 use protomer_common::input::InputFile;
-use protomer_io::atomic::write_atomically;
+use protomer_common::output_file::write_once;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{read_points, read_xyzr};
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -75,18 +76,20 @@ impl Answer for SurfaceReport {
 /// extension.
 ///
 /// # Errors
-/// As [`surface_of_file`]; also for an unknown extension, which is refused before the computation.
+/// As [`surface_of_file`]; also for an unknown extension, which is refused before the computation, and
+/// a file that exists with other content, unless `force` is set.
 pub fn measure_surface(
     path: &Path,
     settings: &SurfaceSettings,
     output: Option<&Path>,
+    force: bool,
 ) -> Result<SurfaceReport> {
     let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
     let format = format.transpose()?;
     let (mesh, report) = surface_of_file(path, settings)?;
     if let (Some(path), Some(format)) = (output, format) {
         let bytes = write_mesh(format, &mesh);
-        write_atomically(path, |file| file.write_all(&bytes))?;
+        write_once(path, &bytes, force)?;
     }
     Ok(report)
 }
@@ -152,6 +155,7 @@ pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     } else if Format::of_name(&file.name) == Some(Format::Pqr) {
         sites_of_points(&read_points(&file.name, &file.bytes)?)
     } else {
+        FileKind::Structure.require(Path::new(&file.name))?;
         let selection =
             Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
         selection.and_then(|selection| build_sites(&selection, &SiteSettings::default()))

@@ -27,7 +27,7 @@ pub use values::ResidueValues;
 use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, WrittenChain};
 use protomer_common::answer::Answer;
-use protomer_common::output_file::require_writable;
+use protomer_common::output_file::{refuse_to_replace, require_folder, write_once};
 use protomer_io::atomic::write_atomically;
 use serde::Serialize;
 use source::Source;
@@ -129,19 +129,23 @@ pub fn export(settings: &ExportSettings) -> Result<ExportReport> {
     let script = settings
         .script
         .map(|viewer| (viewer, viewer.path_beside(&settings.output)));
-    require_writable(&settings.output, settings.force)?;
-    if let Some((_, path)) = &script {
-        require_writable(path, settings.force)?;
-    }
+    require_folder(&settings.output)?;
     let mut source = Source::read(settings)?;
     if settings.gather {
         gather_in_box(&mut source)?;
     }
     let placed = placed(&source, settings.values);
-    let chains = write_structure(&settings.output, format, &placed)?;
+    let (text, chains) = rendered(format, &placed)?;
+    let mut files = vec![(&settings.output, text)];
     if let Some((viewer, path)) = &script {
         let text = viewer.script(&settings.output, &placed, &chains, settings.values);
-        write_atomically(path, |file| file.write_all(text.as_bytes()))?;
+        files.push((path, text));
+    }
+    for (path, text) in &files {
+        refuse_to_replace(path, text.as_bytes(), settings.force)?;
+    }
+    for (path, text) in &files {
+        write_once(path, text, settings.force)?;
     }
     Ok(ExportReport {
         file: settings.output.clone(),
@@ -189,10 +193,15 @@ pub fn write_structure(
     format: StructureFormat,
     placed: &PlacedBodies,
 ) -> Result<Vec<WrittenChain>> {
-    let (text, chains) = match format {
-        StructureFormat::Pdb => (placed.to_pdb()?, placed.chains_of_pdb()?),
-        StructureFormat::Mmcif => (placed.to_mmcif()?, placed.chains_of_mmcif()),
-    };
+    let (text, chains) = rendered(format, placed)?;
     write_atomically(path, |file| file.write_all(text.as_bytes()))?;
     Ok(chains)
+}
+
+/// The text of a structure file, and its chains.
+fn rendered(format: StructureFormat, placed: &PlacedBodies) -> Result<(String, Vec<WrittenChain>)> {
+    Ok(match format {
+        StructureFormat::Pdb => (placed.to_pdb()?, placed.chains_of_pdb()?),
+        StructureFormat::Mmcif => (placed.to_mmcif()?, placed.chains_of_mmcif()),
+    })
 }

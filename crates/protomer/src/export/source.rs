@@ -4,6 +4,7 @@ use super::ExportSettings;
 use super::run_directory::RunFiles;
 use crate::assemblies::assembly_file::Assembly;
 use crate::bodies::body_file;
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_io::gsd::TrajectoryReader;
@@ -83,11 +84,14 @@ impl Source {
                 "{} is a structure already; 'protomer ingest' makes a body of it",
                 input.display()
             ),
-            _ => bail!(
-                "cannot export {}; name an assembly file (.json), a body, or the directory of a \
-                 simulation or a sweep",
-                input.display()
-            ),
+            _ => {
+                FileKind::Assembly.require(input)?;
+                bail!(
+                    "cannot export {}; name an assembly file (.json), a body, or the directory of a \
+                     simulation or a sweep",
+                    input.display()
+                )
+            }
         }
     }
 

@@ -5,7 +5,7 @@ pub mod contact;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::input::InputFile;
-use protomer_io::atomic::write_atomically;
+use protomer_common::output_file::write_once;
 use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};
 use protomer_kernel::Vec3;
 use protomer_kernel::shape::hull::Hull;
@@ -66,10 +66,11 @@ impl Answer for ShapeReport {
 /// the format of the file's extension.
 ///
 /// # Errors
-/// As [`read_shape`]; also for an unknown extension, or a shape that has no mesh.
+/// As [`read_shape`]; also for an unknown extension, a shape that has no mesh, or a file that exists
+/// with other content, unless `force` is set.
 ///
 /// ```
-/// let cube = protomer::shapes::measure_shape("cube", 0.1, None)?;
+/// let cube = protomer::shapes::measure_shape("cube", 0.1, None, false)?;
 /// assert_eq!(cube.corners, 8);
 /// assert!(cube.volume > 1.0);
 /// # Ok::<(), anyhow::Error>(())
@@ -78,6 +79,7 @@ pub fn measure_shape(
     file_or_name: &str,
     rounding_radius: f64,
     output: Option<&Path>,
+    force: bool,
 ) -> Result<ShapeReport> {
     let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
     let format = format.transpose()?;
@@ -88,7 +90,7 @@ pub fn measure_shape(
             bail!("{file_or_name} has no faces, so there is no mesh to write; leave out --output");
         };
         let bytes = write_mesh(format, mesh);
-        write_atomically(path, |file| file.write_all(&bytes))?;
+        write_once(path, &bytes, force)?;
     }
     Ok(ShapeReport {
         shape: file_or_name.to_owned(),

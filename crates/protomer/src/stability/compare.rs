@@ -1,7 +1,9 @@
 //! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
+use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_common::output_file::write_once;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{ResultKind, keys};
 use serde::Serialize;
@@ -95,17 +97,23 @@ impl ComparedSweep {
 /// Draws several finished sweeps in one figure, a PNG or SVG file.
 ///
 /// # Errors
-/// If there are no sweeps, one is not finished, or the figure has another extension.
+/// If there are no sweeps, one is not finished, the figure has another extension, or exists with other
+/// content and `force` is not set.
 ///
 /// ```no_run
 /// use protomer::stability::compare::compare;
 /// use std::path::Path;
 /// let sweeps = ["dimer".into(), "ring".into()];
-/// let report = compare(&sweeps, "Stability against salt", Path::new("compare.svg"))?;
+/// let report = compare(&sweeps, "Stability against salt", Path::new("compare.svg"), false)?;
 /// assert_eq!(report.sweeps.len(), 2);
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<CompareReport> {
+pub fn compare(
+    directories: &[PathBuf],
+    title: &str,
+    output: &Path,
+    force: bool,
+) -> Result<CompareReport> {
     if directories.is_empty() {
         bail!("name at least one sweep directory");
     }
@@ -117,8 +125,8 @@ pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<Co
     };
     let figure = report.figure().unwrap_or_default();
     match output.extension().and_then(|ending| ending.to_str()) {
-        Some("png") => figure.write_png(output)?,
-        Some("svg") => figure.write_svg(output)?,
+        Some("png") => write_once(output, &figure.to_png()?, force)?,
+        Some("svg") => write_once(output, &figure.to_svg()?, force)?,
         _ => bail!(
             "{} ends in neither .png nor .svg; choose one of them",
             output.display()
@@ -129,7 +137,7 @@ pub fn compare(directories: &[PathBuf], title: &str, output: &Path) -> Result<Co
 
 /// Reads the curves of a finished sweep.
 fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
-    ResultKind::Sweep.expect_in(directory)?;
+    FileKind::Results(ResultKind::Sweep).require(directory)?;
     let path = directory.join("sweep.json");
     let text = std::fs::read_to_string(&path)
         .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;

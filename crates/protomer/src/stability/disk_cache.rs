@@ -27,10 +27,12 @@ const PARTIAL_ENDING: &str = ".partial";
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder of entries.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct DiskCache {
     folder: PathBuf,
     limit_bytes: u64,
+    /// Is told when the folder is made.
+    tell: fn(&str),
 }
 
 impl DiskCache {
@@ -39,7 +41,27 @@ impl DiskCache {
         Self {
             folder: folder.into(),
             limit_bytes: SIZE_LIMIT_BYTES,
+            tell: |_| (),
         }
+    }
+
+    /// The same, which tells when it makes its folder: where that is, how large it may get, and how
+    /// to empty it.
+    pub fn telling(self, tell: fn(&str)) -> Self {
+        Self { tell, ..self }
+    }
+
+    /// The folder, what it holds and what it may hold.
+    pub fn describe(&self) -> String {
+        let mut entries = files(&self.folder);
+        entries.retain(|file| file.path.to_string_lossy().ends_with(ENDING));
+        let held_bytes: u64 = entries.iter().map(|file| file.bytes).sum();
+        format!(
+            "cache: {}, {:.1} MB of at most {:.0} MB",
+            self.folder.display(),
+            1e-6 * held_bytes as f64,
+            1e-6 * self.limit_bytes as f64
+        )
     }
 
     /// The same with another limit, bytes.
@@ -121,11 +143,31 @@ impl DiskCache {
         key: &str,
         write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
     ) -> Result<()> {
-        std::fs::create_dir_all(&self.folder)
+        self.make_folder()
             .with_context(|| format!("cannot make the folder {}", self.folder.display()))?;
         write_atomically(&self.path(key), write)?;
         self.make_room();
         Ok(())
+    }
+
+    /// Makes the folder if there is none; whoever does, tells.
+    fn make_folder(&self) -> std::io::Result<()> {
+        if let Some(parent) = self.folder.parent() {
+            std::fs::create_dir_all(parent)?;
+        }
+        match std::fs::create_dir(&self.folder) {
+            Ok(()) => {
+                (self.tell)(&format!(
+                    "what takes long to make is kept in {0}, at most {1:.0} GB; empty it with \
+                     rm -r {0}, or do without: --no-cache",
+                    self.folder.display(),
+                    1e-9 * self.limit_bytes as f64
+                ));
+                Ok(())
+            }
+            Err(_) if self.folder.is_dir() => Ok(()),
+            Err(error) => Err(error),
+        }
     }
 
     /// Removes entries, the one not used for longest first, until the rest is within the limit. A
@@ -269,8 +311,9 @@ mod tests {
                     .find(|(known, _)| *known == name)
                     .map(|(_, value)| value.into())
             })
+            .map(|cache| cache.folder)
         };
-        let folder = |path: &str| Some(DiskCache::new(path));
+        let folder = |path: &str| Some(PathBuf::from(path));
         assert_eq!(of(&[]), None);
         assert_eq!(of(&[("HOME", "/home/a"), (FOLDER_VARIABLE, "")]), None);
         assert_eq!(

@@ -17,12 +17,12 @@ pub struct Inspection {
     pub bodies: usize,
     /// Pairs of bodies that overlap.
     pub overlaps: Vec<(usize, usize)>,
-    /// Total energy, kT.
+    /// Total energy, kT; `None` if no medium was stated.
     #[serde(rename = "energy_kT")]
-    pub energy_kt: f64,
+    pub energy_kt: Option<f64>,
     /// Total energy, kJ/mol.
     #[serde(rename = "energy_kJ_per_mol")]
-    pub energy_kilojoule_per_mol: f64,
+    pub energy_kilojoule_per_mol: Option<f64>,
     /// Energies of the pairs in range: first body, second body, kT.
     pub pair_energies: Vec<(usize, usize, f64)>,
     /// The largest error bound of one of these energies, kT; zero for direct sums.
@@ -34,15 +34,15 @@ pub struct Inspection {
     /// Concentration of the bodies, mol/L; zero in open space.
     #[serde(rename = "concentration_M")]
     pub concentration_molar: f64,
-    /// The medium.
+    /// The medium, if one was stated.
     #[serde(flatten)]
-    pub interaction: ScreenedCoulomb,
+    pub interaction: Option<ScreenedCoulomb>,
     /// Each kind of body, where its effective charges interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
-/// Inspects the present state of an assembly.
+/// Inspects the present state of an assembly. Without a medium there are no energies.
 ///
 /// # Errors
 /// If a setting is invalid, the interaction reaches further than the box allows, an energy is not
@@ -58,15 +58,18 @@ pub struct Inspection {
 /// let engine = Engine::new(Assembly::read(Path::new("6mdr/assembly.json"))?)?;
 /// let settings = inspection_settings(EnergyMode::Direct, None, 5.0);
 /// let interaction = InteractionSettings::default().interaction(Some(0.1))?;
-/// println!("{}", inspect(&engine, &settings, interaction)?.text());
+/// println!("{}", inspect(&engine, &settings, Some(interaction))?.text());
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn inspect(
     engine: &Engine,
     settings: &RunSettings,
-    interaction: ScreenedCoulomb,
+    interaction: Option<ScreenedCoulomb>,
 ) -> Result<Inspection> {
     settings.check()?;
+    let Some(interaction) = interaction else {
+        return without_energies(engine, settings);
+    };
     let engine = &engine.in_medium(settings, &interaction)?;
     let system = engine.system()?;
     let mut model = engine.energy_model(settings, &interaction)?;
@@ -78,8 +81,8 @@ pub fn inspect(
     Ok(Inspection {
         bodies: system.len(),
         overlaps: overlapping_pairs(&system),
-        energy_kt,
-        energy_kilojoule_per_mol: energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin),
+        energy_kt: Some(energy_kt),
+        energy_kilojoule_per_mol: Some(energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin)),
         pair_energies: pairs
             .iter()
             .map(|pair| (pair.first, pair.second, pair.total_kt()))
@@ -88,8 +91,26 @@ pub fn inspect(
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
         concentration_molar: engine.assembly().concentration_molar(),
-        interaction,
+        interaction: Some(interaction),
         effective_bodies: engine.effective_bodies().map(<[_]>::to_vec),
+    })
+}
+
+/// What the surfaces say.
+fn without_energies(engine: &Engine, settings: &RunSettings) -> Result<Inspection> {
+    let system = engine.system()?;
+    Ok(Inspection {
+        bodies: system.len(),
+        overlaps: overlapping_pairs(&system),
+        energy_kt: None,
+        energy_kilojoule_per_mol: None,
+        pair_energies: Vec::new(),
+        error_bound_kt_per_pair: 0.0,
+        contacts: contacts(&system, settings.contact_gap_angstrom),
+        r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
+        concentration_molar: engine.assembly().concentration_molar(),
+        interaction: None,
+        effective_bodies: None,
     })
 }
 
@@ -108,18 +129,24 @@ impl Answer for Inspection {
             effective.push_str(&body.describe());
             effective.push('\n');
         }
-        format!(
-            "{} bodies, {} contacts, overlaps: {overlaps}\n\
-             medium: {}\n\
-             {effective}energy: {:.6} kT ({:.4} kJ/mol) over {} pairs in range{}\n\
-             radius of gyration: {:.3} Å",
-            self.bodies,
-            self.contacts.len(),
-            self.interaction.describe(),
+        let mut energy = "energy: not computed; state the salt for it, such as --salt 100mM".into();
+        if let (Some(interaction), Some(kt), Some(kilojoule_per_mol)) = (
+            &self.interaction,
             self.energy_kt,
             self.energy_kilojoule_per_mol,
-            self.pair_energies.len(),
-            error_bound(self.error_bound_kt_per_pair),
+        ) {
+            energy = format!(
+                "medium: {}\n{effective}energy: {kt:.6} kT ({kilojoule_per_mol:.4} kJ/mol) over {} \
+                 pairs in range{}",
+                interaction.describe(),
+                self.pair_energies.len(),
+                error_bound(self.error_bound_kt_per_pair)
+            );
+        }
+        format!(
+            "{} bodies, {} contacts, overlaps: {overlaps}\n{energy}\nradius of gyration: {:.3} Å",
+            self.bodies,
+            self.contacts.len(),
             self.r_g_angstrom
         )
     }

@@ -2,6 +2,7 @@
 
 use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use crate::flags::space::SpaceArgs;
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
@@ -99,35 +100,38 @@ pub struct FluidArgs {
 }
 
 impl AssembleArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         match &self.from {
-            From::Structure(args) => args.run(),
-            From::Ring(args) => args.run(),
-            From::Fluid(args) => args.run(),
+            From::Structure(args) => args.run(front),
+            From::Ring(args) => args.run(front),
+            From::Fluid(args) => args.run(front),
         }
     }
 }
 
 impl StructureArgs {
-    fn run(&self) -> Result<Reply> {
+    fn run(&self, front: &Front) -> Result<Reply> {
         let settings = StructureSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface)?,
             relax: self.relax,
             box_angstrom: self.space.box_angstrom()?,
+            force: front.force(),
         };
         let made = assemble_structure(&self.input, &self.output, &settings)?;
-        Ok(Reply::data(made))
+        let warnings = made.warnings();
+        Ok(Reply::data(made).with_notes(warnings))
     }
 }
 
 impl RingArgs {
-    fn run(&self) -> Result<Reply> {
+    fn run(&self, front: &Front) -> Result<Reply> {
         let settings = RingSettings {
             members: self.members,
             stack: self.stack,
             pattern: self.pattern()?,
             gap_angstrom: self.gap,
             box_angstrom: self.space.box_angstrom()?,
+            force: front.force(),
         };
         Ok(Reply::of(assemble_ring(
             &self.bodies,
@@ -173,12 +177,13 @@ impl RingArgs {
 }
 
 impl FluidArgs {
-    fn run(&self) -> Result<Reply> {
+    fn run(&self, front: &Front) -> Result<Reply> {
         let Some(box_angstrom) = self.space.box_angstrom()? else {
             bail!("a fluid needs a periodic box; state its edge with --box, such as --box 500");
         };
         let (counts, seed) = (&self.counts, self.seed);
-        let fluid = assemble_fluid(&self.bodies, counts, box_angstrom, seed, &self.output)?;
+        let (output, force) = (&self.output, front.force());
+        let fluid = assemble_fluid(&self.bodies, counts, box_angstrom, seed, output, force)?;
         Ok(Reply::of(fluid))
     }
 }

@@ -3,6 +3,7 @@
 
 use crate::flags::choices::AskedSymmetry;
 use crate::flags::space::SpaceArgs;
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -36,7 +37,7 @@ pub struct CandidatesArgs {
 }
 
 impl CandidatesArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = CandidatesSettings {
             bodies: self.bodies.clone(),
             ring: self.ring,
@@ -45,6 +46,7 @@ impl CandidatesArgs {
             gap_angstrom: self.gap,
             box_angstrom: self.space.box_angstrom()?,
             output: self.output.clone(),
+            force: front.force(),
         };
         Ok(Reply::data(candidates(&settings)?))
     }

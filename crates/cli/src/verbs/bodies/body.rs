@@ -1,5 +1,6 @@
 //! `protomer body`: a body from a custom mesh and charges.
 
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
@@ -25,7 +26,7 @@ pub struct BodyArgs {
 }
 
 impl BodyArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         if self.output.is_dir() {
             bail!(
                 "{} is a folder; name the body file, such as a.body",
@@ -42,6 +43,6 @@ impl BodyArgs {
             mesh: self.mesh.clone(),
             charges: self.charges.clone(),
         };
-        Ok(Reply::of(make(&own, &self.output)?))
+        Ok(Reply::of(make(&own, &self.output, front.force())?))
     }
 }

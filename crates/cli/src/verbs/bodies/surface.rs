@@ -1,6 +1,7 @@
 //! `protomer surface`: the solvent-excluded surface of a structure.
 
 use crate::flags::body::{Cavities, SurfaceFlags};
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -36,7 +37,7 @@ pub struct SurfaceArgs {
 }
 
 impl SurfaceArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         let flags = SurfaceFlags {
             density: self.density,
             probe: self.probe,
@@ -44,7 +45,8 @@ impl SurfaceArgs {
             interior_radius: self.interior_radius,
             offset: self.offset,
         };
-        let report = measure_surface(&self.input, &flags.settings(), self.output.as_deref())?;
+        let (settings, output) = (flags.settings(), self.output.as_deref());
+        let report = measure_surface(&self.input, &settings, output, front.force())?;
         Ok(Reply::data(report))
     }
 }

@@ -5,9 +5,10 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer::file_kind::FileKind;
 use protomer_common::answer::Answer;
 use protomer_common::output_file::{require_writable, write_once};
-use protomer_results::End;
+use protomer_results::{End, ResultKind};
 use protomer_training::learning::predict::{PredictReport, predict};
 use std::path::PathBuf;
 
@@ -31,6 +32,11 @@ impl PredictArgs {
         if let Some(path) = &self.output {
             require_writable(path, front.force())?;
         }
+        // What a directory lacks, its reader knows better.
+        if self.run.is_file() {
+            FileKind::Results(ResultKind::Training).require(&self.run)?;
+        }
+        FileKind::Results(ResultKind::VoxelSet).require(&self.set)?;
         let execution = front.execution_without_signals();
         let end = predict(&self.run, &self.set, &self.device.open()?, &execution)?;
         let End::Finished(report) = end else {

@@ -9,11 +9,12 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
+use protomer::file_kind::FileKind;
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
 use protomer_learn::{BlockSettings, Device};
-use protomer_results::{End, Execution};
+use protomer_results::{End, Execution, ResultKind};
 use protomer_training::learning::train::{
     ControlRun, Job, Metrics, TrainSettings, channels_of, open_set, run_control, run_job,
 };
@@ -277,6 +278,7 @@ impl TrainArgs {
         device: &Device,
         execution: &Execution,
     ) -> Result<End<Metrics>> {
+        FileKind::Results(ResultKind::VoxelSet).require(path)?;
         let (source, set) = open_set(path)?;
         let mut settings = match &self.config {
             None => TrainSettings::of_set(source, channels_of(&set))?,

@@ -9,7 +9,8 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer_results::Shard;
+use protomer::file_kind::FileKind;
+use protomer_results::{ResultKind, Shard};
 use protomer_training::learning::train::{Source, TrainSettings, channels_of, open_set};
 use protomer_training::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
 use protomer_training::voxels::samples::VoxelSet;
@@ -55,6 +56,7 @@ impl TuneArgs {
         self.scheduler.check()?;
         let device = self.device.open()?;
         let execution = self.execution.execution(front)?;
+        FileKind::Results(ResultKind::VoxelSet).require(&self.set)?;
         let (source, set) = open_set(&self.set)?;
         let settings = self.settings(source, &set)?;
         let directory = &self.output;

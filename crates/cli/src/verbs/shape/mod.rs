@@ -2,6 +2,7 @@
 
 mod contact;
 
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
@@ -42,11 +43,12 @@ enum ShapeVerb {
 }
 
 impl ShapeArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         match (&self.verb, &self.shape) {
             (Some(ShapeVerb::Contact(args)), _) => args.run(),
             (None, Some(shape)) => {
-                let report = measure_shape(shape, self.rounding, self.output.as_deref())?;
+                let output = self.output.as_deref();
+                let report = measure_shape(shape, self.rounding, output, front.force())?;
                 Ok(Reply::data(report))
             }
             (None, None) => {

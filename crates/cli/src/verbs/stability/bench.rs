@@ -18,6 +18,7 @@ use protomer::stability::effective;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
 use protomer::stability::terms::FurtherTerms;
+use protomer_common::quantity;
 use std::path::{Path, PathBuf};
 
 /// More charges than a direct sum over sixteen bodies can be waited for.
@@ -67,6 +68,7 @@ impl BenchArgs {
         if self.moves == Some(0) {
             bail!("--moves is 0; give at least 1");
         }
+        front.warn(quantity::salt_warning(self.conditions.salt));
         match &self.assembly {
             Some(path) => self.on_assembly(path, front),
             None => self.on_own_states(front),

@@ -1,5 +1,6 @@
 //! `protomer compare`: several sweeps in one figure.
 
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -21,7 +22,8 @@ pub struct CompareArgs {
 }
 
 impl CompareArgs {
-    pub fn run(&self) -> Result<Reply> {
-        Ok(Reply::of(compare(&self.sweeps, &self.title, &self.output)?))
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let report = compare(&self.sweeps, &self.title, &self.output, front.force())?;
+        Ok(Reply::of(report))
     }
 }

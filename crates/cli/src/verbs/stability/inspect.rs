@@ -15,6 +15,7 @@ use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
 use protomer::stability::inspect::{inspect, inspection_settings};
 use protomer::stability::run::RunSettings;
+use protomer_common::quantity;
 use std::path::PathBuf;
 
 /// Inspect an assembly: overlaps, pair energies, radius of gyration.
@@ -22,9 +23,9 @@ use std::path::PathBuf;
 pub struct InspectArgs {
     /// Assembly file.
     assembly: PathBuf,
-    /// Energy model.
-    #[arg(long, value_enum, default_value_t = Energy::Direct)]
-    energy: Energy,
+    /// Energy model [default: direct].
+    #[arg(long, value_enum)]
+    energy: Option<Energy>,
     #[command(flatten)]
     tolerance: ToleranceArgs,
     /// Surfaces closer than this are in contact, Å.
@@ -41,11 +42,28 @@ pub struct InspectArgs {
 }
 
 impl InspectArgs {
+    /// Overlaps and contacts need no salt; any word about charges or the medium asks for energies.
+    fn asks_for_energies(&self) -> bool {
+        let asked_for_charges = self.energy.is_some()
+            || self.charges.interaction.is_some()
+            || self.charges.solute.solute().is_some();
+        let has_medium =
+            self.conditions.salt.is_some() || self.conditions.medium.medium() != Default::default();
+        asked_for_charges
+            || has_medium
+            || self.tolerance.tolerance.is_some()
+            || self.terms.is_given()
+    }
+
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        front.warn(quantity::salt_warning(self.conditions.salt));
         let assembly = Assembly::read(&self.assembly)?;
         let engine = self.tables.engine(assembly, front)?;
-        let energy = self.energy.into();
-        let interaction = self.conditions.interaction_for(energy)?;
+        let energy = self.energy.unwrap_or(Energy::Direct).into();
+        let interaction = match self.asks_for_energies() {
+            true => Some(self.conditions.interaction_for(energy)?),
+            false => None,
+        };
         let settings = RunSettings {
             effective_charges: self.charges.effective_charges(None)?,
             contacts: self.terms.contacts(None, ContactCore::Surface)?,

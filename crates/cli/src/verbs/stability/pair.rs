@@ -100,6 +100,7 @@ impl PairArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         self.scheduler.check()?;
         let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?
             .with_effective_store(self.cache.effective_store(front));
         for warning in &bodies.warnings {

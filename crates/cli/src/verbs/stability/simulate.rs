@@ -16,9 +16,10 @@ use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
 use protomer::stability::run::{EnergyMode, Engine, RunSettings};
-use protomer::stability::sweep::{resolved, simulate};
+use protomer::stability::sweep::{figure, resolved, simulate};
+use protomer_common::quantity;
 use protomer_results::{End, keys};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Flags of every run. Omitted settings come from the configuration file, or else from the
 /// defaults.
@@ -128,6 +129,11 @@ pub fn say_energies(front: &Front, engine: &Engine, settings: &RunSettings) -> R
     Ok(())
 }
 
+/// The figure that a sweep or a simulation leaves.
+pub fn figure_of(directory: &Path, settings: &RunSettings) -> PathBuf {
+    directory.join(figure::name(settings)).with_extension("png")
+}
+
 /// Run one simulation of an assembly at one salt concentration. The same command continues it.
 #[derive(Debug, Args)]
 pub struct SimulateArgs {
@@ -142,6 +148,7 @@ pub struct SimulateArgs {
 impl SimulateArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let assembly = Assembly::read(&self.assembly)?;
         let execution = self.run.execution.execution(front)?;
         let engine = self.run.tables.engine(assembly, front)?;
@@ -150,17 +157,20 @@ impl SimulateArgs {
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;
         let end = simulate(&engine, &settings, directory, &execution)?;
-        let warnings = match &end {
-            End::Finished(result) => effective::warnings(result.effective_bodies.iter().flatten()),
-            End::Stopped => Vec::new(),
-        };
+        let mut notes = Vec::new();
+        if let End::Finished(result) = &end {
+            let bodies = result.effective_bodies.iter().flatten();
+            notes = effective::warnings(bodies);
+            let figure = figure_of(directory, &settings);
+            notes.push(format!("figure: {}", figure.display()));
+        }
         let reply = Reply::of_end(end, || {
             format!(
                 "stopped; the same command continues {}",
                 directory.display()
             )
         });
-        Ok(reply.with_notes(warnings))
+        Ok(reply.with_notes(notes))
     }
 
     fn settings(&self) -> Result<RunSettings> {

@@ -1,6 +1,6 @@
 //! `protomer sweep`: stability against salt.
 
-use super::simulate::{RunArgs, say_effective_charges, say_energies};
+use super::simulate::{RunArgs, figure_of, say_effective_charges, say_energies};
 use crate::flags::choices::ReplicaStarts;
 use crate::flags::medium::MediumArgs;
 use crate::flags::override_with;
@@ -52,6 +52,7 @@ impl SweepArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         self.scheduler.check()?;
         let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let assembly = Assembly::read(&self.assembly)?;
         front.say(&format!(
             "{} bodies, {} simulations of {} + {} sweeps",
@@ -79,7 +80,7 @@ impl SweepArgs {
         Ok(
             match run_sweep(&engine, &settings, directory, &execution)? {
                 End::Finished(result) => {
-                    let figure = directory.join("sweep.png");
+                    let figure = figure_of(directory, &settings);
                     let bodies = result.salts.iter().flat_map(|row| &row.effective_bodies);
                     let warnings = effective::warnings(bodies.flatten());
                     let reply = Reply::of(result).with_notes(warnings);

@@ -83,6 +83,7 @@ impl VoxelizeArgs {
         self.scheduler.check()?;
         let settings = self.settings();
         settings.check()?;
+        front.warn(quantity::salt_warning([self.salt]));
         let manifest = Manifest::read(&self.manifest)?;
         let what = "finishing the current structures; the same command continues";
         let execution = front.execution(what, self.time_limit)?;

@@ -244,6 +244,11 @@ impl Settings for RunSettings {
         }
     }
 
+    /// A single simulation has a directory like that of a sweep.
+    fn name(&self) -> Option<&'static str> {
+        (self.simulations() == 1).then_some("a simulation")
+    }
+
     fn objection(&self, present: &Self) -> Option<String> {
         (present.sweeps > self.sweeps).then(|| {
             format!(
@@ -255,6 +260,35 @@ impl Settings for RunSettings {
 }
 
 impl RunSettings {
+    /// What holds bodies together in this model, and what it therefore cannot answer.
+    pub fn what_attracts(&self) -> String {
+        let mut attractions = Vec::new();
+        if self.energy != Some(EnergyMode::None) {
+            attractions.push("opposite charges".to_owned());
+        }
+        if let Some(ContactTerm {
+            scale, strength, ..
+        }) = &self.contacts
+        {
+            let name = scale.name();
+            attractions.push(format!("contacts between residues ({name} x {strength})"));
+        }
+        if attractions.is_empty() {
+            return "nothing attracts in this model: that hard bodies come apart says nothing of a \
+                    complex"
+                .into();
+        }
+        let attractions = attractions.join(" and ");
+        let rest = match &self.contacts {
+            None => {
+                "a complex held by hydrophobic contacts, hydrogen bonds or metal ions falls apart in \
+                 it; --contacts adds an attraction between residues"
+            }
+            Some(_) => "hydrogen bonds, metal ions and changes of shape are not in it",
+        };
+        format!("nothing attracts in this model but {attractions}: {rest}")
+    }
+
     /// Whether every replica starts from the assembly.
     pub fn is_from_assembly(&self) -> bool {
         self.starts == Starts::Assembly

@@ -2,23 +2,40 @@
 //! individual replicas.
 
 use super::result::SweepResult;
+use super::series;
+use crate::stability::run::RunSettings;
 use anyhow::Result;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use std::path::Path;
 
-/// Writes `sweep.svg` and `sweep.png` into a directory.
+/// The name of the figure, without its extension: a single simulation has no curve over salt.
+pub fn name(settings: &RunSettings) -> &'static str {
+    match settings.simulations() {
+        1 => "simulation",
+        _ => "sweep",
+    }
+}
+
+/// Writes the figure as SVG and PNG into a directory.
 ///
 /// # Errors
 /// If a figure cannot be drawn or written.
 pub fn write(result: &SweepResult, directory: &Path) -> Result<()> {
     let figure = figure(result);
-    figure.write_svg(&directory.join("sweep.svg"))?;
-    figure.write_png(&directory.join("sweep.png"))?;
+    let path = directory.join(name(&result.settings));
+    figure.write_svg(&path.with_extension("svg"))?;
+    figure.write_png(&path.with_extension("png"))?;
     Ok(())
 }
 
-/// The figure of a sweep.
+/// The figure of a sweep, or of its only simulation.
 pub fn figure(result: &SweepResult) -> Figure {
+    if !result.time_series.is_empty() {
+        let salts = &result.settings.salt_molar;
+        let salts: Vec<String> = salts.iter().map(|salt| (1e3 * salt).to_string()).collect();
+        let title = format!("One simulation at {} mM salt", salts.join(", "));
+        return series::figure(title, caption(result), &result.time_series);
+    }
     let mut r_g = named("mean over replicas ± standard deviation");
     let mut native = named("fraction of the contacts of the start");
     let mut bound = named("fraction of the bodies");
@@ -106,10 +123,13 @@ fn caption(result: &SweepResult) -> String {
         None => "no periodic box".into(),
     };
     let headline = result.stability.headline();
+    let replicas = match result.settings.replicas {
+        1 => "one replica".into(),
+        several => format!("{several} replicas"),
+    };
     format!(
-        "{} bodies, {space}, {} replicas of {} + {} sweeps, seed {}{}",
+        "{} bodies, {space}, {replicas} of {} + {} sweeps, seed {}{}",
         result.bodies,
-        result.settings.replicas,
         result.settings.equilibration_sweeps,
         result.settings.sweeps,
         result.settings.seed,

@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! DIR/run.toml  run.json  sweep.csv  sweep.json  sweep.svg  sweep.png
+//! DIR/simulation.svg  simulation.png   instead of the curve, for a single simulation
 //! DIR/salt_0.100000M/replica_0/ log.csv trajectory.gsd checkpoint.bin run.json
 //! DIR/ladder_0/ checkpoint.bin run.json   with exchange between salt concentrations
 //! ```
@@ -10,6 +11,7 @@
 pub mod figure;
 pub mod half_salt;
 pub mod result;
+pub mod series;
 pub mod stability;
 pub mod table;
 
@@ -44,6 +46,8 @@ const LAYOUT: Layout = Layout {
         "sweep.json",
         "sweep.svg",
         "sweep.png",
+        "simulation.svg",
+        "simulation.png",
         "report.html",
     ],
     is_result: is_simulation,
@@ -64,7 +68,11 @@ impl Answer for SweepResult {
             rows.push(vec![
                 format!("{:.4}", row.salt_molar),
                 format!("{:.2}", row.r_g_mean_angstrom),
-                format!("{:.2}", row.r_g_sd_angstrom),
+                // The deviation of one replica from itself says nothing.
+                match row.replicas {
+                    1 => "-".into(),
+                    _ => format!("{:.2}", row.r_g_sd_angstrom),
+                },
                 format!("{:.3}", row.native_contacts_mean),
                 format!("{:.3}", row.bound_fraction_mean),
                 format!("{:.2}", row.largest_cluster_mean),
@@ -76,6 +84,8 @@ impl Answer for SweepResult {
             lines.push(exchanged.text());
         }
         lines.extend(self.stability.lines());
+        lines.extend(self.missing_errors());
+        lines.push(self.settings.what_attracts());
         lines.join("\n")
     }
 
@@ -421,6 +431,7 @@ impl Campaign for Sweep<'_> {
     fn collect(&self, parts: Vec<Part>) -> Result<SweepResult> {
         let mut replicas = vec![Vec::new(); self.settings.salt_molar.len()];
         let mut exchanges = Vec::new();
+        let mut only_log = Vec::new();
         for part in parts {
             for (salt_index, accepted) in part.accepted {
                 let salt_molar = self.settings.salt_molar[salt_index];
@@ -428,6 +439,7 @@ impl Campaign for Sweep<'_> {
                 let rows: Vec<LogRow> = log::read(&directory.join("log.csv"))?;
                 let result = ReplicaResult::new(part.replica, &rows, accepted);
                 replicas[salt_index].push(result);
+                only_log = rows;
             }
             exchanges.extend(part.exchanged);
         }
@@ -455,6 +467,10 @@ impl Campaign for Sweep<'_> {
             settings: self.settings.clone(),
             salts,
             replicas,
+            time_series: match self.settings.simulations() {
+                1 => only_log,
+                _ => Vec::new(),
+            },
         };
         write_results(&result, self.directory)?;
         Ok(result)

@@ -2,7 +2,7 @@
 
 use super::stability::Stability;
 use super::table::{ReplicaResult, SaltRow};
-use crate::stability::run::{Exchanged, RunSettings};
+use crate::stability::run::{Exchanged, LogRow, RunSettings};
 use serde::Serialize;
 
 /// The result of a sweep.
@@ -31,4 +31,25 @@ pub struct SweepResult {
     /// What the exchanges between salt concentrations did.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub exchanges: Vec<Exchanged>,
+    /// The log of the only simulation; empty if there are several.
+    #[serde(skip)]
+    pub time_series: Vec<LogRow>,
+}
+
+impl SweepResult {
+    /// What cannot be said, in words: one replica has no spread, one concentration no curve.
+    pub(super) fn missing_errors(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if self.settings.replicas == 1 {
+            lines.push("one replica: no error bar; give --replicas 4".into());
+        }
+        if self.salts.len() == 1 {
+            lines.push(
+                "one salt concentration: a point, not a curve; give several, such as \
+                 --salt 10mM..300mM/8"
+                    .into(),
+            );
+        }
+        lines
+    }
 }

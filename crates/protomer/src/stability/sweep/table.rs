@@ -42,14 +42,19 @@ pub struct ReplicaResult {
 
 impl Answer for ReplicaResult {
     fn text(&self) -> String {
-        format!(
-            "R_g {:.2} ± {:.2} Å, energy {:.2} ± {:.2} kT, largest cluster {:.2}",
-            self.r_g_angstrom.mean,
-            self.r_g_angstrom.standard_error,
-            self.energy_kt.mean,
-            self.energy_kt.standard_error,
+        let mut text = format!(
+            "R_g {} Å, energy {} kT, largest cluster {:.2}",
+            with_error(&self.r_g_angstrom),
+            with_error(&self.energy_kt),
             self.largest_cluster.mean
-        )
+        );
+        if !self.r_g_angstrom.standard_error.is_finite() {
+            text.push_str(
+                "\none row in the log: no error bar; run longer (--sweeps), or log more often \
+                 (--log-every)",
+            );
+        }
+        text
     }
 }
 
@@ -255,6 +260,14 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// Sample standard deviation; zero for a single value.
+/// The mean with its standard error; without one, if it is not known.
+fn with_error(summary: &Summary) -> String {
+    match summary.standard_error.is_finite() {
+        true => format!("{:.2} ± {:.2}", summary.mean, summary.standard_error),
+        false => format!("{:.2}", summary.mean),
+    }
+}
+
 fn standard_deviation(values: &[f64]) -> f64 {
     if values.len() < 2 {
         return 0.0;

@@ -49,7 +49,7 @@ pub fn learning_curve(
     Figure {
         title: title.into(),
         caption: caption.into(),
-        x: Axis::linear("epoch"),
+        x: Axis::count("epoch"),
         panels: vec![loss, accuracy],
     }
 }

@@ -1,0 +1,360 @@
+//! What the help adds to the table of flags: verbs in groups, examples, and values that may start with
+//! a minus.
+
+use clap::builder::StyledStr;
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, ArgAction, Command};
+
+/// Groups of verbs, in the order of the help.
+const GROUPS: [(&str, &[&str]); 7] = [
+    ("Structures", &["fetch", "ingest", "surface", "body"]),
+    (
+        "Assemblies",
+        &["assemble", "candidates", "inspect", "export"],
+    ),
+    ("Stability", &["simulate", "sweep", "compare", "pair"]),
+    ("Potentials", &["potential"]),
+    (
+        "Learning",
+        &["voxelize", "merge", "train", "tune", "predict"],
+    ),
+    ("Lattices", &["lattice", "framework", "shape"]),
+    ("Tools", &["report", "bench", "completions", "man", "help"]),
+];
+
+/// Two examples of each verb, without the name of the program.
+const EXAMPLES: [(&str, [&str; 2]); 31] = [
+    ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
+    (
+        "ingest",
+        [
+            "ingest 5pti.cif.gz -o bodies",
+            "ingest 5pti.cif.gz -o bodies --name plus --ph 7 --mutate A:D3K,A:E7K",
+        ],
+    ),
+    (
+        "surface",
+        [
+            "surface 5pti.cif.gz -o bpti.ply",
+            "surface spheres.xyzr --probe 1.4 --density 4 --json",
+        ],
+    ),
+    (
+        "body",
+        [
+            "body --mesh patchy.ply --charges patchy.xyzq -o patchy.body",
+            "body --mesh cube.off -o cube.body",
+        ],
+    ),
+    (
+        "assemble",
+        [
+            "assemble structure 1brs.cif.gz --chain A,D --relax --offset 0.5 -o complex",
+            "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
+        ],
+    ),
+    (
+        "assemble structure",
+        [
+            "assemble structure 1brs.cif.gz --chain A,D --relax --offset 0.5 -o complex",
+            "assemble structure 6mdr.cif.gz --assembly 1 --box 400 -o stack",
+        ],
+    ),
+    (
+        "assemble ring",
+        [
+            "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
+            "assemble ring a.body b.body --members 8 --stack 2 --directions ud -o stack.json",
+        ],
+    ),
+    (
+        "assemble fluid",
+        [
+            "assemble fluid a.body b.body --counts 8,8 --box 500 -o fluid.json",
+            "assemble fluid a.body --counts 20 --box 400 --seed 7 -o fluid.json",
+        ],
+    ),
+    (
+        "candidates",
+        [
+            "candidates a.body b.body --ring 8 --stack 2",
+            "candidates a.body b.body --ring 4 --stack 2 --box 320 -o candidates",
+        ],
+    ),
+    (
+        "inspect",
+        [
+            "inspect ring.json",
+            "inspect ring.json --salt 100mM --interaction effective",
+        ],
+    ),
+    (
+        "export",
+        [
+            "export ring.json -o ring.cif --script chimerax",
+            "export stability --salt 300mM --frame last -o end.pdb",
+        ],
+    ),
+    (
+        "simulate",
+        [
+            "simulate ring.json --salt 100mM -o run",
+            "simulate ring.json --salt 0.1M --sweeps 5000 --interaction effective -o run",
+        ],
+    ),
+    (
+        "sweep",
+        [
+            "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
+            "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium",
+        ],
+    ),
+    (
+        "compare",
+        [
+            "compare spin_0 spin_90 -o spins.svg",
+            "compare stability --title Ring -o ring.png",
+        ],
+    ),
+    (
+        "pair",
+        [
+            "pair 4lzt.pdb.gz --salt 100mM,300mM --ph 4.5 --interaction effective -o lysozyme",
+            "pair a.body b.body --salt 10mM..1M/8 -o association",
+        ],
+    ),
+    (
+        "potential",
+        [
+            "potential 5pti.cif.gz --salt 100mM -o bpti.mrc",
+            "potential a.body --salt 0.15M --points points.txt --json",
+        ],
+    ),
+    (
+        "voxelize",
+        [
+            "voxelize --manifest set.csv -o set.zarr --seed 1",
+            "voxelize --manifest set.csv --shard 1/4 -o part1.zarr",
+        ],
+    ),
+    (
+        "merge",
+        [
+            "merge part1.zarr part2.zarr -o set.zarr",
+            "merge a.zarr b.zarr -o both.zarr --force",
+        ],
+    ),
+    (
+        "train",
+        [
+            "train set.zarr --target crystal-system --epochs 40 -o run",
+            "train --control charge --short -o charge",
+        ],
+    ),
+    (
+        "tune",
+        [
+            "tune set.zarr --target crystal-system --trials 27 -o search",
+            "tune set.zarr --trials 9 --shard 1/4 -o search",
+        ],
+    ),
+    (
+        "predict",
+        [
+            "predict run new.zarr -o predictions.csv",
+            "predict run new.zarr --json",
+        ],
+    ),
+    (
+        "lattice",
+        [
+            "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
+            "lattice --from bodies/square.body",
+        ],
+    ),
+    (
+        "lattice run",
+        [
+            "lattice run --ns 10 --r0 0.05 --time 3 -o coherent",
+            "lattice run square.toml --time 10 -o rhua",
+        ],
+    ),
+    (
+        "lattice sweep",
+        [
+            "lattice sweep --ns 4 --r0-list 0.05,0.5,1 --kappa-list 0,10 --seeds 3 -o sweep",
+            "lattice sweep --ns 2 --r0-list 0.25,0.5 --seeds 2 --lyapunov -o chaos",
+        ],
+    ),
+    (
+        "lattice animate",
+        [
+            "lattice animate coherent",
+            "lattice animate coherent -o coherent.html --frames frames",
+        ],
+    ),
+    (
+        "framework",
+        [
+            "framework honeycomb --theta 60 --kh 50 --ks 10000",
+            "framework net.toml --load y --stress 1GPa,2GPa -o pulled",
+        ],
+    ),
+    (
+        "shape",
+        ["shape cube --rounding 0.1", "shape corners.txt -o hull.ply"],
+    ),
+    (
+        "report",
+        [
+            "report stability",
+            "report coherent -o coherent.html --force",
+        ],
+    ),
+    (
+        "bench",
+        [
+            "bench ring.json --salt 300mM --moves 2000",
+            "bench --part charges --charges 500",
+        ],
+    ),
+    ("completions", ["completions bash", "completions zsh"]),
+    ("man", ["man", "man -o ~/.local/share/man/man1"]),
+];
+
+/// How wide the list of verbs is, at most.
+const WIDTH: usize = 100;
+/// Where the descriptions of verbs begin.
+const INDENT: usize = 15;
+
+/// The command line as clap derives it from the flags, with what this module adds.
+pub fn completed(derived: Command) -> Command {
+    let list = grouped(&derived);
+    let template = format!(
+        "{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{list}Options:\n{{options}}\n\n\
+         'protomer VERB --help' shows the flags of a verb, with examples."
+    );
+    with_examples(derived, "").help_template(template)
+}
+
+/// The verbs in groups, each with the beginning of its description.
+fn grouped(derived: &Command) -> String {
+    let mut list = String::new();
+    for (group, verbs) in GROUPS {
+        list.push_str(&format!("{group}:\n"));
+        for name in verbs {
+            let verb = derived.find_subcommand(name);
+            let about = verb.and_then(Command::get_about).map(ToString::to_string);
+            let about = about.unwrap_or_else(|| "Print the help of a verb".into());
+            let mut line = format!("  {name:<width$}", width = INDENT - 2);
+            for word in beginning(&about).split(' ') {
+                if line.chars().count() + word.chars().count() > WIDTH {
+                    list.push_str(line.trim_end());
+                    line = format!("\n{:INDENT$}", "");
+                }
+                line.push_str(word);
+                line.push(' ');
+            }
+            list.push_str(line.trim_end());
+            list.push('\n');
+        }
+        list.push('\n');
+    }
+    list
+}
+
+/// The first sentence, up to a colon.
+fn beginning(about: &str) -> &str {
+    let end = [". ", ": "]
+        .iter()
+        .filter_map(|mark| about.find(mark))
+        .min();
+    about[..end.unwrap_or(about.len())].trim_end_matches('.')
+}
+
+/// The same for this verb and those below it; `path` is its name after that of the program.
+fn with_examples(verb: Command, path: &str) -> Command {
+    let verb = verb.mut_args(minus_is_no_flag);
+    let verb = match EXAMPLES.iter().find(|(of, _)| *of == path) {
+        Some((_, [first, second])) => verb.after_long_help(format!(
+            "Examples:\n  protomer {first}\n  protomer {second}"
+        )),
+        None => verb,
+    };
+    verb.mut_subcommands(|below| {
+        let path = format!("{path} {}", below.get_name());
+        with_examples(below, path.trim_start())
+    })
+}
+
+/// A flag takes a number below zero as its value; whether it may be negative is then said in its own
+/// words.
+fn minus_is_no_flag(arg: Arg) -> Arg {
+    let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
+    match takes_value && !arg.is_positional() && !arg.is_allow_hyphen_values_set() {
+        true => arg.allow_negative_numbers(true),
+        false => arg,
+    }
+}
+
+/// The error without the advice to write a value that starts with a minus behind `--`: that makes
+/// it an argument of its own.
+pub fn without_double_dash(mut error: clap::Error) -> clap::Error {
+    let Some(ContextValue::StyledStrs(tips)) = error.remove(ContextKind::Suggested) else {
+        return error;
+    };
+    let kept = |tip: &StyledStr| !tip.to_string().contains("'-- ");
+    let tips: Vec<StyledStr> = tips.into_iter().filter(kept).collect();
+    if !tips.is_empty() {
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cli;
+    use clap::CommandFactory;
+
+    #[test]
+    fn every_verb_stands_in_one_group_and_has_examples() {
+        let command = Cli::command();
+        let mut verbs: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
+        let with_examples: Vec<&str> = EXAMPLES.iter().map(|(verb, _)| *verb).collect();
+        for verb in &verbs {
+            assert!(with_examples.contains(verb), "{verb} has no examples");
+        }
+        let mut listed: Vec<&str> = GROUPS
+            .iter()
+            .flat_map(|(_, verbs)| *verbs)
+            .copied()
+            .collect();
+        verbs.push("help");
+        verbs.sort_unstable();
+        listed.sort_unstable();
+        assert_eq!(listed, verbs);
+    }
+
+    #[test]
+    fn examples_are_commands_of_their_verb() {
+        for (verb, examples) in EXAMPLES {
+            for example in examples {
+                assert!(example == verb || example.starts_with(&format!("{verb} ")));
+                let words = ["protomer"].into_iter().chain(example.split(' '));
+                let parsed = completed(Cli::command()).try_get_matches_from(words);
+                assert!(parsed.is_ok(), "{example}: {}", parsed.unwrap_err());
+            }
+        }
+    }
+
+    #[test]
+    fn the_list_shows_the_beginning_of_a_description() {
+        assert_eq!(
+            beginning("Inspect an assembly: overlaps"),
+            "Inspect an assembly"
+        );
+        assert_eq!(beginning("Draw. More"), "Draw");
+        assert_eq!(beginning("Print completions"), "Print completions");
+    }
+}
