@@ -133,15 +133,24 @@ fn help(words: &[String]) -> String {
         .collect()
 }
 
+/// Headings of what a help text lists beside subcommands, which have several headings.
+const OTHER_HEADINGS: [&str; 2] = ["Arguments:", "Options:"];
+
 /// The subcommands that a help text lists.
 fn subcommands(help: &str) -> Vec<String> {
-    let listed = help
-        .lines()
-        .skip_while(|line| *line != "Commands:")
-        .skip(1)
-        .take_while(|line| !line.is_empty());
-    let names = listed.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let is_top = help.contains("\nStructures:\n");
+    let mut is_listed = false;
+    let mut names = Vec::new();
+    for line in help.lines() {
+        if line.ends_with(':') && !line.starts_with(' ') {
+            is_listed = line == "Commands:" || (is_top && !OTHER_HEADINGS.contains(&line));
+        } else if is_listed && line.starts_with("  ") && !line.starts_with("   ") {
+            names.push(line);
+        }
+    }
+    assert!(!is_top || names.len() > 20, "{names:?}");
     names
+        .into_iter()
         .filter_map(|line| line.split_whitespace().next())
         .filter(|name| *name != "help")
         .map(str::to_owned)
