@@ -4,17 +4,19 @@
 #
 #   bash tests/validation/supercharged_gfp.sh STRUCTURE OUTPUT [THREADS]
 #
+# INTERACTION=bare (default: effective) and CHARGES=formal (default: partial) give the other rows of the page.
 # STRUCTURE is GFP, PDB entry 1EMA (protomer fetch 1EMA). The residues exchanged are the charged ones whose side-chain
 # tips have the fewest atoms within 10 Å: 19 acidic ones to lysine, 6 basic ones to glutamate.
 set -euo pipefail
 structure=$1 output=$2 threads=${3:-0}
 protomer=${PROTOMER:-target/release/protomer}
+interaction=${INTERACTION:-effective} charges=${CHARGES:-force-field}
 plus=A:D190K,A:D76K,A:D102K,A:D117K,A:D133K,A:D129K,A:D173K,A:E172K,A:E115K,A:D197K,A:E32K,A:E34K,A:D155K,A:D210K
 plus+=,A:D21K,A:E142K,A:D19K,A:E95K,A:E213K
 minus=A:R80E,A:R109E,A:K41E,A:K126E,A:K166E,A:R215E
 
-$protomer ingest "$structure" -q -o "$output" --name plus --charges formal --mutate $plus
-$protomer ingest "$structure" -q -o "$output" --name minus --charges formal --mutate $minus
+$protomer ingest "$structure" -q -o "$output" --name plus --charges "$charges" --mutate $plus
+$protomer ingest "$structure" -q -o "$output" --name minus --charges "$charges" --mutate $minus
 # The four up/down arrangements of full D4 symmetry, all barrels along the axis ...
 $protomer candidates "$output/plus.body" "$output/minus.body" --ring 8 --stack 2 --box 500 -o "$output"
 # ... and one of D4 symmetry in which the positive barrels lean, as in the cryo-EM structure.
@@ -22,8 +24,9 @@ $protomer assemble ring "$output/plus.body" "$output/minus.body" --members 8 --s
     -o "$output/tilted.json"
 for arrangement in candidate_1 candidate_2 candidate_3 candidate_4 tilted; do
     echo "== $arrangement"
-    $protomer sweep "$output/$arrangement.json" --salt 10mM,30mM,50mM,100mM,200mM,300mM --replicas 5 \
-        --sweeps "${SWEEPS:-300}" --equilibration "${EQUILIBRATION:-100}" --trajectory-every 0 -j "$threads" \
+    $protomer sweep "$output/$arrangement.json" --salt 50mM,100mM,200mM,300mM,500mM,1M --replicas 3 \
+        --sweeps "${SWEEPS:-1500}" --equilibration "${EQUILIBRATION:-300}" --interaction "$interaction" \
+        --trajectory-every 0 -j "$threads" \
         -o "$output/$arrangement"
 done
 $protomer compare "$output"/candidate_? "$output/tilted" -o "$output/arrangements.png" \

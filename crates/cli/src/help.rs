@@ -6,7 +6,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, ArgAction, Command};
 
 /// Groups of verbs, in the order of the help.
-const GROUPS: [(&str, &[&str]); 7] = [
+const GROUPS: [(&str, &[&str]); 8] = [
     ("Structures", &["fetch", "ingest", "surface", "body"]),
     (
         "Assemblies",
@@ -18,7 +18,8 @@ const GROUPS: [(&str, &[&str]); 7] = [
         "Learning",
         &["voxelize", "merge", "train", "tune", "predict"],
     ),
-    ("Lattices", &["lattice", "framework", "shape"]),
+    ("Lattices", &["lattice", "framework"]),
+    ("Hard shapes", &["shape"]),
     ("Tools", &["report", "bench", "completions", "man", "help"]),
 ];
 

@@ -129,7 +129,7 @@ fn the_benchmark_state_has_its_stated_energy() {
             .arg(mesh)
             .arg("--charges")
             .arg(charges)
-            .args(["-o", &format!("{name}.body")]);
+            .args(["-o", &format!("{name}.body"), "--force"]);
         is_ok(&command.output().unwrap());
     }
     let reference = std::fs::read(shared.join("energies.json")).unwrap();

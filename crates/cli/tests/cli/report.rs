@@ -827,7 +827,7 @@ fn the_scripts_are_small_and_parse() {
         &place.run("lattice run --rows 3 --columns 3 --steps 20 --trajectory-every 10 -q -o run"),
     );
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for script in ["report/src/mesh_view.js", "protomer/src/lattice/player.js"] {
+    for script in ["report/src/mesh_view.js", "lattices/src/lattice/player.js"] {
         assert!(
             read(&crates.join(script)).len() < 10_000,
             "{script} is longer than 10 kB"

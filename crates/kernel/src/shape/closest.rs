@@ -332,7 +332,7 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "two minutes; run by name"]
+    #[ignore = "half a minute; run by name"]
     fn it_agrees_with_trying_all_features_a_million_times() {
         compare(
             &[

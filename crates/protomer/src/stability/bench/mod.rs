@@ -156,7 +156,7 @@ pub fn bench(
     engine = engine.with_terms(&settings.terms, &interaction)?;
     let energy = match interaction.cutoff_angstrom.is_finite() {
         true => EnergyMode::Direct,
-        false => engine.costs(MANY_MOVES).fastest(),
+        false => engine.costs(&interaction, MANY_MOVES)?.fastest(),
     };
     let energy = settings.energy.unwrap_or(energy);
     let run = RunSettings {

@@ -8,10 +8,12 @@ use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Context, Result, bail};
+use protomer_kernel::Boundary;
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Body types prepared once and shared by every simulation of an assembly.
@@ -201,15 +203,19 @@ impl Engine {
     /// As [`with_effective_charges`](Self::with_effective_charges).
     pub fn costs_of(&self, run: &RunSettings) -> Result<EnergyCosts> {
         let trials = run.trial_moves_per_salt(self.assembly.len());
-        if run.effective_charges.is_none() {
-            return Ok(self.costs(trials));
-        }
         let interaction = run.medium.interaction(run.salt_molar.first().copied())?;
-        Ok(self.in_medium(run, &interaction)?.costs(trials))
+        if run.effective_charges.is_none() {
+            return self.costs(&interaction, trials);
+        }
+        let engine = self.in_medium(run, &interaction)?;
+        engine.costs(&interaction, trials)
     }
 
-    /// What energies will cost at one salt concentration, for this many trial moves.
-    pub fn costs(&self, trial_moves: f64) -> EnergyCosts {
+    /// What energies will cost in one medium, for this many trial moves.
+    ///
+    /// # Errors
+    /// If the interaction makes no sense.
+    pub fn costs(&self, interaction: &ScreenedCoulomb, trial_moves: f64) -> Result<EnergyCosts> {
         // The number of cells hardly depends on the reach.
         const REACH_ANGSTROM: f64 = 300.0;
         let of_type = |kind: &Arc<BodyType>| {
@@ -217,7 +223,21 @@ impl Engine {
             (kind.charges.len(), evaluations)
         };
         let types: Vec<_> = self.types.iter().map(of_type).collect();
-        EnergyCosts::estimate(&types, &self.assembly.kinds, trial_moves)
+        let images = self.images_of_a_partner(interaction)?;
+        let kinds = &self.assembly.kinds;
+        Ok(EnergyCosts::estimate(&types, kinds, images, trial_moves))
+    }
+
+    /// How many images of another body a body interacts with, for bodies spread evenly over the box;
+    /// one at least, for those that are near.
+    fn images_of_a_partner(&self, interaction: &ScreenedCoulomb) -> Result<f64> {
+        let system = self.system()?;
+        let Boundary::Periodic { .. } = system.boundary() else {
+            return Ok(1.0);
+        };
+        let reach = DirectSum::new(interaction.yukawa()?).range_angstrom(&system);
+        let ball = 4.0 / 3.0 * PI * reach.powi(3);
+        Ok((ball / system.boundary().volume_angstrom3()).max(1.0))
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an
@@ -248,7 +268,10 @@ impl Engine {
     /// If the interaction makes no sense.
     pub fn settings(&self, run: &RunSettings, interaction: &ScreenedCoulomb) -> Result<Settings> {
         let trials = run.trial_moves_per_salt(self.assembly.len());
-        let energy = run.energy.unwrap_or_else(|| self.costs(trials).fastest());
+        let energy = match run.energy {
+            Some(energy) => energy,
+            None => self.costs(interaction, trials)?.fastest(),
+        };
         let by_levels = matches!(energy, EnergyMode::Calibrated | EnergyMode::Approximate);
         if by_levels && interaction.cutoff_angstrom.is_finite() {
             bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");

@@ -309,9 +309,11 @@ impl RunSettings {
         energy.tolerance_kt(self.tolerance_kt)
     }
 
-    /// Trial moves of all replicas at one salt concentration, without cluster moves.
+    /// Trial moves of all replicas at one salt concentration. A cluster move, which may move half of
+    /// the bodies, counts as half a sweep.
     pub fn trial_moves_per_salt(&self, bodies: usize) -> f64 {
-        f64::from(self.replicas) * self.total_sweeps() as f64 * bodies as f64
+        let sweeps = f64::from(self.replicas) * self.total_sweeps() as f64;
+        sweeps * bodies as f64 * (1.0 + 0.5 * f64::from(self.cluster_moves_per_sweep))
     }
 
     /// Sweeps of equilibration and production together.
