@@ -42,6 +42,8 @@ pub struct Reply {
 enum Note {
     /// Unless quiet.
     Remark(String),
+    /// Unless quiet; the answer contains it as well, so that Python need not warn of it.
+    Repeated(String),
     /// Unless quiet or JSON, where the answer contains it.
     Summary(String),
     /// Always.
@@ -130,6 +132,12 @@ impl Reply {
         self
     }
 
+    /// Adds notes that the answer also contains.
+    pub fn with_repeated(mut self, lines: impl IntoIterator<Item = String>) -> Self {
+        self.notes.extend(lines.into_iter().map(Note::Repeated));
+        self
+    }
+
     /// Adds errors, which the answer also contains.
     pub fn with_errors(mut self, lines: impl IntoIterator<Item = String>) -> Self {
         self.notes.extend(lines.into_iter().map(Note::Error));
@@ -168,7 +176,7 @@ impl Reply {
         Ok(value.transpose()?)
     }
 
-    /// The lines that warn of something, each once.
+    /// The lines that warn of something that the answer does not contain, each once.
     pub fn warnings(&self) -> Vec<&str> {
         let mut warnings = Vec::new();
         for note in &self.notes {
@@ -202,9 +210,9 @@ impl Reply {
         for line in &self.notes {
             match line {
                 Note::Error(line) => note(line),
-                Note::Remark(line) if !flags.quiet => note(line),
+                Note::Remark(line) | Note::Repeated(line) if !flags.quiet => note(line),
                 Note::Summary(line) if !flags.quiet && !flags.json => note(line),
-                Note::Remark(_) | Note::Summary(_) => {}
+                Note::Remark(_) | Note::Repeated(_) | Note::Summary(_) => {}
             }
         }
         match self.failure {

@@ -57,7 +57,7 @@ impl IngestArgs {
         let some_failed = ingested.has_failures();
         Ok(Reply::of(ingested)
             .with_errors(errors)
-            .with_notes(warnings)
+            .with_repeated(warnings)
             .partial_if(some_failed))
     }
 
