@@ -9,6 +9,8 @@ cd "$(dirname "$0")"
 rust_checks() {
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --locked -- -D warnings
+    # The command line without networks and voxel sets, for those who do not need them.
+    cargo clippy -p protomer-cli --no-default-features --locked -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
     cargo test --workspace --locked
 }

@@ -2,7 +2,7 @@
 //! a minus.
 
 use clap::builder::StyledStr;
-use clap::error::{ContextKind, ContextValue};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, Command};
 
 /// Groups of verbs, in the order of the help.
@@ -242,6 +242,11 @@ pub fn completed(derived: Command) -> Command {
 fn grouped(derived: &Command) -> String {
     let mut list = String::new();
     for (group, verbs) in GROUPS {
+        let is_built = |name: &&&str| **name == "help" || derived.find_subcommand(name).is_some();
+        let verbs: Vec<&&str> = verbs.iter().filter(is_built).collect();
+        if verbs.is_empty() {
+            continue;
+        }
         list.push_str(&format!("{group}:\n"));
         for name in verbs {
             let verb = derived.find_subcommand(name);
@@ -310,6 +315,22 @@ pub fn without_double_dash(mut error: clap::Error) -> clap::Error {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
     }
     error
+}
+
+/// The error for a verb that this build does not have, with the way to get it.
+pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::Error {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
+    };
+    let known = GROUPS.iter().any(|(_, verbs)| verbs.contains(&word.as_str()));
+    if !known {
+        return error;
+    }
+    let reason = format!(
+        "this protomer was built without '{word}'; install it with its default features, among them \
+         `learning`"
+    );
+    syntax.error(ErrorKind::InvalidSubcommand, reason)
 }
 
 #[cfg(test)]

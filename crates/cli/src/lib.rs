@@ -77,7 +77,9 @@ fn parsed<W: Into<OsString> + Clone>(
 ) -> Result<Cli, clap::Error> {
     let mut syntax = syntax();
     let matches = syntax.try_get_matches_from_mut(words);
-    let matches = matches.map_err(help::without_double_dash)?;
+    let matches = matches
+        .map_err(help::without_double_dash)
+        .map_err(|error| help::with_missing_feature(error, &mut syntax))?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut syntax))
 }
 

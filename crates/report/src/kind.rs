@@ -1,14 +1,13 @@
 //! The kind of results in a directory, with their settings.
 
+#[cfg(feature = "learning")]
+use crate::learning::{self, Learning};
 use anyhow::{Result, bail};
 use protomer::file_kind::FileKind;
 use protomer::stability::run::RunSettings;
 use protomer_lattices::lattice::settings::LatticeSettings;
 use protomer_results::ResultKind;
 use protomer_results::keys::read_toml;
-use protomer_training::learning::train::TrainSettings;
-use protomer_training::learning::tune::TuneSettings;
-use protomer_training::voxels::work_path;
 use std::path::Path;
 
 /// The kind of results in a directory.
@@ -26,12 +25,9 @@ pub enum Kind {
     Framework,
     /// The tables of a paper on networks.
     FrameworkTables,
-    /// A training.
-    Training(Box<TrainSettings>),
-    /// A search for settings of a training.
-    Tune(Box<TuneSettings>),
-    /// A set of voxels.
-    VoxelSet,
+    /// A set of voxels, a training, or a search for settings of a training.
+    #[cfg(feature = "learning")]
+    Learning(Learning),
 }
 
 /// Determines the kind of results in a directory.
@@ -40,12 +36,8 @@ pub enum Kind {
 /// If it holds none of these, or its settings cannot be read.
 pub fn of(directory: &Path) -> Result<Kind> {
     if !directory.is_dir() {
-        if work_path(directory).is_file() {
-            let name = directory.display();
-            bail!(
-                "the set {name} is not complete yet; the same 'protomer voxelize' command continues it"
-            );
-        }
+        #[cfg(feature = "learning")]
+        learning::require_complete_set(directory)?;
         FileKind::Results(ResultKind::Sweep).require(directory)?;
         bail!(
             "{} is not a directory; give one that protomer wrote its results into",
@@ -62,11 +54,9 @@ pub fn of(directory: &Path) -> Result<Kind> {
         }
         Some(ResultKind::ElasticConstants) => Kind::Framework,
         Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
-        Some(ResultKind::Training) => {
-            Kind::Training(Box::new(read_toml(&settings("settings.toml"))?))
+        Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => {
+            return of_learning(&kind, directory);
         }
-        Some(ResultKind::Search) => Kind::Tune(Box::new(read_toml(&settings("settings.toml"))?)),
-        Some(ResultKind::VoxelSet) => Kind::VoxelSet,
         Some(ResultKind::Simulation) => bail!(
             "{} is one simulation of a sweep; give the directory of the sweep, which holds run.toml",
             directory.display()
@@ -81,4 +71,21 @@ pub fn of(directory: &Path) -> Result<Kind> {
             directory.display()
         ),
     })
+}
+
+#[cfg(feature = "learning")]
+fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
+    match Learning::of(kind, directory)? {
+        Some(learning) => Ok(Kind::Learning(learning)),
+        None => bail!("{} holds {kind}, not learning", directory.display()),
+    }
+}
+
+#[cfg(not(feature = "learning"))]
+fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
+    bail!(
+        "{} holds {kind}, and this protomer was built without the feature `learning`; install it \
+         with its default features",
+        directory.display()
+    )
 }

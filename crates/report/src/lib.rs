@@ -8,8 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `pair`, `training`, `tune`, `voxel_set` | the sections of each kind |
-//! | `voxel_channels` | the content of the channels of a set |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `pair`, `learning` | the sections of each kind |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
@@ -28,6 +27,8 @@ mod framework_tables;
 mod html;
 mod kind;
 mod lattice;
+#[cfg(feature = "learning")]
+mod learning;
 mod mesh_view;
 mod monte_carlo;
 mod page;
@@ -36,10 +37,6 @@ mod pair_surfaces;
 mod provenance;
 mod scenes;
 mod traces;
-mod training;
-mod tune;
-mod voxel_channels;
-mod voxel_set;
 
 use anyhow::{Result, bail};
 use kind::Kind;
@@ -103,7 +100,10 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
 /// written beside it: `SET.zarr.report.html`.
 fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
     match kind {
-        Kind::VoxelSet => directory.with_file_name(provenance::name(directory) + ".report.html"),
+        #[cfg(feature = "learning")]
+        Kind::Learning(learning::Learning::VoxelSet) => {
+            directory.with_file_name(provenance::name(directory) + ".report.html")
+        }
         _ => directory.join("report.html"),
     }
 }
@@ -119,8 +119,7 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::Framework => framework::page(directory),
         Kind::FrameworkTables => framework_tables::page(directory),
-        Kind::Training(settings) => training::page(directory, settings),
-        Kind::Tune(settings) => tune::page(directory, settings),
-        Kind::VoxelSet => voxel_set::page(directory),
+        #[cfg(feature = "learning")]
+        Kind::Learning(results) => results.page(directory),
     }
 }

@@ -3,6 +3,7 @@
 pub mod body;
 pub mod cache;
 pub mod choices;
+#[cfg(feature = "learning")]
 pub mod device;
 pub mod execution;
 pub mod medium;

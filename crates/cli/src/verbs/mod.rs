@@ -6,11 +6,13 @@ mod export;
 mod frameworks;
 mod generate;
 mod lattice;
+#[cfg(feature = "learning")]
 mod learning;
 mod potential;
 mod report;
 mod shape;
 mod stability;
+#[cfg(feature = "learning")]
 mod voxels;
 
 use crate::front::Front;
@@ -40,11 +42,9 @@ pub enum Verb {
     Lattice(lattice::LatticeArgs),
     Report(report::ReportArgs),
     Export(export::ExportArgs),
-    Train(Box<learning::train::TrainArgs>),
-    Predict(learning::predict::PredictArgs),
-    Tune(Box<learning::tune::TuneArgs>),
-    Voxelize(voxels::voxelize::VoxelizeArgs),
-    Merge(voxels::merge::MergeArgs),
+    #[cfg(feature = "learning")]
+    #[command(flatten)]
+    Learning(learning::LearningVerb),
     Bench(stability::bench::BenchArgs),
     Completions(generate::CompletionsArgs),
     Man(generate::ManArgs),
@@ -71,11 +71,8 @@ impl Verb {
             Verb::Lattice(args) => args.run(front),
             Verb::Report(args) => args.run(front),
             Verb::Export(args) => args.run(front),
-            Verb::Train(args) => args.run(front),
-            Verb::Predict(args) => args.run(front),
-            Verb::Tune(args) => args.run(front),
-            Verb::Voxelize(args) => args.run(front),
-            Verb::Merge(args) => args.run(front),
+            #[cfg(feature = "learning")]
+            Verb::Learning(verb) => verb.run(front),
             Verb::Bench(args) => args.run(front),
             Verb::Completions(args) => args.run(),
             Verb::Man(args) => args.run(front),

@@ -1,7 +1,7 @@
 //! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares
 //! with it.
 
-use crate::flags::choices::{LearningTarget, Scaling, Split};
+use crate::flags::choices::learning::{LearningTarget, Scaling, Split};
 use crate::flags::device::DeviceArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::override_with;

@@ -1,6 +1,7 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
-use crate::flags::choices::{Potential, VoxelChannel, VoxelOrientation};
+use crate::flags::choices::Potential;
+use crate::flags::choices::learning::{VoxelChannel, VoxelOrientation};
 use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};

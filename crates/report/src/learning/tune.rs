@@ -1,10 +1,11 @@
 //! The page of a search for settings.
 
-use super::html::{
+use super::training;
+use crate::html::{
     definitions, escape, folded_text, paragraph, significant, significant_or_dash, table,
 };
-use super::page::{Page, Section};
-use super::{data, figures, provenance, training};
+use crate::page::{Page, Section};
+use crate::{data, figures, provenance};
 use anyhow::{Context, Result};
 use protomer_io::csv::cells;
 use protomer_training::learning::train::TrainSettings;

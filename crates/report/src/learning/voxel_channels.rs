@@ -1,7 +1,7 @@
 //! The content of the channels of a set of voxels, and how a training scales them.
 
-use super::html::{paragraph, significant, table};
-use super::page::Section;
+use crate::html::{paragraph, significant, table};
+use crate::page::Section;
 use anyhow::{Context, Result};
 use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};

@@ -1,8 +1,9 @@
 //! The page of a set of voxels.
 
-use super::html::{definitions, escape, paragraph, significant, table};
-use super::page::{Page, Section};
-use super::{data, figures, provenance, voxel_channels};
+use super::voxel_channels;
+use crate::html::{definitions, escape, paragraph, significant, table};
+use crate::page::{Page, Section};
+use crate::{data, figures, provenance};
 use anyhow::{Context, Result};
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
@@ -413,7 +414,7 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
             ("potential", word(serde_json::to_value(settings.potential))),
             (
                 "salt",
-                format!("{} mM", super::html::millimolar(settings.salt_molar)),
+                format!("{} mM", crate::html::millimolar(settings.salt_molar)),
             ),
             ("temperature", format!("{} K", settings.temperature_kelvin)),
             ("pH", settings.ph.to_string()),

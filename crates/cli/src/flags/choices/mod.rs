@@ -22,6 +22,9 @@ macro_rules! choices {
     };
 }
 
+#[cfg(feature = "learning")]
+pub mod learning;
+
 choices! {
     /// How pair energies are computed.
     Energy for protomer::stability::run::EnergyMode {
@@ -103,16 +106,6 @@ choices! {
         Y,
         /// The body's z axis.
         Z,
-    }
-}
-
-choices! {
-    /// How samples are divided into training, validation and test parts.
-    Split for protomer_training::learning::train::SplitBy {
-        /// By whole clusters: relatives are never on both sides.
-        Cluster,
-        /// One by one: scores above those of a split by cluster measure leakage.
-        Sample,
     }
 }
 
@@ -202,61 +195,6 @@ choices! {
         ScreenedAtoms,
         /// The solution on a coarse grid twice as large: almost independent of the margin.
         CoarseGrid,
-    }
-}
-
-choices! {
-    /// Channels of voxels.
-    VoxelChannel for protomer_field::voxels::Channel {
-        /// 1 where the solvent-excluded surface passes through the voxel.
-        Shape,
-        /// 1 inside the surface.
-        Solid,
-        /// Electrostatic potential on the surface, kT/e.
-        Potential,
-        /// Kyte-Doolittle index of nearby residues.
-        Hydropathy,
-    }
-}
-
-choices! {
-    /// The orientation of structures.
-    VoxelOrientation for protomer_field::voxels::Orientation {
-        /// By a random rotation, derived from the seed and the structure's name.
-        Random,
-        /// Principal axes along x, y, z.
-        Principal,
-        /// None.
-        Deposited,
-    }
-}
-
-choices! {
-    /// The quantity to predict.
-    LearningTarget for protomer_learn::targets::Target {
-        /// The label of the set, unchanged.
-        Label,
-        /// The space group; all settings of a group count as one.
-        SpaceGroup,
-        /// The crystal system of the space group.
-        CrystalSystem,
-        /// The point group of the space group.
-        PointGroup,
-        /// Whether the space group is polar.
-        Polar,
-    }
-}
-
-choices! {
-    /// How channels are scaled.
-    Scaling for protomer_learn::scaling::ScalingMode {
-        /// Potential: arcsinh of the value over a robust scale of the occupied voxels; hydropathy:
-        /// divided by 4.5.
-        Robust,
-        /// None.
-        Raw,
-        /// Each sample standardised to mean 0 and deviation 1 over the box; a harmful control.
-        BoxStandardised,
     }
 }
 

@@ -1,8 +1,8 @@
 //! The page of a training.
 
-use super::html::{definitions, escape, list, paragraph, significant, table};
-use super::page::{Page, Section};
-use super::{data, figures, provenance};
+use crate::html::{definitions, escape, list, paragraph, significant, table};
+use crate::page::{Page, Section};
+use crate::{data, figures, provenance};
 use anyhow::Result;
 use protomer_training::learning::train::{Metrics, Source, TrainSettings};
 use std::path::Path;
