@@ -322,7 +322,9 @@ pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::E
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
     };
-    let known = GROUPS.iter().any(|(_, verbs)| verbs.contains(&word.as_str()));
+    let known = GROUPS
+        .iter()
+        .any(|(_, verbs)| verbs.contains(&word.as_str()));
     if !known {
         return error;
     }

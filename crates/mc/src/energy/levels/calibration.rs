@@ -17,6 +17,8 @@ pub const MULTIPLE: f64 = 6.0;
 const TAIL: f64 = 2.5;
 /// The same of fine errors.
 const FINE_TAIL: f64 = 1.5;
+/// Where the comparison met no such pair: the model as it stands.
+const NOT_MET: f64 = 1.0;
 /// Where errors are below what rounding makes of them.
 const LEAST_SCALE: f64 = 0.05;
 
@@ -35,10 +37,11 @@ const DRIFT_RADIAN: f64 = 0.05;
 /// Standard deviations in units of the variance model, from comparisons on random poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Of energies from all points of lists.
-    pub coarse: Scales,
-    /// Of expansions of the far points.
-    pub expansion: Scales,
+    /// Of pairs with points near each other. Their errors are those of close cells, and have random
+    /// signs.
+    pub contact: ListScales,
+    /// Of all other pairs. Their errors are small, but add up over the net charge.
+    pub distant: ListScales,
     /// Of a fine energy.
     pub fine_scale: f64,
     /// Poses compared.
@@ -47,6 +50,15 @@ pub struct Calibration {
     pub exceeded: u32,
     /// The largest error, in standard deviations.
     pub largest: f64,
+}
+
+/// Of energies from lists.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ListScales {
+    /// Of energies from all points.
+    pub coarse: Scales,
+    /// Of expansions of the far points.
+    pub expansion: Scales,
 }
 
 /// Of an energy and of its changes.
@@ -73,18 +85,33 @@ impl Calibration {
         }
         errors.finish()
     }
+
+    /// The scales for a list.
+    pub(super) fn of(&self, list: &List) -> &ListScales {
+        match list.is_contact {
+            true => &self.contact,
+            false => &self.distant,
+        }
+    }
 }
 
 /// The errors met.
 #[derive(Debug, Default)]
 struct Errors {
     pairs: u32,
+    contact: ListErrors,
+    distant: ListErrors,
+    /// Over the square root of the model's variance.
+    fine: Vec<f64>,
+}
+
+/// Those of lists.
+#[derive(Debug, Default)]
+struct ListErrors {
     coarse: Vec<ListError>,
     coarse_changes: Vec<ListError>,
     expanded: Vec<ListError>,
     expanded_changes: Vec<ListError>,
-    /// Over the square root of the model's variance.
-    fine: Vec<f64>,
 }
 
 /// An error of an energy from a list, or of its change, kT, beside the variances of the model.
@@ -163,9 +190,13 @@ impl Errors {
             let [Some(at_here), Some(at_there)] = compared else {
                 continue;
             };
-            self.add_energies(&list, &at_here);
+            let errors = match list.is_contact {
+                true => &mut self.contact,
+                false => &mut self.distant,
+            };
+            errors.add_energies(&list, &at_here);
             if list.serves(&there) {
-                self.add_changes(&list, [&at_here, &at_there], [&here, &there]);
+                errors.add_changes(&list, [&at_here, &at_there], [&here, &there]);
             }
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
@@ -175,6 +206,25 @@ impl Errors {
         }
     }
 
+    fn finish(&self) -> Calibration {
+        let fine_scale = FINE_TAIL * scale(self.fine.iter().map(|ratio| ratio.abs()));
+        let (contact, distant) = (self.contact.scales(), self.distant.scales());
+        let mut in_deviations = self.contact.in_deviations(&contact);
+        in_deviations.extend(self.distant.in_deviations(&distant));
+        in_deviations.extend(self.fine.iter().map(|ratio| ratio.abs() / fine_scale));
+        let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
+        Calibration {
+            contact,
+            distant,
+            fine_scale,
+            poses: (self.contact.coarse.len() + self.distant.coarse.len()) as u32,
+            exceeded: exceeded.count() as u32,
+            largest: in_deviations.into_iter().fold(0.0, f64::max),
+        }
+    }
+}
+
+impl ListErrors {
     fn add_energies(&mut self, list: &List, here: &Compared) {
         self.coarse.push(ListError {
             error_kt: here.coarse_error_kt(),
@@ -209,8 +259,8 @@ impl Errors {
         });
     }
 
-    fn finish(&self) -> Calibration {
-        // The points' scale first, then what expansions add.
+    /// The points' scales first, then what expansions add.
+    fn scales(&self) -> ListScales {
         let of_points = |errors: &[ListError]| {
             let ratios = errors.iter().map(|error| error.ratio(1.0, 0.0));
             TAIL * scale(ratios)
@@ -227,23 +277,18 @@ impl Errors {
             energy: of_expansions(&self.expanded, coarse.energy),
             change: of_expansions(&self.expanded_changes, coarse.change),
         };
-        let fine_scale = FINE_TAIL * scale(self.fine.iter().map(|ratio| ratio.abs()));
+        ListScales { coarse, expansion }
+    }
+
+    /// All errors in standard deviations of the model with these scales.
+    fn in_deviations(&self, scales: &ListScales) -> Vec<f64> {
+        let ListScales { coarse, expansion } = scales;
         let energies = self.coarse.iter().chain(&self.expanded);
         let changes = self.coarse_changes.iter().chain(&self.expanded_changes);
-        let in_deviations: Vec<f64> = energies
+        energies
             .map(|error| error.ratio(coarse.energy, expansion.energy))
             .chain(changes.map(|error| error.ratio(coarse.change, expansion.change)))
-            .chain(self.fine.iter().map(|ratio| ratio.abs() / fine_scale))
-            .collect();
-        let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
-        Calibration {
-            coarse,
-            expansion,
-            fine_scale,
-            poses: self.coarse.len() as u32,
-            exceeded: exceeded.count() as u32,
-            largest: in_deviations.into_iter().fold(0.0, f64::max),
-        }
+            .collect()
     }
 }
 
@@ -254,7 +299,10 @@ fn scale(ratios: impl Iterator<Item = f64>) -> f64 {
         (number, squares) = (number + 1, squares + ratio * ratio);
         largest = largest.max(ratio);
     }
-    let typical = (squares / f64::from(number.max(1))).sqrt();
+    if number == 0 {
+        return NOT_MET;
+    }
+    let typical = (squares / f64::from(number)).sqrt();
     // Half of the multiple is left for what the comparison did not meet.
     typical.max(2.0 * largest / MULTIPLE).max(LEAST_SCALE)
 }

@@ -31,6 +31,8 @@ pub(super) struct List {
     pub(super) parts: Vec<Part>,
     /// Variance of the energy of all points by the error model, kT².
     pub variance: f64,
+    /// Whether some of the points are near the first body.
+    pub is_contact: bool,
 }
 
 /// A charge of the second body with the charges of the first that are near it.

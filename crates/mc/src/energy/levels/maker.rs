@@ -165,6 +165,7 @@ impl<P: SitePotential> Maker<'_, P> {
 
     fn finish(mut self, reference: &RelativePose) -> List {
         let parts = self.parts();
+        let is_contact = !self.points.is_empty();
         let (mut points, mut far_points) = (blocks(&self.points), blocks(&self.far_points));
         self.variance += TABLE_WEIGHT * self.table_variance(&points);
         self.variance += TABLE_WEIGHT * self.table_variance(&far_points);
@@ -186,6 +187,7 @@ impl<P: SitePotential> Maker<'_, P> {
             sources: self.sources,
             parts,
             variance: f64::from(self.variance) + ROUNDING_VARIANCE,
+            is_contact,
         }
     }
 

@@ -328,11 +328,10 @@ impl<P: SitePotential> Levels<P> {
 
     /// Of the energy of an image from its list, kT².
     fn variance(&self, image: &Image, level: usize) -> f64 {
-        let points = image.list.variance * self.calibration.coarse.energy.powi(2);
+        let scales = self.calibration.of(&image.list);
+        let points = image.list.variance * scales.coarse.energy.powi(2);
         match level {
-            EXPANDED => {
-                points + image.expansion_variance * self.calibration.expansion.energy.powi(2)
-            }
+            EXPANDED => points + image.expansion_variance * scales.expansion.energy.powi(2),
             _ => points,
         }
     }
@@ -357,13 +356,14 @@ impl<P: SitePotential> Levels<P> {
     /// Of the change of the energy of an image from one list at two poses, kT².
     fn moved_variance(&self, new: &Image, old: &Image, level: usize) -> f64 {
         let (list, from, to) = (&new.list, &old.relative, &new.relative);
-        let points = list.change_variance(from, to) * self.calibration.coarse.change.powi(2);
+        let scales = self.calibration.of(list);
+        let points = list.change_variance(from, to) * scales.coarse.change.powi(2);
         if level == COARSE {
             return points;
         }
         let expansion = new.expansion_variance.max(old.expansion_variance);
         let expansion = expansion * list.expansion_shift(from, to).powi(2);
-        points + expansion * self.calibration.expansion.change.powi(2)
+        points + expansion * scales.expansion.change.powi(2)
     }
 
     /// What becomes of the pair with one partner, at the first level.
