@@ -273,14 +273,22 @@ fn beginning(about: &str) -> &str {
     about[..end.unwrap_or(about.len())].trim_end_matches('.')
 }
 
+/// The examples of a verb, by its name after that of the program.
+pub fn examples_of(path: &str) -> &'static [&'static str] {
+    match EXAMPLES.iter().find(|(of, _)| *of == path) {
+        Some((_, examples)) => examples,
+        None => &[],
+    }
+}
+
 /// The same for this verb and those below it; `path` is its name after that of the program.
 fn with_examples(verb: Command, path: &str) -> Command {
     let verb = verb.mut_args(minus_is_no_flag);
-    let verb = match EXAMPLES.iter().find(|(of, _)| *of == path) {
-        Some((_, [first, second])) => verb.after_long_help(format!(
+    let verb = match examples_of(path) {
+        [first, second] => verb.after_long_help(format!(
             "Examples:\n  protomer {first}\n  protomer {second}"
         )),
-        None => verb,
+        _ => verb,
     };
     verb.mut_subcommands(|below| {
         let path = format!("{path} {}", below.get_name());
