@@ -23,6 +23,7 @@ from .results import (
     PotentialResult,
     PredictResult,
     Result,
+    ScatteringResult,
     SimulationResult,
     SweepResult,
     TrainResult,
@@ -54,6 +55,7 @@ __all__ = [
     "lattice",
     "report",
     "export",
+    "scattering",
     "train",
     "predict",
     "tune",
@@ -3535,6 +3537,112 @@ def export(
             "--values": values,
             "--gather": gather,
             "--script": script,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def scattering(
+    input: Path | str | Assembly,
+    *,
+    output: Path | str | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    assembly: Path | str | Assembly | None = None,
+    skip: float | str | None = None,
+    most_frames: int | str | None = None,
+    q_max: float | str | None = None,
+    q_points: int | str | None = None,
+    directions: int | str | None = None,
+    light_q: float | str | None = None,
+    hydration: float | str | None = None,
+    contact_gap: float | str | None = None,
+    seed: int | str | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> ScatteringResult:
+    """What light and X-rays see of an assembly or of the trajectories of a run: cluster sizes, hydrodynamic
+    radii as dynamic light scattering averages them, S(q) of the centres, P(q) of the bodies and I(q) of the
+    whole.
+
+    Parameters
+    ----------
+    input
+        Assembly file, or directory of a simulation or a sweep
+    output
+        Directory for tables (CSV), JSON and figure
+    salt
+        Only this salt concentration of a sweep, such as 100mM
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
+    assembly
+        Assembly file of a run, if it has moved
+    skip
+        Share of the frames at the beginning of each trajectory that is left out [default: 0.2]
+    most_frames
+        Frames of each trajectory that are measured at most, evenly spread [default: 100]
+    q_max
+        Largest wave number, Å⁻¹ [default: 0.3]
+    q_points
+        Number of wave numbers [default: 60]
+    directions
+        Directions of the wave vector for each wave number and frame, at most [default: 24]
+    light_q
+        Wave number of the dynamic light scattering, Å⁻¹ [default: 0.00264, red light at 173° in water]
+    hydration
+        Thickness of the water that moves with a body, Å [default: 1.1]
+    contact_gap
+        Surfaces closer than this are in contact, Å [default: that of the run, or 5]
+    seed
+        Seed of the random directions [default: 1]
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    ScatteringResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.scattering("stability", output="scattering")  # doctest: +SKIP
+    >>> pm.scattering("ring.json", q_max=0.2)  # doctest: +SKIP
+    """
+    return call(
+        ScatteringResult,
+        ["scattering"],
+        [input],
+        {
+            "--output": output,
+            "--salt": salts("scattering", salt, salt_molar),
+            "--assembly": assembly,
+            "--skip": skip,
+            "--most-frames": most_frames,
+            "--q-max": q_max,
+            "--q-points": q_points,
+            "--directions": directions,
+            "--light-q": light_q,
+            "--hydration": hydration,
+            "--contact-gap": contact_gap,
+            "--seed": seed,
             "--threads": threads,
             "--force": force,
         },

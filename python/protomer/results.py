@@ -30,6 +30,7 @@ __all__ = [
     "PotentialResult",
     "PredictResult",
     "Result",
+    "ScatteringResult",
     "SimulationResult",
     "SweepResult",
     "TrainResult",
@@ -579,6 +580,125 @@ class PairResult(Result):
             return [("bodies as they are", np.argsort(self.salt_molar))]
         own = ((value, np.flatnonzero(ph == value)) for value in np.unique(ph))
         return [(f"pH {value:g}", rows[np.argsort(self.salt_molar[rows])]) for value, rows in own]
+
+
+class ScatteringResult(Result):
+    """What light and X-rays see: one entry of `states` for each salt concentration, or for the assembly.
+
+    Examples
+    --------
+    >>> seen = pm.scattering("stability")                              # doctest: +SKIP
+    >>> seen.salt_molar, seen.hydrodynamic_radius_angstrom             # doctest: +SKIP
+    >>> seen.q_per_angstrom, seen.structure_factor.shape               # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "scattering.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("sweep", "simulation")
+
+    def _column(self, name: str, part: str) -> Numbers:
+        return numbers([state[name][part] for state in self._fields["states"]])
+
+    def _curves(self, name: str) -> Numbers:
+        return np.array([numbers([row[name] for row in state["curve"]]) for state in self._fields["states"]])
+
+    @property
+    def salt_molar(self) -> Numbers:
+        """Salt concentrations, mol/L, (S,); NaN for an assembly."""
+        return numbers([state["salt_M"] for state in self._fields["states"]])
+
+    @property
+    def q_per_angstrom(self) -> Numbers:
+        """Wave numbers, Å⁻¹, (Q,)."""
+        return self._curves("q_per_angstrom")[0]
+
+    @property
+    def structure_factor(self) -> Numbers:
+        """S(q) between the origins of the bodies, (S, Q)."""
+        return self._curves("structure_factor")
+
+    @property
+    def structure_factor_error(self) -> Numbers:
+        """Its standard error, (S, Q); NaN where there is one frame."""
+        return self._curves("structure_factor_error")
+
+    @property
+    def form_factor(self) -> Numbers:
+        """P(q) of the bodies, weighted with their squared volumes, (Q,)."""
+        return self._curves("form_factor")[0]
+
+    @property
+    def intensity(self) -> Numbers:
+        """I(q) of all bodies over the sum of their squared volumes, (S, Q)."""
+        return self._curves("intensity")
+
+    @property
+    def intensity_error(self) -> Numbers:
+        """Its standard error, (S, Q); NaN where there is one frame."""
+        return self._curves("intensity_error")
+
+    @property
+    def hydrodynamic_radius_angstrom(self) -> Numbers:
+        """Hydrodynamic radius as dynamic light scattering averages it, Å, (S,)."""
+        return self._column("hydrodynamic_radius_angstrom", "mean")
+
+    @property
+    def hydrodynamic_radius_error_angstrom(self) -> Numbers:
+        """Its standard error, Å, (S,); NaN where there is one frame."""
+        return self._column("hydrodynamic_radius_angstrom", "error")
+
+    @property
+    def fraction_of_bodies(self) -> Numbers:
+        """Fraction of the bodies in clusters of 1, 2, ... bodies, (S, K)."""
+        states = self._fields["states"]
+        largest = max(len(state["cluster_sizes"]) for state in states)
+        fractions = np.zeros((len(states), largest))
+        for row, state in zip(fractions, states):
+            row[: len(state["cluster_sizes"])] = [size["fraction_of_bodies"] for size in state["cluster_sizes"]]
+        return fractions
+
+    def plot(self, ax: Axes | None = None, *, quantity: Literal["structure_factor", "intensity", "clusters"] = "intensity") -> Axes:
+        """Draws I(q) or S(q), a line for each salt, or the distribution of cluster sizes.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; new ones if left out
+        quantity
+            What to draw
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        KeyError
+            For another quantity
+
+        Examples
+        --------
+        >>> seen.plot(quantity="structure_factor")                     # doctest: +SKIP
+        """
+        labels = {"structure_factor": "S(q) of the centres", "intensity": "I(q)", "clusters": "fraction of the bodies"}
+        if quantity not in labels:
+            unknown("quantity", quantity, labels)
+        ax = new_axes(ax)
+        names = [None if np.isnan(salt) else f"{salt * 1000.0:g} mM" for salt in self.salt_molar]
+        if quantity == "clusters":
+            sizes = np.arange(1, self.fraction_of_bodies.shape[1] + 1)
+            for name, fractions in zip(names, self.fraction_of_bodies):
+                ax.plot(sizes, fractions, marker="o", label=name)
+            ax.set_xlabel("bodies in a cluster")
+        else:
+            for name, curve, errors in zip(names, getattr(self, quantity), getattr(self, f"{quantity}_error")):
+                ax.errorbar(self.q_per_angstrom, curve, yerr=None if np.all(np.isnan(errors)) else errors, label=name)
+            ax.set_xlabel("q (1/Å)")
+            if quantity == "intensity":
+                ax.set_yscale("log")
+        ax.set_ylabel(labels[quantity])
+        if any(names):
+            ax.legend()
+        return ax
 
 
 class PotentialResult(Result):

@@ -12,7 +12,10 @@ const GROUPS: [(&str, &[&str]); 8] = [
         "Assemblies",
         &["assemble", "candidates", "inspect", "export"],
     ),
-    ("Stability", &["simulate", "sweep", "compare", "pair"]),
+    (
+        "Stability",
+        &["simulate", "sweep", "compare", "pair", "scattering"],
+    ),
     ("Potentials", &["potential"]),
     (
         "Learning",
@@ -24,7 +27,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
 ];
 
 /// Two examples of each verb, without the name of the program.
-const EXAMPLES: [(&str, [&str; 2]); 31] = [
+const EXAMPLES: [(&str, [&str; 2]); 32] = [
     ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
     (
         "ingest",
@@ -94,6 +97,13 @@ const EXAMPLES: [(&str, [&str; 2]); 31] = [
         [
             "export ring.json -o ring.cif --script chimerax",
             "export stability --salt 300mM --frame last -o end.pdb",
+        ],
+    ),
+    (
+        "scattering",
+        [
+            "scattering stability -o scattering",
+            "scattering ring.json --q-max 0.2 --json",
         ],
     ),
     (

@@ -38,7 +38,7 @@ const SHARED: [(&str, &str, &str); 2] = [
     ),
 ];
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 13] = [
+const RESULTS: [(&str, &str); 14] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
@@ -47,6 +47,7 @@ const RESULTS: [(&str, &str); 13] = [
     ("pair", "PairResult"),
     ("potential", "PotentialResult"),
     ("predict", "PredictResult"),
+    ("scattering", "ScatteringResult"),
     ("simulate", "SimulationResult"),
     ("sweep", "SweepResult"),
     ("train", "TrainResult"),
@@ -63,7 +64,7 @@ const SALT_MOLAR: &str = "salt_molar";
 /// Verbs that do not go without it.
 const SALT_IS_REQUIRED: [&str; 1] = ["potential"];
 /// Files that may also be objects: verb, argument, class.
-const OBJECTS: [(&str, &str, &str); 15] = [
+const OBJECTS: [(&str, &str, &str); 17] = [
     ("assemble ring", "bodies", "Body"),
     ("assemble fluid", "bodies", "Body"),
     ("candidates", "bodies", "Body"),
@@ -75,6 +76,8 @@ const OBJECTS: [(&str, &str, &str); 15] = [
     ("export", "input", "Assembly | Body"),
     ("export", "assembly", "Assembly"),
     ("report", "assembly", "Assembly"),
+    ("scattering", "input", "Assembly"),
+    ("scattering", "assembly", "Assembly"),
     ("inspect", "assembly", "Assembly"),
     ("simulate", "assembly", "Assembly"),
     ("sweep", "assembly", "Assembly"),

@@ -9,6 +9,7 @@ mod lattice;
 mod learning;
 mod potential;
 mod report;
+mod scattering;
 mod shape;
 mod stability;
 mod voxels;
@@ -40,6 +41,7 @@ pub enum Verb {
     Lattice(lattice::LatticeArgs),
     Report(report::ReportArgs),
     Export(export::ExportArgs),
+    Scattering(scattering::ScatteringArgs),
     Train(Box<learning::train::TrainArgs>),
     Predict(learning::predict::PredictArgs),
     Tune(Box<learning::tune::TuneArgs>),
@@ -71,6 +73,7 @@ impl Verb {
             Verb::Lattice(args) => args.run(front),
             Verb::Report(args) => args.run(front),
             Verb::Export(args) => args.run(front),
+            Verb::Scattering(args) => args.run(front),
             Verb::Train(args) => args.run(front),
             Verb::Predict(args) => args.run(front),
             Verb::Tune(args) => args.run(front),
