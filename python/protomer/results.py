@@ -609,7 +609,8 @@ class ScatteringResult(Result):
     @property
     def q_per_angstrom(self) -> Numbers:
         """Wave numbers, Å⁻¹, (Q,)."""
-        return self._curves("q_per_angstrom")[0]
+        first: Numbers = self._curves("q_per_angstrom")[0]
+        return first
 
     @property
     def structure_factor(self) -> Numbers:
@@ -624,7 +625,8 @@ class ScatteringResult(Result):
     @property
     def form_factor(self) -> Numbers:
         """P(q) of the bodies, weighted with their squared volumes, (Q,)."""
-        return self._curves("form_factor")[0]
+        first: Numbers = self._curves("form_factor")[0]
+        return first
 
     @property
     def intensity(self) -> Numbers:
