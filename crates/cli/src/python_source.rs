@@ -552,7 +552,7 @@ fn write_docstring(text: &mut String, sections: &[Vec<String>], indent: &str) {
     for (n, line) in lines.iter().enumerate() {
         let _ = match (n, line.is_empty()) {
             (0, _) => write!(text, "{line}"),
-            (_, true) => write!(text, "\n"),
+            (_, true) => writeln!(text),
             _ => write!(text, "\n{indent}{line}"),
         };
     }

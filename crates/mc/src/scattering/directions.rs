@@ -40,15 +40,19 @@ impl Directions {
         Self(directions)
     }
 
+    /// Number of the directions of [`exact_to_degree`](Self::exact_to_degree).
+    pub fn count(degree: usize) -> usize {
+        (degree / 2 + 1).div_ceil(2) * (degree + 1)
+    }
+
     /// The directions with the highest degree that are not more than `most`, and one at least.
     pub fn at_most(most: usize) -> Self {
         let mut found = Self::exact_to_degree(0);
         for degree in 1.. {
-            let next = Self::exact_to_degree(degree);
-            if next.0.len() > most {
+            if Self::count(degree) > most {
                 break;
             }
-            found = next;
+            found = Self::exact_to_degree(degree);
         }
         found
     }
@@ -116,6 +120,7 @@ mod tests {
             let directions = Directions::exact_to_degree(degree);
             let weights: f64 = directions.iter().map(|(_, weight)| weight).sum();
             assert!((weights - 1.0).abs() < 1e-13, "{degree}: {weights}");
+            assert_eq!(directions.len(), Directions::count(degree));
             let even = degree - degree % 2;
             for axis in 0..3 {
                 let power: f64 = directions

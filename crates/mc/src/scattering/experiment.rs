@@ -257,8 +257,8 @@ impl Experiment {
         for q in &self.q_per_angstrom {
             structure_factor.push(open(&positions, *q));
             let degree = (2.0 * q * radius).ceil() as usize + FURTHER_DEGREES;
-            let exact_count = (degree / 2 + 1).next_multiple_of(2) / 2 * (degree + 1);
-            let directions = match exact_count <= self.settings.directions {
+            let is_few = Directions::count(degree) <= self.settings.directions;
+            let directions = match is_few {
                 true => Directions::exact_to_degree(degree),
                 false => few.turned(&rng.rotation()),
             };
