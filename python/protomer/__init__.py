@@ -4,6 +4,8 @@
 >>> pm.ingest("5pti.cif.gz", output="bodies", ph=7.4)          # doctest: +SKIP
 >>> body = pm.Body.read("bodies/5pti.body")                    # doctest: +SKIP
 >>> body.net_charge_e, body.vertices_angstrom.shape            # doctest: +SKIP
+>>> assembly = pm.Assembly.read("ring.json")                   # doctest: +SKIP
+>>> pm.sweep(assembly, salt_molar=[0.03, 0.3], output="sweep") # doctest: +SKIP
 
 Every verb of the command line is a function with the same flags as keywords (``pm.sweep(..., salt="10mM..300mM/8")``);
 verbs with subcommands are objects (``pm.assemble.ring(...)``, ``pm.lattice.run(...)``). Results are objects with
@@ -15,13 +17,16 @@ from ._protomer import (
     ConfigError,
     ConvergenceError,
     GeometryError,
+    MissingFileError,
     ParseError,
     ProtomerError,
     StoppedError,
     __version__,
 )
+from ._errors import PartialError, UnknownNameError
 from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verb_names
+from ._assembly import Assembly, Frame, Trajectory
 from ._body import Body
 from ._sets import VoxelSet
 from ._log import read_log
@@ -29,14 +34,20 @@ from .results import *  # noqa: F403
 from .results import __all__ as _result_names
 
 __all__ = [
+    "Assembly",
     "Body",
     "CheckpointError",
     "ConfigError",
     "ConvergenceError",
+    "Frame",
     "GeometryError",
+    "MissingFileError",
     "ParseError",
+    "PartialError",
     "ProtomerError",
     "StoppedError",
+    "Trajectory",
+    "UnknownNameError",
     "VoxelSet",
     "__version__",
     "read_log",

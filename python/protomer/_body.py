@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
-import warnings
-from pathlib import Path as _FilePath
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _protomer
-from ._verbs import ingest as _ingest
-from ._result import new_axes
+from ._errors import PartialError
+from ._objects import Folder, digest_of
+from ._result import missing, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,13 +23,54 @@ class Body(_protomer.Body):
     """A rigid body in its own frame: a closed surface mesh with point charges; immutable.
 
     Arrays are in Å and e; `vertices_angstrom` is (N, 3), `triangles` (M, 3), `charge_positions_angstrom` (S, 3),
-    `charges_e` (S,).
+    `charges_e` (S,). The verbs take a body where they take a body file.
+
+    Examples
+    --------
+    >>> plus, minus = pm.Body.read("plus.body"), pm.Body.read("minus.body")    # doctest: +SKIP
+    >>> pm.pair(plus, minus, salt_molar=[0.05, 0.1]).b2_angstrom3              # doctest: +SKIP
     """
 
+    _file: tuple[Path, str] | None = None
+
     @classmethod
-    def read(cls, path: str | os.PathLike[str]) -> Body:
-        """Reads a body file written by `protomer.ingest` or `protomer.body`."""
-        return cls(_protomer.Body._read(path))
+    def read(cls, path: Path | str) -> Body:
+        """Reads a body file written by `protomer.ingest` or `protomer.body`.
+
+        Parameters
+        ----------
+        path
+            The file
+
+        Returns
+        -------
+        Body
+
+        Raises
+        ------
+        MissingFileError
+            If there is no such file; also a `FileNotFoundError`
+        ParseError
+            If it is not a body file, or damaged
+
+        Examples
+        --------
+        >>> pm.Body.read("bodies/plus.body").net_charge_e              # doctest: +SKIP
+        """
+        return cls._of_file(_protomer.Body._read(path), Path(path))
+
+    @classmethod
+    def _of_file(cls, native: _protomer.Body, path: Path) -> Body:
+        body = cls(native)
+        digest = digest_of(path)
+        if digest is not None:
+            body._file = (path.absolute(), digest)
+        return body
+
+    @property
+    def path(self) -> Path | None:
+        """The body file it was read from; None for a body that was made in Python."""
+        return None if self._file is None else self._file[0]
 
     @classmethod
     def from_arrays(
@@ -41,9 +82,36 @@ class Body(_protomer.Body):
         charges_e: ArrayLike | None = None,
         name: str = "body",
     ) -> Body:
-        """A body of a mesh (outward counter-clockwise) and point charges.
+        """A body of a mesh and point charges.
 
-        Raises GeometryError for a mesh that bounds no solid.
+        Parameters
+        ----------
+        vertices_angstrom
+            Vertices of a closed surface, Å, (N, 3)
+        triangles
+            Vertices of each triangle, counted from zero, counter-clockwise seen from outside, (M, 3)
+        charge_positions_angstrom, charges_e
+            Point charges, Å, (S, 3) and e, (S,); none if left out
+        name
+            Its name in assemblies and tables
+
+        Returns
+        -------
+        Body
+
+        Raises
+        ------
+        GeometryError
+            For a mesh that bounds no solid
+        ProtomerError
+            For arrays that do not match
+
+        Examples
+        --------
+        >>> corners = [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]]
+        >>> faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        >>> round(pm.Body.from_arrays(vertices_angstrom=corners, triangles=faces).volume_angstrom3, 6)
+        4.5
         """
         positions = np.zeros((0, 3)) if charge_positions_angstrom is None else charge_positions_angstrom
         charges = np.zeros(0) if charges_e is None else charges_e
@@ -58,29 +126,105 @@ class Body(_protomer.Body):
         )
 
     @classmethod
-    def from_structure(cls, path: str | os.PathLike[str], **settings: Any) -> Body:
-        """Makes a body from a structure file (PDB, mmCIF, PQR); `settings` are the keywords of `protomer.ingest`."""
+    def from_structure(cls, path: Path | str, **settings: Any) -> Body:
+        """Makes a body from a structure file without leaving files.
+
+        Parameters
+        ----------
+        path
+            PDB, mmCIF or PQR, each also gzipped
+        **settings
+            The keywords of `protomer.ingest`
+
+        Returns
+        -------
+        Body
+
+        Raises
+        ------
+        MissingFileError
+            If there is no such file; also a `FileNotFoundError`
+        ProtomerError
+            If no body can be made of it
+
+        Examples
+        --------
+        >>> pm.Body.from_structure("5pti.cif.gz", ph=7.4).volume_angstrom3     # doctest: +SKIP
+        """
+        # The verbs return results, which hold assemblies of bodies.
+        from ._verbs import ingest
+
+        if not Path(path).exists():
+            raise missing(f"cannot read {path}: there is no such file", path)
         with tempfile.TemporaryDirectory() as folder:
-            with warnings.catch_warnings():
-                warnings.filterwarnings("ignore", message="some of the inputs failed")
-                files = _ingest(path, output=folder, **settings).files
-            for file in files:
-                if file["error"]:
-                    raise _protomer.ProtomerError(file["error"])
+            try:
+                files: Sequence[Any] = ingest(path, output=folder, **settings).files
+            except PartialError as error:
+                failed = [file["error"] for file in error.result.files if file["error"]]
+                raise _protomer.ProtomerError(failed[0]) from None
             if len(files) != 1:
                 raise _protomer.ProtomerError(f"{path}: {len(files)} structures; use protomer.ingest for several")
-            return cls.read(files[0]["body"])
+            return cls(_protomer.Body._read(files[0]["body"]))
 
     @classmethod
     def from_universe(cls, atoms: Any, **settings: Any) -> Body:
-        """Makes a body from the present state of an MDAnalysis Universe or AtomGroup; `settings` as in `protomer.ingest`."""
+        """Makes a body from the present state of an MDAnalysis Universe or AtomGroup.
+
+        Parameters
+        ----------
+        atoms
+            A Universe or an AtomGroup
+        **settings
+            The keywords of `protomer.ingest`
+
+        Returns
+        -------
+        Body
+
+        Raises
+        ------
+        ProtomerError
+            If no body can be made of it
+
+        Examples
+        --------
+        >>> universe = MDAnalysis.Universe("5pti.pdb")                 # doctest: +SKIP
+        >>> pm.Body.from_universe(universe.select_atoms("protein"))    # doctest: +SKIP
+        """
         with tempfile.TemporaryDirectory() as folder:
-            path = _FilePath(folder) / "universe.pdb"
+            path = Path(folder) / "universe.pdb"
             atoms.atoms.write(str(path))
             return cls.from_structure(path, **settings)
 
+    def _present_file(self) -> Path | None:
+        if self._file is None:
+            return None
+        path, digest = self._file
+        return path if digest_of(path) == digest else None
+
+    def _write_file(self, folder: Folder) -> Path:
+        with tempfile.TemporaryDirectory() as other:
+            path = Path(other) / "written.body"
+            self.write(path)
+            return folder.write(self.name, ".body", path.read_bytes())
+
     def to_universe(self) -> Any:
-        """The charge sites as an MDAnalysis Universe with names, residues, charges and radii; positions in Å."""
+        """The charge sites as an MDAnalysis Universe.
+
+        Returns
+        -------
+        MDAnalysis.Universe
+            With names, residues, charges and radii; positions in Å
+
+        Raises
+        ------
+        ImportError
+            Without MDAnalysis
+
+        Examples
+        --------
+        >>> body.to_universe().select_atoms("resname LYS").charges.sum()       # doctest: +SKIP
+        """
         import MDAnalysis
 
         count = len(self.charges_e)
@@ -107,13 +251,45 @@ class Body(_protomer.Body):
         return universe
 
     def to_trimesh(self) -> Any:
-        """The surface as a trimesh.Trimesh, Å."""
+        """The surface for trimesh.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            Lengths in Å
+
+        Raises
+        ------
+        ImportError
+            Without trimesh
+
+        Examples
+        --------
+        >>> body.to_trimesh().is_watertight                            # doctest: +SKIP
+        True
+        """
         import trimesh
 
         return trimesh.Trimesh(self.vertices_angstrom, self.triangles, process=False)
 
     def plot(self, ax: Axes | None = None, *, axes: str = "xy") -> Axes:
-        """Draws the charges, red for negative and blue for positive, viewed along the omitted axis."""
+        """Draws the charges, red for negative and blue for positive, viewed along the omitted axis.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; new ones if left out
+        axes
+            The two axes to see
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Examples
+        --------
+        >>> body.plot(axes="xz")                                       # doctest: +SKIP
+        """
         ax = new_axes(ax)
         first, second = ("xyz".index(letter) for letter in axes)
         positions, charges = self.charge_positions_angstrom, self.charges_e

@@ -4,27 +4,15 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias, TypeVar, Union
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
 
 from . import _protomer
-from ._result import Result
-
-Path: TypeAlias = Union[str, "os.PathLike[str]"]
-Paths: TypeAlias = Union[Path, Sequence[Path]]
-Number: TypeAlias = Union[float, str]
-"""A number in the documented unit, or text with a unit such as "150mM"."""
-Numbers: TypeAlias = Union[Number, Sequence[Number]]
-Integer: TypeAlias = Union[int, str]
-"""A whole number, or text with a unit such as "500MB"."""
-Integers: TypeAlias = Union[Integer, Sequence[Integer]]
-Text: TypeAlias = Union[str, float, Sequence[Union[str, float]]]
-"""Text as on the command line; sequences are joined with commas."""
-Quantity: TypeAlias = Union[str, Sequence[str]]
-"""Text with a unit such as "150mM", or several."""
-Progress: TypeAlias = Callable[[int, int, str], None]
-Client: TypeAlias = Any
-"""A `distributed.Client`, or text: the address of a scheduler, or "local"."""
+from ._errors import PartialError, failures
+from ._objects import Files
+from ._result import Result, missing
 
 R = TypeVar("R", bound=Result)
 
@@ -34,29 +22,62 @@ def call(
     verb: Sequence[str],
     places: Sequence[object],
     flags: Mapping[str, object],
-    progress: Progress | None,
-    client: Client | None = None,
+    progress: Callable[[int, int, str], None] | None,
+    client: Any = None,
     parts: int | None = None,
 ) -> R:
     """Runs a verb and wraps its answer; with a client, workers do most of the work first."""
-    words = list(verb)
-    for flag, value in flags.items():
-        words += _flag(flag, value)
-    placed = [word for value in places for word in _words(value)]
-    if placed:
-        words += ["--", *placed]
-    if client is not None:
-        from . import _cluster
+    output: Any = flags.get("--output")
+    with Files(verb, output, replace=bool(flags.get("--force"))) as files:
+        words = list(verb)
+        for flag, value in flags.items():
+            words += _flag(flag, files.named(value))
+        placed = [word for value in places for word in _words(files.named(value))]
+        if verb[0] in _GOES_ON:
+            for word in placed:
+                if not os.path.exists(word):
+                    raise missing(f"cannot read {word}: there is no such file or folder", word)
+        if placed:
+            words += ["--", *placed]
+        if client is not None:
+            from . import _cluster
 
-        _cluster.share_out(words, client, parts, progress)
-        progress = None
-    done, answer, warned = _protomer.call(words, progress)
+            _cluster.share_out(words, client, parts, progress)
+            progress = None
+        done, answer, warned = _protomer.call(words, progress)
     for line in warned:
         warnings.warn(line.removeprefix("warning: "), stacklevel=3)
+    answered = result({} if answer is None else answer, output)
     if not done:
-        warnings.warn("some of the inputs failed; the result names them", stacklevel=3)
-    output: Any = flags.get("--output")
-    return result({} if answer is None else answer, output)
+        failed = failures(answer)
+        if failed:
+            raise PartialError(f"{'; '.join(failed)} (the attribute 'result' holds the rest)", answered)
+        warnings.warn("some of the work was not done; the result says what", stacklevel=3)
+    return answered
+
+
+# A verb that goes on if a file fails would count a wrong name among the failures.
+_GOES_ON = frozenset({"ingest"})
+
+
+def salts(verb: str, salt: Any, salt_molar: Any, *, required: bool = False) -> Any:
+    """The value of the flag for salt, from text with units or from numbers in mol/L.
+
+    Raises
+    ------
+    ConfigError
+        If both are given, or neither where one is required
+    """
+    if salt is not None and salt_molar is not None:
+        raise _protomer.ConfigError("salt and salt_molar say the same; give one of them")
+    if salt_molar is None:
+        if salt is None and required:
+            raise _protomer.ConfigError(f'{verb} needs a salt concentration; give salt="100mM" or salt_molar=0.1')
+        return salt
+    values = np.atleast_1d(np.asarray(salt_molar, dtype=np.float64))
+    if values.ndim != 1 or values.size == 0:
+        raise _protomer.ConfigError(f"salt_molar has the shape {values.shape}; give a number or a row of numbers in mol/L")
+    return [f"{_word(float(value))}M" for value in values]
 
 
 def _flag(flag: str, value: object) -> list[str]:
@@ -64,8 +85,8 @@ def _flag(flag: str, value: object) -> list[str]:
         return []
     if value is True:
         return [flag]
-    if isinstance(value, (list, tuple)) and flag not in _REPEATED:
-        return [f"{flag}={','.join(map(_word, value))}"]
+    if _is_many(value) and flag not in _REPEATED:
+        return [f"{flag}={','.join(_words(value))}"]
     # One word, so that values may start with a minus sign.
     return [f"{flag}={word}" for word in _words(value)]
 
@@ -74,17 +95,22 @@ def _flag(flag: str, value: object) -> list[str]:
 _REPEATED = frozenset({"--part"})
 
 
-def _words(value: object) -> list[str]:
+def _is_many(value: object) -> bool:
+    return isinstance(value, Iterable) and not isinstance(value, (str, bytes, os.PathLike))
+
+
+def _words(value: Any) -> list[str]:
     if value is None:
         return []
-    if isinstance(value, (list, tuple)):
-        return [_word(item) for item in value]
+    if _is_many(value):
+        return [_word(item) for item in np.ravel(value).tolist()] if isinstance(value, np.ndarray) else [*map(_word, value)]
     return [_word(value)]
 
 
 def _word(value: Any) -> str:
     if isinstance(value, os.PathLike):
         return str(os.fspath(value))
-    if isinstance(value, float):
-        return repr(value)
+    # Numbers of NumPy are floats too, but show their type.
+    if isinstance(value, (float, np.floating)):
+        return repr(float(value))
     return str(value)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import csv
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._errors import Named
+from ._result import missing
 
-def read_log(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
+
+def read_log(path: Path | str) -> dict[str, NDArray[Any]]:
     """The columns of a log, or of any other table (CSV) of protomer.
 
     Parameters
@@ -25,10 +27,13 @@ def read_log(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     dict
         An array (T,) for each column under its name in the file, which ends in the unit (`r_g_angstrom`, `energy_kT`): whole
         numbers as int64, other numbers as float64 with NaN where there is none, everything else as text. A `time` without a
-        unit, as all lengths and energies of lattices, is in the units of the lattice.
+        unit, as all lengths and energies of lattices, is in the units of the lattice. A name that it does not have raises a
+        `KeyError` that lists the columns.
 
     Raises
     ------
+    MissingFileError
+        If there is no such file or directory; also a `FileNotFoundError`
     ValueError
         If rows and columns disagree
 
@@ -46,16 +51,19 @@ def read_log(path: str | os.PathLike[str]) -> dict[str, NDArray[Any]]:
     for line, row in enumerate(rows, start=2):
         if len(row) != len(heading):
             raise ValueError(f"{file}:{line} has {len(row)} cells under {len(heading)} columns; is it still being written?")
-    return {name: _column([row[place] for row in rows]) for place, name in enumerate(heading)}
+    columns = {name: _column([row[place] for row in rows]) for place, name in enumerate(heading)}
+    return Named(columns, what=f"column of {file.name}")
 
 
 def _log_of(path: Path) -> Path:
     """The log of a simulation is in the folder of its only replica."""
+    if not path.exists():
+        raise missing(f"cannot read {path}: there is no such file or directory", path)
     if not path.is_dir():
         return path
     found = [path / "log.csv"] if (path / "log.csv").exists() else sorted(path.glob("salt_*/replica_*/log.csv"))
     if not found:
-        raise FileNotFoundError(f"{path} holds no log.csv; give the directory of a simulation or of a lattice run")
+        raise missing(f"{path} holds no log.csv; give the directory of a simulation or of a lattice run", path)
     if len(found) > 1:
         raise ValueError(f"{path} holds {len(found)} logs; give the directory of one of them, such as {found[0].parent}")
     return found[0]

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import html
-import os
+import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _protomer
+from ._errors import unknown
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+R = TypeVar("R", bound="Result")
 
 
 class Result:
@@ -20,12 +25,76 @@ class Result:
 
     Numbers and text are attributes, objects are results themselves, and lists of numbers are NumPy arrays (null is NaN).
     `to_dict()` gives the plain values.
+
+    Examples
+    --------
+    >>> result = pm.inspect("ring.json", salt="100mM")                 # doctest: +SKIP
+    >>> result.energy_kT, result["energy_kT"]                          # doctest: +SKIP
     """
 
-    def __init__(self, fields: dict[str, Any] | list[Any], output: str | os.PathLike[str] | None = None) -> None:
+    _FILE: ClassVar[str | None] = None
+    """The file of a directory that holds these fields."""
+    _KINDS: ClassVar[tuple[str, ...]] = ()
+    """How `run.json` calls such directories."""
+
+    def __init__(self, fields: dict[str, Any] | list[Any], output: Path | str | None = None) -> None:
         self._fields: dict[str, Any] = fields if isinstance(fields, dict) else {"items": fields}
         # Absolute: the working directory may change.
         self._output = None if output is None else Path(output).absolute()
+
+    @classmethod
+    def read(cls: type[R], directory: Path | str) -> R:
+        """Reads the result of work that is done, as the verb returned it.
+
+        Parameters
+        ----------
+        directory
+            The directory that the verb wrote into
+
+        Returns
+        -------
+        Result
+            Of the class that it is called on
+
+        Raises
+        ------
+        MissingFileError
+            If there is no such directory, or it holds no result of this kind yet; also a `FileNotFoundError`
+        ProtomerError
+            If the class has no file of its own, or the directory belongs to another verb
+
+        Examples
+        --------
+        >>> pm.SweepResult.read("stability").salt_molar                # doctest: +SKIP
+        >>> pm.PairResult.read("association").kd_molar                 # doctest: +SKIP
+        """
+        return cls(cls._fields_of(Path(directory)), directory)
+
+    @classmethod
+    def _fields_of(cls, directory: Path) -> Any:
+        if cls._FILE is None:
+            raise _protomer.ProtomerError(f"a {cls.__name__} is not kept in a directory; call its verb")
+        if not directory.is_dir():
+            raise missing(f"there is no directory {directory}", directory)
+        record = directory / "run.json"
+        kind = json.loads(record.read_text(encoding="utf-8")).get("kind") if record.exists() else None
+        if kind is not None and kind not in cls._KINDS:
+            raise _protomer.ProtomerError(f"{directory} holds a {kind}, which is no {cls.__name__}")
+        file = directory / cls._FILE
+        if not file.exists():
+            raise missing(f"{directory} holds no {cls._FILE}; finish the work first", file)
+        return json.loads(file.read_text(encoding="utf-8"))
+
+    @property
+    def directory(self) -> Path:
+        """The directory, or the file, that the verb wrote.
+
+        Raises
+        ------
+        ValueError
+            If it was called without `output`
+        """
+        return self._file("")
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
@@ -37,6 +106,8 @@ class Result:
             raise AttributeError(f"{type(self).__name__} has no {name!r}; it has {known}") from None
 
     def __getitem__(self, name: str) -> Any:
+        if name not in self._fields:
+            unknown("field", name, self._fields)
         return _value(self._fields[name])
 
     def __iter__(self) -> Iterator[str]:
@@ -68,6 +139,13 @@ class Result:
         if self._output is None:
             raise ValueError(f"this {type(self).__name__} has no directory; call the verb with output=")
         return self._output / name
+
+
+def missing(message: str, path: Path | str) -> _protomer.MissingFileError:
+    """The error for a path that does not exist."""
+    error = _protomer.MissingFileError(message)
+    error.path = str(path)
+    return error
 
 
 def new_axes(ax: Axes | None, **settings: Any) -> Axes:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ._errors import unknown
+from ._result import missing
 
 Grid = NDArray[np.float32]
 
@@ -27,11 +31,22 @@ class VoxelSet:
         The channels wanted, in order; all if left out
     transform
         Called with every grid, for scaling or rotation
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such set; also a `FileNotFoundError`
+    KeyError
+        For a channel that the set does not have; it lists those that exist
+
+    Examples
+    --------
+    >>> grid, number = pm.VoxelSet("set.zarr", channels=["occupancy"])[0]      # doctest: +SKIP
     """
 
     def __init__(
         self,
-        path: str | os.PathLike[str],
+        path: Path | str,
         *,
         channels: list[str] | None = None,
         transform: Callable[[Grid], Any] | None = None,
@@ -41,9 +56,9 @@ class VoxelSet:
         self._open()
         known = dict(self._group.attrs)
         self.channels: list[str] = list(known["channels"]) if channels is None else list(channels)
-        unknown = [channel for channel in self.channels if channel not in known["channels"]]
-        if unknown:
-            raise ValueError(f"{self._path} has no channel {unknown[0]!r}; it has {', '.join(known['channels'])}")
+        for channel in self.channels:
+            if channel not in known["channels"]:
+                unknown(f"channel of {self._path}", channel, known["channels"])
         self.size: int = int(known["size"])
         self._implied = set(known["implied_channels"])
         samples = known["samples"]
@@ -58,6 +73,8 @@ class VoxelSet:
             import zarr
         except ImportError as error:
             raise ImportError("sets need zarr: pip install './python[sets]' from the root of the project") from error
+        if not os.path.isdir(self._path):
+            raise missing(f"there is no set {self._path}", self._path)
         # Types of what a group holds are known only when it is open.
         group: Any = zarr.open_group(self._path, mode="r")
         self._group = group

@@ -5,9 +5,14 @@ UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation
 # ruff: noqa: E501
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
-from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Quantity, Text, call
+import numpy as np
+from numpy.typing import NDArray
+
+from ._call import call, salts
 from .results import (
     BenchResult,
     CompareResult,
@@ -18,12 +23,19 @@ from .results import (
     PotentialResult,
     PredictResult,
     Result,
+    ScatteringResult,
     SimulationResult,
     SweepResult,
     TrainResult,
     TuneResult,
     VoxelizeResult,
 )
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from ._assembly import Assembly
+    from ._body import Body
 
 __all__ = [
     "ingest",
@@ -43,6 +55,7 @@ __all__ = [
     "lattice",
     "report",
     "export",
+    "scattering",
     "train",
     "predict",
     "tune",
@@ -53,31 +66,31 @@ __all__ = [
 
 
 def ingest(
-    inputs: Paths,
+    inputs: Path | str | Sequence[Path | str],
     *,
-    output: Path,
-    name: Text | None = None,
-    chain: Text | None = None,
-    model: Text | None = None,
-    assembly: Text | None = None,
-    altloc: Text | None = None,
+    output: Path | str,
+    name: str | float | Sequence[str | float] | None = None,
+    chain: str | float | Sequence[str | float] | None = None,
+    model: str | float | Sequence[str | float] | None = None,
+    assembly: str | float | Sequence[str | float] | None = None,
+    altloc: str | float | Sequence[str | float] | None = None,
     keep_ligands: bool = False,
     keep_waters: bool = False,
     keep_hydrogens: bool = False,
     keep_nucleic_acids: bool = False,
     missing: Literal["keep", "skip", "fail"] | None = None,
-    ph: Number | None = None,
+    ph: float | str | None = None,
     charges: Literal["force-field", "formal", "none"] | None = None,
-    mutate: Text | None = None,
-    density: Number | None = None,
-    probe: Number | None = None,
+    mutate: str | float | Sequence[str | float] | None = None,
+    density: float | str | None = None,
+    probe: float | str | None = None,
     cavities: Literal["drop", "keep"] | None = None,
-    interior_radius: Number | None = None,
-    offset: Number | None = None,
-    export: Text | None = None,
-    threads: Integer | None = None,
+    interior_radius: float | str | None = None,
+    offset: float | str | None = None,
+    export: str | float | Sequence[str | float] | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges, hydropathy.
 
@@ -132,6 +145,29 @@ def ingest(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    PartialError
+        If some of the files failed; its attribute `result` holds the answer for all
+
+    Examples
+    --------
+    >>> pm.ingest("5pti.cif.gz", output="bodies")  # doctest: +SKIP
+    >>> pm.ingest("5pti.cif.gz", output="bodies", name="plus", ph=7, mutate="A:D3K,A:E7K")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -166,13 +202,13 @@ def ingest(
 
 
 def fetch(
-    entries: Text,
+    entries: str | float | Sequence[str | float],
     *,
-    output: Path | None = None,
-    base: Text | None = None,
-    threads: Integer | None = None,
+    output: Path | str | None = None,
+    base: str | float | Sequence[str | float] | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Download entries (mmCIF, gzipped) from the RCSB Protein Data Bank. Nothing else in protomer uses the
     network.
@@ -191,6 +227,27 @@ def fetch(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.fetch("6MDR", output="structures")  # doctest: +SKIP
+    >>> pm.fetch(["5PTI", "1BRS"])  # doctest: +SKIP
     """
     return call(
         Result,
@@ -207,17 +264,17 @@ def fetch(
 
 
 def surface(
-    input: Path,
+    input: Path | str | Body,
     *,
-    density: Number | None = None,
-    probe: Number | None = None,
+    density: float | str | None = None,
+    probe: float | str | None = None,
     cavities: Literal["drop", "keep"] | None = None,
-    interior_radius: Number | None = None,
-    offset: Number | None = None,
-    output: Path | None = None,
-    threads: Integer | None = None,
+    interior_radius: float | str | None = None,
+    offset: float | str | None = None,
+    output: Path | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Compute the solvent-excluded surface of a structure, a PQR, a body, or an .xyzr file (x y z radius per
     line): mesh, exact area and volume. Cavities are kept by default.
@@ -245,6 +302,27 @@ def surface(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.surface("5pti.cif.gz", output="bpti.ply")  # doctest: +SKIP
+    >>> pm.surface("spheres.xyzr", probe=1.4, density=4)  # doctest: +SKIP
     """
     return call(
         Result,
@@ -265,25 +343,26 @@ def surface(
 
 
 def potential(
-    input: Path,
+    input: Path | str | Body,
     *,
-    salt: Quantity,
+    salt: str | None = None,
+    salt_molar: float | None = None,
     model: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
-    spacing: Number | None = None,
-    margin: Number | None = None,
+    spacing: float | str | None = None,
+    margin: float | str | None = None,
     boundary: Literal["screened-atoms", "coarse-grid"] | None = None,
-    temperature: Number | None = None,
-    inner_permittivity: Number | None = None,
-    outer_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
+    temperature: float | str | None = None,
+    inner_permittivity: float | str | None = None,
+    outer_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
     surface: Literal["solvent-excluded", "van-der-waals", "solvent-accessible"] | None = None,
-    probe: Number | None = None,
-    points: Path | None = None,
+    probe: float | str | None = None,
+    points: Path | str | None = None,
     no_error_estimate: bool = False,
-    output: Path | None = None,
-    threads: Integer | None = None,
+    output: Path | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> PotentialResult:
     """Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and
     solvation energy.
@@ -294,6 +373,8 @@ def potential(
         Structure, PQR or body file, optionally gzipped
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     model
         Model of the potential [default: poisson-boltzmann]
     spacing
@@ -326,13 +407,34 @@ def potential(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    PotentialResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.potential("5pti.cif.gz", salt="100mM", output="bpti.mrc")  # doctest: +SKIP
+    >>> pm.potential("a.body", salt="0.15M", points="points.txt")  # doctest: +SKIP
     """
     return call(
         PotentialResult,
         ["potential"],
         [input],
         {
-            "--salt": salt,
+            "--salt": salts("potential", salt, salt_molar, required=True),
             "--model": model,
             "--spacing": spacing,
             "--margin": margin,
@@ -364,13 +466,13 @@ class _Shape:
 
     def __call__(
         self,
-        shape: Text | None = None,
+        shape: str | float | Sequence[str | float] | None = None,
         *,
-        rounding: Number | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        rounding: float | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
         coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
@@ -393,6 +495,27 @@ class _Shape:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.shape("cube", rounding=0.1)  # doctest: +SKIP
+        >>> pm.shape("corners.txt", output="hull.ply")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -409,12 +532,12 @@ class _Shape:
 
     def contact(
         self,
-        pairs: Path,
+        pairs: Path | str,
         *,
         potential: Literal["contact", "face-sum", "smooth"] | None = None,
-        threads: Integer | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Print the repulsion of pairs of convex shapes: energy, force and torques of each pair. PAIRS is a JSON
         list of objects: `a` and `b` (file or name of a shape, as for `shape`), `position` (of the centroid of
@@ -435,6 +558,22 @@ class _Shape:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -454,13 +593,13 @@ shape = _Shape()
 
 def body(
     *,
-    mesh: Path,
-    output: Path,
-    charges: Path | None = None,
-    name: Text | None = None,
-    threads: Integer | None = None,
+    mesh: Path | str,
+    output: Path | str,
+    charges: Path | str | None = None,
+    name: str | float | Sequence[str | float] | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Make a body from a mesh (PLY, OFF, OBJ, STL) and charges (PQR, or whitespace-separated x y z charge).
     Coordinates are kept: the body's origin is that of the files.
@@ -481,6 +620,27 @@ def body(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.body(mesh="patchy.ply", charges="patchy.xyzq", output="patchy.body")  # doctest: +SKIP
+    >>> pm.body(mesh="cube.off", output="cube.body")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -503,31 +663,31 @@ class _Assemble:
 
     def structure(
         self,
-        input: Path,
+        input: Path | str,
         *,
-        output: Path,
-        chain: Text | None = None,
-        model: Text | None = None,
-        assembly: Text | None = None,
-        altloc: Text | None = None,
+        output: Path | str,
+        chain: str | float | Sequence[str | float] | None = None,
+        model: str | float | Sequence[str | float] | None = None,
+        assembly: str | float | Sequence[str | float] | None = None,
+        altloc: str | float | Sequence[str | float] | None = None,
         keep_ligands: bool = False,
         keep_waters: bool = False,
         keep_hydrogens: bool = False,
         keep_nucleic_acids: bool = False,
         missing: Literal["keep", "skip", "fail"] | None = None,
-        ph: Number | None = None,
+        ph: float | str | None = None,
         charges: Literal["force-field", "formal", "none"] | None = None,
-        mutate: Text | None = None,
-        density: Number | None = None,
-        probe: Number | None = None,
+        mutate: str | float | Sequence[str | float] | None = None,
+        density: float | str | None = None,
+        probe: float | str | None = None,
         cavities: Literal["drop", "keep"] | None = None,
-        interior_radius: Number | None = None,
-        offset: Number | None = None,
+        interior_radius: float | str | None = None,
+        offset: float | str | None = None,
         relax: bool = False,
-        box: Numbers | None = None,
-        threads: Integer | None = None,
+        box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Decompose a structure: identical chains become one body, and each copy a pose.
 
@@ -582,6 +742,27 @@ class _Assemble:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.assemble.structure("1brs.cif.gz", chain="A,D", relax=True, offset=0.5, output="complex")  # doctest: +SKIP
+        >>> pm.assemble.structure("6mdr.cif.gz", assembly=1, box=400, output="stack")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -616,19 +797,19 @@ class _Assemble:
 
     def ring(
         self,
-        bodies: Paths,
+        bodies: Path | str | Body | Sequence[Path | str | Body],
         *,
-        members: Integer,
-        output: Path,
-        stack: Integer | None = None,
-        directions: Text | None = None,
-        tilt: Numbers | None = None,
-        spin: Numbers | None = None,
-        gap: Number | None = None,
-        box: Numbers | None = None,
-        threads: Integer | None = None,
+        members: int | str,
+        output: Path | str,
+        stack: int | str | None = None,
+        directions: str | float | Sequence[str | float] | None = None,
+        tilt: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        spin: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        gap: float | str | None = None,
+        box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
 
@@ -658,6 +839,27 @@ class _Assemble:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.assemble.ring(["a.body", "b.body"], members=4, box=320, output="ring.json")  # doctest: +SKIP
+        >>> pm.assemble.ring(["a.body", "b.body"], members=8, stack=2, directions="ud", output="stack.json")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -680,15 +882,15 @@ class _Assemble:
 
     def fluid(
         self,
-        bodies: Paths,
+        bodies: Path | str | Body | Sequence[Path | str | Body],
         *,
-        counts: Integers,
-        output: Path,
-        seed: Integer | None = None,
-        box: Numbers | None = None,
-        threads: Integer | None = None,
+        counts: int | str | Sequence[int | str],
+        output: Path | str,
+        seed: int | str | None = None,
+        box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Bodies at random positions and orientations in a periodic box, without overlaps.
 
@@ -710,6 +912,27 @@ class _Assemble:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.assemble.fluid(["a.body", "b.body"], counts="8,8", box=500, output="fluid.json")  # doctest: +SKIP
+        >>> pm.assemble.fluid("a.body", counts=20, box=400, seed=7, output="fluid.json")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -731,17 +954,17 @@ assemble = _Assemble()
 
 
 def candidates(
-    bodies: Paths,
+    bodies: Path | str | Body | Sequence[Path | str | Body],
     *,
-    ring: Integer,
-    stack: Integer | None = None,
+    ring: int | str,
+    stack: int | str | None = None,
     symmetry: Literal["none", "cyclic", "dihedral"] | None = None,
-    gap: Number | None = None,
-    box: Numbers | None = None,
-    output: Path | None = None,
-    threads: Integer | None = None,
+    gap: float | str | None = None,
+    box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    output: Path | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two rings, up to the
     symmetry of the stack, and write each as an assembly closed to contact.
@@ -768,6 +991,27 @@ def candidates(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.candidates(["a.body", "b.body"], ring=8, stack=2)  # doctest: +SKIP
+    >>> pm.candidates(["a.body", "b.body"], ring=4, stack=2, box=320, output="candidates")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -788,13 +1032,13 @@ def candidates(
 
 
 def compare(
-    sweeps: Paths,
+    sweeps: Path | str | Sequence[Path | str],
     *,
-    output: Path,
-    title: Text | None = None,
-    threads: Integer | None = None,
+    output: Path | str,
+    title: str | float | Sequence[str | float] | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> CompareResult:
     """Draw several finished sweeps in one figure; the legend names the directories.
 
@@ -812,6 +1056,27 @@ def compare(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    CompareResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.compare(["spin_0", "spin_90"], output="spins.svg")  # doctest: +SKIP
+    >>> pm.compare("stability", title="Ring", output="ring.png")  # doctest: +SKIP
     """
     return call(
         CompareResult,
@@ -834,22 +1099,22 @@ class _Framework:
 
     def __call__(
         self,
-        file: Path | None = None,
+        file: Path | str | None = None,
         *,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Elastic constants, mechanisms and deformation of a periodic network of rods and hinges: from a
         builder, or custom, from a TOML file (--write gives an example).
@@ -886,6 +1151,26 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.framework("net.toml", load="y", stress="1GPa,2GPa", output="pulled")  # doctest: +SKIP
         """
         return call(
             FrameworkResult,
@@ -912,25 +1197,25 @@ class _Framework:
     def honeycomb(
         self,
         *,
-        theta: Number,
-        kh: Number,
-        ks: Number,
-        h: Number | None = None,
-        l: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        theta: float | str,
+        kh: float | str,
+        ks: float | str,
+        h: float | str | None = None,
+        l: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90 degrees.
 
@@ -974,6 +1259,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1005,24 +1306,24 @@ class _Framework:
     def rotating_squares(
         self,
         *,
-        angle: Number,
-        ks: Number,
-        kh: Number,
-        side: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        angle: float | str,
+        ks: float | str,
+        kh: float | str,
+        side: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Squares that share corners and rotate alternately.
 
@@ -1065,6 +1366,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1095,24 +1412,24 @@ class _Framework:
     def rotating_triangles(
         self,
         *,
-        angle: Number,
-        ks: Number,
-        kh: Number,
-        side: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        angle: float | str,
+        ks: float | str,
+        kh: float | str,
+        side: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Equilateral triangles that share corners and rotate alternately.
 
@@ -1155,6 +1472,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1185,25 +1518,25 @@ class _Framework:
     def arrowhead(
         self,
         *,
-        outer: Number,
-        inner: Number,
-        ks: Number,
-        kh: Number,
-        width: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        outer: float | str,
+        inner: float | str,
+        ks: float | str,
+        kh: float | str,
+        width: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
 
@@ -1247,6 +1580,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1278,26 +1627,26 @@ class _Framework:
     def rod_lattice(
         self,
         *,
-        r0: Number,
-        angle: Number,
-        square_ks: Number,
-        ks: Number,
-        kh: Number,
-        l: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        r0: float | str,
+        angle: float | str,
+        square_ks: float | str,
+        ks: float | str,
+        kh: float | str,
+        l: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """The lattice of squares whose corners are joined by rods.
 
@@ -1343,6 +1692,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1375,22 +1740,22 @@ class _Framework:
     def fcc(
         self,
         *,
-        ks: Number,
-        edge: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        ks: float | str,
+        edge: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Face-centred cubic net of nearest-neighbour rods.
 
@@ -1428,6 +1793,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1456,23 +1837,23 @@ class _Framework:
     def diamond(
         self,
         *,
-        ks: Number,
-        kh: Number,
-        edge: Number | None = None,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        ks: float | str,
+        kh: float | str,
+        edge: float | str | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> FrameworkResult:
         """Diamond net of nearest-neighbour rods, hinged between all rods at a node.
 
@@ -1512,6 +1893,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        FrameworkResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             FrameworkResult,
@@ -1541,20 +1938,20 @@ class _Framework:
     def tables(
         self,
         *,
-        na: Number | None = None,
-        cells: Text | None = None,
-        thickness: Text | None = None,
+        na: float | str | None = None,
+        cells: str | float | Sequence[str | float] | None = None,
+        thickness: str | float | Sequence[str | float] | None = None,
         relax: bool = False,
         fixed_cell: bool = False,
-        load: Text | None = None,
-        stress: Text | None = None,
+        load: str | float | Sequence[str | float] | None = None,
+        stress: str | float | Sequence[str | float] | None = None,
         stress_kind: Literal["nominal", "cauchy"] | None = None,
         derivatives: bool = False,
-        write: Path | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        write: Path | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed.
 
@@ -1588,6 +1985,22 @@ class _Framework:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -1616,28 +2029,29 @@ framework = _Framework()
 
 
 def inspect(
-    assembly: Path,
+    assembly: Path | str | Assembly,
     *,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
-    tolerance: Number | None = None,
-    contact_gap: Number | None = None,
+    tolerance: float | str | None = None,
+    contact_gap: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
-    salt: Quantity | None = None,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
-    memory_limit: Integer | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
+    memory_limit: int | str | None = None,
     no_cache: bool = False,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Inspect an assembly: overlaps, pair energies, radius of gyration.
 
@@ -1659,6 +2073,8 @@ def inspect(
         Count what charges lose where other bodies displace solvent; with effective charges
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -1689,6 +2105,27 @@ def inspect(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.inspect("ring.json")  # doctest: +SKIP
+    >>> pm.inspect("ring.json", salt="100mM", interaction="effective")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -1701,7 +2138,7 @@ def inspect(
             "--contacts": contacts,
             "--contact-strength": contact_strength,
             "--desolvation": desolvation,
-            "--salt": salt,
+            "--salt": salts("inspect", salt, salt_molar),
             "--temperature": temperature,
             "--permittivity": permittivity,
             "--bjerrum": bjerrum,
@@ -1720,38 +2157,39 @@ def inspect(
 
 
 def pair(
-    first: Path,
-    second: Path | None = None,
+    first: Path | str | Body,
+    second: Path | str | Body | None = None,
     *,
-    output: Path | None = None,
-    salt: Quantity | None = None,
-    ph: Numbers | None = None,
+    output: Path | str | None = None,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     interaction: Literal["hard", "bare", "effective"] | None = None,
-    relative_error: Number | None = None,
-    b22_error: Number | None = None,
-    most_directions: Integer | None = None,
-    seed: Integer | None = None,
-    contact_gap: Number | None = None,
-    shard: Text | None = None,
+    relative_error: float | str | None = None,
+    b22_error: float | str | None = None,
+    most_directions: int | str | None = None,
+    seed: int | str | None = None,
+    contact_gap: float | str | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
     core: Literal["surface", "beads"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
-    time_limit: Number | None = None,
-    checkpoint_every: Number | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
     no_cache: bool = False,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    client: Client | None = None,
+    client: Client | str | None = None,
     parts: int | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> PairResult:
     """The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient, potential of mean
     force, dissociation constant, bound poses. The same command continues work that was stopped.
@@ -1766,6 +2204,8 @@ def pair(
         Directory of the results; nothing is kept if omitted
     salt
         Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..1M/8
+    salt_molar
+        The same as numbers in mol/L, instead of `salt`
     ph
         pH values at which structure files are made into bodies, such as 4.5,7
     interaction
@@ -1827,6 +2267,29 @@ def pair(
         Number of parts with a client [default: four per worker thread]
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    PairResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.pair("4lzt.pdb.gz", salt="100mM,300mM", ph=4.5, interaction="effective", output="lysozyme")  # doctest: +SKIP
+    >>> pm.pair("a.body", "b.body", salt="10mM..1M/8", output="association")  # doctest: +SKIP
     """
     return call(
         PairResult,
@@ -1834,7 +2297,7 @@ def pair(
         [first, second],
         {
             "--output": output,
-            "--salt": salt,
+            "--salt": salts("pair", salt, salt_molar),
             "--ph": ph,
             "--interaction": interaction,
             "--relative-error": relative_error,
@@ -1867,38 +2330,39 @@ def pair(
 
 
 def simulate(
-    assembly: Path,
+    assembly: Path | str | Assembly,
     *,
-    output: Path,
-    salt: Quantity | None = None,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
-    config: Path | None = None,
-    sweeps: Integer | None = None,
-    equilibration: Integer | None = None,
-    cluster_moves: Integer | None = None,
-    seed: Integer | None = None,
-    contact_gap: Number | None = None,
-    log_every: Integer | None = None,
-    trajectory_every: Integer | None = None,
+    output: Path | str,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
+    config: Path | str | None = None,
+    sweeps: int | str | None = None,
+    equilibration: int | str | None = None,
+    cluster_moves: int | str | None = None,
+    seed: int | str | None = None,
+    contact_gap: float | str | None = None,
+    log_every: int | str | None = None,
+    trajectory_every: int | str | None = None,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
-    tolerance: Number | None = None,
+    tolerance: float | str | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
-    time_limit: Number | None = None,
-    checkpoint_every: Number | None = None,
-    memory_limit: Integer | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    memory_limit: int | str | None = None,
     no_cache: bool = False,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> SimulationResult:
     """Run one simulation of an assembly at one salt concentration. The same command continues it.
 
@@ -1910,6 +2374,8 @@ def simulate(
         Directory of the results
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -1971,6 +2437,29 @@ def simulate(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    SimulationResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.simulate("ring.json", salt="100mM", output="run")  # doctest: +SKIP
+    >>> pm.simulate("ring.json", salt="0.1M", sweeps=5000, interaction="effective", output="run")  # doctest: +SKIP
     """
     return call(
         SimulationResult,
@@ -1978,7 +2467,7 @@ def simulate(
         [assembly],
         {
             "--output": output,
-            "--salt": salt,
+            "--salt": salts("simulate", salt, salt_molar),
             "--temperature": temperature,
             "--permittivity": permittivity,
             "--bjerrum": bjerrum,
@@ -2012,44 +2501,45 @@ def simulate(
 
 
 def sweep(
-    assembly: Path,
+    assembly: Path | str | Assembly,
     *,
-    output: Path,
-    salt: Quantity | None = None,
-    replicas: Integer | None = None,
-    exchange_every: Integer | None = None,
+    output: Path | str,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    replicas: int | str | None = None,
+    exchange_every: int | str | None = None,
     starts: Literal["assembly", "fluid", "both"] | None = None,
-    shard: Text | None = None,
-    config: Path | None = None,
-    sweeps: Integer | None = None,
-    equilibration: Integer | None = None,
-    cluster_moves: Integer | None = None,
-    seed: Integer | None = None,
-    contact_gap: Number | None = None,
-    log_every: Integer | None = None,
-    trajectory_every: Integer | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
+    config: Path | str | None = None,
+    sweeps: int | str | None = None,
+    equilibration: int | str | None = None,
+    cluster_moves: int | str | None = None,
+    seed: int | str | None = None,
+    contact_gap: float | str | None = None,
+    log_every: int | str | None = None,
+    trajectory_every: int | str | None = None,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
-    tolerance: Number | None = None,
+    tolerance: float | str | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
-    time_limit: Number | None = None,
-    checkpoint_every: Number | None = None,
-    memory_limit: Integer | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    memory_limit: int | str | None = None,
     no_cache: bool = False,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
-    threads: Integer | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    client: Client | None = None,
+    client: Client | str | None = None,
     parts: int | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> SweepResult:
     """Simulate an assembly at several salt concentrations, several replicas each: radius of gyration and
     surviving contacts against salt. The same command continues a sweep that was stopped.
@@ -2062,6 +2552,8 @@ def sweep(
         Directory of the results
     salt
         Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8
+    salt_molar
+        The same as numbers in mol/L, instead of `salt`
     replicas
         Independent replicas per salt concentration
     exchange_every
@@ -2138,6 +2630,29 @@ def sweep(
         Number of parts with a client [default: four per worker thread]
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    SweepResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.sweep("ring.json", salt="10mM..300mM/8", replicas=4, output="stability")  # doctest: +SKIP
+    >>> pm.sweep("ring.json", salt="10mM,50mM,250mM", starts="both", exchange_every=20, output="equilibrium")  # doctest: +SKIP
     """
     return call(
         SweepResult,
@@ -2145,7 +2660,7 @@ def sweep(
         [assembly],
         {
             "--output": output,
-            "--salt": salt,
+            "--salt": salts("sweep", salt, salt_molar),
             "--replicas": replicas,
             "--exchange-every": exchange_every,
             "--starts": starts,
@@ -2190,10 +2705,10 @@ class _Lattice:
     def __call__(
         self,
         *,
-        from_: Path | None = None,
-        threads: Integer | None = None,
+        from_: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
 
@@ -2207,6 +2722,26 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.lattice(from_="bodies/square.body")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -2222,36 +2757,36 @@ class _Lattice:
 
     def run(
         self,
-        config: Path | None = None,
+        config: Path | str | None = None,
         *,
-        output: Path,
-        time_limit: Number | None = None,
-        checkpoint_every: Number | None = None,
-        ns: Integer | None = None,
-        rows: Integer | None = None,
-        columns: Integer | None = None,
-        r0: Number | None = None,
-        kappa: Number | None = None,
+        output: Path | str,
+        time_limit: float | str | None = None,
+        checkpoint_every: float | str | None = None,
+        ns: int | str | None = None,
+        rows: int | str | None = None,
+        columns: int | str | None = None,
+        r0: float | str | None = None,
+        kappa: float | str | None = None,
         edges: Literal["open", "periodic"] | None = None,
-        start: Text | None = None,
-        angle_spread: Number | None = None,
+        start: str | float | Sequence[str | float] | None = None,
+        angle_spread: float | str | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
-        speed: Number | None = None,
-        velocity_spread: Number | None = None,
-        time: Number | None = None,
-        steps: Integer | None = None,
-        dt: Text | None = None,
+        speed: float | str | None = None,
+        velocity_spread: float | str | None = None,
+        time: float | str | None = None,
+        steps: int | str | None = None,
+        dt: str | float | Sequence[str | float] | None = None,
         no_collisions: bool = False,
-        restitution: Number | None = None,
+        restitution: float | str | None = None,
         paper: bool = False,
-        temperature: Number | None = None,
-        friction: Number | None = None,
-        seed: Integer | None = None,
-        log_every: Integer | None = None,
-        trajectory_every: Integer | None = None,
-        threads: Integer | None = None,
+        temperature: float | str | None = None,
+        friction: float | str | None = None,
+        seed: int | str | None = None,
+        log_every: int | str | None = None,
+        trajectory_every: int | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> LatticeResult:
         """Run one lattice. The same command continues it.
 
@@ -2316,6 +2851,29 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        LatticeResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        StoppedError
+            If the time was over before the end; the same call continues it
+
+        Examples
+        --------
+        >>> pm.lattice.run(ns=10, r0=0.05, time=3, output="coherent")  # doctest: +SKIP
+        >>> pm.lattice.run("square.toml", time=10, output="rhua")  # doctest: +SKIP
         """
         return call(
             LatticeResult,
@@ -2355,41 +2913,41 @@ class _Lattice:
 
     def sweep(
         self,
-        config: Path | None = None,
+        config: Path | str | None = None,
         *,
-        output: Path,
-        time_limit: Number | None = None,
-        checkpoint_every: Number | None = None,
-        r0_list: Numbers | None = None,
-        kappa_list: Numbers | None = None,
-        seeds: Integer | None = None,
+        output: Path | str,
+        time_limit: float | str | None = None,
+        checkpoint_every: float | str | None = None,
+        r0_list: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        kappa_list: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        seeds: int | str | None = None,
         lyapunov: bool = False,
-        lyapunov_intervals: Integer | None = None,
-        ns: Integer | None = None,
-        rows: Integer | None = None,
-        columns: Integer | None = None,
-        r0: Number | None = None,
-        kappa: Number | None = None,
+        lyapunov_intervals: int | str | None = None,
+        ns: int | str | None = None,
+        rows: int | str | None = None,
+        columns: int | str | None = None,
+        r0: float | str | None = None,
+        kappa: float | str | None = None,
         edges: Literal["open", "periodic"] | None = None,
-        start: Text | None = None,
-        angle_spread: Number | None = None,
+        start: str | float | Sequence[str | float] | None = None,
+        angle_spread: float | str | None = None,
         velocities: Literal["checkerboard", "random", "rest", "thermal"] | None = None,
-        speed: Number | None = None,
-        velocity_spread: Number | None = None,
-        time: Number | None = None,
-        steps: Integer | None = None,
-        dt: Text | None = None,
+        speed: float | str | None = None,
+        velocity_spread: float | str | None = None,
+        time: float | str | None = None,
+        steps: int | str | None = None,
+        dt: str | float | Sequence[str | float] | None = None,
         no_collisions: bool = False,
-        restitution: Number | None = None,
+        restitution: float | str | None = None,
         paper: bool = False,
-        temperature: Number | None = None,
-        friction: Number | None = None,
-        seed: Integer | None = None,
-        log_every: Integer | None = None,
-        trajectory_every: Integer | None = None,
-        threads: Integer | None = None,
+        temperature: float | str | None = None,
+        friction: float | str | None = None,
+        seed: int | str | None = None,
+        log_every: int | str | None = None,
+        trajectory_every: int | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> LatticeSweepResult:
         """Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and figures. The
         same command continues a sweep that was stopped.
@@ -2465,6 +3023,29 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        LatticeSweepResult
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        StoppedError
+            If the time was over before the end; the same call continues it
+
+        Examples
+        --------
+        >>> pm.lattice.sweep(ns=4, r0_list="0.05,0.5,1", kappa_list="0,10", seeds=3, output="sweep")  # doctest: +SKIP
+        >>> pm.lattice.sweep(ns=2, r0_list="0.25,0.5", seeds=2, lyapunov=True, output="chaos")  # doctest: +SKIP
         """
         return call(
             LatticeSweepResult,
@@ -2509,14 +3090,14 @@ class _Lattice:
 
     def animate(
         self,
-        directory: Path,
+        directory: Path | str,
         *,
-        output: Path | None = None,
-        frames: Path | None = None,
-        most_frames: Integer | None = None,
-        threads: Integer | None = None,
+        output: Path | str | None = None,
+        frames: Path | str | None = None,
+        most_frames: int | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Make a self-contained HTML page that plays a run in any browser.
 
@@ -2536,6 +3117,27 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.lattice.animate("coherent")  # doctest: +SKIP
+        >>> pm.lattice.animate("coherent", output="coherent.html", frames="frames")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -2553,14 +3155,14 @@ class _Lattice:
 
     def square(
         self,
-        body: Path,
+        body: Path | str | Body,
         *,
         axis: Literal["auto", "x", "y", "z"] | None = None,
         size: Literal["corners", "outside", "area"] | None = None,
-        output: Path | None = None,
-        threads: Integer | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """The square that represents a body with a symmetry axis, as part of a configuration.
 
@@ -2580,6 +3182,22 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -2597,13 +3215,13 @@ class _Lattice:
 
     def replay(
         self,
-        file: Path,
+        file: Path | str,
         *,
-        dt: Number | None = None,
-        longest: Number | None = None,
-        threads: Integer | None = None,
+        dt: float | str | None = None,
+        longest: float | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Integrate the state of a file (JSON: ns, r0, kappa, s0, v0, times): without collisions to the listed
         times, and up to the first contact and through it.
@@ -2622,6 +3240,22 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -2638,11 +3272,11 @@ class _Lattice:
 
     def respond(
         self,
-        file: Path,
+        file: Path | str,
         *,
-        threads: Integer | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """The elastic impact at the contact state of a file (JSON: ns, r0, first_collision with s and v).
 
@@ -2656,6 +3290,22 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -2671,15 +3321,15 @@ class _Lattice:
     def bench(
         self,
         *,
-        ns: Integer | None = None,
-        r0: Number | None = None,
-        steps: Integer | None = None,
-        dt: Text | None = None,
+        ns: int | str | None = None,
+        r0: float | str | None = None,
+        steps: int | str | None = None,
+        dt: str | float | Sequence[str | float] | None = None,
         no_collisions: bool = False,
-        seed: Integer | None = None,
-        threads: Integer | None = None,
+        seed: int | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Measure steps per CPU-second of a square lattice from a half-open start with random angular
         velocities.
@@ -2704,6 +3354,22 @@ class _Lattice:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
         """
         return call(
             Result,
@@ -2727,13 +3393,13 @@ lattice = _Lattice()
 
 
 def report(
-    directory: Path,
+    directory: Path | str,
     *,
-    output: Path | None = None,
-    assembly: Path | None = None,
-    threads: Integer | None = None,
+    output: Path | str | None = None,
+    assembly: Path | str | Assembly | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Make a self-contained HTML page of a directory of results: figures with their numbers, rotatable bodies,
     animated lattices. The page loads nothing.
@@ -2753,6 +3419,27 @@ def report(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.report("stability")  # doctest: +SKIP
+    >>> pm.report("coherent", output="coherent.html", force=True)  # doctest: +SKIP
     """
     return call(
         Result,
@@ -2769,19 +3456,20 @@ def report(
 
 
 def export(
-    input: Path,
+    input: Path | str | Assembly | Body,
     *,
-    output: Path,
-    frame: Text | None = None,
-    salt: Quantity | None = None,
-    replica: Integer | None = None,
-    assembly: Path | None = None,
+    output: Path | str,
+    frame: str | float | Sequence[str | float] | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    replica: int | str | None = None,
+    assembly: Path | str | Assembly | None = None,
     values: Literal["charge", "hydropathy"] | None = None,
     gather: bool = False,
     script: Literal["chimerax", "pymol"] | None = None,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the bodies, and a
     script for a viewer. Chains get new identifiers; a table in the file says which copy and chain each was.
@@ -2796,6 +3484,8 @@ def export(
         Frame of a simulation, counted from 0, or last [default: last]
     salt
         Salt concentration of a sweep, such as 100mM
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     replica
         Replica of a sweep, counted from 0 [default: 0]
     assembly
@@ -2812,6 +3502,27 @@ def export(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.export("ring.json", output="ring.cif", script="chimerax")  # doctest: +SKIP
+    >>> pm.export("stability", salt="300mM", frame="last", output="end.pdb")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -2820,7 +3531,7 @@ def export(
         {
             "--output": output,
             "--frame": frame,
-            "--salt": salt,
+            "--salt": salts("export", salt, salt_molar),
             "--replica": replica,
             "--assembly": assembly,
             "--values": values,
@@ -2833,40 +3544,146 @@ def export(
     )
 
 
-def train(
-    set: Path | None = None,
+def scattering(
+    input: Path | str | Assembly,
     *,
-    output: Path,
-    control: Text | None = None,
-    short: bool = False,
-    config: Path | None = None,
-    ablate: bool = False,
-    ablation_seeds: Integer | None = None,
-    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
-    least_samples: Integer | None = None,
-    channels: Text | None = None,
-    split_by: Literal["cluster", "sample"] | None = None,
-    split_seed: Integer | None = None,
-    fractions: Numbers | None = None,
-    scaling: Literal["robust", "raw", "box-standardised"] | None = None,
-    permutations: Integer | None = None,
-    rotations: bool = False,
-    widths: Integers | None = None,
-    kernels: Integers | None = None,
-    groups: Integer | None = None,
-    average_only: bool = False,
-    epochs: Integer | None = None,
-    patience: Integer | None = None,
-    logit_adjustment: Number | None = None,
-    batch: Integer | None = None,
-    learning_rate: Number | None = None,
-    seed: Integer | None = None,
-    device: Text | None = None,
-    time_limit: Number | None = None,
-    checkpoint_every: Number | None = None,
-    threads: Integer | None = None,
+    output: Path | str | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    assembly: Path | str | Assembly | None = None,
+    skip: float | str | None = None,
+    most_frames: int | str | None = None,
+    q_max: float | str | None = None,
+    q_points: int | str | None = None,
+    directions: int | str | None = None,
+    light_q: float | str | None = None,
+    hydration: float | str | None = None,
+    contact_gap: float | str | None = None,
+    seed: int | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> ScatteringResult:
+    """What light and X-rays see of an assembly or of the trajectories of a run: cluster sizes, hydrodynamic
+    radii as dynamic light scattering averages them, S(q) of the centres, P(q) of the bodies and I(q) of the
+    whole.
+
+    Parameters
+    ----------
+    input
+        Assembly file, or directory of a simulation or a sweep
+    output
+        Directory for tables (CSV), JSON and figure
+    salt
+        Only this salt concentration of a sweep, such as 100mM
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
+    assembly
+        Assembly file of a run, if it has moved
+    skip
+        Share of the frames at the beginning of each trajectory that is left out [default: 0.2]
+    most_frames
+        Frames of each trajectory that are measured at most, evenly spread [default: 100]
+    q_max
+        Largest wave number, Å⁻¹ [default: 0.3]
+    q_points
+        Number of wave numbers [default: 60]
+    directions
+        Directions of the wave vector for each wave number and frame, at most [default: 24]
+    light_q
+        Wave number of the dynamic light scattering, Å⁻¹ [default: 0.00264, red light at 173° in water]
+    hydration
+        Thickness of the water that moves with a body, Å [default: 1.1]
+    contact_gap
+        Surfaces closer than this are in contact, Å [default: that of the run, or 5]
+    seed
+        Seed of the random directions [default: 1]
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    ScatteringResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.scattering("stability", output="scattering")  # doctest: +SKIP
+    >>> pm.scattering("ring.json", q_max=0.2)  # doctest: +SKIP
+    """
+    return call(
+        ScatteringResult,
+        ["scattering"],
+        [input],
+        {
+            "--output": output,
+            "--salt": salts("scattering", salt, salt_molar),
+            "--assembly": assembly,
+            "--skip": skip,
+            "--most-frames": most_frames,
+            "--q-max": q_max,
+            "--q-points": q_points,
+            "--directions": directions,
+            "--light-q": light_q,
+            "--hydration": hydration,
+            "--contact-gap": contact_gap,
+            "--seed": seed,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def train(
+    set: Path | str | None = None,
+    *,
+    output: Path | str,
+    control: str | float | Sequence[str | float] | None = None,
+    short: bool = False,
+    config: Path | str | None = None,
+    ablate: bool = False,
+    ablation_seeds: int | str | None = None,
+    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
+    least_samples: int | str | None = None,
+    channels: str | float | Sequence[str | float] | None = None,
+    split_by: Literal["cluster", "sample"] | None = None,
+    split_seed: int | str | None = None,
+    fractions: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    scaling: Literal["robust", "raw", "box-standardised"] | None = None,
+    permutations: int | str | None = None,
+    rotations: bool = False,
+    widths: int | str | Sequence[int | str] | None = None,
+    kernels: int | str | Sequence[int | str] | None = None,
+    groups: int | str | None = None,
+    average_only: bool = False,
+    epochs: int | str | None = None,
+    patience: int | str | None = None,
+    logit_adjustment: float | str | None = None,
+    batch: int | str | None = None,
+    learning_rate: float | str | None = None,
+    seed: int | str | None = None,
+    device: str | float | Sequence[str | float] | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> TrainResult:
     """Train a network on a set of voxels, or on a control. The same command continues it.
 
@@ -2940,6 +3757,29 @@ def train(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    TrainResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.train("set.zarr", target="crystal-system", epochs=40, output="run")  # doctest: +SKIP
+    >>> pm.train(control="charge", short=True, output="charge")  # doctest: +SKIP
     """
     return call(
         TrainResult,
@@ -2982,14 +3822,14 @@ def train(
 
 
 def predict(
-    run: Path,
-    set: Path,
+    run: Path | str,
+    set: Path | str,
     *,
-    output: Path | None = None,
-    device: Text | None = None,
-    threads: Integer | None = None,
+    output: Path | str | None = None,
+    device: str | float | Sequence[str | float] | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> PredictResult:
     """Apply a network trained by 'protomer train' to every sample of a set of voxels: class, probabilities, and
     scores where the labels are known.
@@ -3011,6 +3851,27 @@ def predict(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    PredictResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.predict("run", "new.zarr", output="predictions.csv")  # doctest: +SKIP
+    >>> pm.predict("run", "new.zarr")  # doctest: +SKIP
     """
     return call(
         PredictResult,
@@ -3027,31 +3888,31 @@ def predict(
 
 
 def tune(
-    set: Path,
+    set: Path | str,
     *,
-    output: Path,
-    trials: Integer | None = None,
-    epochs: Integer | None = None,
-    seed: Integer | None = None,
+    output: Path | str,
+    trials: int | str | None = None,
+    epochs: int | str | None = None,
+    seed: int | str | None = None,
     vary_channels: bool = False,
-    shard: Text | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
     target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
-    least_samples: Integer | None = None,
-    channels: Text | None = None,
+    least_samples: int | str | None = None,
+    channels: str | float | Sequence[str | float] | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
-    split_seed: Integer | None = None,
-    fractions: Numbers | None = None,
+    split_seed: int | str | None = None,
+    fractions: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     scaling: Literal["robust", "raw", "box-standardised"] | None = None,
-    permutations: Integer | None = None,
+    permutations: int | str | None = None,
     rotations: bool = False,
-    device: Text | None = None,
-    time_limit: Number | None = None,
-    checkpoint_every: Number | None = None,
-    threads: Integer | None = None,
+    device: str | float | Sequence[str | float] | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    client: Client | None = None,
+    client: Client | str | None = None,
     parts: int | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> TuneResult:
     """Search for the network that predicts best: blocks, kernels, channels, learning rate. The same command
     continues it.
@@ -3109,6 +3970,29 @@ def tune(
         Number of parts with a client [default: four per worker thread]
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    TuneResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.tune("set.zarr", target="crystal-system", trials=27, output="search")  # doctest: +SKIP
+    >>> pm.tune("set.zarr", trials=9, shard="1/4", output="search")  # doctest: +SKIP
     """
     return call(
         TuneResult,
@@ -3144,27 +4028,28 @@ def tune(
 
 def voxelize(
     *,
-    manifest: Path,
-    output: Path,
-    size: Integer | None = None,
-    spacing: Text | None = None,
-    channels: Text | None = None,
+    manifest: Path | str,
+    output: Path | str,
+    size: int | str | None = None,
+    spacing: str | float | Sequence[str | float] | None = None,
+    channels: str | float | Sequence[str | float] | None = None,
     orientation: Literal["random", "principal", "deposited"] | None = None,
-    seed: Integer | None = None,
+    seed: int | str | None = None,
     potential: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
-    salt: Quantity | None = None,
-    temperature: Number | None = None,
-    ph: Number | None = None,
-    probe: Number | None = None,
-    hydropathy_reach: Number | None = None,
-    most_incomplete: Number | None = None,
-    shard: Text | None = None,
-    time_limit: Number | None = None,
-    threads: Integer | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    ph: float | str | None = None,
+    probe: float | str | None = None,
+    hydropathy_reach: float | str | None = None,
+    most_incomplete: float | str | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
+    time_limit: float | str | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    client: Client | None = None,
+    client: Client | str | None = None,
     parts: int | None = None,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> VoxelizeResult:
     """Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface, potential,
     hydropathy.
@@ -3190,6 +4075,8 @@ def voxelize(
         Model of the potential; the equation is solved on a grid of 1 Å [default: poisson-boltzmann]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M [default: 150mM]
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     temperature
         Temperature, K [default: 298.15]
     ph
@@ -3216,6 +4103,29 @@ def voxelize(
         Number of parts with a client [default: four per worker thread]
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    VoxelizeResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.voxelize(manifest="set.csv", output="set.zarr", seed=1)  # doctest: +SKIP
+    >>> pm.voxelize(manifest="set.csv", shard="1/4", output="part1.zarr")  # doctest: +SKIP
     """
     return call(
         VoxelizeResult,
@@ -3230,7 +4140,7 @@ def voxelize(
             "--orientation": orientation,
             "--seed": seed,
             "--potential": potential,
-            "--salt": salt,
+            "--salt": salts("voxelize", salt, salt_molar),
             "--temperature": temperature,
             "--ph": ph,
             "--probe": probe,
@@ -3248,12 +4158,12 @@ def voxelize(
 
 
 def merge(
-    inputs: Paths,
+    inputs: Path | str | Sequence[Path | str],
     *,
-    output: Path,
-    threads: Integer | None = None,
+    output: Path | str,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Merge sets of voxel grids with the same settings; the parts of one manifest give the same set as a single
     run.
@@ -3270,6 +4180,27 @@ def merge(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.merge(["part1.zarr", "part2.zarr"], output="set.zarr")  # doctest: +SKIP
+    >>> pm.merge(["a.zarr", "b.zarr"], output="both.zarr", force=True)  # doctest: +SKIP
     """
     return call(
         Result,
@@ -3285,31 +4216,32 @@ def merge(
 
 
 def bench(
-    assembly: Path | None = None,
+    assembly: Path | str | Assembly | None = None,
     *,
-    moves: Integer | None = None,
+    moves: int | str | None = None,
     energy: Literal["direct", "calibrated", "approximate", "none"] | None = None,
-    tolerance: Number | None = None,
-    part: Text | None = None,
-    charges: Integers | None = None,
-    seed: Integer | None = None,
-    salt: Quantity | None = None,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
+    tolerance: float | str | None = None,
+    part: str | float | Sequence[str | float] | None = None,
+    charges: int | str | Sequence[int | str] | None = None,
+    seed: int | str | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
-    memory_limit: Integer | None = None,
+    memory_limit: int | str | None = None,
     no_cache: bool = False,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> BenchResult:
     """Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the decisions made.
     Without an assembly: measure on states that the program makes itself, and print a table of each energy
@@ -3335,6 +4267,8 @@ def bench(
         Seed of the random numbers, and of the program's own states [default: 1]
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -3371,6 +4305,27 @@ def bench(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    BenchResult
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.bench("ring.json", salt="300mM", moves=2000)  # doctest: +SKIP
+    >>> pm.bench(part="charges", charges=500)  # doctest: +SKIP
     """
     return call(
         BenchResult,
@@ -3383,7 +4338,7 @@ def bench(
             "--part": part,
             "--charges": charges,
             "--seed": seed,
-            "--salt": salt,
+            "--salt": salts("bench", salt, salt_molar),
             "--temperature": temperature,
             "--permittivity": permittivity,
             "--bjerrum": bjerrum,

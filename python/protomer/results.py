@@ -5,13 +5,17 @@ Every `plot(ax=None)` draws into axes of matplotlib, new ones if none are given,
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._assembly import Assembly, Trajectory, nearest
+from ._errors import unknown
 from ._log import read_log
-from ._result import Result, new_axes, numbers
+from ._result import Result, missing, new_axes, numbers
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,6 +30,7 @@ __all__ = [
     "PotentialResult",
     "PredictResult",
     "Result",
+    "ScatteringResult",
     "SimulationResult",
     "SweepResult",
     "TrainResult",
@@ -36,8 +41,99 @@ __all__ = [
 Numbers = NDArray[np.float64]
 
 
+def _replica(directory: Path, salt_molar: float, replica: int) -> Path:
+    """The folder of a simulation."""
+    return directory / f"salt_{salt_molar:.6f}M" / f"replica_{replica}"
+
+
+def _assembly_of(directory: Path) -> Assembly:
+    """The assembly that a run was begun with, as its record names it."""
+    record = directory / "run.json"
+    if not record.exists():
+        raise missing(f"{directory} holds no run.json, which names the assembly; finish the work first", record)
+    named = json.loads(record.read_text(encoding="utf-8")).get("details", {}).get("assembly")
+    if named is None:
+        raise missing(f"{record} names no assembly; read it with pm.Assembly.read", record)
+    return Assembly.read(directory / named)
+
+
+def _trajectory(path: Path) -> Trajectory:
+    if not path.exists():
+        raise missing(f"there is no {path}; a run writes it after its equilibration, unless trajectory_every is 0", path)
+    return Trajectory(path)
+
+
 class SimulationResult(Result):
-    """Averages of one simulation."""
+    """Averages of one simulation.
+
+    Examples
+    --------
+    >>> run = pm.simulate("ring.json", salt="100mM", output="run")     # doctest: +SKIP
+    >>> run.trajectory()[-1].positions_angstrom                        # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "sweep.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("sweep", "simulation")
+
+    @classmethod
+    def _fields_of(cls, directory: Path) -> Any:
+        fields = super()._fields_of(directory)
+        replicas = [replica for row in fields["replicas"] for replica in row]
+        if len(replicas) != 1:
+            raise ValueError(f"{directory} holds {len(replicas)} simulations; use SweepResult.read")
+        effective = fields["salts"][0].get("effective_bodies")
+        return replicas[0] if effective is None else {**replicas[0], "effective_bodies": effective}
+
+    @property
+    def trajectories(self) -> list[Path]:
+        """The file of its trajectory; none if it was run with `trajectory_every=0`."""
+        return sorted(self.directory.glob("salt_*/replica_*/trajectory.gsd"))
+
+    def trajectory(self) -> Trajectory:
+        """Opens its trajectory.
+
+        Returns
+        -------
+        Trajectory
+            The poses of production, frame by frame
+
+        Raises
+        ------
+        MissingFileError
+            If it has none; also a `FileNotFoundError`
+
+        Examples
+        --------
+        >>> run.trajectory().positions_angstrom.shape                  # doctest: +SKIP
+        (20, 4, 3)
+        """
+        found = self.trajectories
+        return _trajectory(found[0] if found else self.directory / "trajectory.gsd")
+
+    def assembly(self, frame: int | None = None) -> Assembly:
+        """The assembly that the run was begun with, or its bodies at a frame.
+
+        Parameters
+        ----------
+        frame
+            A frame of the trajectory, counted from zero, or from the end if negative; the start if left out
+
+        Returns
+        -------
+        Assembly
+
+        Raises
+        ------
+        MissingFileError
+            If the assembly or the trajectory is not there; also a `FileNotFoundError`
+        IndexError
+            If there is no such frame
+
+        Examples
+        --------
+        >>> pm.export(run.assembly(-1), output="end.cif")              # doctest: +SKIP
+        """
+        return _at(_assembly_of(self.directory), self.trajectory()[frame] if frame is not None else None)
 
     @property
     def log(self) -> dict[str, NDArray[Any]]:
@@ -55,8 +151,128 @@ class SimulationResult(Result):
         return ax
 
 
+def _at(assembly: Assembly, frame: Any) -> Assembly:
+    return assembly if frame is None else assembly.with_poses(frame.positions_angstrom, frame.orientations_wxyz)
+
+
 class SweepResult(Result):
-    """Stability against salt: one entry per salt concentration."""
+    """Stability against salt: one entry per salt concentration.
+
+    Examples
+    --------
+    >>> sweep = pm.SweepResult.read("stability")                       # doctest: +SKIP
+    >>> sweep.half_salt_molar                                          # doctest: +SKIP
+    >>> sweep.trajectory(salt_molar=0.05, replica=1)[-1]               # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "sweep.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("sweep", "simulation")
+
+    def _folders(self) -> list[Path]:
+        """The folders of the simulations, by salt and replica as in the settings."""
+        settings = self._fields["settings"]
+        return [
+            _replica(self.directory, salt, replica) for salt in settings["salt_M"] for replica in range(settings["replicas"])
+        ]
+
+    def _folder(self, salt_molar: float | None, replica: int) -> Path:
+        settings = self._fields["settings"]
+        salts: list[float] = settings["salt_M"]
+        if salt_molar is None:
+            if len(salts) > 1:
+                unknown("salt concentration", None, salts)
+            salt_molar = salts[0]
+        salt = salts[nearest(salts, salt_molar, "salt concentration (mol/L)")]
+        if replica not in range(settings["replicas"]):
+            unknown("replica", replica, range(settings["replicas"]))
+        return _replica(self.directory, salt, replica)
+
+    @property
+    def trajectories(self) -> list[Path]:
+        """The files of the trajectories, by salt and replica; without those that a run does not have."""
+        paths = (folder / "trajectory.gsd" for folder in self._folders())
+        return [path for path in paths if path.exists()]
+
+    def trajectory(self, *, salt_molar: float | None = None, replica: int = 0) -> Trajectory:
+        """Opens the trajectory of one simulation.
+
+        Parameters
+        ----------
+        salt_molar
+            Its salt concentration, mol/L; may be left out if there is only one
+        replica
+            Its replica, counted from zero
+
+        Returns
+        -------
+        Trajectory
+            The poses of production, frame by frame
+
+        Raises
+        ------
+        KeyError
+            If there is no such salt or replica; it lists those that exist
+        MissingFileError
+            If the simulation has no trajectory; also a `FileNotFoundError`
+
+        Examples
+        --------
+        >>> sweep.trajectory(salt_molar=0.05).positions_angstrom.shape         # doctest: +SKIP
+        (20, 4, 3)
+        """
+        return _trajectory(self._folder(salt_molar, replica) / "trajectory.gsd")
+
+    def log(self, *, salt_molar: float | None = None, replica: int = 0) -> dict[str, NDArray[Any]]:
+        """The log of one simulation.
+
+        Parameters
+        ----------
+        salt_molar, replica
+            As in `trajectory`
+
+        Returns
+        -------
+        dict
+            Its columns, one entry per sampled sweep, (T,) each
+
+        Raises
+        ------
+        KeyError
+            If there is no such salt or replica; it lists those that exist
+
+        Examples
+        --------
+        >>> sweep.log(salt_molar=0.05)["energy_kT"].mean()             # doctest: +SKIP
+        """
+        return read_log(self._folder(salt_molar, replica))
+
+    def assembly(self, frame: int | None = None, *, salt_molar: float | None = None, replica: int = 0) -> Assembly:
+        """The assembly that the sweep was begun with, or its bodies at a frame of one simulation.
+
+        Parameters
+        ----------
+        frame
+            A frame of the trajectory, counted from zero, or from the end if negative; the start if left out
+        salt_molar, replica
+            As in `trajectory`
+
+        Returns
+        -------
+        Assembly
+
+        Raises
+        ------
+        KeyError
+            If there is no such salt or replica; it lists those that exist
+        MissingFileError
+            If the assembly or the trajectory is not there; also a `FileNotFoundError`
+
+        Examples
+        --------
+        >>> pm.export(sweep.assembly(-1, salt_molar=0.3), output="end.cif")    # doctest: +SKIP
+        """
+        opened = None if frame is None else self.trajectory(salt_molar=salt_molar, replica=replica)[frame]
+        return _at(_assembly_of(self.directory), opened)
 
     def _column(self, name: str) -> Numbers:
         return numbers([row[name] for row in self._fields["salts"]])
@@ -110,6 +326,8 @@ class SweepResult(Result):
             "native_contacts": ("native_contacts_mean", "native_contacts_sd", "native contacts left"),
             "largest_cluster": ("largest_cluster_mean", "largest_cluster_sd", "bodies in the largest cluster"),
         }
+        if quantity not in columns:
+            unknown("quantity", quantity, columns)
         mean, deviation, label = columns[quantity]
         ax = new_axes(ax)
         ax.errorbar(self.salt_molar * 1000.0, self._column(mean), yerr=self._column(deviation), marker="o", capsize=3)
@@ -144,7 +362,7 @@ class LatticeResult(Result):
         """A column of the log against time: `angle_spread` (rad), `strain_xx`, `checkerboard_fraction`, ..."""
         log = self.log
         if quantity not in log:
-            raise ValueError(f"the log has no column {quantity!r}; it has {', '.join(log)}")
+            unknown("column of the log", quantity, log)
         ax = new_axes(ax)
         ax.plot(log["time"], log[quantity])
         ax.set_xlabel("time")
@@ -155,12 +373,15 @@ class LatticeResult(Result):
 class LatticeSweepResult(Result):
     """Lattices of several rod lengths and κ: one entry of `conditions` for each."""
 
+    _FILE: ClassVar[str | None] = "lattice.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("lattice sweep",)
+
     def plot(self, ax: Axes | None = None, *, quantity: str = "poisson_ratio") -> Axes:
         """An estimate of the conditions against the length of the rods, a line for each κ, with its standard error."""
         rows = self._fields["conditions"]
         known = [name for name, value in rows[0].items() if isinstance(value, dict)]
         if quantity not in known:
-            raise ValueError(f"the conditions have no estimate {quantity!r}; they have {', '.join(known)}")
+            unknown("estimate", quantity, known)
         ax = new_axes(ax)
         for kappa in sorted({row["kappa"] for row in rows}):
             own = sorted((row for row in rows if row["kappa"] == kappa), key=lambda row: float(row["r0"]))
@@ -203,7 +424,58 @@ class FrameworkResult(Result):
 
 
 class PairResult(Result):
-    """Two bodies over a grid of salt and pH: one entry of `conditions` for each."""
+    """Two bodies over a grid of salt and pH: one entry of `conditions` for each.
+
+    Examples
+    --------
+    >>> pair = pm.pair(plus, minus, salt_molar=[0.05, 0.1], output="association")      # doctest: +SKIP
+    >>> pair.kd_molar, pair.pose_files                                                 # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "pair.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("pair",)
+
+    @property
+    def pose_files(self) -> list[Path]:
+        """The structure files of the bound poses of all conditions, the most stable of each first."""
+        return sorted(self.directory.glob("**/poses/pose_*.cif"))
+
+    def poses(self, *, salt_molar: float | None = None, ph: float | None = None) -> tuple[Numbers, Numbers, Numbers]:
+        """The bound poses of one condition: the second body in the frame of the first.
+
+        Parameters
+        ----------
+        salt_molar, ph
+            The condition; what all conditions share may be left out
+
+        Returns
+        -------
+        tuple
+            Positions, Å, (P, 3), orientations, scalar first, (P, 4), and energies, kT, (P,); the most stable first
+
+        Raises
+        ------
+        KeyError
+            If there is no such condition, or several; it lists those that exist
+
+        Examples
+        --------
+        >>> positions, turns, energies_kt = pair.poses(salt_molar=0.05)        # doctest: +SKIP
+        """
+        rows = list(self._fields["conditions"])
+        for key, asked in (("salt_M", salt_molar), ("ph", ph)):
+            if asked is not None:
+                known = [row[key] for row in rows if row[key] is not None]
+                value = known[nearest(known, asked, key)]
+                rows = [row for row in rows if row[key] == value]
+        if len(rows) != 1:
+            unknown("single condition", (salt_molar, ph), [(row["salt_M"], row["ph"]) for row in rows])
+        poses = rows[0]["poses"]
+        return (
+            np.array([pose["position_angstrom"] for pose in poses]).reshape(-1, 3),
+            np.array([pose["orientation_wxyz"] for pose in poses]).reshape(-1, 4),
+            np.array([pose["energy_kt"] for pose in poses], dtype=np.float64),
+        )
 
     def _column(self, name: str) -> Numbers:
         return numbers([row[name] for row in self._fields["conditions"]])
@@ -308,6 +580,127 @@ class PairResult(Result):
             return [("bodies as they are", np.argsort(self.salt_molar))]
         own = ((value, np.flatnonzero(ph == value)) for value in np.unique(ph))
         return [(f"pH {value:g}", rows[np.argsort(self.salt_molar[rows])]) for value, rows in own]
+
+
+class ScatteringResult(Result):
+    """What light and X-rays see: one entry of `states` for each salt concentration, or for the assembly.
+
+    Examples
+    --------
+    >>> seen = pm.scattering("stability")                              # doctest: +SKIP
+    >>> seen.salt_molar, seen.hydrodynamic_radius_angstrom             # doctest: +SKIP
+    >>> seen.q_per_angstrom, seen.structure_factor.shape               # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "scattering.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("sweep", "simulation")
+
+    def _column(self, name: str, part: str) -> Numbers:
+        return numbers([state[name][part] for state in self._fields["states"]])
+
+    def _curves(self, name: str) -> Numbers:
+        return np.array([numbers([row[name] for row in state["curve"]]) for state in self._fields["states"]])
+
+    @property
+    def salt_molar(self) -> Numbers:
+        """Salt concentrations, mol/L, (S,); NaN for an assembly."""
+        return numbers([state["salt_M"] for state in self._fields["states"]])
+
+    @property
+    def q_per_angstrom(self) -> Numbers:
+        """Wave numbers, Å⁻¹, (Q,)."""
+        first: Numbers = self._curves("q_per_angstrom")[0]
+        return first
+
+    @property
+    def structure_factor(self) -> Numbers:
+        """S(q) between the origins of the bodies, (S, Q)."""
+        return self._curves("structure_factor")
+
+    @property
+    def structure_factor_error(self) -> Numbers:
+        """Its standard error, (S, Q); NaN where there is one frame."""
+        return self._curves("structure_factor_error")
+
+    @property
+    def form_factor(self) -> Numbers:
+        """P(q) of the bodies, weighted with their squared volumes, (Q,)."""
+        first: Numbers = self._curves("form_factor")[0]
+        return first
+
+    @property
+    def intensity(self) -> Numbers:
+        """I(q) of all bodies over the sum of their squared volumes, (S, Q)."""
+        return self._curves("intensity")
+
+    @property
+    def intensity_error(self) -> Numbers:
+        """Its standard error, (S, Q); NaN where there is one frame."""
+        return self._curves("intensity_error")
+
+    @property
+    def hydrodynamic_radius_angstrom(self) -> Numbers:
+        """Hydrodynamic radius as dynamic light scattering averages it, Å, (S,)."""
+        return self._column("hydrodynamic_radius_angstrom", "mean")
+
+    @property
+    def hydrodynamic_radius_error_angstrom(self) -> Numbers:
+        """Its standard error, Å, (S,); NaN where there is one frame."""
+        return self._column("hydrodynamic_radius_angstrom", "error")
+
+    @property
+    def fraction_of_bodies(self) -> Numbers:
+        """Fraction of the bodies in clusters of 1, 2, ... bodies, (S, K)."""
+        states = self._fields["states"]
+        largest = max(len(state["cluster_sizes"]) for state in states)
+        fractions = np.zeros((len(states), largest))
+        for row, state in zip(fractions, states):
+            row[: len(state["cluster_sizes"])] = [size["fraction_of_bodies"] for size in state["cluster_sizes"]]
+        return fractions
+
+    def plot(self, ax: Axes | None = None, *, quantity: Literal["structure_factor", "intensity", "clusters"] = "intensity") -> Axes:
+        """Draws I(q) or S(q), a line for each salt, or the distribution of cluster sizes.
+
+        Parameters
+        ----------
+        ax
+            Axes of matplotlib; new ones if left out
+        quantity
+            What to draw
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+
+        Raises
+        ------
+        KeyError
+            For another quantity
+
+        Examples
+        --------
+        >>> seen.plot(quantity="structure_factor")                     # doctest: +SKIP
+        """
+        labels = {"structure_factor": "S(q) of the centres", "intensity": "I(q)", "clusters": "fraction of the bodies"}
+        if quantity not in labels:
+            unknown("quantity", quantity, labels)
+        ax = new_axes(ax)
+        names = [None if np.isnan(salt) else f"{salt * 1000.0:g} mM" for salt in self.salt_molar]
+        if quantity == "clusters":
+            sizes = np.arange(1, self.fraction_of_bodies.shape[1] + 1)
+            for name, fractions in zip(names, self.fraction_of_bodies):
+                ax.plot(sizes, fractions, marker="o", label=name)
+            ax.set_xlabel("bodies in a cluster")
+        else:
+            for name, curve, errors in zip(names, getattr(self, quantity), getattr(self, f"{quantity}_error")):
+                ax.errorbar(self.q_per_angstrom, curve, yerr=None if np.all(np.isnan(errors)) else errors, label=name)
+            ax.set_xlabel("q (1/Å)")
+            if quantity == "intensity":
+                ax.set_yscale("log")
+        ax.set_ylabel(labels[quantity])
+        if any(names):
+            ax.legend()
+        return ax
 
 
 class PotentialResult(Result):

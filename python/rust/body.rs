@@ -238,6 +238,10 @@ impl Body {
 }
 
 impl Body {
+    pub(crate) fn of(body: &protomer_body::Body) -> Self {
+        Self { body: body.clone() }
+    }
+
     fn per_site<'py>(
         &self,
         py: Python<'py>,

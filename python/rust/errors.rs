@@ -8,8 +8,12 @@ use protomer_kernel::KernelError;
 use protomer_learn::LearnError;
 use protomer_mc::McError;
 use pyo3::create_exception;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyFileNotFoundError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyType};
+use std::io::ErrorKind;
+use std::path::Path;
 
 create_exception!(
     protomer,
@@ -54,10 +58,46 @@ create_exception!(
     "Stopped before the end; the same call continues the work."
 );
 
+/// The class of errors about missing files: a `ProtomerError` and a `FileNotFoundError`.
+///
+/// # Errors
+/// If the interpreter cannot make the class.
+pub fn missing_file_error(py: Python<'_>) -> PyResult<&Py<PyType>> {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    CLASS.get_or_try_init(py, || {
+        let bases = (
+            py.get_type::<ProtomerError>(),
+            py.get_type::<PyFileNotFoundError>(),
+        );
+        let fields = PyDict::new(py);
+        fields.set_item("__module__", "protomer")?;
+        fields.set_item(
+            "__doc__",
+            "A file or a folder that does not exist; has `path`, if it is known.",
+        )?;
+        let made = py
+            .get_type::<PyType>()
+            .call1(("MissingFileError", bases, fields))?;
+        Ok(made.cast_into::<PyType>()?.unbind())
+    })
+}
+
 /// The exception for an error of a verb.
 pub fn exception(error: &anyhow::Error) -> PyErr {
     let message = format!("{error:#}");
     for cause in error.chain() {
+        match cause.downcast_ref() {
+            Some(IoError::File { path, cause, .. }) if cause.kind() == ErrorKind::NotFound => {
+                return missing_file(message, Some(path));
+            }
+            _ => {}
+        }
+        match cause.downcast_ref::<std::io::Error>() {
+            Some(cause) if cause.kind() == ErrorKind::NotFound => {
+                return missing_file(message, None);
+            }
+            _ => {}
+        }
         if let Some(IoError::Parse { file, line, .. }) = cause.downcast_ref() {
             return parse_error(message, file, *line);
         }
@@ -131,4 +171,20 @@ fn parse_error(message: String, path: &str, line: usize) -> PyErr {
         let _ = value.setattr("line", line);
     });
     error
+}
+
+/// Adds the path, if it is known.
+fn missing_file(message: String, path: Option<&Path>) -> PyErr {
+    Python::attach(|py| {
+        let class = match missing_file_error(py) {
+            Ok(class) => class.bind(py).clone(),
+            Err(error) => return error,
+        };
+        let error = PyErr::from_type(class, message);
+        if let Some(path) = path {
+            // An exception without attributes is better than another exception.
+            let _ = error.value(py).setattr("path", path);
+        }
+        error
+    })
 }

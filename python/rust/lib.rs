@@ -1,6 +1,7 @@
 //! The native half of the Python package: verbs are called by their words, bodies are arrays.
 //! Everything that a user sees is in `python/protomer`.
 
+mod assembly;
 mod body;
 mod errors;
 mod verbs;
@@ -10,6 +11,8 @@ use pyo3::prelude::*;
 /// The native module `protomer._protomer`.
 #[pymodule]
 mod _protomer {
+    #[pymodule_export]
+    use crate::assembly::{Trajectory, read_assembly};
     #[pymodule_export]
     use crate::body::Body;
     #[pymodule_export]
@@ -23,6 +26,8 @@ mod _protomer {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        let missing = crate::errors::missing_file_error(module.py())?;
+        module.add("MissingFileError", missing.bind(module.py()))?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -186,7 +186,7 @@ def test_lattices(tmp_path):
     log = pm.read_log(tmp_path / "run")
     assert labels(axes) == ("time", "strain xx") and log["time"][-1] == pytest.approx(run.time)
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [log["time"], log["strain_xx"]])
-    with pytest.raises(ValueError, match="no column 'colour'; it has step, time"):
+    with pytest.raises(KeyError, match="no column of the log 'colour'; there are step, time"):
         run.plot(quantity="colour")
     sweep = pm.lattice.sweep(ns=3, r0_list=[0.3, 0.136], kappa_list=[0, 1], seeds=2, time=1, output=tmp_path / "sweep")
     axes = sweep.plot(quantity="collision_rate")
@@ -195,7 +195,7 @@ def test_lattices(tmp_path):
         own = sorted((row.r0, row.collision_rate.mean) for row in sweep.conditions if row.kappa == kappa)
         assert len(own) == 2
         np.testing.assert_array_equal(container[0].get_xydata(), own)
-    with pytest.raises(ValueError, match="no estimate 'runs'"):
+    with pytest.raises(KeyError, match="no estimate 'runs'"):
         sweep.plot(quantity="runs")
 
 

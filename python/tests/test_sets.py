@@ -31,7 +31,7 @@ def test_samples_are_grids_with_the_number_of_their_class(path):
     assert only[-1][0] == pytest.approx(float(samples.grid(1)[1].sum()))
     with pytest.raises(IndexError):
         samples[2]
-    with pytest.raises(ValueError, match="no channel 'colour'"):
+    with pytest.raises(KeyError, match="no channel of .* 'colour'"):
         pm.VoxelSet(path, channels=["colour"])
 
 

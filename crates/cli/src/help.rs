@@ -12,7 +12,10 @@ const GROUPS: [(&str, &[&str]); 8] = [
         "Assemblies",
         &["assemble", "candidates", "inspect", "export"],
     ),
-    ("Stability", &["simulate", "sweep", "compare", "pair"]),
+    (
+        "Stability",
+        &["simulate", "sweep", "compare", "pair", "scattering"],
+    ),
     ("Potentials", &["potential"]),
     (
         "Learning",
@@ -24,7 +27,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
 ];
 
 /// Two examples of each verb, without the name of the program.
-const EXAMPLES: [(&str, [&str; 2]); 31] = [
+const EXAMPLES: [(&str, [&str; 2]); 32] = [
     ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
     (
         "ingest",
@@ -94,6 +97,13 @@ const EXAMPLES: [(&str, [&str; 2]); 31] = [
         [
             "export ring.json -o ring.cif --script chimerax",
             "export stability --salt 300mM --frame last -o end.pdb",
+        ],
+    ),
+    (
+        "scattering",
+        [
+            "scattering stability -o scattering",
+            "scattering ring.json --q-max 0.2 --json",
         ],
     ),
     (
@@ -278,14 +288,22 @@ fn beginning(about: &str) -> &str {
     about[..end.unwrap_or(about.len())].trim_end_matches('.')
 }
 
+/// The examples of a verb, by its name after that of the program.
+pub fn examples_of(path: &str) -> &'static [&'static str] {
+    match EXAMPLES.iter().find(|(of, _)| *of == path) {
+        Some((_, examples)) => examples,
+        None => &[],
+    }
+}
+
 /// The same for this verb and those below it; `path` is its name after that of the program.
 fn with_examples(verb: Command, path: &str) -> Command {
     let verb = verb.mut_args(minus_is_no_flag);
-    let verb = match EXAMPLES.iter().find(|(of, _)| *of == path) {
-        Some((_, [first, second])) => verb.after_long_help(format!(
+    let verb = match examples_of(path) {
+        [first, second] => verb.after_long_help(format!(
             "Examples:\n  protomer {first}\n  protomer {second}"
         )),
-        None => verb,
+        _ => verb,
     };
     verb.mut_subcommands(|below| {
         let path = format!("{path} {}", below.get_name());

@@ -2,6 +2,7 @@
 //! disagree.
 
 use super::Cli;
+use crate::help::examples_of;
 use clap::{Arg, ArgAction, Command, CommandFactory};
 use std::any::TypeId;
 use std::fmt::Write;
@@ -26,7 +27,7 @@ const SHARED_BY: &str = "shard";
 const SHARED: [(&str, &str, &str); 2] = [
     (
         "client",
-        "Client",
+        "Client | str",
         "A `distributed.Client`, the address of a Dask scheduler such as \"tcp://host:8786\", or \"local\" for workers on \
          this machine. The workers must see all files and folders under the same paths",
     ),
@@ -37,7 +38,7 @@ const SHARED: [(&str, &str, &str); 2] = [
     ),
 ];
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 13] = [
+const RESULTS: [(&str, &str); 14] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
@@ -46,6 +47,7 @@ const RESULTS: [(&str, &str); 13] = [
     ("pair", "PairResult"),
     ("potential", "PotentialResult"),
     ("predict", "PredictResult"),
+    ("scattering", "ScatteringResult"),
     ("simulate", "SimulationResult"),
     ("sweep", "SweepResult"),
     ("train", "TrainResult"),
@@ -56,8 +58,52 @@ const RESULTS: [(&str, &str); 13] = [
 const PLAIN: &str = "Result";
 /// Subcommands of a starred verb with plain results.
 const PLAIN_VERBS: [&str; 1] = ["framework tables"];
-/// Flags whose numbers need a unit.
-const TEXT_WITH_UNITS: [&str; 1] = ["salt"];
+/// The flag whose text needs a unit: its function also has the keyword [`SALT_MOLAR`] for numbers.
+const SALT: &str = "salt";
+const SALT_MOLAR: &str = "salt_molar";
+/// Verbs that do not go without it.
+const SALT_IS_REQUIRED: [&str; 1] = ["potential"];
+/// Files that may also be objects: verb, argument, class.
+const OBJECTS: [(&str, &str, &str); 17] = [
+    ("assemble ring", "bodies", "Body"),
+    ("assemble fluid", "bodies", "Body"),
+    ("candidates", "bodies", "Body"),
+    ("surface", "input", "Body"),
+    ("potential", "input", "Body"),
+    ("pair", "first", "Body"),
+    ("pair", "second", "Body"),
+    ("lattice square", "body", "Body"),
+    ("export", "input", "Assembly | Body"),
+    ("export", "assembly", "Assembly"),
+    ("report", "assembly", "Assembly"),
+    ("scattering", "input", "Assembly"),
+    ("scattering", "assembly", "Assembly"),
+    ("inspect", "assembly", "Assembly"),
+    ("simulate", "assembly", "Assembly"),
+    ("sweep", "assembly", "Assembly"),
+    ("bench", "assembly", "Assembly"),
+];
+/// What every verb may raise.
+const RAISES: [(&str, &str); 4] = [
+    (
+        "MissingFileError",
+        "If a file or a folder does not exist; also a `FileNotFoundError`",
+    ),
+    ("ParseError", "If a file cannot be understood"),
+    ("ConfigError", "If an argument is invalid"),
+    (
+        "ProtomerError",
+        "For any other error; all of them are of this class",
+    ),
+];
+/// What verbs with these flags raise too.
+const RAISES_WITH: [(&str, &str, &str); 1] = [(
+    "time_limit",
+    "StoppedError",
+    "If the time was over before the end; the same call continues it",
+)];
+/// Verbs that go on if an input fails.
+const PARTIAL: [&str; 1] = ["ingest"];
 /// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 const WIDTH: usize = 110;
@@ -69,9 +115,23 @@ UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation
 # ruff: noqa: E501
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
 
-from ._call import Client, Integer, Integers, Number, Numbers, Path, Paths, Progress, Quantity, Text, call
+import numpy as np
+from numpy.typing import NDArray
+
+from ._call import call, salts
+"#;
+
+/// Types that only annotations name.
+const TAIL: &str = r#"
+if TYPE_CHECKING:
+    from distributed import Client
+
+    from ._assembly import Assembly
+    from ._body import Body
 "#;
 
 /// The text of `python/protomer/_verbs.py`.
@@ -92,7 +152,9 @@ pub fn python_functions() -> String {
     for class in classes {
         let _ = writeln!(text, "    {class},");
     }
-    text.push_str(")\n\n__all__ = [\n");
+    text.push_str(")\n");
+    text.push_str(TAIL);
+    text.push_str("\n__all__ = [\n");
     for verb in &verbs {
         let _ = writeln!(text, "    \"{}\",", verb.get_name());
     }
@@ -116,7 +178,11 @@ fn write_verb(text: &mut String, verb: &Command) {
     }
     // Verbs with subcommands are objects with methods.
     let _ = write!(text, "\n\nclass _{}:\n", capitalised(name));
-    write_docstring(text, &about(verb), &[], "    ");
+    write_docstring(
+        text,
+        &[wrapped(&sentence(&about(verb)), WIDTH - 4, "")],
+        "    ",
+    );
     if !verb.is_subcommand_required_set() {
         text.push('\n');
         write_function(text, verb, &[name], "__call__", "    ");
@@ -146,7 +212,7 @@ struct Parameter {
 }
 
 impl Parameter {
-    fn of(arg: &Arg) -> Self {
+    fn of(arg: &Arg, verb: &str) -> Self {
         let flag = match (arg.get_long(), arg.get_short()) {
             (Some(long), _) => Some(format!("--{long}")),
             (None, Some(short)) => Some(format!("-{short}")),
@@ -164,8 +230,9 @@ impl Parameter {
         Self {
             name: identifier(arg.get_long().unwrap_or(arg.get_id().as_str())),
             flag,
-            annotation: annotation(arg),
-            required: arg.is_required_set(),
+            annotation: annotation(arg, verb),
+            // Another keyword may say the same.
+            required: arg.is_required_set() && arg.get_id() != SALT,
             is_switch,
             help,
         }
@@ -182,6 +249,25 @@ impl Parameter {
         }
     }
 
+    /// The salt as numbers.
+    fn salt_molar(salt: &Self) -> Self {
+        let several = salt.annotation.contains("Sequence");
+        Self {
+            name: SALT_MOLAR.into(),
+            flag: None,
+            annotation: match several {
+                true => "float | Sequence[float] | NDArray[np.float64]".into(),
+                false => "float".into(),
+            },
+            required: false,
+            is_switch: false,
+            help: match several {
+                true => "The same as numbers in mol/L, instead of `salt`".into(),
+                false => "The same as a number in mol/L, instead of `salt`".into(),
+            },
+        }
+    }
+
     fn declaration(&self) -> String {
         let Self {
             name, annotation, ..
@@ -194,7 +280,7 @@ impl Parameter {
     }
 }
 
-fn annotation(arg: &Arg) -> String {
+fn annotation(arg: &Arg, verb: &str) -> String {
     let parser = arg.get_value_parser();
     let mut choices = Vec::new();
     for value in parser.possible_values().into_iter().flatten() {
@@ -204,10 +290,12 @@ fn annotation(arg: &Arg) -> String {
     }
     let most_values = arg.get_num_args().map_or(1, |count| count.max_values());
     let many = matches!(arg.get_action(), ArgAction::Append) || most_values > 1;
-    if TEXT_WITH_UNITS.contains(&arg.get_id().as_str()) {
-        return "Quantity".to_owned();
-    }
     let is = |types: &[TypeId]| types.iter().any(|id| parser.type_id() == *id);
+    if arg.get_id() == SALT {
+        // One concentration is a number for the program, several are text.
+        let one = is(&[TypeId::of::<f64>()]);
+        return if one { "str" } else { "str | Sequence[str]" }.to_owned();
+    }
     let integers = [
         TypeId::of::<u8>(),
         TypeId::of::<u32>(),
@@ -215,12 +303,26 @@ fn annotation(arg: &Arg) -> String {
         TypeId::of::<usize>(),
         TypeId::of::<i64>(),
     ];
-    match () {
-        () if !choices.is_empty() && !many => format!("Literal[{}]", choices.join(", ")),
-        () if is(&[TypeId::of::<PathBuf>()]) => if many { "Paths" } else { "Path" }.to_owned(),
-        () if is(&integers) => if many { "Integers" } else { "Integer" }.to_owned(),
-        () if is(&[TypeId::of::<f64>()]) => if many { "Numbers" } else { "Number" }.to_owned(),
-        () => "Text".to_owned(),
+    let name = identifier(arg.get_long().unwrap_or(arg.get_id().as_str()));
+    let one = match () {
+        () if !choices.is_empty() && !many => return format!("Literal[{}]", choices.join(", ")),
+        () if is(&[TypeId::of::<PathBuf>()]) => {
+            let object = OBJECTS
+                .iter()
+                .find(|(of, arg, _)| *of == verb && *arg == name);
+            object.map_or("Path | str".to_owned(), |(_, _, class)| {
+                format!("Path | str | {class}")
+            })
+        }
+        () if is(&integers) => "int | str".to_owned(),
+        () if is(&[TypeId::of::<f64>()]) => "float | str".to_owned(),
+        // Lists of names, and lists of numbers that the program reads itself.
+        () => return "str | float | Sequence[str | float]".to_owned(),
+    };
+    match (many, one.starts_with("float")) {
+        (false, _) => one,
+        (true, false) => format!("{one} | Sequence[{one}]"),
+        (true, true) => format!("{one} | Sequence[{one}] | NDArray[np.float64]"),
     }
 }
 
@@ -232,8 +334,14 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     placed.sort_by_key(|arg| arg.get_index());
     // Required parameters come first.
     flags.sort_by_key(|arg| !arg.is_required_set());
-    let placed: Vec<Parameter> = placed.into_iter().map(Parameter::of).collect();
-    let flags: Vec<Parameter> = flags.into_iter().map(Parameter::of).collect();
+    let verb = path.join(" ");
+    let of = |arg: &Arg| Parameter::of(arg, &verb);
+    let placed: Vec<Parameter> = placed.into_iter().map(of).collect();
+    let mut flags: Vec<Parameter> = flags.into_iter().map(of).collect();
+    if let Some(at) = flags.iter().position(|flag| flag.name == SALT) {
+        let numbers = Parameter::salt_molar(&flags[at]);
+        flags.insert(at + 1, numbers);
+    }
     let result = class_of(path);
     let _ = writeln!(text, "{indent}def {name}(");
     if !indent.is_empty() {
@@ -256,11 +364,12 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     }
     let _ = writeln!(
         text,
-        "{indent}    progress: Progress | None = None,\n{indent}) -> {result}:"
+        "{indent}    progress: Callable[[int, int, str], None] | None = None,\n{indent}) -> {result}:"
     );
     let inner = format!("{indent}    ");
     let known: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
-    write_docstring(text, &about(command), &known, &inner);
+    let sections = sections(command, path, result, &known, WIDTH - inner.len());
+    write_docstring(text, &sections, &inner);
     let words: Vec<String> = path.iter().map(|word| format!("\"{word}\"")).collect();
     let names = placed.iter().map(|parameter| parameter.name.as_str());
     let places: Vec<&str> = names.collect();
@@ -271,11 +380,16 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     );
     let _ = writeln!(text, "{inner}    [{}],\n{inner}    {{", places.join(", "));
     for Parameter { name, flag, .. } in &flags {
-        let _ = writeln!(
-            text,
-            "{inner}        \"{}\": {name},",
-            flag.as_deref().unwrap_or_default()
-        );
+        let Some(flag) = flag else { continue };
+        let value = match name.as_str() {
+            SALT => {
+                let required = SALT_IS_REQUIRED.contains(&verb.as_str());
+                let required = if required { ", required=True" } else { "" };
+                format!("salts(\"{verb}\", {SALT}, {SALT_MOLAR}{required})")
+            }
+            name => name.to_owned(),
+        };
+        let _ = writeln!(text, "{inner}        \"{flag}\": {value},");
     }
     let _ = writeln!(text, "{inner}    }},\n{inner}    progress,");
     for Parameter { name, .. } in &shared {
@@ -306,28 +420,133 @@ fn about(command: &Command) -> String {
     }
 }
 
-fn write_docstring(text: &mut String, about: &str, parameters: &[&Parameter], indent: &str) {
-    let clean = |text: &str| text.replace('\\', "\\\\").replace("\"\"\"", "'''");
-    let mut about = clean(about);
-    if !about.ends_with('.') {
-        about.push('.');
-    }
-    let mut lines = wrapped(&about, WIDTH - indent.len(), "");
-    if !parameters.is_empty() {
-        lines.push(String::new());
-        lines.push("Parameters".into());
-        lines.push("----------".into());
-        for parameter in parameters {
-            lines.push(parameter.name.clone());
-            lines.extend(wrapped(
-                &clean(&parameter.help),
-                WIDTH - indent.len() - 4,
-                "    ",
-            ));
+/// The sections of the docstring of a function, each a list of lines.
+fn sections(
+    command: &Command,
+    path: &[&str],
+    result: &str,
+    parameters: &[&Parameter],
+    width: usize,
+) -> Vec<Vec<String>> {
+    let verb = path.join(" ");
+    let described = |title: &str, entries: &[(&str, &str)]| {
+        let mut lines = vec![title.to_owned(), "-".repeat(title.len())];
+        for (name, help) in entries {
+            lines.push((*name).to_owned());
+            lines.extend(wrapped(help, width - 4, "    "));
         }
-        lines.push("progress".into());
-        lines.push("    Called as progress(done, total, unit) during the work.".into());
+        lines
+    };
+    let mut known = Vec::new();
+    for parameter in parameters {
+        known.push((parameter.name.as_str(), parameter.help.as_str()));
     }
+    known.push((
+        "progress",
+        "Called as progress(done, total, unit) during the work.",
+    ));
+    let fields = "The fields that `--json` prints, as attributes";
+    let mut raises = RAISES.to_vec();
+    for (name, class, when) in RAISES_WITH {
+        if parameters.iter().any(|parameter| parameter.name == name) {
+            raises.push((class, when));
+        }
+    }
+    if PARTIAL.contains(&verb.as_str()) {
+        raises.push((
+            "PartialError",
+            "If some of the files failed; its attribute `result` holds the answer for all",
+        ));
+    }
+    let mut sections = vec![
+        wrapped(&sentence(&about(command)), width, ""),
+        described("Parameters", &known),
+        described("Returns", &[(result, fields)]),
+        described("Raises", &raises),
+    ];
+    let examples = examples_of(&verb).iter();
+    let calls: Vec<String> = examples
+        .filter_map(|words| python_call(command, path, words))
+        .map(|call| format!(">>> {call}  # doctest: +SKIP"))
+        .collect();
+    if !calls.is_empty() {
+        let mut lines = vec!["Examples".to_owned(), "-".repeat(8)];
+        lines.extend(calls);
+        sections.push(lines);
+    }
+    sections
+}
+
+/// An example of the command line as a call; `None` if it is of another verb, or has flags that
+/// functions lack.
+fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> {
+    let mut words = words.split_whitespace();
+    for word in path {
+        if words.next() != Some(word) {
+            return None;
+        }
+    }
+    let (mut places, mut keywords) = (Vec::new(), Vec::new());
+    while let Some(word) = words.next() {
+        let flags = || command.get_arguments().filter(|arg| !arg.is_positional());
+        let arg = match (word.strip_prefix("--"), word.strip_prefix('-')) {
+            (Some(long), _) => flags().find(|arg| arg.get_long() == Some(long))?,
+            (None, Some(short)) => {
+                flags().find(|arg| arg.get_short().is_some_and(|own| short == own.to_string()))?
+            }
+            (None, None) => {
+                places.push(format!("\"{word}\""));
+                continue;
+            }
+        };
+        if NOT_FOR_FUNCTIONS.contains(&arg.get_id().as_str()) {
+            continue;
+        }
+        let name = identifier(arg.get_long().unwrap_or(arg.get_id().as_str()));
+        let value = match arg.get_action() {
+            ArgAction::SetTrue => "True".to_owned(),
+            _ => {
+                let value = words.next()?;
+                match value.parse::<f64>() {
+                    Ok(_) => value.to_owned(),
+                    Err(_) => format!("\"{value}\""),
+                }
+            }
+        };
+        keywords.push(format!("{name}={value}"));
+    }
+    let first = command.get_arguments().find(|arg| arg.is_positional());
+    let takes_many = first
+        .and_then(Arg::get_num_args)
+        .is_some_and(|count| count.max_values() > 1);
+    let mut given = match takes_many && places.len() > 1 {
+        true => vec![format!("[{}]", places.join(", "))],
+        false => places,
+    };
+    given.extend(keywords);
+    let mut function = path.iter().map(|word| identifier(word));
+    Some(format!(
+        "pm.{}({})",
+        function.by_ref().collect::<Vec<_>>().join("."),
+        given.join(", ")
+    ))
+}
+
+fn sentence(about: &str) -> String {
+    match about.ends_with('.') {
+        true => about.to_owned(),
+        false => format!("{about}."),
+    }
+}
+
+/// Sections with an empty line between two.
+fn write_docstring(text: &mut String, sections: &[Vec<String>], indent: &str) {
+    let clean = |text: &str| text.replace('\\', "\\\\").replace("\"\"\"", "'''");
+    let lines: Vec<String> = sections
+        .join(&String::new())
+        .iter()
+        .map(|line| clean(line))
+        .collect();
     let single = lines.len() == 1;
     let _ = write!(text, "{indent}\"\"\"");
     for (n, line) in lines.iter().enumerate() {

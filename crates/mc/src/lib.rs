@@ -23,6 +23,7 @@
 //! | [`simulation`] | the loop |
 //! | [`exchange`] | a ladder of simulations that swap their states |
 //! | [`scatter`] | bodies at random places |
+//! | [`scattering`] | what light and X-rays see: S(q), P(q), clusters, hydrodynamic radii |
 //! | [`checkpoint`] | the state from which a run continues bit for bit |
 //! | [`statistics`] | counters of the moves |
 //!
@@ -65,6 +66,7 @@ pub mod moves;
 pub mod observables;
 pub mod pair;
 pub mod scatter;
+pub mod scattering;
 pub mod settings;
 pub mod simulation;
 mod sparse_rows;

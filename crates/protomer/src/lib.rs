@@ -11,6 +11,7 @@
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
+//! | [`scattering`] | what light and X-rays see of an assembly or a trajectory |
 //! | [`shapes`] | convex shapes from files and names |
 //! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
 
@@ -19,5 +20,6 @@ pub mod bodies;
 pub mod export;
 pub mod file_kind;
 pub mod potential;
+pub mod scattering;
 pub mod shapes;
 pub mod stability;

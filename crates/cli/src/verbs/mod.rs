@@ -10,6 +10,7 @@ mod lattice;
 mod learning;
 mod potential;
 mod report;
+mod scattering;
 mod shape;
 mod stability;
 #[cfg(feature = "learning")]
@@ -42,6 +43,7 @@ pub enum Verb {
     Lattice(lattice::LatticeArgs),
     Report(report::ReportArgs),
     Export(export::ExportArgs),
+    Scattering(scattering::ScatteringArgs),
     #[cfg(feature = "learning")]
     #[command(flatten)]
     Learning(learning::LearningVerb),
@@ -71,6 +73,7 @@ impl Verb {
             Verb::Lattice(args) => args.run(front),
             Verb::Report(args) => args.run(front),
             Verb::Export(args) => args.run(front),
+            Verb::Scattering(args) => args.run(front),
             #[cfg(feature = "learning")]
             Verb::Learning(verb) => verb.run(front),
             Verb::Bench(args) => args.run(front),

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 pub struct PosedFrame {
     /// Sweeps done.
     pub step: u64,
+    /// Edge lengths of the box, Å; of open space, those of a cube around the bodies.
+    pub box_lengths_angstrom: [f64; 3],
     /// For each body the index of its kind.
     pub type_ids: Vec<u32>,
     /// For each body its pose, as exact as single precision holds it.
@@ -56,6 +58,27 @@ impl TrajectoryReader {
         self.file.frames()
     }
 
+    /// The names of the kinds of bodies; none without a frame.
+    ///
+    /// # Errors
+    /// As [`GsdFile::chunk`].
+    pub fn type_names(&mut self) -> Result<Vec<String>> {
+        let Some(chunk) = self.file.chunk(0, "particles/types")? else {
+            return Ok(Vec::new());
+        };
+        let ChunkData::I8(letters) = chunk.data else {
+            return Err(self.other_content("names of kinds"));
+        };
+        let mut names = Vec::new();
+        for row in letters.chunks(chunk.columns.max(1) as usize) {
+            let bytes: Vec<u8> = row.iter().map(|letter| *letter as u8).collect();
+            let end = bytes.iter().position(|byte| *byte == 0);
+            let name = &bytes[..end.unwrap_or(bytes.len())];
+            names.push(String::from_utf8_lossy(name).into_owned());
+        }
+        Ok(names)
+    }
+
     /// A frame, counted from zero.
     ///
     /// # Errors
@@ -77,6 +100,10 @@ impl TrajectoryReader {
         let Some(ChunkData::U32(type_ids)) = self.chunk(frame, "particles/typeid")? else {
             return Err(self.other_content("particles/typeid"));
         };
+        let space = self.numbers(frame, "configuration/box")?;
+        let [x, y, z, ..] = space[..] else {
+            return Err(self.other_content("box"));
+        };
         let positions = self.numbers(frame, "particles/position")?;
         let orientations = self.numbers(frame, "particles/orientation")?;
         let (positions, orientations) = (
@@ -89,6 +116,7 @@ impl TrajectoryReader {
         let poses = positions.iter().zip(orientations);
         Ok(PosedFrame {
             step,
+            box_lengths_angstrom: [x, y, z],
             type_ids,
             poses: poses
                 .map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz))
@@ -167,11 +195,12 @@ mod tests {
         write(&path, &frames);
         let mut reader = TrajectoryReader::open(&path).unwrap();
         assert_eq!(reader.frames(), 2);
+        assert_eq!(reader.type_names().unwrap(), ["a"]);
         for (index, poses) in frames.iter().enumerate() {
             let frame = reader.frame(index as u64).unwrap();
             assert_eq!(
-                (frame.step, frame.type_ids),
-                (10 * index as u64, vec![0, 0])
+                (frame.step, frame.type_ids, frame.box_lengths_angstrom),
+                (10 * index as u64, vec![0, 0], [50.0; 3])
             );
             for (found, pose) in frame.poses.iter().zip(poses) {
                 assert!((found.position - pose.position).norm() < 1e-6);

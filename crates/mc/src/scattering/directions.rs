@@ -1,0 +1,144 @@
+//! Averages over all orientations, as sums over directions.
+
+use protomer_kernel::{Rotation, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// Directions with weights whose sum is 1. They stand for all directions in averages of functions
+/// that are equal at q and -q, as intensities are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Directions(Vec<(Vec3, f64)>);
+
+impl Directions {
+    /// Directions whose average is exact for polynomials up to this degree: Gauss points in z, equal
+    /// steps around the axis.
+    ///
+    /// |Σ exp(i q·r)|² of points within a sphere of radius R is such a polynomial of degree 2qR, up to
+    /// terms that fall off faster than exponentially.
+    ///
+    /// ```
+    /// use protomer_mc::scattering::directions::Directions;
+    /// let directions = Directions::exact_to_degree(4);
+    /// let fourth: f64 = directions.iter().map(|(n, weight)| weight * n.y.powi(4)).sum();
+    /// assert!((fourth - 0.2).abs() < 1e-14);
+    /// ```
+    pub fn exact_to_degree(degree: usize) -> Self {
+        // An even number, so that each point above the equator has its opposite below.
+        let heights = (degree / 2 + 1).next_multiple_of(2);
+        let around = degree + 1;
+        let mut directions = Vec::with_capacity(heights / 2 * around);
+        for (z, weight) in gauss_legendre(heights) {
+            if z < 0.0 {
+                continue;
+            }
+            let radius = (1.0 - z * z).sqrt();
+            for step in 0..around {
+                let (sine, cosine) = (TAU * step as f64 / around as f64).sin_cos();
+                let direction = Vec3::new(radius * cosine, radius * sine, z);
+                directions.push((direction, weight / around as f64));
+            }
+        }
+        Self(directions)
+    }
+
+    /// Number of the directions of [`exact_to_degree`](Self::exact_to_degree).
+    pub fn count(degree: usize) -> usize {
+        (degree / 2 + 1).div_ceil(2) * (degree + 1)
+    }
+
+    /// The directions with the highest degree that are not more than `most`, and one at least.
+    pub fn at_most(most: usize) -> Self {
+        let mut found = Self::exact_to_degree(0);
+        for degree in 1.. {
+            if Self::count(degree) > most {
+                break;
+            }
+            found = Self::exact_to_degree(degree);
+        }
+        found
+    }
+
+    /// The same directions, all turned. With a random rotation each of them is a random direction, so
+    /// that averages have no systematic error, of whatever degree.
+    pub fn turned(&self, rotation: &Rotation) -> Self {
+        let turned = self
+            .0
+            .iter()
+            .map(|(direction, weight)| (rotation * direction, *weight));
+        Self(turned.collect())
+    }
+
+    /// Each direction with its weight.
+    pub fn iter(&self) -> impl Iterator<Item = &(Vec3, f64)> {
+        self.0.iter()
+    }
+
+    /// Number of directions.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Always false.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+/// Zeros of the Legendre polynomial of degree n, with weights whose sum is 2, by Newton's method.
+fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+    let mut points = Vec::with_capacity(n);
+    for index in 0..n {
+        let mut z = (PI * (index as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        let mut slope = 1.0;
+        for _ in 0..100 {
+            let (mut before, mut value) = (0.0, 1.0);
+            for k in 0..n {
+                let k = k as f64;
+                (before, value) = (
+                    value,
+                    ((2.0 * k + 1.0) * z * value - k * before) / (k + 1.0),
+                );
+            }
+            slope = n as f64 * (z * value - before) / (z * z - 1.0);
+            let step = value / slope;
+            z -= step;
+            if step.abs() < 1e-15 {
+                break;
+            }
+        }
+        points.push((z, 2.0 / ((1.0 - z * z) * slope * slope)));
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn averages_are_exact_up_to_their_degree() {
+        for degree in [2, 7, 20, 41] {
+            let directions = Directions::exact_to_degree(degree);
+            let weights: f64 = directions.iter().map(|(_, weight)| weight).sum();
+            assert!((weights - 1.0).abs() < 1e-13, "{degree}: {weights}");
+            assert_eq!(directions.len(), Directions::count(degree));
+            let even = degree - degree % 2;
+            for axis in 0..3 {
+                let power: f64 = directions
+                    .iter()
+                    .map(|(n, weight)| weight * n[axis].powi(even as i32))
+                    .sum();
+                assert!(
+                    (power * (even as f64 + 1.0) - 1.0).abs() < 1e-12,
+                    "{degree} {axis}"
+                );
+            }
+            // A degree too many shows.
+            let beyond = 2 * (degree + 1);
+            let power: f64 = directions
+                .iter()
+                .map(|(n, w)| w * n.x.powi(beyond as i32))
+                .sum();
+            assert!((power * (beyond as f64 + 1.0) - 1.0).abs() > 1e-12);
+        }
+    }
+}

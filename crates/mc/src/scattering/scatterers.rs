@@ -1,0 +1,198 @@
+//! What of a body scatters.
+
+use super::sinc;
+use nalgebra::Complex;
+use protomer_body::Body;
+use protomer_body::structure::write::has_atoms;
+use protomer_kernel::overlap::CollisionShape;
+use protomer_kernel::{KernelError, Vec3};
+
+/// Width of the bins of distances, Å. The mean distance of each bin is kept, so that the error is of
+/// the order (q w)²/24 of the spread within a bin only.
+const BIN_ANGSTROM: f64 = 0.1;
+/// Points that stand for a body without atoms, about.
+const POINTS_IN_A_SOLID: f64 = 4000.0;
+
+/// Points that scatter, in the frame of a body, each with the volume that it stands for: the contrast
+/// of a protein with water is the same everywhere inside.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scatterers {
+    positions_angstrom: Vec<Vec3>,
+    volumes_angstrom3: Vec<f64>,
+}
+
+impl Scatterers {
+    /// Points with weights.
+    pub fn new(points: impl IntoIterator<Item = (Vec3, f64)>) -> Self {
+        let (positions_angstrom, volumes_angstrom3) = points.into_iter().unzip();
+        Self {
+            positions_angstrom,
+            volumes_angstrom3,
+        }
+    }
+
+    /// The atoms of a body with equal shares of its volume. A body without atoms is filled with points
+    /// on a cubic grid.
+    ///
+    /// # Errors
+    /// If the mesh bounds no solid.
+    pub fn of_body(body: &Body) -> Result<Self, KernelError> {
+        let volume = body.mass_properties.volume_angstrom3;
+        if !has_atoms(body) {
+            return Self::of_solid(body, volume);
+        }
+        let is_atom = |site: &&protomer_body::Site| site.residue.is_some();
+        let atoms: Vec<Vec3> = body
+            .sites
+            .iter()
+            .filter(is_atom)
+            .map(|site| site.position)
+            .collect();
+        let share = volume / atoms.len() as f64;
+        Ok(Self::new(atoms.into_iter().map(|atom| (atom, share))))
+    }
+
+    fn of_solid(body: &Body, volume_angstrom3: f64) -> Result<Self, KernelError> {
+        let shape = CollisionShape::new(&body.mesh)?;
+        let spacing = (volume_angstrom3 / POINTS_IN_A_SOLID).cbrt();
+        let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        for vertex in &body.mesh.vertices {
+            (low, high) = (low.inf(vertex), high.sup(vertex));
+        }
+        // Half steps from the lowest corner: no point on a plane of a box-like body.
+        let counts = (high - low).map(|length| (length / spacing).ceil() as usize);
+        let mut inside = Vec::new();
+        for x in 0..counts.x {
+            for y in 0..counts.y {
+                for z in 0..counts.z {
+                    let steps = Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
+                    let point = low + steps * spacing;
+                    if shape.contains_point(&point) {
+                        inside.push(point);
+                    }
+                }
+            }
+        }
+        let share = volume_angstrom3 / inside.len().max(1) as f64;
+        Ok(Self::new(inside.into_iter().map(|point| (point, share))))
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.positions_angstrom.len()
+    }
+
+    /// Whether nothing scatters.
+    pub fn is_empty(&self) -> bool {
+        self.positions_angstrom.is_empty()
+    }
+
+    /// Sum of the volumes, Å³.
+    pub fn volume_angstrom3(&self) -> f64 {
+        self.volumes_angstrom3.iter().sum()
+    }
+
+    /// The largest distance of a point from the origin of the body, Å.
+    pub fn radius_angstrom(&self) -> f64 {
+        let distances = self.positions_angstrom.iter().map(Vec3::norm);
+        distances.fold(0.0, f64::max)
+    }
+
+    /// F(q) = Σ v exp(i q·r), Å³, for a wave vector in the frame of the body.
+    pub fn amplitude(&self, wave_vector: &Vec3) -> Complex<f64> {
+        let (mut real, mut imaginary) = (0.0, 0.0);
+        for (position, volume) in self.positions_angstrom.iter().zip(&self.volumes_angstrom3) {
+            let (sine, cosine) = wave_vector.dot(position).sin_cos();
+            (real, imaginary) = (real + volume * cosine, imaginary + volume * sine);
+        }
+        Complex::new(real, imaginary)
+    }
+
+    /// P(q), 1 at q = 0, by the sum over all pairs: Σ_ij v_i v_j sin(q r_ij)/(q r_ij) / (Σ v)².
+    pub fn form_factor(&self, q_per_angstrom: f64) -> f64 {
+        let mut sum = 0.0;
+        for (second, position) in self.positions_angstrom.iter().enumerate() {
+            let volume = self.volumes_angstrom3[second];
+            let mut with_earlier = 0.0;
+            for (first, other) in self.positions_angstrom[..second].iter().enumerate() {
+                let distance = (position - other).norm();
+                with_earlier += self.volumes_angstrom3[first] * sinc(q_per_angstrom * distance);
+            }
+            sum += volume * (volume + 2.0 * with_earlier);
+        }
+        sum / self.volume_angstrom3().powi(2)
+    }
+
+    /// The distances of all pairs, for P(q) at many q.
+    pub fn distances(&self) -> Distances {
+        let mut bins: Vec<(f64, f64)> = Vec::new();
+        let mut alone = 0.0;
+        for (second, position) in self.positions_angstrom.iter().enumerate() {
+            let volume = self.volumes_angstrom3[second];
+            alone += volume * volume;
+            for (first, other) in self.positions_angstrom[..second].iter().enumerate() {
+                let distance = (position - other).norm();
+                let bin = (distance / BIN_ANGSTROM) as usize;
+                if bin >= bins.len() {
+                    bins.resize(bin + 1, (0.0, 0.0));
+                }
+                let weight = 2.0 * volume * self.volumes_angstrom3[first];
+                bins[bin].0 += weight;
+                bins[bin].1 += weight * distance;
+            }
+        }
+        let total = self.volume_angstrom3().powi(2);
+        let filled = bins.into_iter().filter(|(weight, _)| *weight > 0.0);
+        Distances {
+            alone: alone / total,
+            bins: filled
+                .map(|(weight, sum)| (weight / total, sum / weight))
+                .collect(),
+        }
+    }
+}
+
+/// The distances between the points of a body: how often each occurs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Distances {
+    /// Share of the points with themselves.
+    alone: f64,
+    /// Share of the pairs, and their mean distance, Å.
+    bins: Vec<(f64, f64)>,
+}
+
+impl Distances {
+    /// P(q) as [`Scatterers::form_factor`], to some 10⁻⁵.
+    pub fn form_factor(&self, q_per_angstrom: f64) -> f64 {
+        let pairs = self.bins.iter();
+        self.alone
+            + pairs
+                .map(|(share, distance)| share * sinc(q_per_angstrom * distance))
+                .sum::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn bins_of_distances_give_the_form_factor_of_the_sum_over_pairs() {
+        let mut rng = CounterRng::new(3, 0, 0);
+        let points = (0..400).map(|_| {
+            (
+                rng.unit_vector() * 25.0 * rng.uniform(),
+                0.5 + rng.uniform(),
+            )
+        });
+        let scatterers = Scatterers::new(points.collect::<Vec<_>>());
+        let distances = scatterers.distances();
+        for step in 0..=50 {
+            let q = 0.01 * f64::from(step);
+            let (fast, direct) = (distances.form_factor(q), scatterers.form_factor(q));
+            assert!((fast - direct).abs() < 1e-5, "{q}: {fast} {direct}");
+        }
+        assert!((scatterers.form_factor(0.0) - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,38 @@
+//! S(q) between points.
+
+use super::sinc;
+use protomer_kernel::Vec3;
+
+/// The structure factor of N points in open space, averaged over all orientations (Debye, Ann. Phys.
+/// 351, 809 (1915)):
+///
+/// S(q) = 1 + (2/N) Σ_{i<j} sin(q r_ij) / (q r_ij).
+///
+/// It tends to N for q → 0.
+///
+/// ```
+/// use protomer_kernel::Vec3;
+/// use protomer_mc::scattering::structure_factor::open;
+/// let pair = [Vec3::zeros(), Vec3::new(0.0, 30.0, 0.0)];
+/// assert!((open(&pair, 0.1) - (1.0 + 3_f64.sin() / 3.0)).abs() < 1e-15);
+/// ```
+pub fn open(positions_angstrom: &[Vec3], q_per_angstrom: f64) -> f64 {
+    let mut sum = 0.0;
+    for (second, position) in positions_angstrom.iter().enumerate() {
+        for other in &positions_angstrom[..second] {
+            sum += sinc(q_per_angstrom * (position - other).norm());
+        }
+    }
+    1.0 + 2.0 * sum / positions_angstrom.len() as f64
+}
+
+/// The structure factor of N points at one wave vector, |Σ exp(i q·r)|² / N. In a periodic box only
+/// its own wave vectors have a meaning.
+pub fn at(positions_angstrom: &[Vec3], wave_vector: &Vec3) -> f64 {
+    let (mut real, mut imaginary) = (0.0, 0.0);
+    for position in positions_angstrom {
+        let (sine, cosine) = wave_vector.dot(position).sin_cos();
+        (real, imaginary) = (real + cosine, imaginary + sine);
+    }
+    (real * real + imaginary * imaginary) / positions_angstrom.len() as f64
+}
