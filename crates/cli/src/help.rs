@@ -12,7 +12,10 @@ const GROUPS: [(&str, &[&str]); 8] = [
         "Assemblies",
         &["assemble", "candidates", "inspect", "export"],
     ),
-    ("Stability", &["simulate", "sweep", "compare", "pair"]),
+    (
+        "Stability",
+        &["simulate", "sweep", "residues", "compare", "pair"],
+    ),
     ("Potentials", &["potential"]),
     (
         "Learning",
@@ -24,7 +27,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
 ];
 
 /// Two examples of each verb, without the name of the program.
-const EXAMPLES: [(&str, [&str; 2]); 31] = [
+const EXAMPLES: [(&str, [&str; 2]); 32] = [
     ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
     (
         "ingest",
@@ -108,6 +111,13 @@ const EXAMPLES: [(&str, [&str; 2]); 31] = [
         [
             "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
             "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium",
+        ],
+    ),
+    (
+        "residues",
+        [
+            "residues stability --salt 100mM --mutations",
+            "residues ring.json --salt 100mM -o holds --script pymol",
         ],
     ),
     (

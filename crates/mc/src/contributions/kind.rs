@@ -70,6 +70,15 @@ impl ResiduesOfKind {
         self.places.is_empty()
     }
 
+    /// The sum of the charges of each residue, e.
+    pub fn charges_of_residues(&self) -> Vec<f64> {
+        let mut charges = vec![0.0; self.len()];
+        for (residue, charge_e) in self.charges.residue.iter().zip(&self.charges.charge_e) {
+            charges[*residue] += charge_e;
+        }
+        charges
+    }
+
     /// The residues of the first and of the second body that touch: heavy atoms of them are closer
     /// than `distance_angstrom`.
     pub(super) fn touching(

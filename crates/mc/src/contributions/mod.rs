@@ -28,7 +28,9 @@ pub use average::{Averages, Mean, mean_of_blocks};
 pub use kind::{ResiduesOfKind, charge_sites};
 pub use places::ResiduePlaces;
 pub use response::{ChargeSites, Response, Reweighted, reweighted};
-pub use state::{Contributions, PairContribution, ResidueContribution, ResiduePairs, StateEnergies};
+pub use state::{
+    Contributions, PairContribution, ResidueContribution, ResiduePairs, StateEnergies,
+};
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]

@@ -51,11 +51,7 @@ impl PairPotential for Contacts {
         });
     }
 
-    fn pair_shares(
-        &self,
-        second_in_first: &RelativePose,
-        take: &mut dyn FnMut(&Vec3, &Vec3, f64),
-    ) {
+    fn pair_shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(&Vec3, &Vec3, f64)) {
         let inverse = second_in_first.inverse();
         self.potential
             .for_each_pair(&self.first, &self.second, second_in_first, |pair| {

@@ -114,12 +114,14 @@ impl Answer for SweepPart {
     }
 }
 
-/// Whether this is the folder of the simulations at one salt concentration, or of a ladder.
+/// Whether this is the folder of the simulations at one salt concentration, of a ladder, or of the
+/// residues.
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_of_salt = name.starts_with("salt_") && name.ends_with('M');
     let is_ladder = name.starts_with("ladder_") && path.join("run.json").is_file();
-    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder
+    let is_of_residues = name == crate::stability::residues::FOLDER && path.is_dir();
+    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder || is_of_residues
 }
 
 /// Runs or continues a sweep in a directory.
