@@ -13,6 +13,7 @@
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
+//! | `residues` | what holds an assembly together |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -34,6 +35,7 @@ mod page;
 mod pair;
 mod pair_surfaces;
 mod provenance;
+mod residues;
 mod scenes;
 mod traces;
 mod training;

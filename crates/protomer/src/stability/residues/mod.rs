@@ -27,7 +27,7 @@ pub use files::FOLDER;
 pub use maps::{contact_map, energy_map};
 pub use mutations::Change;
 pub use result::{
-    MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans, WholeEnergy,
+    MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans, WholeEnergy,
 };
 pub use settings::{PoseSettings, ResiduesSettings};
 

@@ -4,7 +4,7 @@
 //! carry the weight, they do not, and no number is given.
 
 use super::frames::{AtSalt, Run};
-use super::result::{MutationRow, ResidueName};
+use super::result::{MutationAtSalt, MutationRow, ResidueName};
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::Result;
 use protomer_body::chemistry::AminoAcid;
@@ -178,6 +178,10 @@ impl Scan {
                 effective_frames,
                 half_salt_molar: known.map(|half| half.salt_molar),
                 half_salt_shift_molar: shift,
+                at_salts: scanned
+                    .iter()
+                    .map(|salt| self.at_salt(salt, exchange))
+                    .collect(),
             });
         }
         let change = |row: &MutationRow| row.energy_change_kt.mean;
@@ -220,6 +224,21 @@ impl Scan {
         }))
     }
 
+    fn at_salt(&self, salt: &ScannedSalt, exchange: &Exchange) -> MutationAtSalt {
+        let all = self.weighted(salt, Some(exchange), None);
+        let blocks = salt.frames.last().map_or(0, |frame| frame.block + 1);
+        let without = |block| self.weighted(salt, Some(exchange), Some(block)).mean;
+        let values: Vec<f64> = (0..blocks).map(without).collect();
+        MutationAtSalt {
+            salt_molar: salt.salt_molar,
+            contacts_left: Mean {
+                mean: all.mean,
+                error: jackknife(&values),
+            },
+            effective_frames: all.effective_frames,
+        }
+    }
+
     fn half(
         &self,
         scanned: &[ScannedSalt],
@@ -253,19 +272,24 @@ impl Scan {
     fn error_of_shift(&self, scanned: &[ScannedSalt], exchange: &Exchange) -> Option<f64> {
         let last = |salt: &ScannedSalt| salt.frames.last().map_or(0, |frame| frame.block + 1);
         let blocks = scanned.iter().map(last).min().unwrap_or(0);
-        if blocks < 2 {
-            return None;
-        }
         let mut shifts = Vec::with_capacity(blocks);
         for block in 0..blocks {
             let changed = self.half(scanned, Some(exchange), Some(block))?;
             let unchanged = self.half(scanned, None, Some(block))?;
             shifts.push(changed.salt_molar - unchanged.salt_molar);
         }
-        let mean = shifts.iter().sum::<f64>() / blocks as f64;
-        let squares: f64 = shifts.iter().map(|shift| (shift - mean).powi(2)).sum();
-        Some((squares * (blocks - 1) as f64 / blocks as f64).sqrt())
+        jackknife(&shifts)
     }
+}
+
+/// The standard error from the values that leave out one block each; `None` for fewer than two, or
+/// if one is not known.
+fn jackknife(values: &[f64]) -> Option<f64> {
+    let blocks = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / blocks;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    let error = (squares * (blocks - 1.0) / blocks).sqrt();
+    (values.len() > 1 && error.is_finite()).then_some(error)
 }
 
 const NOT_KNOWN: Mean = Mean {
@@ -357,6 +381,16 @@ fn slope(charges_e: &[f64], effective_e: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn leaving_out_gives_the_error_of_a_mean() {
+        let of: [f64; 4] = [1.0, 2.0, 4.0, 9.0];
+        let without: Vec<f64> = of.iter().map(|value| (16.0 - value) / 3.0).collect();
+        let error = mean_of_blocks(&of).error.unwrap();
+        assert!((jackknife(&without).unwrap() - error).abs() < 1e-14);
+        assert_eq!(jackknife(&[1.0]), None);
+        assert_eq!(jackknife(&[1.0, f64::NAN]), None);
+    }
 
     #[test]
     fn an_elementary_charge_looks_like_the_slope() {

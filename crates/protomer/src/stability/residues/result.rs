@@ -150,6 +150,20 @@ pub struct MutationRow {
     pub half_salt_molar: Option<f64>,
     /// How far that is from the half salt without the exchange, mol/L.
     pub half_salt_shift_molar: Option<Mean>,
+    /// At each salt of the run, ascending.
+    pub at_salts: Vec<MutationAtSalt>,
+}
+
+/// What an exchange leads to at one salt concentration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MutationAtSalt {
+    /// Salt concentration, mol/L.
+    pub salt_molar: f64,
+    /// Fraction of the contacts of the assembly that are left, with its error by leaving out a block
+    /// of frames at a time.
+    pub contacts_left: Mean,
+    /// Effective frames.
+    pub effective_frames: f64,
 }
 
 /// Pairs with less energy that never touch are left out, kT.
