@@ -15,7 +15,7 @@ def main():
     print("|---|---|---|---|---|---|")
     halves = []
     for mutant in ["E17Q", "D50N", "K15E"]:
-        row = next(row for row in rows if row["mutation"] == f"A:{mutant}" and row["charge_change_e"])
+        row = next(row for row in rows if row["mutation"] == f"A:{mutant}" and row["body"] == "unchanged")
         sweep = json.loads(Path(f"{mutant}.sweep.json").read_text())
         for at, salt, replicas in zip(row["at_salts"], sweep["salts"], sweep["replicas"]):
             assert abs(at["salt_molar"] - salt["salt_M"]) < 1e-9

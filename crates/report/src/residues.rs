@@ -181,7 +181,13 @@ impl Residues {
     }
 
     fn mutation_table(&self) -> String {
-        let head = ["body", "exchange", "energy (kT)", "shift of the half salt (mM)", "effective frames"];
+        let head = [
+            "body",
+            "exchange",
+            "energy (kT)",
+            "shift of the half salt (mM)",
+            "effective frames",
+        ];
         let line = |row: &Value| {
             let shift = &row["half_salt_shift_molar"];
             vec![

@@ -4,12 +4,13 @@ use super::*;
 use crate::energy::terms::Terms;
 use crate::energy::{ContactPotential, DirectSum, EnergyModel, TermsByType, WithTerms};
 use crate::pair::Contacts;
-use crate::{BodyType, System};
+use crate::{BodyType, Interaction, Settings, Simulation, System};
 use protomer_body::residue_contacts::ContactScale;
 use protomer_body::{Body, Provenance, Residue, Site};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A body of residues, each one atom with a charge, along x (Å).
@@ -351,4 +352,103 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
     }
     assert!((of_residues - mean).abs() < 1e-11, "{of_residues} {mean}");
     assert!((of_pairs - mean).abs() < 1e-11);
+}
+
+/// The frames of two bodies, weighted for three mutants, against the mutants simulated anew:
+/// `tests/validation/mutation_scan.sh` does the same with proteins.
+#[test]
+fn weighted_frames_are_those_of_the_mutants() {
+    const REPLICAS: u32 = 5;
+    const FRAMES: u64 = 700;
+    let first = body_of(&[("LYS", 0.3, 1.5), ("LYS", -0.3, 1.0)]);
+    let second = body_of(&[("GLU", 0.3, -1.5), ("SER", -0.3, 0.0)]);
+    let yukawa = Yukawa::uncut(2.5, 1.0 / 4.0).unwrap();
+    let system_of = |first: &Body, second: &Body| {
+        let types = [first, second].map(|body| Arc::new(BodyType::from_body(body).unwrap()));
+        let there = Pose {
+            position: Vec3::new(4.0, 0.0, 0.0),
+            ..Pose::identity()
+        };
+        let boundary = Boundary::periodic(Vec3::repeat(12.0)).unwrap();
+        let placed = [(0, Pose::identity()), (1, there)];
+        System::new(types.to_vec(), &placed, boundary).unwrap()
+    };
+    // Each frame of each replica: whether the bodies touch, and the state.
+    let simulated = |system: &System,
+                     seed: u64,
+                     mut take: Box<dyn FnMut(u32, f64, &System) + '_>| {
+        for replica in 0..REPLICAS {
+            let mut settings = Settings::new(Interaction::YukawaDirect(yukawa));
+            settings.contact_gap_angstrom = 2.0;
+            settings.cluster_moves_per_sweep = 0;
+            let mut simulation = Simulation::new(system.clone(), settings, seed, replica).unwrap();
+            for frame in 0..FRAMES {
+                let stop = simulation.settings().equilibration_sweeps + 4 * frame + 4;
+                simulation
+                    .run_until(stop, &mut |_| ControlFlow::Continue(()))
+                    .unwrap();
+                take(
+                    replica,
+                    simulation.observables().bound_fraction,
+                    simulation.system(),
+                );
+            }
+        }
+    };
+    let mean_of = |values: &[Vec<f64>]| -> Mean {
+        let of = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        mean_of_blocks(&values.iter().map(of).collect::<Vec<f64>>())
+    };
+    let system = system_of(&first, &second);
+    let kinds = [&first, &second].into_iter().zip(system.types());
+    let kinds = kinds.map(|(body, kind)| ResiduesOfKind::new(body, kind).unwrap());
+    let contributions = Contributions::new(&system, kinds.collect(), yukawa, None, 5.0);
+    let mutants = [(0, 1, -1.0), (1, 0, -1.0), (1, 1, 1.0)];
+    let sites = mutants.map(|(kind, residue, _)| ChargeSites {
+        kind,
+        places: charge_sites([&first, &second][kind], residue),
+    });
+    let mut frames: Vec<Vec<(f64, Vec<Response>)>> = vec![Vec::new(); REPLICAS as usize];
+    simulated(
+        &system,
+        1,
+        Box::new(|replica, bound, state| {
+            let responses = contributions.responses(state, &sites).unwrap();
+            frames[replica as usize].push((bound, responses));
+        }),
+    );
+    let mut largest: f64 = 0.0;
+    for (index, (kind, residue, charge_e)) in mutants.into_iter().enumerate() {
+        let weighted: Vec<f64> = frames
+            .iter()
+            .map(|frames| {
+                let frames = frames.iter().map(|(bound, responses)| {
+                    (*bound, responses[index].energy_change_kt(charge_e))
+                });
+                let found = reweighted(frames);
+                assert!(found.effective_frames > 300.0, "{}", found.effective_frames);
+                found.mean
+            })
+            .collect();
+        let weighted = mean_of_blocks(&weighted);
+        let (mut ours, mut theirs) = (first.clone(), second.clone());
+        [&mut ours, &mut theirs][kind].sites[residue].charge_e += charge_e;
+        let mut bound = vec![Vec::new(); REPLICAS as usize];
+        simulated(
+            &system_of(&ours, &theirs),
+            2 + index as u64,
+            Box::new(|replica, of_frame, _| bound[replica as usize].push(of_frame)),
+        );
+        let anew = mean_of(&bound);
+        let error = weighted.error.unwrap().hypot(anew.error.unwrap());
+        let apart = (weighted.mean - anew.mean).abs();
+        assert!(error < 0.03 && apart < 4.0 * error, "{weighted:?} {anew:?}");
+        let unchanged: Vec<Vec<f64>> = frames
+            .iter()
+            .map(|frames| frames.iter().map(|(bound, _)| *bound).collect())
+            .collect();
+        largest = largest.max((mean_of(&unchanged).mean - anew.mean).abs() / error);
+    }
+    // One mutant at least is told from the unchanged bodies.
+    assert!(largest > 6.0, "{largest}");
 }

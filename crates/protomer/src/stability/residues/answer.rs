@@ -22,6 +22,7 @@ impl Answer for ResiduesResult {
         if let Some(mutations) = &self.mutations {
             lines.push(String::new());
             lines.extend(mutation_lines(mutations));
+            lines.extend(self.mutations_note.map(str::to_owned));
         }
         lines.join("\n")
     }
@@ -203,10 +204,6 @@ fn mutation_lines(mutations: &[MutationRow]) -> Vec<String> {
         return vec!["no residue on the surface can be exchanged".into()];
     }
     let mut lines = Vec::new();
-    let known = mutations
-        .iter()
-        .filter(|row| row.half_salt_shift_molar.is_some())
-        .count();
     let (raising, lowering) = (
         mutations.iter().take(MUTATIONS),
         mutations.iter().rev().take(MUTATIONS),
@@ -215,11 +212,13 @@ fn mutation_lines(mutations: &[MutationRow]) -> Vec<String> {
     lines.push(mutation_table(raising));
     lines.push("and least:".into());
     lines.push(mutation_table(lowering));
-    if known < mutations.len() {
+    let has_salts = mutations.iter().any(|row| row.half_salt_molar.is_some());
+    let unknown = mutations.iter().filter(|row| row.half_salt_molar.is_none());
+    if has_salts && unknown.clone().count() > 0 {
         lines.push(format!(
             "{} of {} half salts are not known: fewer than {FEWEST_EFFECTIVE_FRAMES} effective frames, \
              or not between two salts of the sweep",
-            mutations.len() - known,
+            unknown.count(),
             mutations.len()
         ));
     }
@@ -233,6 +232,7 @@ fn mutation_table<'a>(mutations: impl Iterator<Item = &'a MutationRow>) -> Strin
             "exchange",
             "charge (e)",
             "energy (kT)",
+            "first order (mM)",
             "half salt (mM)",
             "shift (mM)",
             "effective frames",
@@ -253,6 +253,8 @@ fn mutation_table<'a>(mutations: impl Iterator<Item = &'a MutationRow>) -> Strin
             row.mutation.clone(),
             format!("{:+.2}", row.charge_change_e),
             signed(&row.energy_change_kt),
+            row.first_order_half_salt_molar
+                .map_or_else(|| "-".into(), |salt| rounded(1e3 * salt)),
             row.half_salt_molar
                 .map_or_else(|| "-".into(), |salt| rounded(1e3 * salt)),
             row.half_salt_shift_molar

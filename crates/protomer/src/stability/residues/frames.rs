@@ -34,6 +34,13 @@ pub struct ShownSalt {
     pub why: Option<&'static str>,
 }
 
+/// What the sweep itself says.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SweepAnswer {
+    pub half_salt_molar: Option<f64>,
+    pub is_equilibrated: bool,
+}
+
 /// The frames at one salt concentration.
 pub struct AtSalt {
     /// With the charges and the terms of this medium.
@@ -223,6 +230,59 @@ impl Run {
         let ours = self.settings.salt_molar.iter().copied();
         let is_same = |salt: &f64| highest.is_some_and(|of| salt_label(of) == salt_label(*salt));
         Ok(ours.into_iter().find(is_same))
+    }
+
+    /// The answer of the sweep, if there is one.
+    pub fn answer(&self) -> Result<SweepAnswer> {
+        let Some(directory) = &self.directory else {
+            return Ok(SweepAnswer::default());
+        };
+        let result: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
+        Ok(
+            result.map_or_else(SweepAnswer::default, |result| SweepAnswer {
+                half_salt_molar: result["half_salt_molar"].as_f64(),
+                is_equilibrated: result["equilibrated"].as_bool() == Some(true),
+            }),
+        )
+    }
+
+    /// How the mean energy of these frames rises with the logarithm of the salt, kT: from the same
+    /// frames at the neighbouring salts of the run. `None` for an assembly, and without salt.
+    pub fn rise_with_salt_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<Option<f64>> {
+        let salts = self.salts();
+        let place = salts.iter().position(|salt| *salt == salt_molar);
+        let (Some(place), true) = (place, salts.len() > 1) else {
+            return Ok(None);
+        };
+        let (low, high) = (
+            salts[place.saturating_sub(1)],
+            salts[(place + 1).min(salts.len() - 1)],
+        );
+        if low <= 0.0 {
+            return Ok(None);
+        }
+        let energies = [low, high].map(|salt| self.mean_energy_kt(at, salt));
+        let [low_kt, high_kt] = energies;
+        Ok(Some((high_kt? - low_kt?) / (high / low).ln()))
+    }
+
+    /// The mean energy of frames at another salt, kT.
+    fn mean_energy_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<f64> {
+        let interaction = self.settings.medium.interaction(Some(salt_molar))?;
+        let engine = self.engine.in_medium(&self.settings, &interaction)?;
+        let direct = RunSettings {
+            energy: Some(EnergyMode::Direct),
+            tolerance_kt: None,
+            ..self.settings.clone()
+        };
+        let mut model = engine.energy_model(&direct, &interaction)?;
+        let (mut sum, mut frames) = (0.0, 0.0);
+        for poses in at.blocks.iter().flatten() {
+            model.reset(&engine.system_at(poses)?)?;
+            sum += model.total_kt();
+            frames += 1.0;
+        }
+        Ok(sum / frames)
     }
 
     /// The frames at one of the salt concentrations.

@@ -67,17 +67,29 @@ fn map(
             values.push(Some(found.map_or(0.0, |(_, _, pair)| value(pair))));
         }
     }
-    let short = |names: &[&ResidueName]| names.iter().map(|name| name.short()).collect();
     Some(ColourMap {
         title: format!("{} of {first} and {second}", names.title),
         caption: result.conditions(),
         x: second,
-        columns: short(&columns),
+        columns: labels(&columns),
         y: first,
-        rows: short(&rows),
+        rows: labels(&rows),
         quantity: names.quantity.into(),
         values,
     })
+}
+
+/// Short names, without the chain if there is one only.
+fn labels(names: &[&ResidueName]) -> Vec<String> {
+    let is_one_chain = names.windows(2).all(|pair| pair[0].chain == pair[1].chain);
+    let mut labels = Vec::with_capacity(names.len());
+    for name in names {
+        let short = name.short();
+        let chain = format!("{}:", name.chain);
+        let without = short.strip_prefix(&chain).filter(|_| is_one_chain);
+        labels.push(without.unwrap_or(&short).to_owned());
+    }
+    labels
 }
 
 /// The two bodies whose pairs weigh most together.

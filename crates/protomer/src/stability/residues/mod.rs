@@ -27,7 +27,8 @@ pub use files::FOLDER;
 pub use maps::{contact_map, energy_map};
 pub use mutations::Change;
 pub use result::{
-    MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans, WholeEnergy,
+    MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans,
+    WholeEnergy,
 };
 pub use settings::{PoseSettings, ResiduesSettings};
 
@@ -86,7 +87,11 @@ pub fn residues(
     };
     let mut result = ResiduesResult::new(settings, &run, &shown, &at_salt, &averages);
     if let Some(scan) = &scan {
-        result.mutations = Some(scan.rows(&scanned, shown.salt_molar));
+        let sweep = run.answer()?;
+        let rise_kt = run.rise_with_salt_kt(&at_salt, shown.salt_molar)?;
+        let rows = scan.rows(&scanned, shown.salt_molar, &sweep, rise_kt);
+        result.mutations_note = mutations::note(&run, &sweep);
+        result.mutations = Some(rows);
     }
     files::write(&mut result, settings, &run, &at_salt)?;
     Ok(result)

@@ -3,7 +3,7 @@
 //! The frames of a run stand for those of the changed bodies with weights exp(-ΔU). Where few frames
 //! carry the weight, they do not, and no number is given.
 
-use super::frames::{AtSalt, Run};
+use super::frames::{AtSalt, Run, SweepAnswer};
 use super::result::{MutationAtSalt, MutationRow, ResidueName};
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::Result;
@@ -147,8 +147,15 @@ impl Scan {
         }
     }
 
-    /// The rows of the answer, the exchange that lowers the energy most first.
-    pub fn rows(&self, scanned: &[ScannedSalt], shown_molar: f64) -> Vec<MutationRow> {
+    /// The rows of the answer, the exchange that lowers the energy most first. `rise_kt`: how the
+    /// energy of the assembly rises with the logarithm of the salt.
+    pub fn rows(
+        &self,
+        scanned: &[ScannedSalt],
+        shown_molar: f64,
+        sweep: &SweepAnswer,
+        rise_kt: Option<f64>,
+    ) -> Vec<MutationRow> {
         let unchanged = self.half(scanned, None, None);
         let is_shown = |salt: &&ScannedSalt| salt.salt_molar == shown_molar;
         let shown = scanned.iter().find(is_shown).or(scanned.first());
@@ -160,7 +167,13 @@ impl Scan {
                 Some(half) => half.effective_frames,
                 None => at_shown.map_or(0.0, |of| of.effective_frames),
             };
-            let known = changed.filter(|half| half.effective_frames >= FEWEST_EFFECTIVE_FRAMES);
+            let known = changed.filter(|half| {
+                sweep.is_equilibrated && half.effective_frames >= FEWEST_EFFECTIVE_FRAMES
+            });
+            let energy_change_kt =
+                shown.map_or(NOT_KNOWN, |salt| self.energy_change(salt, exchange));
+            let makes_up = rise_kt.filter(|rise_kt| *rise_kt > 0.0);
+            let first_order = sweep.half_salt_molar.zip(makes_up);
             let shift = match (&known, &unchanged) {
                 (Some(changed), Some(unchanged)) => Some(Mean {
                     mean: changed.salt_molar - unchanged.salt_molar,
@@ -173,11 +186,12 @@ impl Scan {
                 mutation: exchange.mutation.clone(),
                 change: exchange.change,
                 charge_change_e: exchange.charge_change_e,
-                energy_change_kt: shown
-                    .map_or(NOT_KNOWN, |salt| self.energy_change(salt, exchange)),
+                energy_change_kt,
                 effective_frames,
                 half_salt_molar: known.map(|half| half.salt_molar),
                 half_salt_shift_molar: shift,
+                first_order_half_salt_molar: first_order
+                    .map(|(half, rise_kt)| half * (-energy_change_kt.mean / rise_kt).exp()),
                 at_salts: scanned
                     .iter()
                     .map(|salt| self.at_salt(salt, exchange))
@@ -290,6 +304,18 @@ fn jackknife(values: &[f64]) -> Option<f64> {
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     let error = (squares * (blocks - 1.0) / blocks).sqrt();
     (values.len() > 1 && error.is_finite()).then_some(error)
+}
+
+/// What stands against half salts from frames with weights.
+pub fn note(run: &Run, sweep: &SweepAnswer) -> Option<&'static str> {
+    match (run.salts().len(), sweep.is_equilibrated) {
+        (1, _) => Some("there is one salt, so there is no half salt; scan a sweep over several"),
+        (_, false) => Some(
+            "the sweep is not known to be in equilibrium, so frames with weights say nothing of the half \
+             salt; its first order, from the frames in which the assembly holds, does not need it",
+        ),
+        (_, true) => None,
+    }
 }
 
 const NOT_KNOWN: Mean = Mean {

@@ -49,8 +49,10 @@ pub struct ResiduesResult {
     pub residues: Vec<ResidueRow>,
     /// Pairs with 0.01 kT or more, and those that touch.
     pub pairs: Vec<PairRow>,
-    /// Exchanges of single charges, the one that raises the half salt most first; null unless asked
-    /// for.
+    /// What stands against the half salts of `mutations`, in words; null if nothing does.
+    pub mutations_note: Option<&'static str>,
+    /// Exchanges of single charges, the one that lowers the energy most first; null unless
+    /// asked for.
     pub mutations: Option<Vec<MutationRow>>,
     /// The files that were written.
     pub files: Vec<PathBuf>,
@@ -146,10 +148,14 @@ pub struct MutationRow {
     /// Effective frames at the salts between which the half salt lies, the fewer; at the salt that is
     /// shown if there is none.
     pub effective_frames: f64,
-    /// The salt at which half of the contacts are left, mol/L; null if the frames are too few to tell.
+    /// The salt at which half of the contacts are left, from the frames with weights, mol/L; null if
+    /// the runs are not known to be in equilibrium, or the frames are too few to tell.
     pub half_salt_molar: Option<f64>,
     /// How far that is from the half salt without the exchange, mol/L.
     pub half_salt_shift_molar: Option<Mean>,
+    /// The half salt to first order: where salt makes up for the change of the energy, mol/L; null if
+    /// the sweep has no half salt, or salt does not weaken the assembly.
+    pub first_order_half_salt_molar: Option<f64>,
     /// At each salt of the run, ascending.
     pub at_salts: Vec<MutationAtSalt>,
 }
@@ -240,6 +246,7 @@ impl ResiduesResult {
             apart_share: averages.apart_share(),
             residues,
             pairs,
+            mutations_note: None,
             mutations: None,
             files: Vec::new(),
         }
