@@ -359,7 +359,7 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
 #[test]
 fn weighted_frames_are_those_of_the_mutants() {
     const REPLICAS: u32 = 5;
-    const FRAMES: u64 = 700;
+    const FRAMES: u64 = 3000;
     let first = body_of(&[("LYS", 0.3, 1.5), ("LYS", -0.3, 1.0)]);
     let second = body_of(&[("GLU", 0.3, -1.5), ("SER", -0.3, 0.0)]);
     let yukawa = Yukawa::uncut(2.5, 1.0 / 4.0).unwrap();
@@ -369,7 +369,9 @@ fn weighted_frames_are_those_of_the_mutants() {
             position: Vec3::new(4.0, 0.0, 0.0),
             ..Pose::identity()
         };
-        let boundary = Boundary::periodic(Vec3::repeat(12.0)).unwrap();
+        let boundary = Boundary::SphereWall {
+            radius_angstrom: 7.0,
+        };
         let placed = [(0, Pose::identity()), (1, there)];
         System::new(types.to_vec(), &placed, boundary).unwrap()
     };
