@@ -19,6 +19,7 @@ impl Answer for ResiduesResult {
         lines.push(String::new());
         lines.extend(by_pair);
         lines.push(self.outside_line());
+        lines.extend(self.charges_note.map(str::to_owned));
         if let Some(mutations) = &self.mutations {
             lines.push(String::new());
             lines.extend(mutation_lines(mutations));

@@ -34,6 +34,8 @@ pub struct ResiduesResult {
     pub replicas: usize,
     /// Residues touch where heavy atoms of them are closer than this, Å.
     pub touching_angstrom: f64,
+    /// What stands against the energies of residues, in words; null for the charges of the bodies.
+    pub charges_note: Option<&'static str>,
     /// The interaction energy of the whole assembly.
     pub energy: WholeEnergy,
     /// Share of the residues that touch no residue of another body.
@@ -172,6 +174,10 @@ pub struct MutationAtSalt {
     pub effective_frames: f64,
 }
 
+const EFFECTIVE: &str = "effective charges stand for the field around a body and not for its residues: charges next to each \
+                         other may be large and of opposite sign, so read sums over a patch, and shares by residue with \
+                         --interaction bare";
+
 /// Pairs with less energy that never touch are left out, kT.
 pub const LEAST_KT: f64 = 0.01;
 
@@ -234,6 +240,7 @@ impl ResiduesResult {
             blocks: averages.blocks(),
             replicas: at.replicas,
             touching_angstrom: settings.touching_angstrom,
+            charges_note: at.engine.effective_bodies().map(|_| EFFECTIVE),
             energy: WholeEnergy {
                 total_kt: averages.total_kt(),
                 charges_kt,
