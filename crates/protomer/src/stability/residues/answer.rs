@@ -83,15 +83,11 @@ impl ResiduesResult {
     }
 
     fn heading(&self) -> String {
-        let why = self
-            .salt_chosen
-            .map(|why| format!(" ({why}; --salt chooses another)"));
-        format!(
-            "{} bodies at {}{}",
-            self.bodies,
-            self.conditions(),
-            why.unwrap_or_default()
-        )
+        let heading = format!("{} bodies at {}", self.bodies, self.conditions());
+        match self.salt_chosen {
+            Some(why) => format!("{heading}\n{why}; --salt chooses another"),
+            None => heading,
+        }
     }
 
     fn energy_line(&self) -> String {
