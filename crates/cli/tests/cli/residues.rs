@@ -36,9 +36,9 @@ fn a_run_is_shared_out_and_shown() {
     let place = place();
     ingest(&place, "plus", "A:D3K,A:E49K");
     ingest(&place, "minus", MINUS);
-    is_ok(&place.run("assemble ring -q plus.body minus.body --members 4 --box 200 -o ring.json"));
+    is_ok(&place.run("assemble ring -q plus.body minus.body --members 4 --box 200 -o four.json"));
     is_ok(&place.run(
-        "sweep ring.json --salt 30mM,300mM --replicas 2 --energy direct --equilibration 20 --sweeps 60 \
+        "sweep four.json --salt 30mM,300mM --replicas 2 --energy direct --equilibration 20 --sweeps 60 \
          --log-every 10 --trajectory-every 10 -q -o run --contacts calvados3",
     ));
     let output = place.run("residues run --salt 30mM --script chimerax --json -q");
@@ -100,7 +100,7 @@ fn a_run_is_shared_out_and_shown() {
     assert!(page.contains("What holds it") && page.contains("energy of residues at 30 mM"));
     // A run that is begun anew takes its residues with it.
     is_ok(&place.run(
-        "sweep ring.json --salt 30mM --replicas 1 --energy direct --equilibration 20 --sweeps 60 \
+        "sweep four.json --salt 30mM --replicas 1 --energy direct --equilibration 20 --sweeps 60 \
          --log-every 10 -q -o run --force",
     ));
     assert!(!place.path("run/residues").exists());
