@@ -247,7 +247,7 @@ struct Part {
 /// One salt concentration of a sweep.
 struct Medium {
     interaction: ScreenedCoulomb,
-    /// With the effective charges of this medium, made by the first simulation that needs it.
+    /// With the effective charges and the terms of this medium, made by the first simulation that needs it.
     engine: OnceLock<Engine>,
 }
 
@@ -287,7 +287,8 @@ impl<'a> Sweep<'a> {
 
     /// The engine for one salt concentration, which its replicas share.
     fn engine(&self, salt_index: usize) -> Result<&Engine> {
-        if self.settings.effective_charges.is_none() {
+        let settings = self.settings;
+        if settings.effective_charges.is_none() && settings.further_terms().is_none() {
             return Ok(self.engine);
         }
         let Medium {
