@@ -52,6 +52,7 @@ __all__ = [
     "pair",
     "simulate",
     "sweep",
+    "residues",
     "lattice",
     "report",
     "export",
@@ -2696,6 +2697,121 @@ def sweep(
         progress,
         client=client,
         parts=parts,
+    )
+
+
+def residues(
+    input: Path,
+    *,
+    output: Path | None = None,
+    mutations: bool = False,
+    touching: Number | None = None,
+    frames: Integer | None = None,
+    script: Literal["chimerax", "pymol"] | None = None,
+    assembly: Path | None = None,
+    salt: Quantity | None = None,
+    temperature: Number | None = None,
+    permittivity: Number | None = None,
+    bjerrum: Number | None = None,
+    debye: Number | None = None,
+    cutoff: Number | None = None,
+    interaction: Literal["bare", "effective"] | None = None,
+    inner_permittivity: Number | None = None,
+    ion_radius: Number | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: Number | None = None,
+    desolvation: bool = False,
+    no_cache: bool = False,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Share out the energy of an assembly by residues and pairs of residues, averaged over the frames of a sweep
+    or a simulation: which residues hold it together, which touch, and what single exchanges of charge would
+    change.
+
+    Parameters
+    ----------
+    input
+        Directory of a sweep or a simulation, or an assembly file
+    output
+        Folder of tables, maps and a structure coloured by energy [default: residues in the directory of a
+        run; none for an assembly]
+    mutations
+        Also scan exchanges of single charges on the surfaces, and the half salt they lead to
+    touching
+        Residues touch where heavy atoms of them are closer than this [default: 5A]
+    frames
+        Frames that are used for each salt concentration [default: 200]
+    script
+        Also write a script that shows the structure, coloured by energy
+    assembly
+        Assembly file of a run, if it has moved
+    salt
+        Concentration of a 1:1 salt, such as 100mM or 0.1M
+    temperature
+        Temperature, K [default: 298.15]
+    permittivity
+        Relative permittivity; that of water at the temperature if omitted
+    bjerrum
+        Bjerrum length (such as 7.0A), instead of temperature and permittivity
+    debye
+        Debye length (such as 9.6A), instead of a salt concentration
+    cutoff
+        Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
+        No cut-off if omitted
+    interaction
+        Whether the charges of the bodies act, or their effective charges: those that give the potential
+        around bodies of low permittivity that salt does not enter [default: bare]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 4]
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
+    desolvation
+        Count what charges lose where other bodies displace solvent; with effective charges
+    no_cache
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+    """
+    return call(
+        Result,
+        ["residues"],
+        [input],
+        {
+            "--output": output,
+            "--mutations": mutations,
+            "--touching": touching,
+            "--frames": frames,
+            "--script": script,
+            "--assembly": assembly,
+            "--salt": salt,
+            "--temperature": temperature,
+            "--permittivity": permittivity,
+            "--bjerrum": bjerrum,
+            "--debye": debye,
+            "--cutoff": cutoff,
+            "--interaction": interaction,
+            "--inner-permittivity": inner_permittivity,
+            "--ion-radius": ion_radius,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
+            "--desolvation": desolvation,
+            "--no-cache": no_cache,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
     )
 
 

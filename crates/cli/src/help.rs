@@ -14,7 +14,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ),
     (
         "Stability",
-        &["simulate", "sweep", "compare", "pair", "scattering"],
+        &["simulate", "sweep", "residues", "compare", "pair", "scattering"],
     ),
     ("Potentials", &["potential"]),
     (
@@ -118,6 +118,13 @@ const EXAMPLES: [(&str, [&str; 2]); 32] = [
         [
             "sweep ring.json --salt 10mM..300mM/8 --replicas 4 -o stability",
             "sweep ring.json --salt 10mM,50mM,250mM --starts both --exchange-every 20 -o equilibrium",
+        ],
+    ),
+    (
+        "residues",
+        [
+            "residues stability --salt 100mM --mutations",
+            "residues ring.json --salt 100mM -o holds --script pymol",
         ],
     ),
     (

@@ -13,6 +13,7 @@
 //! | [`charges`] | the charges of a body, laid out for vector units |
 //! | [`system`] | the bodies and their poses |
 //! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
+//! | [`contributions`] | what each residue, and each pair of residues, contributes to the energy |
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`hard`] | hard-body overlap, cheapest test first |
 //! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
@@ -57,6 +58,7 @@ pub mod body_type;
 pub mod charges;
 pub mod checkpoint;
 pub mod contact;
+pub mod contributions;
 pub mod desolvation;
 pub mod energy;
 mod error;

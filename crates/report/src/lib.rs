@@ -12,6 +12,7 @@
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
+//! | `residues` | what holds an assembly together |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -35,6 +36,7 @@ mod page;
 mod pair;
 mod pair_surfaces;
 mod provenance;
+mod residues;
 mod scenes;
 mod traces;
 

@@ -3,7 +3,7 @@
 use super::html::{definitions, millimolar, paragraph, significant, significant_or_dash, table};
 use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
-use super::{data, figures, mesh_view, provenance, traces};
+use super::{data, figures, mesh_view, provenance, residues, traces};
 use anyhow::Result;
 use protomer::stability::run::{EnergyMode, RunSettings};
 use protomer::stability::sweep::replica_directory;
@@ -22,7 +22,14 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
     let periodic_box = result
         .as_ref()
         .and_then(|result| serde_json::from_value(result["box_angstrom"].clone()).ok());
-    let collected = collect(directory, settings, record.as_ref(), periodic_box, assembly)?;
+    let mut collected = collect(directory, settings, record.as_ref(), periodic_box, assembly)?;
+    let (held, not_shown) = residues::collect(directory, record.as_ref());
+    collected.notes.extend(not_shown);
+    if let (Some(held), Some(assembly), Some(shown)) =
+        (&held, &collected.assembly, &mut collected.shown)
+    {
+        held.colour(assembly, shown);
+    }
     let simulations = simulations(directory, settings)?;
     let mut problems: Vec<String> = provenance::unfinished(record.as_ref())
         .into_iter()
@@ -40,6 +47,9 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
             .as_ref()
             .map(|shown| mesh_view::section(shown, &bodies_table(&collected))),
     );
+    if let Some(held) = &held {
+        sections.push(held.section()?);
+    }
     sections.push(conditions(settings, result.as_ref(), &collected)?);
     sections.push(simulations_section(&simulations, settings));
     let seed = vec![("seed", settings.seed.to_string())];

@@ -11,7 +11,7 @@ use super::page::Section;
 use super::scenes::MOST_VERTICES;
 use anyhow::{Context, Result};
 use protomer::stability::pair::{
-    ConditionResult, PairBodies, PairResult, PoseResult, ResidueTable, nearest_residue,
+    ConditionResult, PairBodies, PairResult, PoseResult, ResiduePlaces, ResidueTable,
 };
 use protomer_body::Body;
 use protomer_kernel::{Pose, Vec3};
@@ -146,8 +146,9 @@ impl Surfaces {
             known.body == number && known.shown.mesh == body.mesh && known.shown.name == body.name
         });
         known.unwrap_or_else(|| {
+            let places = ResiduePlaces::of(body);
             let vertices = body.mesh.vertices.par_iter();
-            let residues = vertices.map(|vertex| nearest_residue(body, vertex));
+            let residues = vertices.map(|vertex| places.nearest(vertex));
             self.meshes.push(Surface {
                 body: number,
                 shown: ShownMesh {

@@ -15,6 +15,7 @@ mod fluid;
 mod framework;
 mod predict;
 mod report;
+mod residues;
 mod sweep;
 mod train;
 mod tune;

@@ -10,7 +10,7 @@ pub mod levels;
 mod none;
 mod pair_sum;
 mod potential;
-mod reach;
+pub(crate) mod reach;
 mod residue_contacts;
 pub mod terms;
 mod with_terms;

@@ -19,6 +19,11 @@ pub trait PairPotential: Send + Sync {
     /// displaced solvent counts with the body that displaces it.
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64));
 
+    /// Hands out which pairs of places hold how much of the energy, for a term that is a sum over
+    /// pairs: place of the first and of the second body, each in the frame of its body (Å), energy
+    /// (kT). Another term hands out nothing.
+    fn pair_shares(&self, _: &RelativePose, _: &mut dyn FnMut(&Vec3, &Vec3, f64)) {}
+
     /// The distance of the origins beyond which no energy is larger than `energy_kt`, Å.
     fn reach_angstrom(&self, energy_kt: f64) -> f64;
 
@@ -51,6 +56,15 @@ pub struct EnergyParts {
 }
 
 impl EnergyParts {
+    /// Adds an energy (kT) to the part of its term.
+    pub fn add(&mut self, term: Term, energy_kt: f64) {
+        match term {
+            Term::Charges => self.charges_kt += energy_kt,
+            Term::Contacts => self.contacts_kt += energy_kt,
+            Term::Desolvation => self.desolvation_kt += energy_kt,
+        }
+    }
+
     /// The sum of the terms, kT.
     pub fn total_kt(&self) -> f64 {
         self.charges_kt + self.contacts_kt + self.desolvation_kt
@@ -75,12 +89,7 @@ impl Terms {
     pub fn parts_kt(&self, second_in_first: &RelativePose) -> EnergyParts {
         let mut parts = EnergyParts::default();
         for term in &self.0 {
-            let energy_kt = term.energy_kt(second_in_first);
-            match term.term() {
-                Term::Charges => parts.charges_kt += energy_kt,
-                Term::Contacts => parts.contacts_kt += energy_kt,
-                Term::Desolvation => parts.desolvation_kt += energy_kt,
-            }
+            parts.add(term.term(), term.energy_kt(second_in_first));
         }
         parts
     }

@@ -50,7 +50,7 @@ impl TermsByType {
         &self.by_types[first * self.types + second]
     }
 
-    fn reach(&self, system: &System) -> Reach {
+    pub(crate) fn reach(&self, system: &System) -> Reach {
         let reach = |terms: &Terms| terms.reach_angstrom(NEGLIGIBLE_KT);
         Reach::of_types(system, self.by_types.iter().map(reach).collect())
     }

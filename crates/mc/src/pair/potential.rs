@@ -45,11 +45,18 @@ impl PairPotential for Contacts {
     }
 
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        self.pair_shares(second_in_first, &mut |first, second, energy_kt| {
+            take(0, first, energy_kt);
+            take(1, second, energy_kt);
+        });
+    }
+
+    fn pair_shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(&Vec3, &Vec3, f64)) {
         let inverse = second_in_first.inverse();
         self.potential
             .for_each_pair(&self.first, &self.second, second_in_first, |pair| {
-                take(0, &pair.first, pair.energy_kt);
-                take(1, &inverse.transform_point(&pair.second), pair.energy_kt);
+                let second = inverse.transform_point(&pair.second);
+                take(&pair.first, &second, pair.energy_kt);
             });
     }
 

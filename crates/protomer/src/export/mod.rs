@@ -138,7 +138,8 @@ pub fn export(settings: &ExportSettings) -> Result<ExportReport> {
     let (text, chains) = rendered(format, &placed)?;
     let mut files = vec![(&settings.output, text)];
     if let Some((viewer, path)) = &script {
-        let text = viewer.script(&settings.output, &placed, &chains, settings.values);
+        let limit = settings.values.map(ResidueValues::limit);
+        let text = viewer.script(&settings.output, &placed, &chains, limit);
         files.push((path, text));
     }
     for (path, text) in &files {

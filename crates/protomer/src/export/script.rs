@@ -1,6 +1,5 @@
 //! Scripts that open a structure file in a viewer, show a surface of each copy, and colour it.
 
-use super::ResidueValues;
 use protomer_body::structure::write::{PlacedBodies, WrittenChain};
 use std::path::{Path, PathBuf};
 
@@ -30,14 +29,15 @@ impl Viewer {
         })
     }
 
-    /// The script for a structure file in the same folder. Copies have a colour each; with values,
-    /// surfaces have those of their residues, from red (negative) over white to blue.
+    /// The script for a structure file in the same folder. Copies have a colour each; with a
+    /// limit, surfaces have those of their residues' B factors, from red (-limit) over white to
+    /// blue.
     pub fn script(
         self,
         structure: &Path,
         placed: &PlacedBodies,
         chains: &[WrittenChain],
-        values: Option<ResidueValues>,
+        limit: Option<f64>,
     ) -> String {
         let file = structure.file_name().unwrap_or_default().to_string_lossy();
         let mut copies = Vec::with_capacity(placed.copies.len());
@@ -56,13 +56,13 @@ impl Viewer {
         }
         copies.retain(|copy| !copy.chains.is_empty());
         match self {
-            Self::Chimerax => chimerax(&file, &copies, values),
-            Self::Pymol => pymol(&file, &copies, values),
+            Self::Chimerax => chimerax(&file, &copies, limit),
+            Self::Pymol => pymol(&file, &copies, limit),
         }
     }
 }
 
-fn chimerax(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> String {
+fn chimerax(file: &str, copies: &[Copy], limit: Option<f64>) -> String {
     let mut lines = vec![
         "# Open it in ChimeraX with no other model open: the structure becomes model 1.".to_owned(),
         format!("open \"{file}\""),
@@ -75,8 +75,7 @@ fn chimerax(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> Strin
         lines.push(format!("surface {chains} enclose {chains}"));
         lines.push(format!("color {chains} {}", hexadecimal(copy.colour)));
     }
-    if let Some(values) = values {
-        let limit = values.limit();
+    if let Some(limit) = limit {
         lines.push(format!(
             "color byattribute bfactor #1 target s palette #c0282d:#f7f7f7:#2457b8 range -{limit},{limit}"
         ));
@@ -85,7 +84,7 @@ fn chimerax(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> Strin
     lines.join("\n") + "\n"
 }
 
-fn pymol(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> String {
+fn pymol(file: &str, copies: &[Copy], limit: Option<f64>) -> String {
     let mut lines = vec![
         "# Start PyMOL in the folder of this file.".to_owned(),
         format!("load {file}, protomer_all"),
@@ -105,8 +104,7 @@ fn pymol(file: &str, copies: &[Copy], values: Option<ResidueValues>) -> String {
         ]);
     }
     lines.extend(["delete protomer_all", "show cartoon", "show surface"].map(str::to_owned));
-    if let Some(values) = values {
-        let limit = values.limit();
+    if let Some(limit) = limit {
         lines.push(format!(
             "spectrum b, red_white_blue, minimum=-{limit}, maximum={limit}"
         ));
@@ -175,7 +173,7 @@ mod tests {
         assert!(chimerax.contains("open \"x.cif\"\n"));
         assert!(chimerax.contains("color #1/A,B #ff000a\n"));
         assert!(!chimerax.contains("bfactor"));
-        let pymol = pymol("x.cif", &copies, Some(ResidueValues::Hydropathy));
+        let pymol = pymol("x.cif", &copies, Some(4.5));
         assert!(pymol.contains("create copy_0, protomer_all and chain A+B\n"));
         assert!(pymol.contains("set_color colour_0, [255, 0, 10]\n"));
         assert!(pymol.contains("spectrum b, red_white_blue, minimum=-4.5, maximum=4.5\n"));

@@ -9,6 +9,7 @@ pub mod energy_tables;
 pub mod inspect;
 pub mod interaction;
 pub mod pair;
+pub mod residues;
 pub mod run;
 pub mod sweep;
 pub mod terms;

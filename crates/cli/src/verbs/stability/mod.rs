@@ -4,5 +4,6 @@ pub mod bench;
 pub mod compare;
 pub mod inspect;
 pub mod pair;
+pub mod residues;
 pub mod simulate;
 pub mod sweep;

@@ -30,7 +30,8 @@ mod result;
 mod settings;
 
 pub use input::PairBodies;
-pub use residues::{ResidueTable, nearest_residue};
+pub use protomer_mc::contributions::ResiduePlaces;
+pub use residues::ResidueTable;
 pub use result::{ConditionResult, PairPart, PairResult, PoseResult};
 pub use settings::{Energies, PairRunSettings};
 

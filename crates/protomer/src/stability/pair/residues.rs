@@ -2,12 +2,12 @@
 
 use super::result::PoseResult;
 use anyhow::{Context, Result, bail};
-use protomer_body::residue_contacts::{Bead, beads_of};
 use protomer_body::{Body, Residue};
 use protomer_io::csv::{Cell, Table, cells};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Pose, Vec3};
-use protomer_mc::energy::terms::{EnergyParts, Term};
+use protomer_mc::contributions::ResiduePlaces;
+use protomer_mc::energy::terms::EnergyParts;
 use protomer_mc::pair::BodyPair;
 use std::path::Path;
 
@@ -45,44 +45,16 @@ pub(super) fn residue_energies(
     }
     let of_second = Pose::from_wxyz(Vec3::from(pose.position_angstrom), pose.orientation_wxyz);
     let relative = RelativePose::new(&Pose::identity(), &of_second, &of_second.position);
-    let beads = bodies.map(beads_of);
+    let places = bodies.map(ResiduePlaces::of);
     let mut energies = bodies.map(|body| vec![EnergyParts::default(); body.residues.len()]);
     for term in &pair.potential.0 {
         term.shares(&relative, &mut |body, place, energy_kt| {
-            let residue = match term.term() {
-                Term::Contacts => nearest_bead(&beads[body], place),
-                Term::Charges | Term::Desolvation => nearest_residue(bodies[body], place),
-            };
-            if let Some(residue) = residue {
-                let parts = &mut energies[body][residue];
-                match term.term() {
-                    Term::Charges => parts.charges_kt += energy_kt,
-                    Term::Contacts => parts.contacts_kt += energy_kt,
-                    Term::Desolvation => parts.desolvation_kt += energy_kt,
-                }
+            if let Some(residue) = places[body].of_term(term.term(), place) {
+                energies[body][residue].add(term.term(), energy_kt);
             }
         });
     }
     Some(energies)
-}
-
-/// The residue of the bead at a place.
-fn nearest_bead(beads: &[Bead], place: &Vec3) -> Option<usize> {
-    let square = |bead: &&Bead| (bead.position - place).norm_squared();
-    let nearest = beads.iter().min_by(|a, b| square(a).total_cmp(&square(b)));
-    nearest.map(|bead| bead.residue)
-}
-
-/// The residue of the atom whose centre is nearest to a place in the body's frame (Å).
-pub fn nearest_residue(body: &Body, place: &Vec3) -> Option<usize> {
-    let mut nearest = (f64::INFINITY, None);
-    for site in &body.sites {
-        let square = (site.position - place).norm_squared();
-        if site.residue.is_some() && square < nearest.0 {
-            nearest = (square, site.residue);
-        }
-    }
-    nearest.1.map(|residue| residue as usize)
 }
 
 /// A table of residues over all poses; residues with less than 0.01 kT are left out.
@@ -291,18 +263,5 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         assert!(refused(format!("{head}\n1,7,A,1,,LYS,1,1,0,0\n")).contains("body \"7\""));
         assert!(refused(format!("{head}\n1,1,A,1,,LYS,x,1,0,0\n")).contains("residues.csv:2"));
         assert!(refused("a,b\n".into()).contains("other columns"));
-    }
-
-    #[test]
-    fn a_place_belongs_to_the_residue_of_the_nearest_atom() {
-        let mut body = body(&[("A", 1, "LYS"), ("A", 2, "GLU")]);
-        let at = |body: &Body, x: f64| nearest_residue(body, &Vec3::new(x, 3.0, 0.0));
-        assert_eq!(
-            [-20.0, 4.9, 5.1, 30.0].map(|x| at(&body, x)),
-            [0, 0, 1, 1].map(Some)
-        );
-        // A bare charge has no residue.
-        body.sites[1].residue = None;
-        assert_eq!(at(&body, 30.0), Some(0));
     }
 }

@@ -8,8 +8,8 @@ use crate::stability::interaction::{Definition, ScreenedCoulomb};
 use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Context, Result, bail};
-use protomer_kernel::Boundary;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::{Boundary, Pose};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
@@ -131,23 +131,35 @@ impl Engine {
         &self.assembly
     }
 
+    /// What acts beside the charges; `None` if nothing does.
+    pub fn terms(&self) -> Option<&TermsByType> {
+        self.terms.as_ref()
+    }
+
+    /// The bodies at other places.
+    ///
+    /// # Errors
+    /// If there is not a pose for each body, or one lies outside a wall.
+    pub fn system_at(&self, poses: &[Pose]) -> Result<System> {
+        let kinds = &self.assembly.kinds;
+        if poses.len() != kinds.len() {
+            bail!(
+                "{} poses were given for {} bodies",
+                poses.len(),
+                kinds.len()
+            );
+        }
+        let placed: Vec<_> = kinds.iter().copied().zip(poses.iter().copied()).collect();
+        let types = self.types.clone();
+        Ok(System::new(types, &placed, self.assembly.boundary)?)
+    }
+
     /// The bodies at their places.
     ///
     /// # Errors
     /// If a placement lies outside a wall.
     pub fn system(&self) -> Result<System> {
-        let placed: Vec<_> = self
-            .assembly
-            .kinds
-            .iter()
-            .copied()
-            .zip(self.assembly.poses.iter().copied())
-            .collect();
-        Ok(System::new(
-            self.types.clone(),
-            &placed,
-            self.assembly.boundary,
-        )?)
+        self.system_at(&self.assembly.poses)
     }
 
     /// A model of the energies for one salt concentration; models of one engine share their tables.

@@ -63,9 +63,7 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
     let mut points = points.to_vec();
     points.retain(|point| point.fraction.is_finite());
     points.sort_by(|a, b| a.salt_molar.total_cmp(&b.salt_molar));
-    let fractions: Vec<f64> = points.iter().map(|point| point.fraction).collect();
-    let linear = |part: f64, _: f64| part;
-    let salt_molar = crossing(&points, &fractions, linear).salt_molar()?;
+    let salt_molar = crossing_molar(&points)?;
     let mut drawn = Vec::with_capacity(CURVES as usize);
     for curve in 0..CURVES {
         let mut rng = CounterRng::for_purpose(seed, 0, curve, Purpose::Bootstrap);
@@ -84,6 +82,16 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
         salt_molar,
         interval_molar: [at(TAIL), at(1.0 - TAIL)],
     })
+}
+
+/// The same without an interval, for points in the order of the salt, mol/L.
+pub fn crossing_molar(points: &[FractionAt]) -> Option<f64> {
+    let fractions: Vec<f64> = points.iter().map(|point| point.fraction).collect();
+    if fractions.iter().any(|fraction| !fraction.is_finite()) {
+        return None;
+    }
+    let linear = |part: f64, _: f64| part;
+    crossing(points, &fractions, linear).salt_molar()
 }
 
 /// `between_points` says which part of the way between two points the crossing is at, from where a

@@ -114,12 +114,14 @@ impl Answer for SweepPart {
     }
 }
 
-/// Whether this is the folder of the simulations at one salt concentration, or of a ladder.
+/// Whether this is the folder of the simulations at one salt concentration, of a ladder, or of the
+/// residues.
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_of_salt = name.starts_with("salt_") && name.ends_with('M');
     let is_ladder = name.starts_with("ladder_") && path.join("run.json").is_file();
-    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder
+    let is_of_residues = name == crate::stability::residues::FOLDER && path.is_dir();
+    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder || is_of_residues
 }
 
 /// Runs or continues a sweep in a directory.
@@ -245,7 +247,7 @@ struct Part {
 /// One salt concentration of a sweep.
 struct Medium {
     interaction: ScreenedCoulomb,
-    /// With the effective charges of this medium, made by the first simulation that needs it.
+    /// With the effective charges and the terms of this medium, made by the first simulation that needs it.
     engine: OnceLock<Engine>,
 }
 
@@ -285,7 +287,8 @@ impl<'a> Sweep<'a> {
 
     /// The engine for one salt concentration, which its replicas share.
     fn engine(&self, salt_index: usize) -> Result<&Engine> {
-        if self.settings.effective_charges.is_none() {
+        let settings = self.settings;
+        if settings.effective_charges.is_none() && settings.further_terms().is_none() {
             return Ok(self.engine);
         }
         let Medium {

@@ -1,0 +1,91 @@
+//! `protomer residues`: which residues hold an assembly together.
+
+use crate::flags::cache::CacheArgs;
+use crate::flags::choices::ExportViewer;
+use crate::flags::medium::ConditionArgs;
+use crate::flags::solute::ChargesArgs;
+use crate::flags::terms::TermsArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::stability::contacts::ContactCore;
+use protomer::stability::residues::{PoseSettings, ResiduesSettings, residues};
+use protomer::stability::run::{EnergyMode, RunSettings};
+use protomer_common::quantity;
+use std::path::PathBuf;
+
+/// Share out the energy of an assembly by residues and pairs of residues, averaged over the frames
+/// of a sweep or a simulation: which residues hold it together, which touch, and what single
+/// exchanges of charge would change.
+#[derive(Debug, Args)]
+pub struct ResiduesArgs {
+    /// Directory of a sweep or a simulation, or an assembly file.
+    input: PathBuf,
+    /// Folder of tables, maps and a structure coloured by energy [default: residues in the directory
+    /// of a run; none for an assembly].
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Also scan exchanges of single charges on the surfaces, and the half salt they lead to.
+    #[arg(long)]
+    mutations: bool,
+    /// Residues touch where heavy atoms of them are closer than this.
+    #[arg(long, value_name = "LENGTH", value_parser = quantity::length_angstrom, default_value = "5A", allow_hyphen_values = true)]
+    touching: f64,
+    /// Frames that are used for each salt concentration.
+    #[arg(long, default_value_t = 200)]
+    frames: usize,
+    /// Also write a script that shows the structure, coloured by energy.
+    #[arg(long, value_enum)]
+    script: Option<ExportViewer>,
+    /// Assembly file of a run, if it has moved.
+    #[arg(long)]
+    assembly: Option<PathBuf>,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    charges: ChargesArgs,
+    #[command(flatten)]
+    terms: TermsArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
+}
+
+impl ResiduesArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        front.warn(quantity::salt_warning(self.conditions.salt));
+        let medium = self.conditions.medium.medium();
+        let has_charges =
+            self.charges.interaction.is_some() || self.charges.solute.solute().is_some();
+        let pose = PoseSettings {
+            is_stated: medium != Default::default() || has_charges || self.terms.is_given(),
+            run: RunSettings {
+                energy: Some(EnergyMode::Direct),
+                effective_charges: self.charges.effective_charges(None)?,
+                contacts: self.terms.contacts(None, ContactCore::Surface)?,
+                desolvation: self.terms.desolvation,
+                medium,
+                ..RunSettings::default()
+            },
+        };
+        let settings = ResiduesSettings {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            salt_molar: self.conditions.salt,
+            assembly: self.assembly.clone(),
+            pose,
+            touching_angstrom: self.touching,
+            most_frames: self.frames,
+            mutations: self.mutations,
+            script: self.script.map(Into::into),
+            force: front.force(),
+        };
+        let store = self.cache.effective_store(front);
+        let found = residues(&settings, store, &*front.progress())?;
+        let files = found.files.iter();
+        let notes: Vec<String> = files
+            .map(|file| format!("written: {}", file.display()))
+            .collect();
+        Ok(Reply::data(found).with_repeated(notes))
+    }
+}

@@ -1,0 +1,365 @@
+//! Means of contributions over the frames of a run.
+//!
+//! Frames that follow each other are alike, so the error comes from blocks of frames: the standard
+//! deviation of the block means over the root of their number.
+
+use super::state::{Contributions, PairContribution, StateEnergies};
+use crate::System;
+use crate::energy::SitePotential;
+use crate::energy::terms::EnergyParts;
+use protomer_kernel::statistics::RunningMoments;
+use serde::Serialize;
+
+/// A mean with its standard error; none for fewer than two blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Mean {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub error: Option<f64>,
+}
+
+/// Sums over frames, and over blocks of them.
+#[derive(Debug, Clone)]
+pub struct Averages {
+    kinds: Vec<Kind>,
+    pairs: Vec<Pairs>,
+    numbers: BlockSums,
+    /// Of each block: energy by terms, part outside the contacts, part between residues apart, share
+    /// of the residues that touch nothing.
+    blocks: Vec<[f64; TOTALS]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Kind {
+    start: usize,
+    residues: usize,
+    copies: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Pairs {
+    kinds: (usize, usize),
+    start: usize,
+    columns: usize,
+}
+
+/// Numbers of a residue: charges, contacts, desolvation, whether it touches.
+const OF_RESIDUE: usize = 4;
+/// Numbers of a pair: charges, contacts, how many touch, whether any does.
+const OF_PAIR: usize = 4;
+const TOTALS: usize = 6;
+
+/// What one residue contributes on average, per copy.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidueMean {
+    /// The sum of the terms, kT.
+    pub energy_kt: Mean,
+    /// By terms.
+    pub parts: EnergyParts,
+    /// Share of frames and copies in which it touches a residue of another body.
+    pub touching: f64,
+}
+
+/// What one pair of residues contributes on average, over all pairs of bodies of its kinds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairMean {
+    /// The sum of the terms, kT.
+    pub energy_kt: Mean,
+    /// By terms; `touching` is the mean number of such pairs that touch.
+    pub parts: PairContribution,
+    /// Share of frames in which at least one touches.
+    pub touching: f64,
+}
+
+/// Sums of many numbers at once.
+#[derive(Debug, Clone)]
+struct BlockSums {
+    all: Vec<f64>,
+    frames: usize,
+    block: Vec<f64>,
+    in_block: usize,
+    blocks: usize,
+    mean: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl Averages {
+    /// Nothing yet, for states of this system.
+    pub fn new<P: SitePotential>(contributions: &Contributions<P>, system: &System) -> Self {
+        let (mut kinds, mut pairs, mut start) = (Vec::new(), Vec::new(), 0);
+        let of_type = |kind: usize| {
+            let copies = (0..system.len()).filter(|copy| system.type_index(*copy) == kind);
+            copies.count()
+        };
+        for (kind, of_kind) in contributions.kinds().iter().enumerate() {
+            kinds.push(Kind {
+                start,
+                residues: of_kind.len(),
+                copies: of_type(kind),
+            });
+            start += (OF_RESIDUE + 1) * of_kind.len();
+        }
+        for (first, rows) in contributions.kinds().iter().enumerate() {
+            for (second, columns) in contributions.kinds().iter().enumerate().skip(first) {
+                pairs.push(Pairs {
+                    kinds: (first, second),
+                    start,
+                    columns: columns.len(),
+                });
+                start += (OF_PAIR + 1) * rows.len() * columns.len();
+            }
+        }
+        Self {
+            kinds,
+            pairs,
+            numbers: BlockSums::new(start),
+            blocks: vec![[0.0; TOTALS]],
+        }
+    }
+
+    /// Adds a frame.
+    pub fn push(&mut self, state: &StateEnergies, system: &System) {
+        let mut numbers = vec![0.0; self.numbers.all.len()];
+        let (mut residues, mut alone) = (0, 0);
+        for (copy, of_copy) in state.residues.iter().enumerate() {
+            let kind = self.kinds[system.type_index(copy)];
+            let per_copy = 1.0 / kind.copies as f64;
+            let rows = numbers[kind.start..].chunks_exact_mut(OF_RESIDUE + 1);
+            for (row, residue) in rows.zip(of_copy) {
+                let touches = f64::from(u8::from(residue.touches));
+                let values = with_total([
+                    residue.parts.charges_kt,
+                    residue.parts.contacts_kt,
+                    residue.parts.desolvation_kt,
+                    touches,
+                ]);
+                for (sum, value) in row.iter_mut().zip(values) {
+                    *sum += per_copy * value;
+                }
+                residues += 1;
+                alone += usize::from(!residue.touches);
+            }
+        }
+        for (place, pairs) in self.pairs.iter().zip(&state.pairs) {
+            let rows = numbers[place.start..].chunks_exact_mut(OF_PAIR + 1);
+            for (row, pair) in rows.zip(&pairs.pairs) {
+                let any = f64::from(u8::from(pair.touching > 0.0));
+                let values = [
+                    pair.charges_kt,
+                    pair.contacts_kt,
+                    pair.touching,
+                    any,
+                    pair.total_kt(),
+                ];
+                row.copy_from_slice(&values);
+            }
+        }
+        let totals = [
+            state.parts.charges_kt,
+            state.parts.contacts_kt,
+            state.parts.desolvation_kt,
+            state.outside_kt,
+            state.apart_kt,
+            alone as f64 / residues as f64,
+        ];
+        if let Some(block) = self.blocks.last_mut() {
+            for (sum, total) in block.iter_mut().zip(totals) {
+                *sum += total;
+            }
+        }
+        self.numbers.push(&numbers);
+    }
+
+    /// Ends a block; the frames after it are taken for independent of those before.
+    pub fn end_block(&mut self) {
+        if self.numbers.in_block == 0 {
+            return;
+        }
+        let frames = self.numbers.in_block as f64;
+        if let Some(block) = self.blocks.last_mut() {
+            for total in block.iter_mut() {
+                *total /= frames;
+            }
+        }
+        self.blocks.push([0.0; TOTALS]);
+        self.numbers.end_block();
+    }
+
+    /// Frames so far.
+    pub fn frames(&self) -> usize {
+        self.numbers.frames
+    }
+
+    /// Ended blocks.
+    pub fn blocks(&self) -> usize {
+        self.numbers.blocks
+    }
+
+    /// A residue of a kind of body.
+    pub fn residue(&self, kind: usize, residue: usize) -> ResidueMean {
+        let start = self.kinds[kind].start + residue * (OF_RESIDUE + 1);
+        let mean = |offset: usize| self.numbers.mean(start + offset);
+        ResidueMean {
+            energy_kt: self.numbers.mean_with_error(start + OF_RESIDUE),
+            parts: EnergyParts {
+                charges_kt: mean(0),
+                contacts_kt: mean(1),
+                desolvation_kt: mean(2),
+            },
+            touching: mean(3),
+        }
+    }
+
+    /// The pairs of kinds, the smaller number first.
+    pub fn pairs_of_kinds(&self) -> Vec<(usize, usize)> {
+        self.pairs.iter().map(|pairs| pairs.kinds).collect()
+    }
+
+    /// A pair of residues of two kinds of bodies, in the order of
+    /// [`pairs_of_kinds`](Self::pairs_of_kinds); of one kind, the first residue not after the
+    /// second.
+    pub fn pair(&self, pairs: usize, first: usize, second: usize) -> PairMean {
+        let place = self.pairs[pairs];
+        let start = place.start + (first * place.columns + second) * (OF_PAIR + 1);
+        let mean = |offset: usize| self.numbers.mean(start + offset);
+        PairMean {
+            energy_kt: self.numbers.mean_with_error(start + OF_PAIR),
+            parts: PairContribution {
+                charges_kt: mean(0),
+                contacts_kt: mean(1),
+                touching: mean(2),
+            },
+            touching: mean(3),
+        }
+    }
+
+    /// The number of residues of a kind.
+    pub fn residues(&self, kind: usize) -> usize {
+        self.kinds[kind].residues
+    }
+
+    /// The energy by terms: charges, contacts, desolvation, kT.
+    pub fn energy_kt(&self) -> [Mean; 3] {
+        [0, 1, 2].map(|index| self.total(index))
+    }
+
+    /// The energy, kT.
+    pub fn total_kt(&self) -> Mean {
+        let of_block = |block: &[f64; TOTALS]| block[0] + block[1] + block[2];
+        let blocks: Vec<f64> = self.ended().iter().map(of_block).collect();
+        mean_of_blocks(&blocks)
+    }
+
+    /// The part of the energy of the charges that comes from residues that touch nothing, kT.
+    pub fn outside_kt(&self) -> Mean {
+        self.total(3)
+    }
+
+    /// The same as a share of the energy of the charges; `None` where that is not known to be
+    /// negative.
+    pub fn outside_share(&self) -> Option<Mean> {
+        self.share_of_charges(3)
+    }
+
+    /// The share of the energy of the charges between residues that do not touch each other.
+    pub fn apart_share(&self) -> Option<Mean> {
+        self.share_of_charges(4)
+    }
+
+    /// The share of the residues that touch nothing, over copies and frames.
+    pub fn untouched_share(&self) -> Mean {
+        self.total(5)
+    }
+
+    fn ended(&self) -> &[[f64; TOTALS]] {
+        &self.blocks[..self.blocks.len() - 1]
+    }
+
+    fn total(&self, index: usize) -> Mean {
+        let blocks: Vec<f64> = self.ended().iter().map(|block| block[index]).collect();
+        mean_of_blocks(&blocks)
+    }
+
+    /// The error is that of the ratio to first order.
+    fn share_of_charges(&self, index: usize) -> Option<Mean> {
+        const STANDARD_ERRORS: f64 = 3.0;
+        let charges = self.total(0);
+        let limit = STANDARD_ERRORS * charges.error.unwrap_or(0.0);
+        if charges.mean >= -limit {
+            return None;
+        }
+        let share = self.total(index).mean / charges.mean;
+        let rest = |block: &[f64; TOTALS]| (block[index] - share * block[0]) / charges.mean;
+        let rests: Vec<f64> = self.ended().iter().map(rest).collect();
+        Some(Mean {
+            mean: share,
+            error: mean_of_blocks(&rests).error,
+        })
+    }
+}
+
+fn with_total([charges, contacts, desolvation, touches]: [f64; 4]) -> [f64; 5] {
+    let total = charges + contacts + desolvation;
+    [charges, contacts, desolvation, touches, total]
+}
+
+/// The mean of independent blocks of equal length.
+pub fn mean_of_blocks(blocks: &[f64]) -> Mean {
+    let moments: RunningMoments = blocks.iter().copied().collect();
+    let error = moments.independent_standard_error();
+    Mean {
+        mean: moments.mean(),
+        error: error.is_finite().then_some(error),
+    }
+}
+
+impl BlockSums {
+    fn new(numbers: usize) -> Self {
+        Self {
+            all: vec![0.0; numbers],
+            frames: 0,
+            block: vec![0.0; numbers],
+            in_block: 0,
+            blocks: 0,
+            mean: vec![0.0; numbers],
+            squares: vec![0.0; numbers],
+        }
+    }
+
+    fn push(&mut self, numbers: &[f64]) {
+        self.frames += 1;
+        self.in_block += 1;
+        for ((all, block), number) in self.all.iter_mut().zip(&mut self.block).zip(numbers) {
+            *all += number;
+            *block += number;
+        }
+    }
+
+    /// Welford's update with the mean of the block.
+    fn end_block(&mut self) {
+        self.blocks += 1;
+        let (frames, blocks) = (self.in_block as f64, self.blocks as f64);
+        for (index, sum) in self.block.iter_mut().enumerate() {
+            let of_block = *sum / frames;
+            let before = of_block - self.mean[index];
+            self.mean[index] += before / blocks;
+            self.squares[index] += before * (of_block - self.mean[index]);
+            *sum = 0.0;
+        }
+        self.in_block = 0;
+    }
+
+    fn mean(&self, index: usize) -> f64 {
+        self.all[index] / self.frames as f64
+    }
+
+    fn mean_with_error(&self, index: usize) -> Mean {
+        let blocks = self.blocks as f64;
+        let square = self.squares[index] / (blocks - 1.0) / blocks;
+        Mean {
+            mean: self.mean(index),
+            error: (self.blocks > 1).then(|| square.sqrt()),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! From frames to averages.
+
+use super::frames::AtSalt;
+use super::mutations::{Scan, ScannedSalt};
+use super::settings::ResiduesSettings;
+use anyhow::{Context, Result};
+use protomer_kernel::Pose;
+use protomer_kernel::potential::Yukawa;
+use protomer_mc::System;
+use protomer_mc::contributions::{
+    Averages, Contributions, ResiduesOfKind, Response, StateEnergies,
+};
+use protomer_results::Progress;
+use rayon::prelude::*;
+
+/// Frames that are in memory together.
+const TOGETHER: usize = 16;
+
+/// What one frame gives.
+struct Found {
+    system: System,
+    state: Option<StateEnergies>,
+    responses: Vec<Response>,
+}
+
+/// The averages at one salt, if they are wanted, and the frames of a scan.
+pub fn analyse(
+    settings: &ResiduesSettings,
+    at: &AtSalt,
+    scan: Option<&Scan>,
+    with_averages: bool,
+    progress: &dyn Progress,
+) -> Result<(Averages, Option<ScannedSalt>)> {
+    let contributions = contributions(settings, at)?;
+    let start = at.engine.system()?;
+    let mut averages = Averages::new(&contributions, &start);
+    let mut scanned = scan.map(|scan| scan.at(at, &contributions));
+    let of_frame = |poses: &Vec<Pose>| -> Result<Found> {
+        let system = at.engine.system_at(poses)?;
+        let responses = match scan {
+            Some(scan) => contributions.responses(&system, scan.sites())?,
+            None => Vec::new(),
+        };
+        let state = with_averages.then(|| contributions.of(&system));
+        progress.advance(1);
+        Ok(Found {
+            system,
+            state,
+            responses,
+        })
+    };
+    for (block, frames) in at.blocks.iter().enumerate() {
+        for together in frames.chunks(TOGETHER) {
+            let found: Vec<Found> = together.par_iter().map(of_frame).collect::<Result<_>>()?;
+            for frame in found {
+                if let Some(state) = &frame.state {
+                    averages.push(state, &frame.system);
+                }
+                if let (Some(scan), Some(scanned)) = (scan, &mut scanned) {
+                    scanned.push(block, scan.contacts_left(&frame.system), frame.responses);
+                }
+            }
+        }
+        averages.end_block();
+    }
+    Ok((averages, scanned))
+}
+
+fn contributions(settings: &ResiduesSettings, at: &AtSalt) -> Result<Contributions<Yukawa>> {
+    let system = at.engine.system()?;
+    let mut kinds = Vec::new();
+    for (body, kind) in at.engine.assembly().bodies.iter().zip(system.types()) {
+        let of_kind = ResiduesOfKind::new(body, kind);
+        kinds.push(of_kind.with_context(|| format!("body '{}' has no residues", body.name))?);
+    }
+    let yukawa = at.interaction.yukawa()?;
+    let terms = at.engine.terms().cloned();
+    let touching = settings.touching_angstrom;
+    Ok(Contributions::new(&system, kinds, yukawa, terms, touching))
+}

@@ -1,0 +1,388 @@
+//! The bodies and the frames of a run, or the one pose of an assembly.
+
+use super::settings::ResiduesSettings;
+use crate::assemblies::assembly_file::Assembly;
+use crate::export::assembly_of;
+use crate::file_kind::FileKind;
+use crate::stability::effective::EffectiveStore;
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
+use crate::stability::sweep::replica_directory;
+use anyhow::{Context, Result, bail};
+use protomer_io::gsd::TrajectoryReader;
+use protomer_kernel::Pose;
+use protomer_mc::System;
+use protomer_results::{Record, ResultKind, keys};
+use serde_json::Value;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A run, or an assembly in one pose.
+pub struct Run {
+    engine: Engine,
+    pub settings: RunSettings,
+    /// The directory of a run; `None` for an assembly.
+    pub directory: Option<PathBuf>,
+    /// What the results are made from: the identity of the run, or the hash of the assembly.
+    pub identity: String,
+}
+
+/// A salt concentration, and why it was chosen.
+pub struct ShownSalt {
+    pub salt_molar: f64,
+    /// `None` if it was asked for, or is the only one.
+    pub why: Option<&'static str>,
+}
+
+/// What the sweep itself says.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SweepAnswer {
+    pub half_salt_molar: Option<f64>,
+    pub is_equilibrated: bool,
+}
+
+/// The frames at one salt concentration.
+pub struct AtSalt {
+    /// With the charges and the terms of this medium.
+    pub engine: Engine,
+    pub interaction: ScreenedCoulomb,
+    /// Blocks of frames that follow each other.
+    pub blocks: Vec<Vec<Vec<Pose>>>,
+    pub replicas: usize,
+}
+
+/// Blocks at one salt concentration, so that their spread tells the error.
+const FEWEST_BLOCKS: usize = 8;
+
+impl Run {
+    /// Opens what the settings name.
+    pub fn open(settings: &ResiduesSettings, store: Arc<EffectiveStore>) -> Result<Self> {
+        let run = match settings.input.is_dir() {
+            true => Self::of_directory(settings)?,
+            false => Self::of_assembly(settings)?,
+        };
+        for body in &run.engine.assembly().bodies {
+            if body.residues.is_empty() {
+                bail!(
+                    "body '{}' has no residues; make it from a structure file with 'protomer \
+                     ingest'",
+                    body.name
+                );
+            }
+        }
+        if run.settings.energy == Some(EnergyMode::None) {
+            bail!(
+                "{} holds hard bodies without charges, so no residue has an energy",
+                settings.input.display()
+            );
+        }
+        Ok(Self {
+            engine: run.engine.with_effective_store(store),
+            ..run
+        })
+    }
+
+    fn of_assembly(settings: &ResiduesSettings) -> Result<Self> {
+        FileKind::Assembly.require(&settings.input)?;
+        if settings.assembly.is_some() {
+            bail!(
+                "--assembly applies to directories of runs, but {} is a file; leave it out",
+                settings.input.display()
+            );
+        }
+        let assembly = Assembly::read(&settings.input)?;
+        let identity = assembly.sha256.clone();
+        let mut run = settings.pose.run.clone();
+        match settings.salt_molar {
+            Some(salt_molar) => run.salt_molar = vec![salt_molar],
+            None if run.medium.debye_length_angstrom.is_some() => run.salt_molar = vec![0.0],
+            None => bail!("the energy depends on the salt; give --salt 100mM"),
+        }
+        run.check()?;
+        Ok(Self {
+            engine: Engine::new(assembly)?,
+            settings: run,
+            directory: None,
+            identity,
+        })
+    }
+
+    fn of_directory(settings: &ResiduesSettings) -> Result<Self> {
+        let directory = settings.input.as_path();
+        if settings.pose.is_stated {
+            bail!(
+                "{} is a run, which has its medium, charges and terms; leave out their flags, or \
+                 name an assembly file",
+                directory.display()
+            );
+        }
+        match ResultKind::of(directory) {
+            Some(ResultKind::Sweep) => {}
+            Some(ResultKind::Simulation) => bail!(
+                "{} holds one simulation of a sweep; name the directory of the whole sweep, with \
+                 --salt if it has several",
+                directory.display()
+            ),
+            Some(ResultKind::Pair | ResultKind::PairCondition) => bail!(
+                "{} holds the results of two bodies, which have tables of residues already: \
+                 residues.csv in its folders",
+                directory.display()
+            ),
+            _ => bail!(
+                "{} holds no sweep and no simulation; name the directory of one, or an assembly \
+                 file",
+                directory.display()
+            ),
+        }
+        let run: RunSettings = keys::read_toml(&directory.join("run.toml"))?;
+        let record = Record::read(directory)?;
+        let assembly = assembly_of(directory, record.as_ref(), settings.assembly.as_deref());
+        let assembly = assembly.context(
+            "the assembly of this run cannot be used; name the right one with --assembly FILE",
+        )?;
+        Ok(Self {
+            engine: Engine::new(assembly)?,
+            settings: run,
+            directory: Some(directory.to_owned()),
+            identity: record.map_or_else(String::new, |record| record.identity),
+        })
+    }
+
+    /// The assembly.
+    pub fn assembly(&self) -> &Assembly {
+        self.engine.assembly()
+    }
+
+    /// The bodies at the places of the assembly.
+    pub fn system(&self) -> Result<System> {
+        self.engine.system()
+    }
+
+    /// The salt concentrations, ascending.
+    pub fn salts(&self) -> Vec<f64> {
+        let mut salts = self.settings.salt_molar.clone();
+        salts.sort_by(f64::total_cmp);
+        salts
+    }
+
+    /// The salt concentration whose energies are shown: the one that is asked for, or the highest at
+    /// which the assembly still holds.
+    pub fn shown_salt(&self, settings: &ResiduesSettings) -> Result<ShownSalt> {
+        let salts = self.salts();
+        if let (Some(asked), Some(_)) = (settings.salt_molar, &self.directory) {
+            let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
+            let found = salts.iter().find(is_asked);
+            let known = || {
+                let salts = salts.iter().map(|salt| format!("{} mM", 1e3 * salt));
+                salts.collect::<Vec<_>>().join(", ")
+            };
+            let salt_molar = *found.with_context(|| {
+                format!(
+                    "{} holds no salt of {} mM, only {}; choose one of them",
+                    settings.input.display(),
+                    1e3 * asked,
+                    known()
+                )
+            })?;
+            return Ok(ShownSalt {
+                salt_molar,
+                why: None,
+            });
+        }
+        let (Some(lowest), true) = (salts.first(), salts.len() > 1) else {
+            let only = salts.first().copied().unwrap_or(0.0);
+            return Ok(ShownSalt {
+                salt_molar: only,
+                why: None,
+            });
+        };
+        match self.highest_that_holds()? {
+            Some(salt_molar) => Ok(ShownSalt {
+                salt_molar,
+                why: Some("the highest salt at which more than half of the contacts are left"),
+            }),
+            None => Ok(ShownSalt {
+                salt_molar: *lowest,
+                why: Some("the lowest salt of the sweep"),
+            }),
+        }
+    }
+
+    /// The highest salt at which more than half of the contacts of the assembly are left, from the
+    /// result of the sweep.
+    fn highest_that_holds(&self) -> Result<Option<f64>> {
+        let Some(directory) = &self.directory else {
+            return Ok(None);
+        };
+        let result: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
+        let mut highest: Option<f64> = None;
+        let rows = result
+            .as_ref()
+            .and_then(|result| result["salts"].as_array());
+        for row in rows.into_iter().flatten() {
+            let numbers = (row["salt_M"].as_f64(), row["native_contacts_mean"].as_f64());
+            if let (Some(salt), Some(left)) = numbers
+                && left > 0.5
+            {
+                highest = Some(highest.map_or(salt, |highest| highest.max(salt)));
+            }
+        }
+        let ours = self.settings.salt_molar.iter().copied();
+        let is_same = |salt: &f64| highest.is_some_and(|of| salt_label(of) == salt_label(*salt));
+        Ok(ours.into_iter().find(is_same))
+    }
+
+    /// The answer of the sweep, if there is one.
+    pub fn answer(&self) -> Result<SweepAnswer> {
+        let Some(directory) = &self.directory else {
+            return Ok(SweepAnswer::default());
+        };
+        let result: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
+        Ok(
+            result.map_or_else(SweepAnswer::default, |result| SweepAnswer {
+                half_salt_molar: result["half_salt_molar"].as_f64(),
+                is_equilibrated: result["equilibrated"].as_bool() == Some(true),
+            }),
+        )
+    }
+
+    /// How the mean energy of these frames rises with the logarithm of the salt, kT: from the same
+    /// frames at the neighbouring salts of the run. `None` for an assembly, and without salt.
+    pub fn rise_with_salt_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<Option<f64>> {
+        let salts = self.salts();
+        let place = salts.iter().position(|salt| *salt == salt_molar);
+        let (Some(place), true) = (place, salts.len() > 1) else {
+            return Ok(None);
+        };
+        let (low, high) = (
+            salts[place.saturating_sub(1)],
+            salts[(place + 1).min(salts.len() - 1)],
+        );
+        if low <= 0.0 {
+            return Ok(None);
+        }
+        let energies = [low, high].map(|salt| self.mean_energy_kt(at, salt));
+        let [low_kt, high_kt] = energies;
+        Ok(Some((high_kt? - low_kt?) / (high / low).ln()))
+    }
+
+    /// The mean energy of frames at another salt, kT.
+    fn mean_energy_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<f64> {
+        let interaction = self.settings.medium.interaction(Some(salt_molar))?;
+        let engine = self.engine.in_medium(&self.settings, &interaction)?;
+        let direct = RunSettings {
+            energy: Some(EnergyMode::Direct),
+            tolerance_kt: None,
+            ..self.settings.clone()
+        };
+        let mut model = engine.energy_model(&direct, &interaction)?;
+        let (mut sum, mut frames) = (0.0, 0.0);
+        for poses in at.blocks.iter().flatten() {
+            model.reset(&engine.system_at(poses)?)?;
+            sum += model.total_kt();
+            frames += 1.0;
+        }
+        Ok(sum / frames)
+    }
+
+    /// The frames at one of the salt concentrations.
+    pub fn at(&self, settings: &ResiduesSettings, salt_molar: f64) -> Result<AtSalt> {
+        let medium = &self.settings.medium;
+        let interaction = medium.interaction(Some(salt_molar))?;
+        let engine = self.engine.in_medium(&self.settings, &interaction)?;
+        let Some(directory) = &self.directory else {
+            engine.check(&self.settings, &[interaction])?;
+            let pose = self.assembly().poses.clone();
+            return Ok(AtSalt {
+                engine,
+                interaction,
+                blocks: vec![vec![pose]],
+                replicas: 1,
+            });
+        };
+        let mut readers = Vec::new();
+        for replica in 0..self.settings.replicas {
+            let simulation = replica_directory(directory, salt_molar, replica);
+            readers.push(self.reader(simulation)?);
+        }
+        let blocks_of_each = FEWEST_BLOCKS.div_ceil(readers.len().max(1));
+        let most = settings.most_frames.div_ceil(readers.len().max(1));
+        let mut blocks = Vec::new();
+        for (reader, path) in &mut readers {
+            let numbers = evenly(reader.frames() as usize, most);
+            let length = numbers.len().div_ceil(blocks_of_each).max(1);
+            for chosen in numbers.chunks(length) {
+                let mut block = Vec::with_capacity(chosen.len());
+                for number in chosen {
+                    let frame = reader.frame(*number as u64)?;
+                    let kinds = frame.type_ids.iter().map(|kind| *kind as usize);
+                    if !kinds.eq(self.assembly().kinds.iter().copied()) {
+                        bail!(
+                            "{} is a trajectory of other bodies than those of the assembly; name \
+                             the right one with --assembly FILE",
+                            path.display()
+                        );
+                    }
+                    block.push(frame.poses);
+                }
+                blocks.push(block);
+            }
+        }
+        Ok(AtSalt {
+            engine,
+            interaction,
+            blocks,
+            replicas: readers.len(),
+        })
+    }
+
+    fn reader(&self, simulation: PathBuf) -> Result<(TrajectoryReader, PathBuf)> {
+        let path = simulation.join("trajectory.gsd");
+        if !path.is_file() {
+            bail!(
+                "{} holds no trajectory; a run writes one after its equilibration, unless \
+                 --trajectory-every is 0",
+                simulation.display()
+            );
+        }
+        let reader = TrajectoryReader::open(&path)?;
+        if reader.frames() == 0 {
+            bail!(
+                "{} has no frame; frames are written every {} sweeps: run longer (--sweeps), or \
+                 write them more often (--trajectory-every)",
+                path.display(),
+                self.settings.trajectory_every
+            );
+        }
+        Ok((reader, path))
+    }
+}
+
+/// At most `most` numbers below `count`, evenly chosen, the last among them.
+fn evenly(count: usize, most: usize) -> Vec<usize> {
+    let chosen = count.min(most);
+    (1..=chosen)
+        .map(|index| index * count / chosen - 1)
+        .collect()
+}
+
+impl AtSalt {
+    /// The last frame of the first replica, or the pose.
+    pub fn last_of_first(&self) -> Option<&Vec<Pose>> {
+        let of_first = self.blocks.len() / self.replicas.max(1);
+        self.blocks.get(of_first.max(1) - 1)?.last()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_chosen_evenly_and_end_with_the_last() {
+        assert_eq!(evenly(4, 10), [0, 1, 2, 3]);
+        assert_eq!(evenly(10, 4), [1, 4, 6, 9]);
+        assert_eq!(evenly(10, 1), [9]);
+        assert!(evenly(0, 5).is_empty());
+    }
+}

@@ -1,0 +1,98 @@
+//! What holds an assembly together: the energy by residues and by pairs of residues, averaged over
+//! the frames of a run, and what other charges would change.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `settings` | what is asked |
+//! | `frames` | the bodies and the frames of a run, or the one pose of an assembly |
+//! | `analysis` | from frames to averages |
+//! | `mutations` | exchanges of single charges, and the half salt they lead to |
+//! | `result` | the answer, as JSON has it |
+//! | `answer` | the answer in words and as a figure |
+//! | `tables` | the same as CSV |
+//! | `maps` | contacts and energies of pairs of residues as maps |
+//! | `files` | what is written, with a structure coloured by energy |
+
+mod analysis;
+mod answer;
+mod files;
+mod frames;
+mod maps;
+mod mutations;
+mod result;
+mod settings;
+mod tables;
+
+pub use files::FOLDER;
+pub use maps::{contact_map, energy_map};
+pub use mutations::Change;
+pub use result::{
+    MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans,
+    WholeEnergy,
+};
+pub use settings::{PoseSettings, ResiduesSettings};
+
+use crate::stability::effective::EffectiveStore;
+use anyhow::Result;
+use frames::Run;
+use protomer_results::Progress;
+use std::sync::Arc;
+
+/// Which residues hold an assembly together.
+///
+/// # Errors
+/// For an input without bodies or frames, bodies without residues, a medium that is missing, and
+/// files that exist or cannot be written.
+///
+/// ```no_run
+/// use protomer::stability::residues::{ResiduesSettings, residues};
+/// use protomer_common::answer::Answer;
+/// let settings = ResiduesSettings {
+///     input: "stability".into(),
+///     ..ResiduesSettings::default()
+/// };
+/// println!("{}", residues(&settings, Default::default(), &())?.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn residues(
+    settings: &ResiduesSettings,
+    store: Arc<EffectiveStore>,
+    progress: &dyn Progress,
+) -> Result<ResiduesResult> {
+    settings.check()?;
+    let run = Run::open(settings, store)?;
+    files::require_writable(settings, &run)?;
+    let shown = run.shown_salt(settings)?;
+    let salts = match settings.mutations {
+        true => run.salts(),
+        false => vec![shown.salt_molar],
+    };
+    progress.begin(0, "frames");
+    let scan = settings.mutations.then(|| mutations::Scan::of(&run));
+    let scan = scan.transpose()?;
+    let mut found = None;
+    let mut scanned = Vec::new();
+    for salt_molar in salts {
+        let at_salt = run.at(settings, salt_molar)?;
+        let is_shown = salt_molar == shown.salt_molar;
+        let (averages, of_scan) =
+            analysis::analyse(settings, &at_salt, scan.as_ref(), is_shown, progress)?;
+        scanned.extend(of_scan);
+        if is_shown {
+            found = Some((at_salt, averages));
+        }
+    }
+    let Some((at_salt, averages)) = found else {
+        anyhow::bail!("no salt concentration was chosen; give --salt 100mM");
+    };
+    let mut result = ResiduesResult::new(settings, &run, &shown, &at_salt, &averages);
+    if let Some(scan) = &scan {
+        let sweep = run.answer()?;
+        let rise_kt = run.rise_with_salt_kt(&at_salt, shown.salt_molar)?;
+        let rows = scan.rows(&scanned, shown.salt_molar, &sweep, rise_kt);
+        result.mutations_note = mutations::note(&run, &sweep);
+        result.mutations = Some(rows);
+    }
+    files::write(&mut result, settings, &run, &at_salt)?;
+    Ok(result)
+}

@@ -1,0 +1,314 @@
+//! The answer, as JSON has it.
+
+use super::frames::{AtSalt, Run, ShownSalt};
+use super::mutations::Change;
+use super::settings::ResiduesSettings;
+use crate::stability::interaction::ScreenedCoulomb;
+use protomer_body::chemistry::AminoAcid;
+use protomer_body::{Body, Residue};
+use protomer_mc::contributions::{Averages, Mean};
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+
+/// What holds an assembly together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResiduesResult {
+    /// The version of the program.
+    pub version: String,
+    /// The assembly file, or the directory of the run.
+    pub input: PathBuf,
+    /// The identity of the run, or the hash of the assembly with its bodies.
+    pub identity: String,
+    /// Why this salt was chosen; null if it was asked for, or is the only one.
+    pub salt_chosen: Option<&'static str>,
+    /// The medium.
+    #[serde(flatten)]
+    pub interaction: ScreenedCoulomb,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Frames that were averaged over; one for an assembly.
+    pub frames: usize,
+    /// Blocks of frames, from whose spread the errors come.
+    pub blocks: usize,
+    /// Replicas that the frames come from.
+    pub replicas: usize,
+    /// Residues touch where heavy atoms of them are closer than this, Å.
+    pub touching_angstrom: f64,
+    /// What stands against the energies of residues, in words; null for the charges of the bodies.
+    pub charges_note: Option<&'static str>,
+    /// The interaction energy of the whole assembly.
+    pub energy: WholeEnergy,
+    /// Share of the residues that touch no residue of another body.
+    pub residues_outside_contacts: Mean,
+    /// The energy of their charges, kT: half of each pair counts with each of its residues.
+    pub outside_contacts_kt: Mean,
+    /// The same as a share of the energy of the charges; null where that is not negative.
+    pub outside_contacts_share: Option<Mean>,
+    /// The share of the energy of the charges between residues that do not touch each other; null
+    /// where the energy is not negative.
+    pub apart_share: Option<Mean>,
+    /// Every residue of every kind of body.
+    pub residues: Vec<ResidueRow>,
+    /// Pairs with 0.01 kT or more, and those that touch.
+    pub pairs: Vec<PairRow>,
+    /// What stands against the half salts of `mutations`, in words; null if nothing does.
+    pub mutations_note: Option<&'static str>,
+    /// Exchanges of single charges, the one that lowers the energy most first; null unless
+    /// asked for.
+    pub mutations: Option<Vec<MutationRow>>,
+    /// The files that were written.
+    pub files: Vec<PathBuf>,
+}
+
+/// An energy by terms, kT.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WholeEnergy {
+    /// The sum.
+    pub total_kt: Mean,
+    /// Of the charges.
+    pub charges_kt: Mean,
+    /// Attraction between residues.
+    pub contacts_kt: Mean,
+    /// What charges lose to other bodies.
+    pub desolvation_kt: Mean,
+}
+
+/// The mean energy of a residue by terms, kT.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct TermMeans {
+    /// Of the charges.
+    pub charges_kt: f64,
+    /// Attraction between residues.
+    pub contacts_kt: f64,
+    /// Solvent displaced by the residue.
+    pub desolvation_kt: f64,
+}
+
+/// The name of a residue.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ResidueName {
+    /// The body.
+    pub body: String,
+    /// Its chain in the source.
+    pub chain: String,
+    /// Its number there.
+    pub number: i32,
+    /// Insertion code; empty for none.
+    pub insertion_code: String,
+    /// Three letters.
+    pub residue: String,
+}
+
+/// What one residue contributes, per copy of its body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidueRow {
+    /// Which residue.
+    #[serde(flatten)]
+    pub name: ResidueName,
+    /// Its energy with all residues of other bodies, kT; each pair counts in full with both.
+    pub energy_kt: Mean,
+    /// The same by terms.
+    #[serde(flatten)]
+    pub parts: TermMeans,
+    /// Share of frames and copies in which it touches a residue of another body.
+    pub touching: f64,
+}
+
+/// What one pair of residues contributes, over all pairs of bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairRow {
+    /// A residue.
+    pub first: ResidueName,
+    /// A residue of another body.
+    pub second: ResidueName,
+    /// Their energy, kT.
+    pub energy_kt: Mean,
+    /// Of the charges, kT.
+    pub charges_kt: f64,
+    /// Attraction between residues, kT.
+    pub contacts_kt: f64,
+    /// Share of frames in which two such residues touch.
+    pub touching: f64,
+    /// How many such pairs touch on average.
+    pub contacts: f64,
+}
+
+/// The exchange of one charge, in all copies of a body.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MutationRow {
+    /// Which residue.
+    #[serde(flatten)]
+    pub name: ResidueName,
+    /// As `ingest --mutate` takes it.
+    pub mutation: String,
+    /// What happens to the charge.
+    pub change: Change,
+    /// By how much the charge of the residue changes, e.
+    pub charge_change_e: f64,
+    /// By how much the energy of the assembly changes while the bodies stay as they are, kT.
+    pub energy_change_kt: Mean,
+    /// Effective frames at the salts between which the half salt lies, the fewer; at the salt that is
+    /// shown if there is none.
+    pub effective_frames: f64,
+    /// The salt at which half of the contacts are left, from the frames with weights, mol/L; null if
+    /// the runs are not known to be in equilibrium, or the frames are too few to tell.
+    pub half_salt_molar: Option<f64>,
+    /// How far that is from the half salt without the exchange, mol/L.
+    pub half_salt_shift_molar: Option<Mean>,
+    /// The half salt to first order: where salt makes up for the change of the energy, mol/L; null if
+    /// the sweep has no half salt, or salt does not weaken the assembly.
+    pub first_order_half_salt_molar: Option<f64>,
+    /// At each salt of the run, ascending.
+    pub at_salts: Vec<MutationAtSalt>,
+}
+
+/// What an exchange leads to at one salt concentration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MutationAtSalt {
+    /// Salt concentration, mol/L.
+    pub salt_molar: f64,
+    /// Fraction of the contacts of the assembly that are left, with its error by leaving out a block
+    /// of frames at a time.
+    pub contacts_left: Mean,
+    /// Effective frames.
+    pub effective_frames: f64,
+}
+
+const EFFECTIVE: &str = "effective charges stand for the field around a body and not for its residues: charges next to each \
+                         other may be large and of opposite sign, so read sums over a patch, and shares by residue with \
+                         --interaction bare";
+
+/// Pairs with less energy that never touch are left out, kT.
+pub const LEAST_KT: f64 = 0.01;
+
+impl ResiduesResult {
+    pub(super) fn new(
+        settings: &ResiduesSettings,
+        run: &Run,
+        shown: &ShownSalt,
+        at: &AtSalt,
+        averages: &Averages,
+    ) -> Self {
+        let bodies = &run.assembly().bodies;
+        let name = |kind: usize, residue: usize| ResidueName::of(&bodies[kind], residue);
+        let mut residues = Vec::new();
+        for kind in 0..bodies.len() {
+            for residue in 0..averages.residues(kind) {
+                let found = averages.residue(kind, residue);
+                residues.push(ResidueRow {
+                    name: name(kind, residue),
+                    energy_kt: found.energy_kt,
+                    parts: TermMeans {
+                        charges_kt: found.parts.charges_kt,
+                        contacts_kt: found.parts.contacts_kt,
+                        desolvation_kt: found.parts.desolvation_kt,
+                    },
+                    touching: found.touching,
+                });
+            }
+        }
+        let mut pairs = Vec::new();
+        for (index, (first, second)) in averages.pairs_of_kinds().into_iter().enumerate() {
+            for a in 0..averages.residues(first) {
+                for b in 0..averages.residues(second) {
+                    let found = averages.pair(index, a, b);
+                    if found.energy_kt.mean.abs() < LEAST_KT && found.touching == 0.0 {
+                        continue;
+                    }
+                    pairs.push(PairRow {
+                        first: name(first, a),
+                        second: name(second, b),
+                        energy_kt: found.energy_kt,
+                        charges_kt: found.parts.charges_kt,
+                        contacts_kt: found.parts.contacts_kt,
+                        touching: found.touching,
+                        contacts: found.parts.touching,
+                    });
+                }
+            }
+        }
+        pairs.sort_by(|a, b| a.energy_kt.mean.total_cmp(&b.energy_kt.mean));
+        let [charges_kt, contacts_kt, desolvation_kt] = averages.energy_kt();
+        Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            input: settings.input.clone(),
+            identity: run.identity.clone(),
+            salt_chosen: shown.why,
+            interaction: at.interaction,
+            bodies: run.assembly().len(),
+            frames: averages.frames(),
+            blocks: averages.blocks(),
+            replicas: at.replicas,
+            touching_angstrom: settings.touching_angstrom,
+            charges_note: at.engine.effective_bodies().map(|_| EFFECTIVE),
+            energy: WholeEnergy {
+                total_kt: averages.total_kt(),
+                charges_kt,
+                contacts_kt,
+                desolvation_kt,
+            },
+            residues_outside_contacts: averages.untouched_share(),
+            outside_contacts_kt: averages.outside_kt(),
+            outside_contacts_share: averages.outside_share(),
+            apart_share: averages.apart_share(),
+            residues,
+            pairs,
+            mutations_note: None,
+            mutations: None,
+            files: Vec::new(),
+        }
+    }
+
+    /// The rows of residues, that with the largest magnitude first.
+    pub fn strongest(&self) -> Vec<&ResidueRow> {
+        let mut rows: Vec<&ResidueRow> = self.residues.iter().collect();
+        let size = |row: &ResidueRow| row.energy_kt.mean.abs();
+        rows.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        rows
+    }
+
+    /// Whether any pair attracts by contacts, or any residue displaces solvent.
+    pub fn has_terms(&self) -> [bool; 2] {
+        let of = |mean: &Mean| mean.mean != 0.0;
+        [
+            of(&self.energy.contacts_kt),
+            of(&self.energy.desolvation_kt),
+        ]
+    }
+}
+
+impl ResidueName {
+    pub(super) fn of(body: &Body, residue: usize) -> Self {
+        let Residue {
+            chain,
+            number,
+            insertion_code,
+            name,
+            ..
+        } = &body.residues[residue];
+        Self {
+            body: body.name.clone(),
+            chain: chain.clone(),
+            number: *number,
+            insertion_code: insertion_code.clone(),
+            residue: name.clone(),
+        }
+    }
+
+    /// Such as `A:K15`.
+    pub fn short(&self) -> String {
+        let letter = match AminoAcid::of_residue(&self.residue) {
+            Some(amino_acid) => amino_acid.letter().to_string(),
+            None => self.residue.clone(),
+        };
+        format!(
+            "{}:{letter}{}{}",
+            self.chain, self.number, self.insertion_code
+        )
+    }
+
+    /// Such as `plus A:K15`.
+    pub fn full(&self) -> String {
+        format!("{} {}", self.body, self.short())
+    }
+}
