@@ -178,13 +178,17 @@ impl Engine {
         &self.settings
     }
 
-    /// Moves on with another ensemble.
+    /// Moves on with another time step and ensemble; the repulsion stays.
     ///
     /// # Errors
     /// [`Error::OutOfRange`].
-    pub fn change_ensemble(&mut self, ensemble: Ensemble) -> Result<()> {
-        ensemble.check()?;
-        self.settings.ensemble = ensemble;
+    pub fn change_settings(&mut self, settings: Settings) -> Result<()> {
+        require("the time step", settings.time_step)?;
+        settings.ensemble.check()?;
+        self.settings = Settings {
+            form: self.settings.form,
+            ..settings
+        };
         Ok(())
     }
 

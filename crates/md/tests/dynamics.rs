@@ -308,7 +308,11 @@ fn baths_keep_the_temperature_and_account_for_their_heat() {
         },
     ] {
         let mut engine = free(&start, 5e-4);
-        engine.change_ensemble(ensemble).unwrap();
+        let with_bath = Settings {
+            ensemble,
+            ..*engine.settings()
+        };
+        engine.change_settings(with_bath).unwrap();
         let (mut sum, mut count) = ([0.0; 3], 0.0);
         let first = engine.kept_energy();
         for step in 0..12_000 {

@@ -7,6 +7,7 @@ mod frameworks;
 mod generate;
 mod lattice;
 mod learning;
+mod md;
 mod potential;
 mod report;
 mod shape;
@@ -28,6 +29,7 @@ pub enum Verb {
     Surface(bodies::surface::SurfaceArgs),
     Potential(potential::PotentialArgs),
     Shape(shape::ShapeArgs),
+    Md(md::MdArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
     Candidates(assemblies::candidates::CandidatesArgs),
@@ -59,6 +61,7 @@ impl Verb {
             Verb::Surface(args) => args.run(front),
             Verb::Potential(args) => args.run(front),
             Verb::Shape(args) => args.run(front),
+            Verb::Md(args) => args.run(front),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),
             Verb::Candidates(args) => args.run(front),
