@@ -8,6 +8,7 @@ use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 use protomer_md::Error;
 use protomer_md::bath::Ensemble;
 use protomer_md::body::Kind;
+use protomer_md::drift::Drift;
 use protomer_md::engine::{Engine, Motion, Settings};
 use protomer_md::pair::Form;
 use protomer_md::rotation::turn;
@@ -425,4 +426,45 @@ fn what_cannot_be_is_refused() {
     let fewer = Bodies::of_one_kind(kind("cube"), 7);
     let other = Engine::new(fewer, state, settings(Form::Smooth, 1e-3));
     assert!(other.is_err());
+}
+
+/// The noise of the energy per body about a straight line, and its change along the line, over this
+/// many steps of 1e-4.
+fn kept(start: &Engine, form: Form, steps: usize) -> [f64; 2] {
+    let settings = settings(form, 1e-4);
+    let motion = start.motion().clone();
+    let bodies = start.bodies().clone();
+    let count = bodies.count() as f64;
+    let mut engine = Engine::continued(bodies, motion, settings).unwrap();
+    let mut drift = Drift::default();
+    // The first step leaves the forces of another form behind.
+    engine.step(1.0).unwrap();
+    for step in 0..steps {
+        engine.step(1.0).unwrap();
+        if step % 10 == 0 {
+            drift.push(step as f64, engine.energy());
+        }
+    }
+    [drift.noise() / count, drift.along_the_line() / count]
+}
+
+#[test]
+fn squares_keep_their_energy_with_the_sums_and_lose_it_with_the_contact_point() {
+    // 36 squares of which 0.6 of the plane is filled, layers counted.
+    let start = compressed("polygon:4", 36, 0.6 / 1.317_671, Form::FaceSum);
+    for form in [Form::FaceSum, Form::Smooth] {
+        let [noise, change] = kept(&start, form, 100_000);
+        assert!(noise < 2e-5 && change.abs() < 5e-5, "{form:?} {noise} {change}");
+    }
+    let [noise, _] = kept(&start, Form::Contact, 100_000);
+    assert!(noise > 1e-4, "{noise}");
+}
+
+#[test]
+fn dense_octahedra_keep_their_energy_with_the_smooth_sum_alone() {
+    let start = compressed("octahedron", 64, 0.38, Form::Smooth);
+    let [noise, change] = kept(&start, Form::Smooth, 8000);
+    assert!(noise < 5e-5 && change.abs() < 5e-5, "{noise} {change}");
+    let [noise, _] = kept(&start, Form::FaceSum, 8000);
+    assert!(noise > 1e-3, "{noise}");
 }

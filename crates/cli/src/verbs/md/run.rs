@@ -121,7 +121,9 @@ impl RunArgs {
             Some(path) => read_toml(path)?,
         };
         let flags = &self.settings;
-        override_with(&mut settings.shape, flags.shape.clone());
+        if let Some(shape) = &flags.shape {
+            settings.shape.clone_from(shape);
+        }
         override_with(&mut settings.bodies, flags.bodies);
         override_with(&mut settings.packing_fraction, flags.packing_fraction);
         override_with(&mut settings.potential, flags.potential.map(Into::into));
