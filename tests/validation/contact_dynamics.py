@@ -58,7 +58,7 @@ def octahedra(output: Path, packing: float) -> None:
     print("| form | time | time step | noise per body | drift per body | kT |")
     print("|---|---|---|---|---|---|")
     runs = [(form, 0.08, step) for form in FORMS for step in (1e-4, 5e-5)]
-    runs += [("smooth", 2.0, step) for step in (2e-4, 1e-4, 5e-5)]
+    runs += [(form, 2.0, step) for form in FORMS for step in (2e-4, 1e-4, 5e-5)]
     if "--short" not in sys.argv:
         runs += [("smooth", 100.0, 1e-4)]
     for form, time, step in runs:

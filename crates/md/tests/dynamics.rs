@@ -454,17 +454,20 @@ fn squares_keep_their_energy_with_the_sums_and_lose_it_with_the_contact_point() 
     let start = compressed("polygon:4", 36, 0.6 / 1.317_671, Form::FaceSum);
     for form in [Form::FaceSum, Form::Smooth] {
         let [noise, change] = kept(&start, form, 100_000);
-        assert!(noise < 2e-5 && change.abs() < 5e-5, "{form:?} {noise} {change}");
+        assert!(
+            noise < 2e-5 && change.abs() < 5e-5,
+            "{form:?} {noise} {change}"
+        );
     }
     let [noise, _] = kept(&start, Form::Contact, 100_000);
     assert!(noise > 1e-4, "{noise}");
 }
 
 #[test]
-fn dense_octahedra_keep_their_energy_with_the_smooth_sum_alone() {
+fn dense_octahedra_keep_their_energy_with_the_smooth_sum_and_lose_it_with_the_contact_point() {
     let start = compressed("octahedron", 64, 0.38, Form::Smooth);
     let [noise, change] = kept(&start, Form::Smooth, 8000);
     assert!(noise < 5e-5 && change.abs() < 5e-5, "{noise} {change}");
-    let [noise, _] = kept(&start, Form::FaceSum, 8000);
-    assert!(noise > 1e-3, "{noise}");
+    let [noise, _] = kept(&start, Form::Contact, 8000);
+    assert!(noise > 1e-4, "{noise}");
 }

@@ -16,6 +16,9 @@ pub(super) const TOUCHING: f64 = 1e-14;
 /// The walk visits a corner of the difference at most once, but for rounding.
 pub(super) const MOST_STEPS: usize = 500;
 
+/// Triangles whose squared sine of an angle is larger than this are no slivers.
+const WIDE: f64 = 1e-6;
+
 /// The closest points of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosestPoints {
@@ -138,6 +141,25 @@ impl Nearest {
             }
         }
         best
+    }
+
+    /// As [`Nearest::of`], for a simplex that probably carries its nearest point with all of its
+    /// corners. The nearest point of the plane, line or point through them is the nearest of all, if
+    /// it is inside. Slivers, whose projection suffers from rounding, are left to `of`.
+    pub(super) fn of_carriers(simplex: &[Corner]) -> Self {
+        let is_wide = match simplex {
+            [a, b, c] => {
+                let e = b.difference - a.difference;
+                let f = c.difference - a.difference;
+                let squared = e.cross(&f).norm_squared();
+                squared > WIDE * e.norm_squared() * f.norm_squared()
+            }
+            [_, _] | [_] => true,
+            _ => false,
+        };
+        let whole = (1 << simplex.len()) - 1;
+        let found = is_wide.then(|| Self::on_face(simplex, whole)).flatten();
+        found.unwrap_or_else(|| Self::of(simplex))
     }
 
     /// The projection of the origin on the plane through the corners whose bits are set; `None` if

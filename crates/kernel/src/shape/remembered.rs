@@ -21,8 +21,9 @@ pub struct Simplex {
 pub enum Found {
     /// The bodies touch or overlap.
     Touching,
-    /// They are farther apart than asked.
-    Beyond,
+    /// They are farther apart than asked: a plane across this direction of length one, from the
+    /// first to the second, shows it.
+    Beyond(Vec3),
     /// The closest points.
     At(ClosestPoints),
 }
@@ -50,7 +51,7 @@ impl Bodies<'_> {
     /// let mut simplex = Simplex::default();
     /// let Found::At(points) = bodies.closest(3.0, &mut simplex) else { panic!() };
     /// assert_eq!(points.distance(), 2.0);
-    /// assert_eq!(bodies.closest(1.0, &mut simplex), Found::Beyond);
+    /// assert_eq!(bodies.closest(1.0, &mut simplex), Found::Beyond(Vec3::y()));
     /// ```
     pub fn closest(&self, reach: f64, simplex: &mut Simplex) -> Found {
         let mut corners = [self.corner([0, 0]); 4];
@@ -76,7 +77,7 @@ impl Bodies<'_> {
         for corner in &walk.corners[..walk.count] {
             size_squared = size_squared.max(corner.difference.norm_squared());
         }
-        let mut nearest = Nearest::of(&walk.corners[..walk.count]);
+        let mut nearest = Nearest::of_carriers(&walk.corners[..walk.count]);
         for _ in 0..MOST_STEPS {
             let squared = nearest.point.norm_squared();
             if squared <= TOUCHING * TOUCHING * size_squared {
@@ -88,7 +89,7 @@ impl Bodies<'_> {
             // The plane through this corner, across the nearest point, separates the bodies.
             let height = nearest.point.dot(&next.difference);
             if height > 0.0 && height * height > reach * reach * squared {
-                return Found::Beyond;
+                return Found::Beyond(-nearest.point / squared.sqrt());
             }
             let is_known = walk.numbers[..walk.count].contains(&numbers);
             if squared - height <= CONVERGED * size_squared || is_known {
@@ -97,7 +98,7 @@ impl Bodies<'_> {
             let before = *walk;
             walk.keep_carriers(&nearest);
             walk.push(next, numbers);
-            let closer = Nearest::of(&walk.corners[..walk.count]);
+            let closer = Nearest::of_carriers(&walk.corners[..walk.count]);
             if closer.point.norm_squared() >= squared {
                 // Rounding: the simplex is as near as numbers can tell.
                 *walk = before;
@@ -210,7 +211,13 @@ mod tests {
                 };
                 match (bodies.closest(0.5 * reach, &mut simplex), expected) {
                     (Found::Touching, None) => touching += 1,
-                    (Found::Beyond, Some(points)) => assert!(points.distance() > 0.5 * reach),
+                    (Found::Beyond(direction), Some(points)) => {
+                        assert!(points.distance() > 0.5 * reach);
+                        let heights = |n: usize| at(n, Vec3::zeros()).into_iter();
+                        let top = heights(0).map(|x| x.dot(&direction)).fold(-9.0, f64::max);
+                        let low = heights(1).map(|x| x.dot(&direction)).fold(9.0, f64::min);
+                        assert!(low + place.dot(&direction) - top > 0.5 * reach - 1e-12);
+                    }
                     (Found::At(found), Some(points)) => {
                         assert!((found.distance() - points.distance()).abs() < 1e-12);
                         seen += 1;

@@ -38,7 +38,10 @@ pub fn felt(
     };
     let points = match bodies.closest(reach, &mut hint.simplex) {
         Found::At(points) => points,
-        Found::Beyond => return Felt::nothing(),
+        Found::Beyond(direction) => {
+            hint.direction = direction;
+            return Felt::nothing();
+        }
         Found::Touching => return Felt::touching(),
     };
     let distance = points.distance();

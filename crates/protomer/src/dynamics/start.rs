@@ -5,11 +5,12 @@ use crate::shapes::read_shape;
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_io::atomic::sha256_hex;
-use protomer_kernel::Vec3;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
+use protomer_kernel::{Boundary, Vec3};
 use protomer_md::body::Kind;
+use protomer_md::neighbours::Neighbours;
 use protomer_md::pair::CONTACT_RATIO;
 use protomer_md::start::{free_density, on_a_lattice, set_velocities};
 use protomer_md::state::{Bodies, State};
@@ -74,6 +75,13 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
         false => 1.0,
     };
     let mut state = on_a_lattice(&bodies, first / volume_with_layer, settings.seed)?;
+    let compressed = in_smaller_box(&state, (first / target).min(1.0).powf(1.0 / dimension));
+    Neighbours::of(&bodies, &compressed).with_context(|| {
+        format!(
+            "{} bodies at a packing fraction of {target}",
+            settings.bodies
+        )
+    })?;
     set_velocities(&mut state, &bodies, settings.temperature, settings.seed)?;
     Ok(Begun {
         bodies,
@@ -83,6 +91,18 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
         first_packing_fraction: first,
         shape_sha256,
     })
+}
+
+/// The state with its box and its centres drawn together.
+fn in_smaller_box(state: &State, scale: f64) -> State {
+    let mut smaller = state.clone();
+    if let Boundary::Periodic { lengths_angstrom } = &mut smaller.space {
+        *lengths_angstrom *= scale;
+    }
+    for position in &mut smaller.positions {
+        *position *= scale;
+    }
+    smaller
 }
 
 /// The kind of body of this file or name.
