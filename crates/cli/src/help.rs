@@ -14,7 +14,14 @@ const GROUPS: [(&str, &[&str]); 8] = [
     ),
     (
         "Stability",
-        &["simulate", "sweep", "residues", "compare", "pair", "scattering"],
+        &[
+            "simulate",
+            "sweep",
+            "residues",
+            "compare",
+            "pair",
+            "scattering",
+        ],
     ),
     ("Potentials", &["potential"]),
     (
@@ -22,12 +29,12 @@ const GROUPS: [(&str, &[&str]); 8] = [
         &["voxelize", "merge", "train", "tune", "predict"],
     ),
     ("Lattices", &["lattice", "framework"]),
-    ("Hard shapes", &["shape"]),
+    ("Hard shapes", &["shape", "md"]),
     ("Tools", &["report", "bench", "completions", "man", "help"]),
 ];
 
 /// Two examples of each verb, without the name of the program.
-const EXAMPLES: [(&str, [&str; 2]); 32] = [
+const EXAMPLES: &[(&str, [&str; 2])] = &[
     ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
     (
         "ingest",
@@ -221,6 +228,20 @@ const EXAMPLES: [(&str, [&str; 2]); 32] = [
     (
         "shape",
         ["shape cube --rounding 0.1", "shape corners.txt -o hull.ply"],
+    ),
+    (
+        "md",
+        [
+            "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
+            "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid",
+        ],
+    ),
+    (
+        "md run",
+        [
+            "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
+            "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid",
+        ],
     ),
     (
         "report",

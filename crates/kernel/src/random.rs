@@ -75,6 +75,12 @@ pub enum Purpose {
     Exchange = 0x61,
     /// Bodies scattered at random.
     Scatter = 0x62,
+    /// Orientations at the start of contact dynamics.
+    ContactStart = 0x70,
+    /// Velocities at the start of contact dynamics.
+    ContactVelocities = 0x71,
+    /// The heat bath of contact dynamics.
+    ContactBath = 0x72,
     /// New velocities for frames of a finished run.
     ReseededVelocities = 0xf1,
 }

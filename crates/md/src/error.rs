@@ -1,4 +1,4 @@
-/// Why an interaction cannot be computed.
+/// Why an interaction cannot be computed, or bodies cannot move on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The repulsion diverges at contact.
@@ -7,6 +7,49 @@ pub enum Error {
     /// A polygon and a polyhedron.
     #[error("one body has two dimensions and the other three; give both the same number")]
     MixedDimensions,
+    /// No mass.
+    #[error(
+        "the body has no volume, so it has no mass; give a polygon, a polyhedron, a disk or a ball"
+    )]
+    NoVolume,
+    /// Bodies in motion met.
+    #[error(
+        "bodies {first} and {second} touch or overlap, where the repulsion is infinite; use a \
+         smaller time step, or compress more slowly"
+    )]
+    Met {
+        /// Number of the first.
+        first: usize,
+        /// Number of the second.
+        second: usize,
+    },
+    /// A position or a velocity is not a number any more.
+    #[error("the motion has no finite numbers any more; use a smaller time step")]
+    Diverged,
+    /// A body would meet two images of another.
+    #[error(
+        "the box is {smallest:.3} long, and bodies that see each other need at least {needed:.3}; \
+         use more bodies, or a lower density"
+    )]
+    SmallBox {
+        /// The shortest edge.
+        smallest: f64,
+        /// What it must be.
+        needed: f64,
+    },
+    /// A setting outside its range.
+    #[error("{what} is {value}; give {expected}")]
+    OutOfRange {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// The state does not fit the bodies.
+    #[error("the state does not belong to these bodies; use the one that was saved with them")]
+    OtherBodies,
 }
 
 /// The result of an operation on bodies.

@@ -12,11 +12,13 @@
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`scattering`] | what light and X-rays see of an assembly or a trajectory |
+//! | [`dynamics`] | contact dynamics of convex shapes |
 //! | [`shapes`] | convex shapes from files and names |
 //! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
 
 pub mod assemblies;
 pub mod bodies;
+pub mod dynamics;
 pub mod export;
 pub mod file_kind;
 pub mod potential;

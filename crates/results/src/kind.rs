@@ -37,12 +37,14 @@ pub enum ResultKind {
     Search,
     /// Structures as sparse voxel grids.
     VoxelSet,
+    /// Convex bodies in motion.
+    DynamicsRun,
     /// Any other kind, by its word: of a newer version, or of another program.
     Other(Cow<'static, str>),
 }
 
 /// Each kind, its word in JSON, and its name in a sentence.
-const KINDS: [(ResultKind, &str, &str); 11] = [
+const KINDS: [(ResultKind, &str, &str); 12] = [
     (ResultKind::Sweep, "sweep", "a sweep"),
     (
         ResultKind::Simulation,
@@ -70,6 +72,11 @@ const KINDS: [(ResultKind, &str, &str); 11] = [
     (ResultKind::Training, "training", "a training run"),
     (ResultKind::Search, "search", "a search for settings"),
     (ResultKind::VoxelSet, "voxel set", "a voxel set"),
+    (
+        ResultKind::DynamicsRun,
+        "dynamics run",
+        "a run of contact dynamics",
+    ),
 ];
 
 impl ResultKind {

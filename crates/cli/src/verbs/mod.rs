@@ -8,6 +8,7 @@ mod generate;
 mod lattice;
 #[cfg(feature = "learning")]
 mod learning;
+mod md;
 mod potential;
 mod report;
 mod scattering;
@@ -31,6 +32,7 @@ pub enum Verb {
     Surface(bodies::surface::SurfaceArgs),
     Potential(potential::PotentialArgs),
     Shape(shape::ShapeArgs),
+    Md(md::MdArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
     Candidates(assemblies::candidates::CandidatesArgs),
@@ -62,6 +64,7 @@ impl Verb {
             Verb::Surface(args) => args.run(front),
             Verb::Potential(args) => args.run(front),
             Verb::Shape(args) => args.run(front),
+            Verb::Md(args) => args.run(front),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),
             Verb::Candidates(args) => args.run(front),

@@ -10,11 +10,14 @@
 use crate::Vec3;
 
 /// The walk ends when a step would shorten the squared distance by less than this part.
-const CONVERGED: f64 = 1e-15;
+pub(super) const CONVERGED: f64 = 1e-15;
 /// Nearer than this part of the size of the bodies, they touch.
-const TOUCHING: f64 = 1e-14;
+pub(super) const TOUCHING: f64 = 1e-14;
 /// The walk visits a corner of the difference at most once, but for rounding.
-const MOST_STEPS: usize = 500;
+pub(super) const MOST_STEPS: usize = 500;
+
+/// Triangles whose squared sine of an angle is larger than this are no slivers.
+const WIDE: f64 = 1e-6;
 
 /// The closest points of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +42,10 @@ impl ClosestPoints {
 
 /// A corner of the difference, with the corners of the bodies whose difference it is.
 #[derive(Debug, Clone, Copy)]
-struct Corner {
-    first: Vec3,
-    second: Vec3,
-    difference: Vec3,
+pub(super) struct Corner {
+    pub(super) first: Vec3,
+    pub(super) second: Vec3,
+    pub(super) difference: Vec3,
 }
 
 /// Closest points of the convex hulls of two sets of points; `None` if the hulls touch or overlap,
@@ -119,13 +122,13 @@ fn farthest<'a>(corners: &'a [Vec3], direction: &Vec3) -> Option<&'a Vec3> {
 
 /// The point of a simplex nearest to the origin, as a mean of the corners with these weights.
 #[derive(Debug, Clone, Copy)]
-struct Nearest {
-    point: Vec3,
-    weights: [f64; 4],
+pub(super) struct Nearest {
+    pub(super) point: Vec3,
+    pub(super) weights: [f64; 4],
 }
 
 impl Nearest {
-    fn of(simplex: &[Corner]) -> Self {
+    pub(super) fn of(simplex: &[Corner]) -> Self {
         let mut best = Self {
             point: Vec3::repeat(f64::INFINITY),
             weights: [0.0; 4],
@@ -138,6 +141,25 @@ impl Nearest {
             }
         }
         best
+    }
+
+    /// As [`Nearest::of`], for a simplex that probably carries its nearest point with all of its
+    /// corners. The nearest point of the plane, line or point through them is the nearest of all, if
+    /// it is inside. Slivers, whose projection suffers from rounding, are left to `of`.
+    pub(super) fn of_carriers(simplex: &[Corner]) -> Self {
+        let is_wide = match simplex {
+            [a, b, c] => {
+                let e = b.difference - a.difference;
+                let f = c.difference - a.difference;
+                let squared = e.cross(&f).norm_squared();
+                squared > WIDE * e.norm_squared() * f.norm_squared()
+            }
+            [_, _] | [_] => true,
+            _ => false,
+        };
+        let whole = (1 << simplex.len()) - 1;
+        let found = is_wide.then(|| Self::on_face(simplex, whole)).flatten();
+        found.unwrap_or_else(|| Self::of(simplex))
     }
 
     /// The projection of the origin on the plane through the corners whose bits are set; `None` if

@@ -48,7 +48,7 @@ pub fn add(terms: &mut Terms, repulsion: &Repulsion, pair: &Placed, corners: &[V
 
 /// Two edges whose lines come closest within both.
 #[derive(Debug, Clone, Copy)]
-struct Crossing {
+pub(crate) struct Crossing {
     /// Starts of the edges.
     starts: [Vec3; 2],
     /// From the start of each edge to its end: u and v.
@@ -69,7 +69,7 @@ struct Crossing {
 impl Crossing {
     /// `None` if the edges are parallel, farther apart than the repulsion reaches, or closest at an
     /// end.
-    fn of(first: [Vec3; 2], second: [Vec3; 2], repulsion: &Repulsion) -> Option<Self> {
+    pub(crate) fn of(first: [Vec3; 2], second: [Vec3; 2], repulsion: &Repulsion) -> Option<Self> {
         let (u, v) = (first[1] - first[0], second[1] - second[0]);
         let r = first[0] - second[0];
         let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());
@@ -95,7 +95,7 @@ impl Crossing {
 
     /// Adds the term. With s and t as functions of b = u·v, d = u·r and e = v·r, the energy is a
     /// function of b, d, e and r², and its gradients by r, u and v follow from four derivatives.
-    fn add(&self, terms: &mut Terms, repulsion: &Repulsion) {
+    pub(crate) fn add(&self, terms: &mut Terms, repulsion: &Repulsion) {
         let [a, c] = self.squares;
         let [b, d, e] = self.products;
         let [s, t] = self.places;

@@ -42,6 +42,32 @@ choices! {
 }
 
 choices! {
+    /// Which points of two bodies in motion repel each other.
+    ContactPotential for protomer::dynamics::settings::Potential {
+        /// The closest points alone; torques jump where faces are parallel.
+        Contact,
+        /// Corners and edges of the two faces that look at each other, as published.
+        FaceSum,
+        /// Corners and edges of both bodies, with forces that are the exact gradient.
+        Smooth,
+    }
+}
+
+choices! {
+    /// What keeps the temperature of bodies in motion.
+    DynamicsEnsemble for protomer::dynamics::settings::EnsembleName {
+        /// Nothing: the energy is kept.
+        Nve,
+        /// Stochastic rescaling of all momenta together; dynamics stay those of the bodies.
+        Nvt,
+        /// Friction and noise on each body.
+        Langevin,
+        /// Overdamped motion.
+        Brownian,
+    }
+}
+
+choices! {
     /// Where the replicas of a sweep start.
     ReplicaStarts for protomer::stability::run::Starts {
         /// All from the assembly.

@@ -1,0 +1,209 @@
+//! Heat baths.
+//!
+//! | name | what it acts on |
+//! |---|---|
+//! | [`Ensemble::Nve`] | nothing: the energy is kept |
+//! | [`Ensemble::Nvt`] | the kinetic energy as a whole, by stochastic velocity rescaling |
+//! | [`Ensemble::Langevin`] | each body, by friction and noise |
+//! | [`Ensemble::Brownian`] | each body, by friction so strong that it has no momentum |
+//!
+//! The global bath multiplies all momenta by one number close to one. So it keeps the total momentum
+//! at zero, and trajectories over times short against its relaxation time are those of Newton:
+//! displacements, correlations and relaxation times are those of the bodies alone. Baths that act on
+//! single bodies destroy momentum: friction γ makes the motion diffusive after 1/γ, whether or not
+//! bodies met until then, and takes the hydrodynamic tails of the velocities. Their dynamics are of
+//! bodies in a solvent at rest; averages over configurations are the same.
+
+use crate::state::{Bodies, State};
+use crate::{Error, Result};
+use protomer_kernel::Vec3;
+use protomer_kernel::random::{CounterRng, Purpose};
+use std::f64::consts::TAU;
+
+/// What keeps the temperature, if anything. Temperatures are kT in units of ε.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ensemble {
+    /// The energy is kept.
+    Nve,
+    /// Stochastic velocity rescaling (Bussi, Donadio and Parrinello, J. Chem. Phys. 126, 014101
+    /// (2007)) of translations and rotations together.
+    Nvt {
+        /// kT.
+        temperature: f64,
+        /// Relaxation time of the kinetic energy.
+        relaxation_time: f64,
+    },
+    /// Langevin dynamics: velocities and angular velocities decay with rate γ.
+    Langevin {
+        /// kT.
+        temperature: f64,
+        /// γ, an inverse time.
+        friction: f64,
+    },
+    /// Overdamped dynamics (Ermak and McCammon): frictions are γ times mass and moments.
+    Brownian {
+        /// kT.
+        temperature: f64,
+        /// γ, an inverse time.
+        friction: f64,
+    },
+}
+
+impl Ensemble {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn check(&self) -> Result<()> {
+        let (temperature, other, what) = match *self {
+            Ensemble::Nve => return Ok(()),
+            Ensemble::Nvt {
+                temperature,
+                relaxation_time,
+            } => (temperature, relaxation_time, "the relaxation time"),
+            Ensemble::Langevin {
+                temperature,
+                friction,
+            }
+            | Ensemble::Brownian {
+                temperature,
+                friction,
+            } => (temperature, friction, "the friction"),
+        };
+        require("the temperature", temperature)?;
+        require(what, other)
+    }
+}
+
+pub(crate) fn require(what: &'static str, value: f64) -> Result<()> {
+    match value.is_finite() && value > 0.0 {
+        true => Ok(()),
+        false => Err(Error::OutOfRange {
+            what,
+            value,
+            expected: "a positive number",
+        }),
+    }
+}
+
+/// The random numbers of a step.
+pub(crate) fn noise_of(seed: u64, step: u64) -> CounterRng {
+    CounterRng::for_purpose(seed, 0, step, Purpose::ContactBath)
+}
+
+/// A normal random number.
+pub(crate) fn normal(rng: &mut CounterRng) -> f64 {
+    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
+    radius * (TAU * rng.uniform()).cos()
+}
+
+/// A vector of normal random numbers; in a plane the third is zero.
+pub(crate) fn normal_vector(rng: &mut CounterRng, dimension: usize) -> Vec3 {
+    let mut vector = Vec3::zeros();
+    for axis in 0..dimension {
+        vector[axis] = normal(rng);
+    }
+    vector
+}
+
+/// Normal random numbers for the ways in which a body turns.
+pub(crate) fn normal_turns(rng: &mut CounterRng, turns: usize) -> Vec3 {
+    match turns {
+        0 => Vec3::zeros(),
+        1 => Vec3::new(0.0, 0.0, normal(rng)),
+        _ => normal_vector(rng, 3),
+    }
+}
+
+/// A sum of `count` squares of normal random numbers: twice a gamma variate (Marsaglia and Tsang,
+/// ACM Trans. Math. Softw. 26, 363 (2000)).
+fn sum_of_squares(rng: &mut CounterRng, count: usize) -> f64 {
+    if count < 3 {
+        return (0..count).map(|_| normal(rng).powi(2)).sum();
+    }
+    let d = 0.5 * count as f64 - 1.0 / 3.0;
+    let c = 1.0 / (9.0 * d).sqrt();
+    loop {
+        let x = normal(rng);
+        let cube = (1.0 + c * x).powi(3);
+        let u = 1.0 - rng.uniform();
+        if cube > 0.0 && u.ln() < 0.5 * x * x + d - d * cube + d * cube.ln() {
+            return 2.0 * d * cube;
+        }
+    }
+}
+
+/// Rescales all momenta over a time step; returns the heat taken up.
+pub(crate) fn rescale(
+    state: &mut State,
+    bodies: &Bodies,
+    freedoms: usize,
+    temperature: f64,
+    part: f64,
+    rng: &mut CounterRng,
+) -> f64 {
+    let kinetic: f64 = state.kinetic_energies(bodies).iter().sum();
+    if freedoms == 0 || kinetic <= 0.0 {
+        return 0.0;
+    }
+    let kept = (-part).exp();
+    let share = (1.0 - kept) * 0.5 * temperature / kinetic;
+    let first = normal(rng);
+    let squares = first * first + sum_of_squares(rng, freedoms - 1);
+    let factor = kept + share * squares + 2.0 * first * (kept * share).sqrt();
+    let root = factor.sqrt();
+    for body in 0..bodies.count() {
+        state.velocities[body] *= root;
+        state.spins[body] *= root;
+    }
+    kinetic * (factor - 1.0)
+}
+
+/// Friction and noise on each body over a time; returns the heat taken up.
+pub(crate) fn damp(
+    state: &mut State,
+    bodies: &Bodies,
+    temperature: f64,
+    part: f64,
+    rng: &mut CounterRng,
+) -> f64 {
+    let before: f64 = state.kinetic_energies(bodies).iter().sum();
+    let kept = (-part).exp();
+    let added = (temperature * (1.0 - kept * kept)).sqrt();
+    for body in 0..bodies.count() {
+        let kind = bodies.kind(body);
+        let kick = added / kind.mass.sqrt() * normal_vector(rng, kind.dimension);
+        state.velocities[body] = kept * state.velocities[body] + kick;
+        let turns = normal_turns(rng, kind.turns());
+        let twist = added * turns.component_mul(&kind.moments.map(f64::sqrt));
+        state.spins[body] = kept * state.spins[body] + twist;
+    }
+    state.kinetic_energies(bodies).iter().sum::<f64>() - before
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_of_squares_have_their_moments() {
+        let mut rng = CounterRng::new(3, 0, 0);
+        for count in [1, 2, 7, 500] {
+            const DRAWS: usize = 40_000;
+            let (mut mean, mut square) = (0.0, 0.0);
+            for _ in 0..DRAWS {
+                let sum = sum_of_squares(&mut rng, count);
+                mean += sum / DRAWS as f64;
+                square += sum * sum / DRAWS as f64;
+            }
+            let expected = count as f64;
+            // The standard error of the mean is sqrt(2 count/40 000).
+            assert!((mean - expected).abs() < 5.0 * (2.0 * expected / DRAWS as f64).sqrt());
+            let variance = square - mean * mean;
+            assert!(
+                (variance / (2.0 * expected) - 1.0).abs() < 0.1,
+                "{count}: {variance}"
+            );
+        }
+    }
+}

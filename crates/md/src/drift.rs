@@ -1,0 +1,73 @@
+//! How well a quantity is kept: a straight line through its values, and the noise about it.
+
+use serde::{Deserialize, Serialize};
+
+/// Sums over values at times; both are taken from the first, so that nothing is lost to rounding.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drift {
+    count: f64,
+    first: [f64; 2],
+    last: [f64; 2],
+    /// Means of time and value.
+    means: [f64; 2],
+    /// Sums of the squares and of the product of the deviations.
+    squares: [f64; 2],
+    product: f64,
+}
+
+impl Drift {
+    /// Adds a value.
+    ///
+    /// ```
+    /// use protomer_md::drift::Drift;
+    /// let mut drift = Drift::default();
+    /// for step in 0..101 {
+    ///     let time = f64::from(step);
+    ///     drift.push(time, 7.0 + 0.01 * time + if step % 2 == 0 { 1e-3 } else { -1e-3 });
+    /// }
+    /// assert!((drift.along_the_line() - 1.0).abs() < 1e-4);
+    /// assert!((drift.noise() - 1e-3).abs() < 1e-5);
+    /// ```
+    pub fn push(&mut self, time: f64, value: f64) {
+        if self.count == 0.0 {
+            self.first = [time, value];
+        }
+        self.count += 1.0;
+        let here = [time - self.first[0], value - self.first[1]];
+        self.last = here;
+        let before = [here[0] - self.means[0], here[1] - self.means[1]];
+        for axis in 0..2 {
+            self.means[axis] += before[axis] / self.count;
+            self.squares[axis] += before[axis] * (here[axis] - self.means[axis]);
+        }
+        self.product += before[0] * (here[1] - self.means[1]);
+    }
+
+    /// Values so far.
+    pub fn count(&self) -> f64 {
+        self.count
+    }
+
+    /// The last value minus the first.
+    pub fn change(&self) -> f64 {
+        self.last[1]
+    }
+
+    /// The change over all of the time along the straight line through the values.
+    pub fn along_the_line(&self) -> f64 {
+        match self.squares[0] > 0.0 {
+            true => self.product / self.squares[0] * self.last[0],
+            false => 0.0,
+        }
+    }
+
+    /// The root of the mean squared deviation from the line.
+    pub fn noise(&self) -> f64 {
+        if self.squares[0] <= 0.0 {
+            return 0.0;
+        }
+        let left = self.squares[1] - self.product * self.product / self.squares[0];
+        (left.max(0.0) / self.count).sqrt()
+    }
+}

@@ -1,0 +1,506 @@
+//! Bodies in motion: velocity Verlet for the centres, free rotations between kicks of torque.
+//!
+//! ```text
+//! kick ½ dt   v += F dt/2m,  L += τ dt/2      drift dt   x += v dt, the body turns freely
+//! forces      of all pairs, in order          kick ½ dt
+//! ```
+//!
+//! A step is reversible and symplectic. Forces are added in the order of the pairs, whatever thread
+//! computed them, so results do not depend on threads.
+
+use crate::bath::{self, Ensemble, noise_of, normal_turns, normal_vector, require};
+use crate::near::{Felt, Law, Turned, flat, solid};
+use crate::neighbours::{Neighbours, Pair, shift};
+use crate::pair::Form;
+use crate::rotation;
+use crate::state::{Bodies, State};
+use crate::{Error, Result};
+use protomer_kernel::{Boundary, Rotation, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Fewer pairs than this are computed by one thread.
+const WORTH_THREADS: usize = 2000;
+/// Pairs that a thread takes at a time.
+const SHARE: usize = 256;
+
+/// How bodies move.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Which points of bodies repel each other.
+    pub form: Form,
+    /// Time step.
+    pub time_step: f64,
+    /// What keeps the temperature.
+    pub ensemble: Ensemble,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Whether the pairs are shared among the threads of the pool.
+    pub is_threaded: bool,
+}
+
+/// Everything that changes; a run continues from it bit for bit.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Where the bodies are and how they move.
+    pub state: State,
+    /// Steps done.
+    pub steps: u64,
+    /// Energy of the repulsion.
+    pub potential_energy: f64,
+    /// Σ over pairs of force times the way between the centres.
+    pub virial: f64,
+    /// Heat that the baths have given.
+    pub heat: f64,
+    /// The pairs.
+    pub neighbours: Neighbours,
+    forces: Vec<Vec3>,
+    /// Torques in space.
+    torques: Vec<Vec3>,
+}
+
+/// Bodies, how they move, and how far they are.
+#[derive(Debug, Clone)]
+pub struct Engine {
+    bodies: Bodies,
+    settings: Settings,
+    motion: Motion,
+    laws: Vec<Law>,
+    turned: Turned,
+    felt: Vec<Felt>,
+}
+
+impl Engine {
+    /// Bodies that begin in this state.
+    ///
+    /// # Errors
+    /// For a time step or an ensemble out of range, bodies that overlap, and a box that is too
+    /// small.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders, polytope::Polytope};
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// use protomer_md::bath::Ensemble;
+    /// use protomer_md::body::Kind;
+    /// use protomer_md::engine::{Engine, Settings};
+    /// use protomer_md::pair::Form;
+    /// use protomer_md::state::{Bodies, State};
+    /// let square = Kind::of(&Polytope::of(&builders::by_name("polygon:4")?)?)?;
+    /// let bodies = Bodies::of_one_kind(square, 2);
+    /// let places = vec![Vec3::zeros(), Vec3::new(1.6, 0.1, 0.0)];
+    /// let mut state = State::at_rest(&bodies, Boundary::Open, places);
+    /// state.velocities[1].x = -1.0;
+    /// let settings = Settings {
+    ///     form: Form::Smooth,
+    ///     time_step: 1e-4,
+    ///     ensemble: Ensemble::Nve,
+    ///     seed: 1,
+    ///     is_threaded: false,
+    /// };
+    /// let mut engine = Engine::new(bodies, state, settings)?;
+    /// for _ in 0..5000 {
+    ///     engine.step(1.0)?;
+    /// }
+    /// assert!((engine.energy() - 0.5).abs() < 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(bodies: Bodies, state: State, settings: Settings) -> Result<Self> {
+        let count = bodies.count();
+        let motion = Motion {
+            steps: 0,
+            potential_energy: 0.0,
+            virial: 0.0,
+            heat: 0.0,
+            neighbours: Neighbours::of(&bodies, &state)?,
+            forces: vec![Vec3::zeros(); count],
+            torques: vec![Vec3::zeros(); count],
+            state,
+        };
+        let mut engine = Self::continued(bodies, motion, settings)?;
+        engine.find_forces()?;
+        Ok(engine)
+    }
+
+    /// Bodies that go on from where they were.
+    ///
+    /// # Errors
+    /// As [`Engine::new`], and [`Error::OtherBodies`] for a state of other bodies.
+    pub fn continued(bodies: Bodies, motion: Motion, settings: Settings) -> Result<Self> {
+        require("the time step", settings.time_step)?;
+        settings.ensemble.check()?;
+        let count = bodies.count();
+        let dimension = bodies.dimension();
+        let state = &motion.state;
+        let turned = if dimension == 2 {
+            [0, count]
+        } else {
+            [count, 0]
+        };
+        let fits = [state.positions.len(), state.velocities.len()] == [count; 2]
+            && [state.spins.len(), motion.forces.len()] == [count; 2]
+            && [state.rotations.len(), state.angles_rad.len()] == turned;
+        if !fits {
+            return Err(Error::OtherBodies);
+        }
+        if bodies.kinds.iter().any(|kind| kind.dimension != dimension) {
+            return Err(Error::MixedDimensions);
+        }
+        let mut laws = Vec::new();
+        for first in &bodies.kinds {
+            for second in &bodies.kinds {
+                laws.push(Law::between(first, second));
+            }
+        }
+        let turned = Turned::of((0..count).map(|body| bodies.kind(body)));
+        Ok(Self {
+            bodies,
+            settings,
+            motion,
+            laws,
+            turned,
+            felt: Vec::new(),
+        })
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &Bodies {
+        &self.bodies
+    }
+
+    /// Where they are.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// How they move.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Moves on with another time step and ensemble; the repulsion stays.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`].
+    pub fn change_settings(&mut self, settings: Settings) -> Result<()> {
+        require("the time step", settings.time_step)?;
+        settings.ensemble.check()?;
+        self.settings = Settings {
+            form: self.settings.form,
+            ..settings
+        };
+        Ok(())
+    }
+
+    /// The energy: repulsion and motion.
+    pub fn energy(&self) -> f64 {
+        let kinetic = self.motion.state.kinetic_energies(&self.bodies);
+        self.motion.potential_energy + kinetic[0] + kinetic[1]
+    }
+
+    /// The energy without the heat that a bath has given: kept by all ensembles with momenta.
+    pub fn kept_energy(&self) -> f64 {
+        self.energy() - self.motion.heat
+    }
+
+    /// The ways in which the centres move; in a box their sum is kept at rest.
+    pub fn movements(&self) -> usize {
+        let (count, dimension) = (self.bodies.count(), self.bodies.dimension());
+        let is_free = matches!(self.settings.ensemble, Ensemble::Nve | Ensemble::Nvt { .. });
+        dimension * count.saturating_sub(usize::from(is_free))
+    }
+
+    /// The ways in which bodies move and turn.
+    fn freedoms(&self) -> usize {
+        self.movements() + self.bodies.turns()
+    }
+
+    /// Temperatures (kT) of all momenta, of the centres and of the rotations; zero where nothing
+    /// moves.
+    pub fn temperatures(&self) -> [f64; 3] {
+        let [moving, turning] = self.motion.state.kinetic_energies(&self.bodies);
+        let over = |kinetic: f64, freedoms: usize| 2.0 * kinetic / freedoms.max(1) as f64;
+        [
+            over(moving + turning, self.freedoms()),
+            over(moving, self.movements()),
+            over(turning, self.bodies.turns()),
+        ]
+    }
+
+    /// The pressure: P V = N kT + W/d, with the virial W of the forces between the centres and the
+    /// kinetic energy of the centres for N kT. Overdamped bodies have no velocities; the
+    /// temperature of the bath stands for them.
+    pub fn pressure(&self) -> f64 {
+        let dimension = self.bodies.dimension();
+        let [moving, _] = self.motion.state.kinetic_energies(&self.bodies);
+        let ideal = match self.settings.ensemble {
+            Ensemble::Brownian { temperature, .. } => self.bodies.count() as f64 * temperature,
+            _ => 2.0 * moving / dimension as f64,
+        };
+        let virial = self.motion.virial / dimension as f64;
+        (ideal + virial) / self.motion.state.volume(dimension)
+    }
+
+    /// A step. The box and the centres shrink by the factor `scale`; 1 leaves them.
+    ///
+    /// # Errors
+    /// [`Error::Met`] if bodies overlap, and [`Error::Diverged`]; the state is then no good.
+    pub fn step(&mut self, scale: f64) -> Result<()> {
+        let time = self.settings.time_step;
+        let mut noise = noise_of(self.settings.seed, self.motion.steps);
+        match self.settings.ensemble {
+            Ensemble::Brownian {
+                temperature,
+                friction,
+            } => {
+                self.diffuse(temperature, friction, &mut noise);
+                self.shrink(scale);
+                self.motion.neighbours.refresh(&self.motion.state)?;
+                self.find_forces()?;
+            }
+            Ensemble::Langevin {
+                temperature,
+                friction,
+            } => {
+                let part = 0.5 * friction * time;
+                let mut damp = |motion: &mut Motion, bodies: &Bodies| {
+                    let state = &mut motion.state;
+                    motion.heat += bath::damp(state, bodies, temperature, part, &mut noise);
+                };
+                damp(&mut self.motion, &self.bodies);
+                self.move_on(time, scale)?;
+                damp(&mut self.motion, &self.bodies);
+            }
+            Ensemble::Nvt {
+                temperature,
+                relaxation_time,
+            } => {
+                self.move_on(time, scale)?;
+                let freedoms = self.freedoms();
+                let part = time / relaxation_time;
+                let (motion, bodies) = (&mut self.motion, &self.bodies);
+                let state = &mut motion.state;
+                motion.heat +=
+                    bath::rescale(state, bodies, freedoms, temperature, part, &mut noise);
+            }
+            Ensemble::Nve => self.move_on(time, scale)?,
+        }
+        self.motion.steps += 1;
+        Ok(())
+    }
+
+    /// Newton's equations over a step.
+    fn move_on(&mut self, time: f64, scale: f64) -> Result<()> {
+        self.kick(0.5 * time);
+        self.drift(time);
+        self.shrink(scale);
+        self.motion.neighbours.refresh(&self.motion.state)?;
+        self.find_forces()?;
+        self.kick(0.5 * time);
+        Ok(())
+    }
+
+    fn kick(&mut self, time: f64) {
+        let motion = &mut self.motion;
+        let state = &mut motion.state;
+        let is_flat = self.bodies.dimension() == 2;
+        for body in 0..self.bodies.count() {
+            let kind = self.bodies.kind(body);
+            state.velocities[body] += time / kind.mass * motion.forces[body];
+            if is_flat {
+                state.spins[body].z += time * motion.torques[body].z;
+            } else if !kind.is_ball() {
+                let torque = state.rotations[body].inverse() * motion.torques[body];
+                state.spins[body] += time * torque;
+            }
+        }
+    }
+
+    fn drift(&mut self, time: f64) {
+        let state = &mut self.motion.state;
+        for (position, velocity) in state.positions.iter_mut().zip(&state.velocities) {
+            *position += time * velocity;
+        }
+        for (body, angle) in state.angles_rad.iter_mut().enumerate() {
+            let kind = self.bodies.kind(body);
+            *angle += time * state.spins[body].z / kind.moments.z;
+        }
+        for (body, rotation) in state.rotations.iter_mut().enumerate() {
+            let kind = self.bodies.kind(body);
+            rotation::turn(kind, rotation, &mut state.spins[body], time);
+        }
+    }
+
+    /// Bodies without momenta: a step along the forces, and noise.
+    fn diffuse(&mut self, temperature: f64, friction: f64, noise: &mut Noise) {
+        let time = self.settings.time_step;
+        let motion = &mut self.motion;
+        let state = &mut motion.state;
+        let is_flat = self.bodies.dimension() == 2;
+        for body in 0..self.bodies.count() {
+            let kind = self.bodies.kind(body);
+            state.velocities[body] = Vec3::zeros();
+            state.spins[body] = Vec3::zeros();
+            let along = time / (friction * kind.mass);
+            let wander = (2.0 * temperature * along).sqrt();
+            state.positions[body] += along * motion.forces[body];
+            state.positions[body] += wander * normal_vector(noise, kind.dimension);
+            let turns = normal_turns(noise, kind.turns());
+            let about = kind.moments.map(|moment| time / (friction * moment));
+            let wander = about.map(|about| (2.0 * temperature * about).sqrt());
+            if is_flat {
+                let torque = motion.torques[body].z;
+                state.angles_rad[body] += about.z * torque + wander.z * turns.z;
+            } else {
+                let rotation = &mut state.rotations[body];
+                let torque = rotation.inverse() * motion.torques[body];
+                let turn = about.component_mul(&torque) + wander.component_mul(&turns);
+                *rotation *= Rotation::from_scaled_axis(turn);
+                rotation.renormalize();
+            }
+        }
+    }
+
+    fn shrink(&mut self, scale: f64) {
+        if scale == 1.0 {
+            return;
+        }
+        let state = &mut self.motion.state;
+        if let Boundary::Periodic { lengths_angstrom } = &mut state.space {
+            let flat = self.bodies.dimension() == 2;
+            let third = if flat { 1.0 } else { scale };
+            lengths_angstrom.component_mul_assign(&Vec3::new(scale, scale, third));
+        }
+        for position in &mut state.positions {
+            *position *= scale;
+        }
+        self.motion.neighbours.shrink(scale);
+    }
+
+    /// Energy, forces, torques and virial.
+    fn find_forces(&mut self) -> Result<()> {
+        let motion = &mut self.motion;
+        let is_flat = self.bodies.dimension() == 2;
+        for body in 0..self.bodies.count() {
+            let kind = self.bodies.kind(body);
+            if is_flat {
+                let angle = motion.state.angles_rad[body];
+                self.turned.turn_flat(body, kind, angle);
+            } else {
+                let rotation = &motion.state.rotations[body];
+                self.turned.turn_solid(body, kind, rotation);
+            }
+        }
+        motion.forces.fill(Vec3::zeros());
+        motion.torques.fill(Vec3::zeros());
+        let view = View {
+            bodies: &self.bodies,
+            state: &motion.state,
+            turned: &self.turned,
+            laws: &self.laws,
+            form: self.settings.form,
+        };
+        let mut sum = Sum::new(&mut motion.forces, &mut motion.torques);
+        let pairs = &mut motion.neighbours.pairs;
+        if self.settings.is_threaded && pairs.len() >= WORTH_THREADS {
+            self.felt.resize(pairs.len(), Felt::nothing());
+            let shares = pairs.par_chunks_mut(SHARE);
+            let shares = shares.zip(self.felt.par_chunks_mut(SHARE));
+            shares.for_each(|(pairs, felt)| {
+                for (pair, felt) in pairs.iter_mut().zip(felt) {
+                    *felt = view.felt(pair, &view.between(pair));
+                }
+            });
+            for (pair, felt) in pairs.iter().zip(&self.felt) {
+                sum.add(pair, felt, &view.between(pair));
+            }
+        } else {
+            for pair in pairs {
+                let between = view.between(pair);
+                let felt = view.felt(pair, &between);
+                sum.add(pair, &felt, &between);
+            }
+        }
+        let (energy, virial, met) = (sum.energy, sum.virial, sum.met);
+        motion.potential_energy = energy;
+        motion.virial = virial;
+        if let Some([first, second]) = met {
+            return Err(Error::Met { first, second });
+        }
+        if !virial.is_finite() {
+            return Err(Error::Diverged);
+        }
+        Ok(())
+    }
+}
+
+type Noise = protomer_kernel::random::CounterRng;
+
+/// What forces depend on.
+struct View<'a> {
+    bodies: &'a Bodies,
+    state: &'a State,
+    turned: &'a Turned,
+    laws: &'a [Law],
+    form: Form,
+}
+
+impl View<'_> {
+    /// From the first body of a pair to the image of the second.
+    fn between(&self, pair: &Pair) -> Vec3 {
+        let [first, second] = pair.bodies.map(|body| self.state.positions[body as usize]);
+        second - first + shift(&self.state.space, pair.images)
+    }
+
+    fn felt(&self, pair: &mut Pair, between: &Vec3) -> Felt {
+        let [first, second] = pair.bodies.map(|body| {
+            let body = body as usize;
+            self.turned.body(body, self.bodies.kind(body))
+        });
+        let [row, column] = pair.bodies.map(|body| self.bodies.kind_of[body as usize]);
+        let law = &self.laws[row * self.bodies.kinds.len() + column];
+        match self.bodies.dimension() {
+            2 => flat::felt(first, second, *between, law, self.form, &mut pair.hint),
+            _ => solid::felt(first, second, *between, law, self.form, &mut pair.hint),
+        }
+    }
+}
+
+/// Forces on bodies, added up in the order of the pairs.
+struct Sum<'a> {
+    forces: &'a mut [Vec3],
+    torques: &'a mut [Vec3],
+    energy: f64,
+    virial: f64,
+    met: Option<[usize; 2]>,
+}
+
+impl<'a> Sum<'a> {
+    fn new(forces: &'a mut [Vec3], torques: &'a mut [Vec3]) -> Self {
+        Self {
+            forces,
+            torques,
+            energy: 0.0,
+            virial: 0.0,
+            met: None,
+        }
+    }
+
+    fn add(&mut self, pair: &Pair, felt: &Felt, between: &Vec3) {
+        if felt.energy == 0.0 {
+            return;
+        }
+        let [first, second] = pair.bodies.map(|body| body as usize);
+        if felt.energy == f64::INFINITY {
+            self.met.get_or_insert([first, second]);
+            return;
+        }
+        self.energy += felt.energy;
+        // The force pushes the first body back along the way.
+        self.virial -= felt.force.dot(between);
+        self.forces[first] += felt.force;
+        self.forces[second] -= felt.force;
+        self.torques[first] += felt.torques[0];
+        self.torques[second] += felt.torques[1];
+    }
+}

@@ -1,0 +1,338 @@
+//! Forces between polyhedra and balls.
+//!
+//! The direction in which the pair was apart a step ago is tried first; if it does not separate the
+//! bodies by more than the reach, the walk to the closest points begins where it ended a step ago.
+//! The direction between the closest points then says which corners and edges can be near at all.
+
+use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedBody};
+use crate::pair::Form;
+use crate::pair::smooth::Crossing;
+use crate::pair::terms::Terms;
+use protomer_kernel::Vec3;
+use protomer_kernel::shape::closest::ClosestPoints;
+use protomer_kernel::shape::polytope::Face;
+use protomer_kernel::shape::remembered::{Bodies, Found};
+
+/// The energy, force and torques of two bodies in space; `between` leads from the centre of the
+/// first to that of the second.
+pub fn felt(
+    first: TurnedBody<'_>,
+    second: TurnedBody<'_>,
+    between: Vec3,
+    law: &Law,
+    form: Form,
+    hint: &mut Hint,
+) -> Felt {
+    let apart = first.kind.circumradius + second.kind.circumradius - law.radii + law.reach;
+    if between.norm_squared() > apart * apart {
+        return Felt::nothing();
+    }
+    let reach = law.reach * SURELY_BEYOND;
+    if gap(&first, &second, &between, &hint.direction) > reach {
+        return Felt::nothing();
+    }
+    let bodies = Bodies {
+        first: first.corners,
+        second: second.corners,
+        between,
+    };
+    let points = match bodies.closest(reach, &mut hint.simplex) {
+        Found::At(points) => points,
+        Found::Beyond(direction) => {
+            hint.direction = direction;
+            return Felt::nothing();
+        }
+        Found::Touching => return Felt::touching(),
+    };
+    let distance = points.distance();
+    if distance <= law.radii {
+        return Felt::touching();
+    }
+    let direction = -points.separation() / distance;
+    hint.direction = direction;
+    if distance >= law.reach {
+        return Felt::nothing();
+    }
+    let mut sum = Sum {
+        law,
+        terms: Terms::about([Vec3::zeros(), between]),
+    };
+    let is_ball = first.kind.is_ball() || second.kind.is_ball();
+    match form {
+        _ if is_ball => sum.repel(&points),
+        Form::Contact => sum.repel(&points),
+        Form::FaceSum => sum.add_faces(&first, &second, between, &points, &direction),
+        Form::Smooth => {
+            if !sum.add_all(&first, &second, between, &direction) {
+                return Felt::touching();
+            }
+        }
+    }
+    Felt {
+        energy: sum.terms.energy,
+        force: sum.terms.force,
+        torques: sum.terms.torques,
+    }
+}
+
+/// By how much a plane across this direction, of length one, separates the bodies; not positive for
+/// the zero vector.
+fn gap(first: &TurnedBody<'_>, second: &TurnedBody<'_>, between: &Vec3, direction: &Vec3) -> f64 {
+    let [top, bottom] = limits(first, second, between, direction);
+    bottom - top
+}
+
+/// The highest point of the first body and the lowest of the second along a direction.
+fn limits(
+    first: &TurnedBody<'_>,
+    second: &TurnedBody<'_>,
+    between: &Vec3,
+    direction: &Vec3,
+) -> [f64; 2] {
+    let heights = |body: &TurnedBody<'_>, from: f64, keep: fn(f64, f64) -> f64| {
+        let corners = body.corners.iter();
+        corners.fold(from, |limit, corner| keep(limit, corner.dot(direction)))
+    };
+    let top = heights(first, f64::NEG_INFINITY, f64::max);
+    let bottom = heights(second, f64::INFINITY, f64::min);
+    [top, bottom + between.dot(direction)]
+}
+
+/// Repulsions, added up. Points are seen from the centre of the first body.
+struct Sum<'a> {
+    law: &'a Law,
+    terms: Terms,
+}
+
+impl Sum<'_> {
+    fn repel(&mut self, points: &ClosestPoints) {
+        let separation = points.separation();
+        let squared = separation.norm_squared();
+        if squared >= self.law.reach * self.law.reach {
+            return;
+        }
+        let distance = squared.sqrt();
+        let [energy, slope] = self
+            .law
+            .repulsion
+            .energy_and_slope(distance - self.law.radii);
+        self.terms.energy += energy;
+        let force = separation * (-slope / distance);
+        self.terms.push([points.on_first, points.on_second], force);
+    }
+
+    /// All features of the two faces that look at each other.
+    fn add_faces(
+        &mut self,
+        first: &TurnedBody<'_>,
+        second: &TurnedBody<'_>,
+        between: Vec3,
+        points: &ClosestPoints,
+        direction: &Vec3,
+    ) {
+        let reach = self.law.reach;
+        let faces = [
+            towards(first, &points.on_second),
+            towards(second, &(points.on_first - between)),
+        ];
+        let [a, b] = [faces[0].1, faces[1].1];
+        let shifted = |number: usize| second.corners[number] + between;
+        // The highest of the first face and the lowest of the second; no feature is nearer.
+        let heights = |number: &usize| first.corners[*number].dot(direction);
+        let top = a
+            .corners
+            .iter()
+            .map(heights)
+            .fold(f64::NEG_INFINITY, f64::max);
+        let depths = |number: &usize| shifted(*number).dot(direction);
+        let bottom = b.corners.iter().map(depths).fold(f64::INFINITY, f64::min);
+        for number in &a.corners {
+            let corner = first.corners[*number];
+            if bottom - corner.dot(direction) < reach {
+                let foot = on_face(second, faces[1], &(corner - between)) + between;
+                self.repel(&ClosestPoints {
+                    on_first: corner,
+                    on_second: foot,
+                });
+            }
+        }
+        for number in &b.corners {
+            let corner = shifted(*number);
+            if corner.dot(direction) - top < reach {
+                self.repel(&ClosestPoints {
+                    on_first: on_face(first, faces[0], &corner),
+                    on_second: corner,
+                });
+            }
+        }
+        for (from, to) in rim(a) {
+            let edge = [first.corners[from], first.corners[to]];
+            let high = edge[0].dot(direction).max(edge[1].dot(direction));
+            if bottom - high >= reach {
+                continue;
+            }
+            for (from, to) in rim(b) {
+                let other = [shifted(from), shifted(to)];
+                let low = other[0].dot(direction).min(other[1].dot(direction));
+                if low - high < reach {
+                    self.repel(&between_segments(edge, other));
+                }
+            }
+        }
+    }
+
+    /// All corners and edges, smoothly; false if a corner is inside the other body.
+    fn add_all(
+        &mut self,
+        first: &TurnedBody<'_>,
+        second: &TurnedBody<'_>,
+        between: Vec3,
+        direction: &Vec3,
+    ) -> bool {
+        let reach = self.law.reach;
+        let [top, bottom] = limits(first, second, &between, direction);
+        for corner in first.corners {
+            if bottom - corner.dot(direction) >= reach {
+                continue;
+            }
+            let Some(foot) = nearest(second, &(corner - between)) else {
+                return false;
+            };
+            self.repel(&ClosestPoints {
+                on_first: *corner,
+                on_second: foot + between,
+            });
+        }
+        for corner in second.corners {
+            let corner = corner + between;
+            if corner.dot(direction) - top >= reach {
+                continue;
+            }
+            let Some(foot) = nearest(first, &corner) else {
+                return false;
+            };
+            self.repel(&ClosestPoints {
+                on_first: foot,
+                on_second: corner,
+            });
+        }
+        for edge in &first.kind.polytope.edges {
+            let edge = edge.map(|corner| first.corners[corner]);
+            let high = edge[0].dot(direction).max(edge[1].dot(direction));
+            if bottom - high >= reach {
+                continue;
+            }
+            for other in &second.kind.polytope.edges {
+                let other = other.map(|corner| second.corners[corner] + between);
+                let low = other[0].dot(direction).min(other[1].dot(direction));
+                if low - high >= reach {
+                    continue;
+                }
+                if let Some(crossing) = Crossing::of(edge, other, &self.law.repulsion) {
+                    crossing.add(&mut self.terms, &self.law.repulsion);
+                }
+            }
+        }
+        true
+    }
+}
+
+/// The face through which a ray from the centre leaves, with its number.
+fn towards<'a>(body: &TurnedBody<'a>, direction: &Vec3) -> (usize, &'a Face) {
+    let mut best = (0, f64::NEG_INFINITY);
+    for (face, normal) in body.normals.iter().enumerate() {
+        let inverse_length = normal.dot(direction) / body.kind.offsets[face];
+        if inverse_length > best.1 {
+            best = (face, inverse_length);
+        }
+    }
+    (best.0, &body.kind.polytope.faces[best.0])
+}
+
+/// The edges of a face.
+fn rim(face: &Face) -> impl Iterator<Item = (usize, usize)> {
+    let next = face.corners.iter().cycle().skip(1);
+    face.corners.iter().copied().zip(next.copied())
+}
+
+fn on_segment(point: &Vec3, from: &Vec3, to: &Vec3) -> Vec3 {
+    let along = to - from;
+    let place = (point - from).dot(&along) / along.norm_squared();
+    from + place.clamp(0.0, 1.0) * along
+}
+
+/// The point of a face nearest to a point.
+fn on_face(body: &TurnedBody<'_>, (number, face): (usize, &Face), point: &Vec3) -> Vec3 {
+    let normal = body.normals[number];
+    let height = normal.dot(point) - body.kind.offsets[number];
+    let foot = point - height * normal;
+    let mut best = (f64::INFINITY, foot);
+    for (from, to) in rim(face) {
+        let (from, to) = (body.corners[from], body.corners[to]);
+        if normal.dot(&(to - from).cross(&(foot - from))) < 0.0 {
+            let place = on_segment(point, &from, &to);
+            let squared = (place - point).norm_squared();
+            if squared < best.0 {
+                best = (squared, place);
+            }
+        }
+    }
+    best.1
+}
+
+/// The point of a polyhedron nearest to a point outside; `None` for a point inside. It lies on a
+/// face that the point sees; if its foot is on the face that it is highest above, it is that.
+fn nearest(body: &TurnedBody<'_>, point: &Vec3) -> Option<Vec3> {
+    let faces = &body.kind.polytope.faces;
+    let mut best = (0, f64::NEG_INFINITY);
+    for (number, normal) in body.normals.iter().enumerate() {
+        let height = normal.dot(point) - body.kind.offsets[number];
+        if height > best.1 {
+            best = (number, height);
+        }
+    }
+    if best.1 <= 0.0 {
+        return None;
+    }
+    let mut found = on_face(body, (best.0, &faces[best.0]), point);
+    let mut squared = (found - point).norm_squared();
+    if squared <= best.1 * best.1 * (1.0 + 1e-14) {
+        return Some(found);
+    }
+    for (number, normal) in body.normals.iter().enumerate() {
+        if number == best.0 || normal.dot(point) <= body.kind.offsets[number] {
+            continue;
+        }
+        let place = on_face(body, (number, &faces[number]), point);
+        let here = (place - point).norm_squared();
+        if here < squared {
+            (found, squared) = (place, here);
+        }
+    }
+    Some(found)
+}
+
+/// The closest points of two segments (Ericson, Real-Time Collision Detection (2005), 5.1.9).
+fn between_segments(first: [Vec3; 2], second: [Vec3; 2]) -> ClosestPoints {
+    let (u, v) = (first[1] - first[0], second[1] - second[0]);
+    let r = first[0] - second[0];
+    let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());
+    let (d, e) = (u.dot(&r), v.dot(&r));
+    let determinant = a * c - b * b;
+    let mut s = match determinant > f64::EPSILON * a * c {
+        true => ((b * e - c * d) / determinant).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    let mut t = (b * s + e) / c;
+    if t < 0.0 {
+        t = 0.0;
+        s = (-d / a).clamp(0.0, 1.0);
+    } else if t > 1.0 {
+        t = 1.0;
+        s = ((b - d) / a).clamp(0.0, 1.0);
+    }
+    ClosestPoints {
+        on_first: first[0] + s * u,
+        on_second: second[0] + t * v,
+    }
+}

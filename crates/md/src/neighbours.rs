@@ -1,0 +1,147 @@
+//! Pairs of bodies that can feel each other before one of them has moved by half of a skin.
+
+use crate::near::Hint;
+use crate::state::{Bodies, State};
+use crate::{Error, Result};
+use protomer_kernel::cells::CellList;
+use protomer_kernel::{Boundary, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// The skin over σ.
+const SKIN_RATIO: f64 = 0.35;
+
+/// A pair, with what was learnt of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pair {
+    /// The bodies; the first has the lower number.
+    pub bodies: [u32; 2],
+    /// Boxes between the image of the second that is meant and the second itself.
+    pub images: [i32; 3],
+    /// What was learnt of it.
+    pub hint: Hint,
+}
+
+/// The pairs, in ascending order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Neighbours {
+    /// The pairs.
+    pub pairs: Vec<Pair>,
+    /// Where the bodies were when the pairs were found; a box that shrinks takes them with it.
+    places: Vec<Vec3>,
+    /// How far bodies may feel each other at most, centre to centre.
+    range: f64,
+    skin: f64,
+    /// By how much the box has shrunk since then.
+    scale: f64,
+    /// How often the pairs were sought.
+    pub rebuilds: u64,
+}
+
+impl Neighbours {
+    /// Finds the pairs.
+    ///
+    /// # Errors
+    /// [`Error::SmallBox`] if a body would meet two images of another.
+    pub fn of(bodies: &Bodies, state: &State) -> Result<Self> {
+        let mut range = 0.0_f64;
+        for (number, first) in bodies.kinds.iter().enumerate() {
+            for second in &bodies.kinds[number..] {
+                let law = crate::near::Law::between(first, second);
+                let apart = first.circumradius + second.circumradius - law.radii + law.reach;
+                range = range.max(apart);
+            }
+        }
+        let mut list = Self {
+            pairs: Vec::new(),
+            places: Vec::new(),
+            range,
+            skin: SKIN_RATIO * bodies.sigma(),
+            scale: 1.0,
+            rebuilds: 0,
+        };
+        list.rebuild(state)?;
+        Ok(list)
+    }
+
+    /// Notes that the box and everything in it has shrunk.
+    pub fn shrink(&mut self, factor: f64) {
+        self.scale *= factor;
+        for place in &mut self.places {
+            *place *= factor;
+        }
+    }
+
+    /// Finds the pairs again if they may be incomplete.
+    ///
+    /// # Errors
+    /// As [`Neighbours::of`].
+    pub fn refresh(&mut self, state: &State) -> Result<()> {
+        let left = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);
+        let half = 0.5 * left;
+        let far = |(here, there): (&Vec3, &Vec3)| (here - there).norm_squared() > half * half;
+        let moved = half <= 0.0 || state.positions.iter().zip(&self.places).any(far);
+        if moved {
+            self.rebuild(state)?;
+        }
+        Ok(())
+    }
+
+    fn rebuild(&mut self, state: &State) -> Result<()> {
+        let range = self.range + self.skin;
+        let smallest = match state.space {
+            Boundary::Periodic { lengths_angstrom } => lengths_angstrom.min(),
+            Boundary::Open | Boundary::SphereWall { .. } => f64::INFINITY,
+        };
+        if 2.0 * range > smallest {
+            return Err(Error::SmallBox {
+                smallest,
+                needed: 2.0 * range,
+            });
+        }
+        self.places.clone_from(&state.positions);
+        self.scale = 1.0;
+        self.rebuilds += 1;
+        self.pairs.clear();
+        let cells = CellList::new(&state.space, range, &state.positions);
+        let mut near = Vec::new();
+        for (first, position) in state.positions.iter().enumerate() {
+            cells.candidates(position, &mut near);
+            for second in near.iter().copied().filter(|second| *second > first) {
+                let between = state.positions[second] - position;
+                let images = images(&state.space, &between);
+                if (between + shift(&state.space, images)).norm_squared() < range * range {
+                    self.pairs.push(Pair {
+                        bodies: [first as u32, second as u32],
+                        images,
+                        hint: Hint::default(),
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The boxes that lead to the nearest image.
+fn images(space: &Boundary, between: &Vec3) -> [i32; 3] {
+    match space {
+        Boundary::Periodic { lengths_angstrom } => between
+            .zip_map(lengths_angstrom, |d, length| -(d / length).round())
+            .map(|boxes| boxes as i32)
+            .into(),
+        Boundary::Open | Boundary::SphereWall { .. } => [0; 3],
+    }
+}
+
+/// The way over so many boxes.
+pub(crate) fn shift(space: &Boundary, images: [i32; 3]) -> Vec3 {
+    match space {
+        Boundary::Periodic { lengths_angstrom } => {
+            let boxes = Vec3::from(images.map(f64::from));
+            boxes.component_mul(lengths_angstrom)
+        }
+        Boundary::Open | Boundary::SphereWall { .. } => Vec3::zeros(),
+    }
+}

@@ -1,0 +1,206 @@
+//! `trajectory.gsd`: bodies with their shapes in HOOMD's schema, which OVITO and freud read.
+//!
+//! Positions are wrapped into the box. `log/particles/unwrapped_position` (and in a plane
+//! `log/particles/unwrapped_angle`) lead through its faces and through full turns.
+
+use anyhow::{Result, bail};
+use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+use protomer_kernel::{Boundary, Vec3};
+use protomer_md::body::Kind;
+use protomer_md::engine::Engine;
+use protomer_md::state::{Bodies, State};
+use serde_json::json;
+use std::path::Path;
+
+const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
+const SCHEMA: &str = "hoomd";
+const SCHEMA_VERSION: (u16, u16) = (1, 4);
+
+/// A trajectory that is being written.
+#[derive(Debug)]
+pub struct Trajectory {
+    writer: GsdWriter,
+    header: Vec<Chunk>,
+}
+
+impl Trajectory {
+    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+    ///
+    /// # Errors
+    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
+    pub fn open(path: &Path, bodies: &Bodies, frames: u64) -> Result<Self> {
+        let header = header(bodies);
+        if frames == 0 {
+            return Ok(Self {
+                writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?,
+                header,
+            });
+        }
+        let mut old = GsdFile::open(path)?;
+        if old.frames() < frames {
+            bail!(
+                "{} holds {} frames where the checkpoint has written {frames}; restore it, or \
+                 start again with --force",
+                path.display(),
+                old.frames()
+            );
+        }
+        let partial = path.with_extension("gsd.partial");
+        let mut writer = GsdWriter::create(&partial, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
+        for frame in 0..frames {
+            writer.append_frame(&old.frame(frame)?)?;
+        }
+        writer.sync()?;
+        std::fs::rename(&partial, path)?;
+        Ok(Self { writer, header })
+    }
+
+    /// Appends a state.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn append(&mut self, step: u64, time: f64, engine: &Engine) -> Result<()> {
+        let mut chunks = frame(step, time, engine);
+        if self.writer.frames() == 0 {
+            chunks.extend(self.header.iter().cloned());
+        }
+        Ok(self.writer.append_frame(&chunks)?)
+    }
+
+    /// Flushes everything to disk and returns the number of frames.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn sync(&mut self) -> Result<u64> {
+        self.writer.sync()?;
+        Ok(self.writer.frames())
+    }
+}
+
+fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
+    Chunk {
+        name: name.to_owned(),
+        columns,
+        data,
+    }
+}
+
+/// The data that is the same in every frame.
+fn header(bodies: &Bodies) -> Vec<Chunk> {
+    let (mut names, mut shapes) = (Vec::new(), Vec::new());
+    for (number, kind) in bodies.kinds.iter().enumerate() {
+        names.push(format!("body{}", number + 1));
+        shapes.push(shape(kind));
+    }
+    let count = bodies.count();
+    let kinds = bodies.kind_of.iter().map(|kind| *kind as u32).collect();
+    let (mut masses, mut moments) = (Vec::new(), Vec::new());
+    for body in 0..count {
+        let kind = bodies.kind(body);
+        masses.push(kind.mass as f32);
+        moments.extend(kind.moments.iter().map(|moment| *moment as f32));
+    }
+    let dimensions = vec![bodies.dimension() as u8];
+    vec![
+        chunk("configuration/dimensions", 1, ChunkData::U8(dimensions)),
+        text_chunk("particles/types", &names),
+        text_chunk("particles/type_shapes", &shapes),
+        chunk("particles/typeid", 1, ChunkData::U32(kinds)),
+        chunk("particles/mass", 1, ChunkData::F32(masses)),
+        chunk("particles/moment_inertia", 3, ChunkData::F32(moments)),
+    ]
+}
+
+/// The shape of a kind, as viewers read it.
+fn shape(kind: &Kind) -> String {
+    let corners = &kind.polytope.corners;
+    let shape = match (kind.is_ball(), kind.dimension) {
+        (true, _) => json!({ "type": "Sphere", "diameter": 2.0 * kind.radius }),
+        (false, 2) => {
+            let corners: Vec<[f64; 2]> = corners.iter().map(|x| [x.x, x.y]).collect();
+            json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": corners })
+        }
+        (false, _) => {
+            let corners: Vec<[f64; 3]> = corners.iter().map(|x| (*x).into()).collect();
+            json!({ "type": "ConvexPolyhedron", "rounding_radius": 0.0, "vertices": corners })
+        }
+    };
+    shape.to_string()
+}
+
+/// The data that changes from frame to frame.
+fn frame(step: u64, time: f64, engine: &Engine) -> Vec<Chunk> {
+    let state = &engine.motion().state;
+    let is_flat = engine.bodies().dimension() == 2;
+    let lengths = lengths(state, is_flat);
+    let wrapped: Vec<Vec3> = state
+        .positions
+        .iter()
+        .map(|x| state.space.wrap(x))
+        .collect();
+    let turns = |body: usize| {
+        let rotation = state.rotation(body);
+        let q = rotation.quaternion();
+        [q.w, q.i, q.j, q.k]
+    };
+    let turns: Vec<f32> = (0..wrapped.len())
+        .flat_map(turns)
+        .map(|part| part as f32)
+        .collect();
+    let mut chunks = vec![
+        chunk("configuration/step", 1, ChunkData::U64(vec![step])),
+        chunk("configuration/box", 1, ChunkData::F32(lengths)),
+        chunk("particles/N", 1, ChunkData::U32(vec![wrapped.len() as u32])),
+        chunk("particles/position", 3, ChunkData::F32(single(&wrapped))),
+        chunk("particles/orientation", 4, ChunkData::F32(turns)),
+        chunk(
+            "particles/velocity",
+            3,
+            ChunkData::F32(single(&state.velocities)),
+        ),
+        chunk("log/time", 1, ChunkData::F64(vec![time])),
+        chunk("log/energy", 1, ChunkData::F64(vec![engine.energy()])),
+        chunk(
+            "log/particles/unwrapped_position",
+            3,
+            ChunkData::F64(state.positions.iter().flatten().copied().collect()),
+        ),
+        chunk(
+            "log/particles/spin",
+            3,
+            ChunkData::F64(state.spins.iter().flatten().copied().collect()),
+        ),
+    ];
+    if is_flat {
+        let angles = ChunkData::F64(state.angles_rad.clone());
+        chunks.push(chunk("log/particles/unwrapped_angle", 1, angles));
+    }
+    chunks
+}
+
+/// Edges and tilts of the box.
+fn lengths(state: &State, is_flat: bool) -> Vec<f32> {
+    let lengths = match state.space {
+        Boundary::Periodic { lengths_angstrom } => lengths_angstrom,
+        Boundary::Open | Boundary::SphereWall { .. } => Vec3::zeros(),
+    };
+    let third = if is_flat { 0.0 } else { lengths.z };
+    [lengths.x, lengths.y, third, 0.0, 0.0, 0.0]
+        .map(|x| x as f32)
+        .to_vec()
+}
+
+fn single(vectors: &[Vec3]) -> Vec<f32> {
+    vectors.iter().flatten().map(|x| *x as f32).collect()
+}
+
+/// Strings as rows of equal length, each terminated by a zero byte.
+fn text_chunk(name: &str, rows: &[String]) -> Chunk {
+    let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
+    let mut data = Vec::with_capacity(columns * rows.len());
+    for row in rows {
+        data.extend(row.bytes().map(|byte| byte as i8));
+        data.resize(data.len() + columns - row.len(), 0);
+    }
+    chunk(name, columns as u32, ChunkData::I8(data))
+}
