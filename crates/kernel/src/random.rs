@@ -75,6 +75,12 @@ pub enum Purpose {
     Exchange = 0x61,
     /// Bodies scattered at random.
     Scatter = 0x62,
+    /// Trial moves of hard bodies.
+    HardBodyMove = 0x63,
+    /// The start of hard bodies: places, orientations, compression.
+    HardBodyStart = 0x64,
+    /// Points and bodies inserted among hard bodies to measure free volumes.
+    HardBodyInsertion = 0x65,
     /// New velocities for frames of a finished run.
     ReseededVelocities = 0xf1,
 }

@@ -7,6 +7,7 @@
 //! | [`builders`] | shapes by name |
 //! | [`polytope`] | corners, edges and faces about the centroid |
 //! | [`closest`] | the closest points of two convex bodies |
+//! | [`separation`] | whether two convex bodies overlap, fast |
 //!
 //! Shapes have no unit of length of their own.
 //!
@@ -24,6 +25,7 @@ pub mod closest;
 pub mod hull;
 pub mod measures;
 pub mod polytope;
+pub mod separation;
 
 use crate::{KernelError, Result, Vec3};
 use hull::Hull;
