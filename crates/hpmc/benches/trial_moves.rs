@@ -1,8 +1,9 @@
 //! Trial moves per CPU-second of hard bodies.
 //!
-//! `cargo bench -p protomer-hpmc --bench trial_moves`
+//! `cargo bench -p protomer-hpmc --bench trial_moves [-- PART_OF_A_NAME]`
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "test code")]
 
+#[allow(dead_code)]
 #[path = "../../kernel/benches/cpu_time/mod.rs"]
 mod cpu_time;
 
@@ -40,6 +41,10 @@ fn measure<const D: usize>(
     bodies: usize,
     packing_fraction: f64,
 ) {
+    let asked = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    if asked.is_some_and(|part| !name.contains(&part)) {
+        return;
+    }
     let settings = Settings {
         seed: 1,
         equilibration_sweeps: 400,

@@ -13,6 +13,9 @@
 //! | [`compression`] | the pressure by trial compressions |
 //! | [`depletants`] | implicit penetrable hard spheres, sampled exactly |
 //! | [`simulation`] | equilibration, production, samples |
+//! | [`jet`] | numbers with two derivatives |
+//! | [`tangent`] | coexistence by common tangents |
+//! | [`free_volume_theory`] | phases of spheres and depletants by theory |
 //!
 //! Bodies have two dimensions or three, the constant `D`. Lengths are in the unit of the shape, energies
 //! in kT.
@@ -21,9 +24,12 @@ pub mod body;
 pub mod compression;
 pub mod depletants;
 mod error;
+pub mod free_volume_theory;
 mod grid;
+pub mod jet;
 pub mod simulation;
 pub mod start;
 pub mod system;
+pub mod tangent;
 
 pub use error::{Error, Result};

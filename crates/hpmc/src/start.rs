@@ -1,8 +1,8 @@
 //! The start of a run: bodies on a wide lattice, turned at random, are compressed to their packing
 //! fraction.
 //!
-//! The box shrinks a little at a time. Where bodies overlap then, moves that add no overlap remove
-//! them; if they do not in time, the step is taken back and halved. No body passes another.
+//! The box shrinks a little at a time. Bodies that overlap then move as soon as they find a place
+//! where they overlap none; if they do not in time, the step is taken back and halved.
 
 use crate::body::HardBody;
 use crate::depletants::{Counting, Depletant};
@@ -17,11 +17,13 @@ const ORIENTATION: u32 = 0;
 const COMPRESSION: u32 = 1;
 /// The first shrinking of the edge, as a part of it, and the largest.
 const FIRST_SHRINKING: f64 = 0.01;
-const LARGEST_SHRINKING: f64 = 0.04;
+const LARGEST_SHRINKING: f64 = 0.02;
 /// Bodies that can be compressed by less than this part have jammed.
 const JAMMED: f64 = 1e-5;
 /// Sweeps that may remove the overlaps of a shrinking.
-const REPAIR_SWEEPS: usize = 60;
+const REPAIR_SWEEPS: usize = 100;
+/// Moves of a body that overlaps, in one of these sweeps.
+const TRIES: usize = 10;
 /// Sweeps between two shrinkings.
 const SWEEPS_BETWEEN: usize = 6;
 const ACCEPTANCE: f64 = 0.3;
@@ -160,8 +162,11 @@ impl<const D: usize> Compressor<D> {
 
     /// Sweeps without overlaps, and better steps.
     fn sweep(&mut self, sweeps: usize) {
+        let mut counts = MoveCounts::default();
         for _ in 0..sweeps {
-            let mut counts = MoveCounts::default();
+            if counts.total().trials > 3 * Steps::ENOUGH {
+                counts = MoveCounts::default();
+            }
             for _ in 0..self.system.len() {
                 let mut rng = self.rng();
                 self.system
@@ -174,26 +179,45 @@ impl<const D: usize> Compressor<D> {
 
     /// Whether moves removed all overlaps.
     fn repair(&mut self) -> bool {
-        let mut steps = self.steps;
-        let mut left = self.system.overlaps();
         for _ in 0..REPAIR_SWEEPS {
-            if left == 0 {
+            let overlapping = self.overlapping();
+            if overlapping.is_empty() {
                 return true;
             }
-            for _ in 0..self.system.len() {
-                let mut rng = self.rng();
-                let trial = self.system.propose(&mut rng, &steps);
-                let here = self.system.where_it_is(trial.body);
-                let now = self.system.overlaps_of(&trial, |_| true);
-                if now == 0 || now <= self.system.overlaps_of(&here, |_| true) {
-                    self.system.accept(&trial);
+            for body in overlapping {
+                for _ in 0..TRIES {
+                    self.ease(Some(body));
                 }
             }
-            left = self.system.overlaps();
-            // Small steps leave narrow places.
-            steps.translation *= 0.97;
-            steps.rotation *= 0.97;
+            // The others make room.
+            for _ in 0..self.system.len() {
+                self.ease(None);
+            }
         }
-        left == 0
+        self.overlapping().is_empty()
+    }
+
+    /// A move of a body, or of any, to where it overlaps none.
+    fn ease(&mut self, body: Option<usize>) {
+        let mut rng = self.rng();
+        // Small steps leave narrow places.
+        let part = rng.uniform();
+        let steps = Steps {
+            translation: part * self.steps.translation,
+            rotation: part * self.steps.rotation,
+        };
+        let trial = self.system.propose(&mut rng, &steps, body);
+        // Were bodies that overlap free to move, they would merge, which makes room for the others.
+        if !self.system.collides(&trial) {
+            self.system.accept(&trial);
+        }
+    }
+
+    fn overlapping(&self) -> Vec<usize> {
+        let overlaps = |body: &usize| {
+            let here = self.system.where_it_is(*body);
+            self.system.overlaps_of(&here, |_| true) > 0
+        };
+        (0..self.system.len()).filter(overlaps).collect()
     }
 }

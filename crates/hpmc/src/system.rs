@@ -302,7 +302,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Whether the body would overlap another; fast, by the directions that separated them last.
-    fn collides(&mut self, trial: &Trial<D>) -> bool {
+    pub(crate) fn collides(&mut self, trial: &Trial<D>) -> bool {
         let Self {
             body,
             grid,
@@ -370,7 +370,7 @@ impl<const D: usize> System<D> {
         counting: Counting,
         counts: &mut MoveCounts,
     ) -> bool {
-        let trial = self.propose(rng, steps);
+        let trial = self.propose(rng, steps, None);
         let is_accepted = !self.collides(&trial)
             && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
         if is_accepted {
@@ -384,10 +384,16 @@ impl<const D: usize> System<D> {
         is_accepted
     }
 
-    /// A body, moved or turned at random.
-    pub(crate) fn propose(&mut self, rng: &mut CounterRng, steps: &Steps) -> Trial<D> {
+    /// A body, or any, moved or turned at random.
+    pub(crate) fn propose(
+        &mut self,
+        rng: &mut CounterRng,
+        steps: &Steps,
+        body: Option<usize>,
+    ) -> Trial<D> {
         let word = rng.next_u32();
-        let body = ((u64::from(word >> 1) * self.positions.len() as u64) >> 31) as usize;
+        let any = (u64::from(word >> 1) * self.positions.len() as u64) >> 31;
+        let body = body.unwrap_or(any as usize);
         let is_turned = !self.body.is_round() && word & 1 == 1;
         let mut trial = Trial {
             is_turned,

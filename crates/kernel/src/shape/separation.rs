@@ -2,13 +2,15 @@
 //!
 //! Two convex bodies are apart if and only if some direction separates them. The caller keeps the
 //! direction that did it last time: where bodies move little it does so again, and a test is one
-//! pass over the corners of each. Else the walk of Gilbert, Johnson and Keerthi (see
-//! [`closest`](super::closest)) goes towards the origin in the difference of the bodies. It stops as
-//! soon as a direction separates them, or as soon as the origin is inside. Where it passes within
-//! rounding of the surface, all axes on which two polytopes can be separated have the last word.
+//! pass over the corners of each. Else a portal is sought in the difference of the bodies, through which
+//! a ray from its inside to the origin leaves (Snethen's method). The search stops as soon as a
+//! direction separates the bodies, or as soon as the origin is inside. Where it passes within rounding of
+//! the surface, all axes on which two polytopes can be separated have the last word.
 //!
 //! Bodies may be rounded: with radii whose sum is `reach`, they overlap if the distance of their
-//! cores is less than that.
+//! cores is less than that. Then the walk of Gilbert, Johnson and Keerthi (see
+//! [`closest`](super::closest)) goes towards the origin, and stops as soon as the distance is
+//! known to be more or less than the reach.
 
 use crate::Vec3;
 
@@ -92,23 +94,31 @@ fn highest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> f64 {
             }
         }
     }
-    best.into_iter().fold(f64::NEG_INFINITY, f64::max)
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    larger(larger(best[0], best[1]), larger(best[2], best[3]))
 }
 
 /// The corner that is highest along a direction.
 fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64; D] {
-    let (mut best, mut height) = ((0, 0), f64::NEG_INFINITY);
-    for (number, block) in corners.iter().enumerate() {
+    // Numbers of blocks as floats: a compiler makes vectors of equal types only.
+    let (mut best, mut numbers) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
+    let mut number = 0.0;
+    for block in corners {
         let heights = heights(block, direction);
-        for (lane, here) in heights.into_iter().enumerate() {
-            if here > height {
-                (best, height) = ((number, lane), here);
-            }
+        for lane in 0..LANES {
+            let is_higher = heights[lane] > best[lane];
+            best[lane] = if is_higher { heights[lane] } else { best[lane] };
+            numbers[lane] = if is_higher { number } else { numbers[lane] };
         }
+        number += 1.0;
     }
+    let left = usize::from(best[1] > best[0]);
+    let right = 2 + usize::from(best[3] > best[2]);
+    let lane = if best[right] > best[left] { right } else { left };
+    let block = &corners[numbers[lane] as usize];
     let mut corner = [0.0; D];
     for axis in 0..D {
-        corner[axis] = corners[best.0][axis][best.1];
+        corner[axis] = block[axis][lane];
     }
     corner
 }
@@ -157,10 +167,12 @@ impl<const D: usize> Pair<'_, D> {
         if self.is_separated_along(direction) {
             return false;
         }
-        match self.walk(direction) {
-            Some(is_overlap) => is_overlap,
-            None => exact(),
-        }
+        let decision = match (self.reach > 0.0, D) {
+            (true, _) => self.walk(direction),
+            (false, 2) => self.portal_in_plane(direction),
+            (false, _) => self.portal_in_space(direction),
+        };
+        decision.unwrap_or_else(exact)
     }
 
     /// The corner of the difference (second less first) that is lowest along a direction.
@@ -172,6 +184,154 @@ impl<const D: usize> Pair<'_, D> {
             corner[axis] += second[axis] - first[axis];
         }
         corner
+    }
+
+    /// The corner of the difference that is highest along a direction. If it is not above the origin, the
+    /// opposite direction separates the bodies.
+    fn beyond(&self, normal: &[f64; D], direction: &mut [f64; D]) -> Option<[f64; D]> {
+        let down = normal.map(|x| -x);
+        let corner = self.lowest(&down);
+        if dot(&corner, normal) < 0.0 {
+            *direction = down;
+            return None;
+        }
+        Some(corner)
+    }
+
+    /// The ray from the inside of the difference to the origin leaves a simplex that grows through a
+    /// face, the portal (Snethen, Game Programming Gems 7 (2008), 165).
+    fn portal_in_plane(&self, direction: &mut [f64; D]) -> Option<bool> {
+        let inside = self.offset;
+        let Some(mut a) = self.beyond(&inside.map(|x| -x), direction) else {
+            return Some(false);
+        };
+        let mut size_squared = dot(&a, &a).max(dot(&inside, &inside));
+        let Some(mut b) = self.beyond(&across(&inside, &a), direction) else {
+            return Some(false);
+        };
+        for step in 0..=MOST_STEPS {
+            // Until the ray passes between the two corners.
+            let side = across(&inside, &b);
+            if dot(&side, &a) >= dot(&side, &inside) {
+                break;
+            }
+            match self.beyond(&side, direction) {
+                None => return Some(false),
+                Some(next) => (a, b) = (b, next),
+            }
+            if step == MOST_STEPS {
+                return None;
+            }
+        }
+        for _ in 0..MOST_STEPS {
+            let mut normal = across_edge(&a, &b);
+            if dot(&normal, &minus(&a, &inside)) < 0.0 {
+                normal = normal.map(|x| -x);
+            }
+            let height = dot(&normal, &a);
+            let near = NEAR_SURFACE * NEAR_SURFACE * size_squared * dot(&normal, &normal);
+            if height * height <= near {
+                return None;
+            }
+            if height > 0.0 {
+                return Some(true);
+            }
+            let Some(next) = self.beyond(&normal, direction) else {
+                return Some(false);
+            };
+            let gain = dot(&minus(&next, &a), &normal);
+            if gain * gain <= near {
+                return None;
+            }
+            size_squared = size_squared.max(dot(&next, &next));
+            // The origin lies on the same side of the ray through the new corner as a or b does.
+            let side = across(&inside, &next);
+            if (dot(&side, &a) > dot(&side, &inside)) == (dot(&side, &inside) < 0.0) {
+                b = next;
+            } else {
+                a = next;
+            }
+        }
+        None
+    }
+
+    /// As [`portal_in_plane`](Self::portal_in_plane); the portal is a triangle.
+    fn portal_in_space(&self, direction: &mut [f64; D]) -> Option<bool> {
+        let mut support = |normal: &Vec3| {
+            let normal = in_plane_or_space(normal);
+            Some(in_space(&self.beyond(&normal, direction)?))
+        };
+        let inside = in_space(&self.offset);
+        let Some(mut a) = support(&-inside) else {
+            return Some(false);
+        };
+        let mut size_squared = a.norm_squared().max(inside.norm_squared());
+        let mut normal = a.cross(&inside);
+        if normal.norm_squared() <= NEAR_SURFACE * NEAR_SURFACE * size_squared * size_squared {
+            // The origin is on the line from the inside to the corner, where any portal begins well.
+            let least = inside.iamin();
+            normal = inside.cross(&Vec3::ith(least, 1.0));
+        }
+        let Some(mut b) = support(&normal) else {
+            return Some(false);
+        };
+        normal = (a - inside).cross(&(b - inside));
+        if normal.dot(&inside) > 0.0 {
+            std::mem::swap(&mut a, &mut b);
+            normal = -normal;
+        }
+        // Now the origin is on the outer side of the plane through the inside, a and b.
+        let mut c = a;
+        for step in 0..=MOST_STEPS {
+            if step == MOST_STEPS {
+                return None;
+            }
+            match support(&normal) {
+                None => return Some(false),
+                Some(corner) => c = corner,
+            }
+            if a.cross(&c).dot(&inside) < 0.0 {
+                b = c;
+            } else if c.cross(&b).dot(&inside) < 0.0 {
+                a = c;
+            } else {
+                break;
+            }
+            normal = (a - inside).cross(&(b - inside));
+        }
+        for _ in 0..MOST_STEPS {
+            let normal = (b - a).cross(&(c - a));
+            let height = normal.dot(&a);
+            let near = NEAR_SURFACE * NEAR_SURFACE * size_squared * normal.norm_squared();
+            if height * height <= near {
+                return None;
+            }
+            if height > 0.0 {
+                return Some(true);
+            }
+            let Some(next) = support(&normal) else {
+                return Some(false);
+            };
+            let gain = (next - a).dot(&normal);
+            if gain * gain <= near {
+                return None;
+            }
+            size_squared = size_squared.max(next.norm_squared());
+            // The plane through the inside, the origin and the new corner divides the portal.
+            let plane = next.cross(&inside);
+            if a.dot(&plane) > 0.0 {
+                if b.dot(&plane) > 0.0 {
+                    a = next;
+                } else {
+                    c = next;
+                }
+            } else if c.dot(&plane) > 0.0 {
+                b = next;
+            } else {
+                a = next;
+            }
+        }
+        None
     }
 
     /// `None` if the surface of the difference is too near to the origin to tell.
@@ -209,6 +369,31 @@ impl<const D: usize> Pair<'_, D> {
         }
         None
     }
+}
+
+fn in_plane_or_space<const D: usize>(vector: &Vec3) -> [f64; D] {
+    let mut coordinates = [0.0; D];
+    for (axis, x) in coordinates.iter_mut().enumerate() {
+        *x = vector[axis];
+    }
+    coordinates
+}
+
+/// A vector of the plane at right angles to the line from a place to another, on the side of the origin.
+fn across<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+    let normal = across_edge(from, to);
+    if dot(&normal, from) > 0.0 {
+        return normal.map(|x| -x);
+    }
+    normal
+}
+
+fn across_edge<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+    let along = minus(to, from);
+    let mut normal = [0.0; D];
+    normal[0] = along[1];
+    normal[1] = -along[0];
+    normal
 }
 
 /// At most four corners of the difference.
