@@ -19,12 +19,12 @@ const GROUPS: [(&str, &[&str]); 8] = [
         &["voxelize", "merge", "train", "tune", "predict"],
     ),
     ("Lattices", &["lattice", "framework"]),
-    ("Hard shapes", &["shape"]),
+    ("Hard shapes", &["shape", "hpmc", "phase-diagram"]),
     ("Tools", &["report", "bench", "completions", "man", "help"]),
 ];
 
 /// Two examples of each verb, without the name of the program.
-const EXAMPLES: [(&str, [&str; 2]); 31] = [
+const EXAMPLES: [(&str, [&str; 2]); 34] = [
     ("fetch", ["fetch 6MDR -o structures", "fetch 5PTI 1BRS"]),
     (
         "ingest",
@@ -204,6 +204,27 @@ const EXAMPLES: [(&str, [&str; 2]); 31] = [
     (
         "shape",
         ["shape cube --rounding 0.1", "shape corners.txt -o hull.ply"],
+    ),
+    (
+        "hpmc",
+        [
+            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
+        ],
+    ),
+    (
+        "hpmc run",
+        [
+            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
+        ],
+    ),
+    (
+        "phase-diagram",
+        [
+            "phase-diagram --size-ratio 0.5 --reservoir 0.4,0.5,0.6",
+            "phase-diagram --branch fluid.txt --branch solid.txt",
+        ],
     ),
     (
         "report",

@@ -4,8 +4,8 @@
 //! compressibility factor of convex bodies is Z = 1 + n'(0) / (d N) in d dimensions (Eppenga and Frenkel,
 //! Mol. Phys. 52, 1303 (1984)). Convex bodies that overlap when shrunk to 1 - x overlap for all larger
 //! x, so each pair has one contraction at which it first does. These are counted in equal bins up to
-//! a largest contraction; the density of pairs is fitted with a cubic polynomial, whose value at
-//! zero is n'(0).
+//! a largest contraction. The density of pairs, times (1 - x)^(d+1), is for spheres the radial
+//! distribution function; it is fitted with a cubic polynomial, whose value at zero is n'(0).
 
 use crate::grid::Grid;
 use crate::system::System;
@@ -17,7 +17,7 @@ const BINS: usize = 32;
 /// falls by about half.
 const RANGE: f64 = 0.8;
 /// The largest contraction at low density.
-const LARGEST: f64 = 0.08;
+const LARGEST: f64 = 0.2;
 const SMALLEST: f64 = 1e-5;
 
 /// Measures compressibility factors by compressing up to a largest contraction.
@@ -28,12 +28,17 @@ pub struct Compression {
 }
 
 impl Compression {
-    /// For compressibility factors of about this size.
-    pub fn for_factor(factor: f64) -> Self {
-        Self {
-            largest: (RANGE / factor.max(1.0)).clamp(SMALLEST, LARGEST),
-            weights: weights(),
+    /// For a compressibility factor of about this size.
+    pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
+        // In a small box a pair must not meet two images of each other.
+        let room = 1.0 - 4.0 * system.body.outer_radius / system.edge;
+        let largest = (RANGE / factor.max(1.0)).min(LARGEST).min(room).max(SMALLEST);
+        let mut weights = weights();
+        for (bin, weight) in weights.iter_mut().enumerate() {
+            let middle = largest * (bin as f64 + 0.5) / BINS as f64;
+            *weight *= (1.0 - middle).powi(D as i32 + 1);
         }
+        Self { largest, weights }
     }
 
     /// The compressibility factor of one state. Its mean over states is that of the system.
@@ -53,8 +58,7 @@ impl Compression {
     /// Calls `visit` with the bin of every pair that overlaps in the range.
     fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize)) {
         let outer = 2.0 * system.body.outer_radius;
-        // No pair meets two images of each other.
-        let range = (outer / (1.0 - self.largest)).min(0.5 * system.edge);
+        let range = outer / (1.0 - self.largest);
         let grid = Grid::new(system.edge, range, &system.positions);
         for body in 0..system.len() {
             let here = system.where_it_is(body);

@@ -111,6 +111,7 @@ impl<const D: usize> Simulation<D> {
         }
         let (system, steps) =
             random_fluid(body, depletants, bodies, packing_fraction, settings.seed)?;
+        let compression = Compression::new(&system, 1.0);
         let mut simulation = Self {
             settings: settings.clone(),
             system,
@@ -120,12 +121,12 @@ impl<const D: usize> Simulation<D> {
             counting: Counting::Lost,
             tried: <[MoveCounts; 2]>::default(),
             counts: MoveCounts::default(),
-            compression: Compression::for_factor(1.0),
+            compression,
         };
         // Two rounds: the first range of contractions may be too wide.
         for _ in 0..2 {
             simulation.rough_factor = simulation.compression.rough_factor(&simulation.system);
-            simulation.compression = Compression::for_factor(simulation.rough_factor);
+            simulation.compression = Compression::new(&simulation.system, simulation.rough_factor);
         }
         Ok(simulation)
     }
@@ -160,6 +161,7 @@ impl<const D: usize> Simulation<D> {
             positions.to_vec(),
             rotations,
         )?;
+        let compression = Compression::new(&system, state.rough_factor);
         Ok(Self {
             settings: settings.clone(),
             system,
@@ -169,7 +171,7 @@ impl<const D: usize> Simulation<D> {
             counting: state.counting,
             tried: state.tried,
             counts: state.counts,
-            compression: Compression::for_factor(state.rough_factor),
+            compression,
         })
     }
 
@@ -278,7 +280,7 @@ impl<const D: usize> Simulation<D> {
         }
         let rough = self.compression.rough_factor(&self.system);
         self.rough_factor += NEW_PART * (rough - self.rough_factor);
-        self.compression = Compression::for_factor(self.rough_factor);
+        self.compression = Compression::new(&self.system, self.rough_factor);
     }
 
     /// Measures the state. The same state gives the same sample.

@@ -10,6 +10,7 @@
 //! | [`assemblies`] | building and reading assemblies |
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
+//! | [`hard_bodies`] | Monte Carlo of many hard convex bodies, phases by theory |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`shapes`] | convex shapes from files and names |
 //! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
@@ -18,6 +19,7 @@ pub mod assemblies;
 pub mod bodies;
 pub mod export;
 pub mod file_kind;
+pub mod hard_bodies;
 pub mod potential;
 pub mod shapes;
 pub mod stability;

@@ -75,7 +75,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
             directory.display()
         ),
-        Some(ResultKind::Other(_)) | None => bail!(
+        Some(ResultKind::HardBodies | ResultKind::Other(_)) | None => bail!(
             "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
              lattice run, lattice sweep, framework, train, tune or voxelize command",
             directory.display()

@@ -23,6 +23,8 @@ pub enum ResultKind {
     Pair,
     /// Two bodies at one salt and pH.
     PairCondition,
+    /// A run of many hard convex bodies.
+    HardBodies,
     /// A lattice of rigid squares followed through time.
     LatticeRun,
     /// Many lattice runs.
@@ -42,7 +44,7 @@ pub enum ResultKind {
 }
 
 /// Each kind, its word in JSON, and its name in a sentence.
-const KINDS: [(ResultKind, &str, &str); 11] = [
+const KINDS: [(ResultKind, &str, &str); 12] = [
     (ResultKind::Sweep, "sweep", "a sweep"),
     (
         ResultKind::Simulation,
@@ -54,6 +56,11 @@ const KINDS: [(ResultKind, &str, &str); 11] = [
         ResultKind::PairCondition,
         "pair condition",
         "two bodies at one salt and pH",
+    ),
+    (
+        ResultKind::HardBodies,
+        "hard bodies",
+        "a run of hard bodies",
     ),
     (ResultKind::LatticeRun, "lattice run", "a lattice run"),
     (ResultKind::LatticeSweep, "lattice sweep", "a lattice sweep"),

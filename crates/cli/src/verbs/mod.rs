@@ -5,8 +5,10 @@ mod bodies;
 mod export;
 mod frameworks;
 mod generate;
+mod hpmc;
 mod lattice;
 mod learning;
+mod phase_diagram;
 mod potential;
 mod report;
 mod shape;
@@ -28,6 +30,8 @@ pub enum Verb {
     Surface(bodies::surface::SurfaceArgs),
     Potential(potential::PotentialArgs),
     Shape(shape::ShapeArgs),
+    Hpmc(hpmc::HpmcArgs),
+    PhaseDiagram(phase_diagram::PhaseDiagramArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
     Candidates(assemblies::candidates::CandidatesArgs),
@@ -59,6 +63,8 @@ impl Verb {
             Verb::Surface(args) => args.run(front),
             Verb::Potential(args) => args.run(front),
             Verb::Shape(args) => args.run(front),
+            Verb::Hpmc(args) => args.run(front),
+            Verb::PhaseDiagram(args) => args.run(),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),
             Verb::Candidates(args) => args.run(front),
