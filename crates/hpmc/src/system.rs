@@ -334,22 +334,28 @@ impl<const D: usize> System<D> {
         } else {
             &corners[trial.body * blocks..(trial.body + 1) * blocks]
         };
-        for other in near.iter() {
+        let pair_with = |other: &Near<D>| {
             let number = other.body as usize;
-            let slot = &mut slots[(other.body.wrapping_mul(HASH) >> 27) as usize];
-            let mut direction = other.offset;
-            if slot.other == other.body {
-                direction = slot.direction.map(f64::from);
-            }
-            let pair = Pair {
+            Pair {
                 first,
                 second: &corners[number * blocks..(number + 1) * blocks],
                 offset: other.offset,
                 reach: 2.0 * body.rounding_radius,
-            };
-            if slot.other == other.body && pair.is_separated_along(&direction) {
-                continue;
             }
+        };
+        let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
+        near.retain(|other| {
+            let slot = &slots[place(other.body)];
+            slot.other != other.body
+                || !pair_with(other).is_separated_along(&slot.direction.map(f64::from))
+        });
+        // The nearest is the likeliest to overlap.
+        near.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
+        for other in near.iter() {
+            let number = other.body as usize;
+            let slot = &mut slots[place(other.body)];
+            let pair = pair_with(other);
+            let mut direction = other.offset;
             let exact = || body.exact(&pair, [&trial.rotation, &rotations[number]]);
             if pair.overlap(&mut direction, exact) {
                 return true;
@@ -414,7 +420,9 @@ impl<const D: usize> System<D> {
                 *x += steps.translation * symmetric(rng);
                 if *x < 0.0 {
                     *x += self.edge;
-                } else if *x >= self.edge {
+                }
+                // Also where a tiny negative number has been rounded to the edge.
+                if *x >= self.edge {
                     *x -= self.edge;
                 }
             }

@@ -139,11 +139,7 @@ impl Answer for HardBodyResult {
                 with_error(kind.free_volume_fraction, kind.free_volume_fraction_error)
             ));
         }
-        let rate = match self.trial_moves_per_cpu_second {
-            Some(rate) => format!(", {rate:.3e} trial moves per CPU-second"),
-            None => String::new(),
-        };
-        lines.push(format!("acceptance {:.3}{rate}", self.acceptance));
+        lines.push(format!("{:.1} % of the moves accepted", 100.0 * self.acceptance));
         lines.join("\n")
     }
 }
@@ -458,5 +454,50 @@ fn ball_volume<const D: usize>(radius: f64) -> f64 {
     match D {
         2 => PI * radius * radius,
         _ => 4.0 / 3.0 * PI * radius.powi(3),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn run(settings: &HardBodySettings, path: &Path) -> HardBodyResult {
+        let end = run_hard_bodies(settings, path, &Execution::default()).unwrap();
+        end.finished().unwrap()
+    }
+
+    #[test]
+    fn a_run_that_stops_and_goes_on_writes_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let short = HardBodySettings {
+            shape: "tetrahedron".into(),
+            bodies: 64,
+            packing_fraction: 0.1,
+            equilibration: 100,
+            sweeps: 100,
+            trajectory_every: 50,
+            insertions: 10,
+            depletants: super::super::settings::parse_depletants("0.1:5").unwrap(),
+            ..HardBodySettings::default()
+        };
+        let long = HardBodySettings {
+            sweeps: 300,
+            ..short.clone()
+        };
+        let [parts, whole] = ["parts", "whole"].map(|name| folder.path().join(name));
+        run(&short, &parts);
+        let (in_parts, at_once) = (run(&long, &parts), run(&long, &whole));
+        assert_eq!(in_parts.sweeps, 300);
+        assert_eq!(in_parts.compressibility_factor, at_once.compressibility_factor);
+        for file in [LOG, TRAJECTORY, CHECKPOINT] {
+            let [parts, whole] = [&parts, &whole].map(|path| std::fs::read(path.join(file)).unwrap());
+            assert!(parts == whole, "{file}");
+        }
+        // A finished run answers from its record.
+        assert_eq!(run(&long, &whole).compressibility_factor, at_once.compressibility_factor);
+        let other = HardBodySettings { seed: 2, ..long };
+        let refused = run_hard_bodies(&other, &whole, &Execution::default());
+        assert!(refused.unwrap_err().to_string().contains("seed"));
     }
 }
