@@ -20,11 +20,20 @@ fn main() {
     let disk = Shape::flat(&[[0.0, 0.0]]).unwrap();
     let solid = by_name("truncated-tetrahedron:0.6666666666666666").unwrap();
     let solid = HardBody::<3>::new(&solid, 0.0).unwrap();
-    measure("truncated tetrahedra, N = 1000, 0.50", &solid, &[], 1000, 0.5);
+    measure(
+        "truncated tetrahedra, N = 1000, 0.50",
+        &solid,
+        &[],
+        1000,
+        0.5,
+    );
     for (q, packing) in [(0.1, 0.1), (0.2, 0.2)] {
         let radius = q * solid.outer_radius;
         let density = packing / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3));
-        let depletants = [Depletant { radius, fugacity: density }];
+        let depletants = [Depletant {
+            radius,
+            fugacity: density,
+        }];
         let name = format!("the same, 0.40, depletants q = {q}, reservoir {packing}");
         measure(&name, &solid, &depletants, 1000, 0.4);
     }
@@ -41,7 +50,9 @@ fn measure<const D: usize>(
     bodies: usize,
     packing_fraction: f64,
 ) {
-    let asked = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
+    let asked = std::env::args()
+        .skip(1)
+        .find(|argument| !argument.starts_with('-'));
     if asked.is_some_and(|part| !name.contains(&part)) {
         return;
     }

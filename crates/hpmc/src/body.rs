@@ -55,7 +55,11 @@ impl<const D: usize> HardBody<D> {
                 };
                 (
                     polytope.corners.iter().map(coordinates).collect(),
-                    polytope.faces.iter().map(|face| coordinates(&face.normal)).collect(),
+                    polytope
+                        .faces
+                        .iter()
+                        .map(|face| coordinates(&face.normal))
+                        .collect(),
                     polytope.edges.iter().map(edge).collect(),
                     polytope.inradius(),
                 )
@@ -98,15 +102,14 @@ impl<const D: usize> HardBody<D> {
         }
         let turned = |vectors: &[[f64; D]], rotation: &Rotation| -> Vec<[f64; D]> {
             let matrix = matrix(rotation);
-            vectors.iter().map(|vector| times(&matrix, vector)).collect()
+            vectors
+                .iter()
+                .map(|vector| times(&matrix, vector))
+                .collect()
         };
         let normals = rotations.map(|rotation| turned(&self.normals, rotation));
         let edges = rotations.map(|rotation| turned(&self.edges, rotation));
-        overlap_on_all_axes(
-            pair,
-            [&normals[0], &normals[1]],
-            [&edges[0], &edges[1]],
-        )
+        overlap_on_all_axes(pair, [&normals[0], &normals[1]], [&edges[0], &edges[1]])
     }
 }
 
@@ -121,14 +124,20 @@ fn coordinates<const D: usize>(vector: &Vec3) -> [f64; D] {
 /// Corners of a shape without volume, from their mean.
 fn thin_corners<const D: usize>(shape: &Shape) -> Vec<[f64; D]> {
     let corners: Vec<Vec3> = match shape {
-        Shape::Flat(corners) => corners.iter().map(|[x, y]| Vec3::new(*x, *y, 0.0)).collect(),
+        Shape::Flat(corners) => corners
+            .iter()
+            .map(|[x, y]| Vec3::new(*x, *y, 0.0))
+            .collect(),
         Shape::Solid(hull @ (Hull::Point(_) | Hull::Segment(_) | Hull::Polygon(_))) => {
             hull.corners()
         }
         Shape::Solid(hull) => hull.corners(),
     };
     let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
-    corners.iter().map(|corner| coordinates(&(corner - mean))).collect()
+    corners
+        .iter()
+        .map(|corner| coordinates(&(corner - mean)))
+        .collect()
 }
 
 pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {

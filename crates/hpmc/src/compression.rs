@@ -32,7 +32,10 @@ impl Compression {
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
         // In a small box a pair must not meet two images of each other.
         let room = 1.0 - 4.0 * system.body.outer_radius / system.edge;
-        let largest = (RANGE / factor.max(1.0)).min(LARGEST).min(room).max(SMALLEST);
+        let largest = (RANGE / factor.max(1.0))
+            .min(LARGEST)
+            .min(room)
+            .max(SMALLEST);
         let mut weights = weights();
         for (bin, weight) in weights.iter_mut().enumerate() {
             let middle = largest * (bin as f64 + 0.5) / BINS as f64;

@@ -47,7 +47,12 @@ impl Depletant {
     /// # Errors
     /// For a radius or fugacity that is negative or not finite.
     pub fn check(&self) -> Result<()> {
-        require("the radius of the depletants", self.radius, "positive", self.radius > 0.0)?;
+        require(
+            "the radius of the depletants",
+            self.radius,
+            "positive",
+            self.radius > 0.0,
+        )?;
         require(
             "the fugacity of the depletants",
             self.fugacity,
@@ -85,7 +90,10 @@ impl<const D: usize> System<D> {
         is_allowed
     }
 
-    #[allow(clippy::too_many_arguments, reason = "one trial, taken apart by its caller")]
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "one trial, taken apart by its caller"
+    )]
     fn allows(
         &self,
         kind: &Depletant,
@@ -149,10 +157,11 @@ impl<const D: usize> System<D> {
         near.clear();
         let range = 2.0 * (self.body.outer_radius + radius);
         let but = trial.body as u32;
-        self.grid.any_near(&trial.position, range * range, but, |other| {
-            near.push(other);
-            false
-        });
+        self.grid
+            .any_near(&trial.position, range * range, but, |other| {
+                near.push(other);
+                false
+            });
     }
 
     /// Whether a point, from the centre of a body with these corners, is within a radius of it.

@@ -66,7 +66,8 @@ impl BodyMeasures {
             + x2 * x2 * x2 * open * open * open * (12.0 * PI).recip();
         (-packing_fraction).ln_1p()
             - x2 * open * radius
-            - (x1 * open + x2 * x2 * open * open * (8.0 * PI).recip()) * (4.0 * PI * radius * radius)
+            - (x1 * open + x2 * x2 * open * open * (8.0 * PI).recip())
+                * (4.0 * PI * radius * radius)
             - pressure * (4.0 / 3.0 * PI * radius.powi(3))
     }
 

@@ -52,7 +52,11 @@ impl<const D: usize> Grid<D> {
             edge,
             cells_per_edge,
             cells_per_length: cells_per_edge as f64 / edge,
-            room: if cells_per_edge == 1 { positions.len() } else { ROOM },
+            room: if cells_per_edge == 1 {
+                positions.len()
+            } else {
+                ROOM
+            },
             filled: Vec::new(),
             entries: Vec::new(),
             homes: Vec::new(),

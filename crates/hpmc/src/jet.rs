@@ -126,7 +126,10 @@ impl Mul for Jet {
 impl Div for Jet {
     type Output = Self;
 
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "that is what division is")]
+    #[allow(
+        clippy::suspicious_arithmetic_impl,
+        reason = "that is what division is"
+    )]
     fn div(self, other: Self) -> Self {
         self * other.recip()
     }

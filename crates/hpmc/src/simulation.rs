@@ -244,7 +244,8 @@ impl<const D: usize> Simulation<D> {
         for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
             let mut rng =
                 CounterRng::for_purpose(self.settings.seed, 0, trial, Purpose::HardBodyMove);
-            self.system.trial(&mut rng, &self.steps, counting, &mut counts);
+            self.system
+                .trial(&mut rng, &self.steps, counting, &mut counts);
         }
         self.sweeps += 1;
         if equilibrates {
@@ -273,7 +274,8 @@ impl<const D: usize> Simulation<D> {
             both = self.tried[usize::from(covered > lost)];
         }
         if !is_last {
-            self.steps.tune(&both, ACCEPTANCE, &self.system.longest_steps());
+            self.steps
+                .tune(&both, ACCEPTANCE, &self.system.longest_steps());
             if both.total().trials >= 2 * Steps::ENOUGH {
                 self.tried = <[MoveCounts; 2]>::default();
             }

@@ -45,9 +45,16 @@ pub fn random_fluid<const D: usize>(
         "between 0 and 1",
         packing_fraction > 0.0 && packing_fraction < 1.0,
     )?;
-    require("the number of bodies", bodies as f64, "at least 1", bodies > 0)?;
+    require(
+        "the number of bodies",
+        bodies as f64,
+        "at least 1",
+        bodies > 0,
+    )?;
     let edge = (bodies as f64 * body.volume / packing_fraction).powf(1.0 / D as f64);
-    let per_edge = (1..).find(|m: &usize| m.pow(D as u32) >= bodies).unwrap_or(1);
+    let per_edge = (1..)
+        .find(|m: &usize| m.pow(D as u32) >= bodies)
+        .unwrap_or(1);
     // The widest box comes first, so a box that is too small for the images is refused at once.
     let wide = edge.max(per_edge as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
     let sites = per_edge.pow(D as u32);
@@ -62,7 +69,13 @@ pub fn random_fluid<const D: usize>(
         rotations.push(orientation::<D>(body, seed, number as u64));
     }
     let depletants = depletants.to_vec();
-    let hard = System::new(body.clone(), depletants.clone(), edge, Vec::new(), Vec::new());
+    let hard = System::new(
+        body.clone(),
+        depletants.clone(),
+        edge,
+        Vec::new(),
+        Vec::new(),
+    );
     if let Err(Error::BoxTooSmall { edge, range, .. }) = hard {
         let density = bodies as f64 / edge.powi(D as i32);
         let bodies = (density * (2.0 * range).powi(D as i32)).ceil() as usize;
@@ -152,12 +165,7 @@ impl<const D: usize> Compressor<D> {
 
     fn rng(&mut self) -> CounterRng {
         self.trials += 1;
-        CounterRng::for_purpose(
-            self.seed,
-            COMPRESSION,
-            self.trials,
-            Purpose::HardBodyStart,
-        )
+        CounterRng::for_purpose(self.seed, COMPRESSION, self.trials, Purpose::HardBodyStart)
     }
 
     /// Sweeps without overlaps, and better steps.

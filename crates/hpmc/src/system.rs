@@ -133,7 +133,10 @@ impl<const D: usize> System<D> {
         positions: Vec<[f64; D]>,
         rotations: Vec<Rotation>,
     ) -> Result<Self> {
-        let reach = depletants.iter().map(|kind| kind.radius).fold(0.0, f64::max);
+        let reach = depletants
+            .iter()
+            .map(|kind| kind.radius)
+            .fold(0.0, f64::max);
         let range = 2.0 * (body.outer_radius + reach);
         if edge < 2.0 * range {
             let density = positions.len() as f64 / edge.powi(D as i32);
@@ -183,7 +186,10 @@ impl<const D: usize> System<D> {
     }
 
     fn depletant_reach(&self) -> f64 {
-        self.depletants.iter().map(|kind| kind.radius).fold(0.0, f64::max)
+        self.depletants
+            .iter()
+            .map(|kind| kind.radius)
+            .fold(0.0, f64::max)
     }
 
     /// The shape of the bodies.
@@ -234,9 +240,7 @@ impl<const D: usize> System<D> {
     /// The number of pairs that overlap.
     pub fn overlaps(&self) -> usize {
         (0..self.len())
-            .map(|body| {
-                self.overlaps_of(&self.where_it_is(body), |other| other as usize > body)
-            })
+            .map(|body| self.overlaps_of(&self.where_it_is(body), |other| other as usize > body))
             .sum()
     }
 
@@ -254,10 +258,11 @@ impl<const D: usize> System<D> {
         let mut found = 0;
         let range = 2.0 * self.body.outer_radius;
         let but = trial.body as u32;
-        self.grid.any_near(&trial.position, range * range, but, |near| {
-            found += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
-            false
-        });
+        self.grid
+            .any_near(&trial.position, range * range, but, |near| {
+                found += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
+                false
+            });
         found
     }
 
@@ -296,9 +301,11 @@ impl<const D: usize> System<D> {
             is_turned: true,
         };
         let range = 2.0 * self.body.outer_radius;
-        !self.grid.any_near(&position, range * range, NOBODY, |near| {
-            self.is_overlap(&trial, &near, 1.0)
-        })
+        !self
+            .grid
+            .any_near(&position, range * range, NOBODY, |near| {
+                self.is_overlap(&trial, &near, 1.0)
+            })
     }
 
     /// Whether the body would overlap another; fast, by the directions that separated them last.
@@ -468,7 +475,11 @@ impl Steps {
                 *step = (*step * factor).clamp(1e-9 * longest, longest);
             }
         };
-        change(&mut self.translation, &counts.translation, longest.translation);
+        change(
+            &mut self.translation,
+            &counts.translation,
+            longest.translation,
+        );
         change(&mut self.rotation, &counts.rotation, longest.rotation);
     }
 }

@@ -54,11 +54,24 @@ pub struct Coexistence {
 /// ```
 pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
     let mut points = Vec::new();
-    for (branch, Branch { free_energy, samples, .. }) in branches.iter().enumerate() {
+    for (
+        branch,
+        Branch {
+            free_energy,
+            samples,
+            ..
+        },
+    ) in branches.iter().enumerate()
+    {
         for (number, x) in samples.iter().enumerate() {
             let value = free_energy(Jet::variable(*x)).value;
             if value.is_finite() {
-                points.push(Point { branch, number, x: *x, value });
+                points.push(Point {
+                    branch,
+                    number,
+                    x: *x,
+                    value,
+                });
             }
         }
     }
@@ -81,7 +94,9 @@ pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
 /// Samples at equal distances.
 pub fn even_samples(low: f64, high: f64, intervals: usize) -> Vec<f64> {
     let step = (high - low) / intervals as f64;
-    (0..=intervals).map(|number| low + step * number as f64).collect()
+    (0..=intervals)
+        .map(|number| low + step * number as f64)
+        .collect()
 }
 
 impl Coexistence {
@@ -158,9 +173,8 @@ fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
     let [a, b] = at(&x);
     let is_one_point = x[1] - x[0] <= ONE_POINT * x[1].abs().max(x[0].abs());
     // A tangent touches where the branches are convex, and not at the end of a branch.
-    let touches = a.second > 0.0
-        && b.second > 0.0
-        && (0..2).all(|n| x[n] > room[n][0] && x[n] < room[n][1]);
+    let touches =
+        a.second > 0.0 && b.second > 0.0 && (0..2).all(|n| x[n] > room[n][0] && x[n] < room[n][1]);
     if is_one_point || !touches {
         return None;
     }

@@ -5,9 +5,9 @@
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::depletants::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
+use protomer_kernel::Vec3;
 use protomer_kernel::shape::{Shape, builders::by_name};
 use protomer_kernel::statistics::summarize;
-use protomer_kernel::Vec3;
 use std::f64::consts::PI;
 
 const SETTINGS: Settings = Settings {
@@ -36,7 +36,10 @@ fn assert_mean(series: &[f64], expected: f64, error: f64, what: &str) {
         found.standard_error
     );
     // Without this a noisy run would pass.
-    assert!(found.standard_error < 0.02 * expected.abs(), "{what}: {found:?}");
+    assert!(
+        found.standard_error < 0.02 * expected.abs(),
+        "{what}: {found:?}"
+    );
 }
 
 fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> Vec<f64> {
@@ -56,9 +59,24 @@ fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> V
 #[test]
 fn pressures_are_those_of_the_reference() {
     assert_mean(&factors(&ball(), 216, 0.4), 6.949, 0.0139, "spheres");
-    assert_mean(&factors(&named::<3>("cube"), 216, 0.3), 6.2354, 0.0164, "cubes");
-    assert_mean(&factors(&named::<3>("tetrahedron"), 216, 0.15), 3.1899, 0.0181, "tetrahedra");
-    assert_mean(&factors(&named::<2>("polygon:4"), 256, 0.5), 5.0073, 0.0114, "squares");
+    assert_mean(
+        &factors(&named::<3>("cube"), 216, 0.3),
+        6.2354,
+        0.0164,
+        "cubes",
+    );
+    assert_mean(
+        &factors(&named::<3>("tetrahedron"), 216, 0.15),
+        3.1899,
+        0.0181,
+        "tetrahedra",
+    );
+    assert_mean(
+        &factors(&named::<2>("polygon:4"), 256, 0.5),
+        5.0073,
+        0.0114,
+        "squares",
+    );
     let disk = HardBody::<2>::new(&Shape::flat(&[[0.0, 0.0]]).unwrap(), 1.0).unwrap();
     assert_mean(&factors(&disk, 256, 0.45), 3.3938, 0.0119, "disks");
 }
@@ -78,8 +96,7 @@ fn two_spheres_with_depletants_have_their_exact_statistics() {
             equilibration_sweeps: 4000,
             ..SETTINGS
         };
-        let mut simulation =
-            Simulation::new(&settings, &ball(), &depletants, 2, packing).unwrap();
+        let mut simulation = Simulation::new(&settings, &ball(), &depletants, 2, packing).unwrap();
         simulation.run(settings.equilibration_sweeps);
         let (mut is_bonded, mut free) = (Vec::new(), Vec::new());
         for number in 0..40_000 {

@@ -10,7 +10,10 @@ use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
 
 fn assert_near(found: f64, expected: f64, tolerance: f64) {
-    assert!((found - expected).abs() < tolerance, "{found} instead of {expected}");
+    assert!(
+        (found - expected).abs() < tolerance,
+        "{found} instead of {expected}"
+    );
 }
 
 #[test]
@@ -43,9 +46,30 @@ fn free_volumes_are_those_of_scaled_particle_theory() {
 #[test]
 fn fluid_and_solid_coexist_where_they_should() {
     for (q, reservoir, fluid, solid, osmotic, mu) in [
-        (0.1, 0.08, 0.4782734007476244, 0.5704232018610599, 4.108387576160354, 116.88954521148231),
-        (0.2, 0.25, 0.26419641704933844, 0.661864007802803, 0.46267049510405656, 54.06693810092492),
-        (0.8, 0.3, 0.49237717848237494, 0.542359834187731, 5.495317459141262, 15.462975721954901),
+        (
+            0.1,
+            0.08,
+            0.4782734007476244,
+            0.5704232018610599,
+            4.108387576160354,
+            116.88954521148231,
+        ),
+        (
+            0.2,
+            0.25,
+            0.26419641704933844,
+            0.661864007802803,
+            0.46267049510405656,
+            54.06693810092492,
+        ),
+        (
+            0.8,
+            0.3,
+            0.49237717848237494,
+            0.542359834187731,
+            5.495317459141262,
+            15.462975721954901,
+        ),
     ] {
         let mixture = Mixture::new(q, reservoir).unwrap();
         let found = mixture.coexistences();
@@ -87,22 +111,28 @@ fn triple_points_are_found_unaided() {
 fn tangents_are_found_and_what_has_none_says_so() {
     let one = |f: &dyn Fn(Jet) -> Jet, low: f64, high: f64| {
         let samples = even_samples(low, high, 3000);
-        coexistences(&[Branch { name: "one", free_energy: f, samples }])
+        coexistences(&[Branch {
+            name: "one",
+            free_energy: f,
+            samples,
+        }])
     };
     let convex = |x: Jet| x * x + x * x * x * x * 0.1;
     assert!(one(&convex, -2.0, 2.0).is_empty());
-    let regular =
-        |x: Jet| x * x.ln() + (-x + 1.0) * (-x).ln_1p() + x * (-x + 1.0) * 3.0;
+    let regular = |x: Jet| x * x.ln() + (-x + 1.0) * (-x).ln_1p() + x * (-x + 1.0) * 3.0;
     let found = one(&regular, 1e-9, 1.0 - 1e-9);
     assert_eq!(found.len(), 1);
     assert_near(found[0].densities[0], 0.07072018167994482, 1e-10);
     assert_near(found[0].pressure, 0.05834134944143998, 1e-10);
 
-    let well = |depth: f64, at: f64, stiff: f64| {
-        move |x: Jet| (x + -at) * (x + -at) * stiff + depth
-    };
+    let well =
+        |depth: f64, at: f64, stiff: f64| move |x: Jet| (x + -at) * (x + -at) * stiff + depth;
     let three = |middle: f64| {
-        let wells = [well(0.0, 0.1, 2.0), well(middle, 0.4, 4.0), well(0.02, 0.8, 2.0)];
+        let wells = [
+            well(0.0, 0.1, 2.0),
+            well(middle, 0.4, 4.0),
+            well(0.02, 0.8, 2.0),
+        ];
         let branch = |n: usize| Branch {
             name: "well",
             free_energy: &wells[n],
@@ -123,11 +153,14 @@ fn tangents_are_found_and_what_has_none_says_so() {
 #[test]
 fn van_der_waals_gas_and_liquid() {
     let temperature = 0.8;
-    let free_energy = |x: Jet| {
-        x * (x.ln() - (-x + 3.0).ln() - 1.0) * (8.0 * temperature / 3.0) - x * x * 3.0
-    };
+    let free_energy =
+        |x: Jet| x * (x.ln() - (-x + 3.0).ln() - 1.0) * (8.0 * temperature / 3.0) - x * x * 3.0;
     let samples = even_samples(1e-6, 2.999, 6000);
-    let found = coexistences(&[Branch { name: "fluid", free_energy: &free_energy, samples }]);
+    let found = coexistences(&[Branch {
+        name: "fluid",
+        free_energy: &free_energy,
+        samples,
+    }]);
     assert_eq!(found.len(), 1);
     assert_near(found[0].densities[0], 0.2396669218410905, 1e-9);
     assert_near(found[0].densities[1], 1.9327058285996976, 1e-9);

@@ -97,7 +97,10 @@ fn decisions_are_those_of_all_axes() {
     ] {
         let far = compare(names, &[0.3, 0.1, 1e-2, 1e-4], 1500);
         // Rarely the origin lies on the surface of a simplex inside of the difference.
-        assert!(far < 10, "{names:?} asked {far} times for the last word far from contact");
+        assert!(
+            far < 10,
+            "{names:?} asked {far} times for the last word far from contact"
+        );
         compare(names, &[1e-6, 1e-8, 1e-10, 1e-13], 500);
     }
 }

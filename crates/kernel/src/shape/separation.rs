@@ -114,7 +114,11 @@ fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64;
     }
     let left = usize::from(best[1] > best[0]);
     let right = 2 + usize::from(best[3] > best[2]);
-    let lane = if best[right] > best[left] { right } else { left };
+    let lane = if best[right] > best[left] {
+        right
+    } else {
+        left
+    };
     let block = &corners[numbers[lane] as usize];
     let mut corner = [0.0; D];
     for axis in 0..D {

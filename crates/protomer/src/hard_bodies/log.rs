@@ -31,7 +31,8 @@ impl Row for LogRow {
         vec![
             self.sweep.to_string(),
             self.compressibility_factor.to_string(),
-            self.insertion_probability.map_or_else(String::new, |p| p.to_string()),
+            self.insertion_probability
+                .map_or_else(String::new, |p| p.to_string()),
             volumes.join(" "),
         ]
     }

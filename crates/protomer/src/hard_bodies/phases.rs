@@ -215,10 +215,7 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
         let stem = path.file_stem().context("a branch has no file name")?;
         names.push(stem.to_string_lossy().into_owned());
     }
-    let energies: Vec<_> = splines
-        .iter()
-        .map(|spline| |x: Jet| spline.at(x))
-        .collect();
+    let energies: Vec<_> = splines.iter().map(|spline| |x: Jet| spline.at(x)).collect();
     let mut branches: Vec<Branch<'_>> = Vec::new();
     for (number, spline) in splines.iter().enumerate() {
         branches.push(Branch {
@@ -279,7 +276,10 @@ impl Spline {
             }
         }
         if x.len() < FEWEST_POINTS {
-            bail!("{name} has {} points; give at least {FEWEST_POINTS}", x.len());
+            bail!(
+                "{name} has {} points; give at least {FEWEST_POINTS}",
+                x.len()
+            );
         }
         Ok(Self::through(x, y))
     }
@@ -314,7 +314,11 @@ impl Spline {
             right[i] -= factor * right[i - 1];
         }
         for i in (1..last).rev() {
-            let beyond = if i + 1 < last { high[i] * second[i + 1] } else { 0.0 };
+            let beyond = if i + 1 < last {
+                high[i] * second[i + 1]
+            } else {
+                0.0
+            };
             second[i] = (right[i] - beyond) / middle[i];
         }
         second[0] = second[1] - (second[2] - second[1]) * start;
@@ -371,7 +375,9 @@ mod tests {
         assert_eq!(tangent.phases, ["one", "two"]);
         assert!((tangent.packing_fractions[0] - 0.17520493180230945).abs() < 1e-10);
         assert!((tangent.pressure + 0.1186064637442962).abs() < 1e-10);
-        let wells = table("wells.txt", -2.0, 2.0, |x| (x * x - 1.0).powi(2) + 0.3 * x + 2.0);
+        let wells = table("wells.txt", -2.0, 2.0, |x| {
+            (x * x - 1.0).powi(2) + 0.3 * x + 2.0
+        });
         let tangent = &phases(&[wells]).coexistences[0];
         assert!((tangent.packing_fractions[1] - 1.0).abs() < 1e-6);
         assert!((tangent.chemical_potential - 0.3).abs() < 1e-6);

@@ -123,7 +123,10 @@ impl Answer for HardBodyResult {
             ),
             format!(
                 "compressibility factor {}",
-                with_error(self.compressibility_factor, self.compressibility_factor_error)
+                with_error(
+                    self.compressibility_factor,
+                    self.compressibility_factor_error
+                )
             ),
         ];
         if let Some(potential) = self.excess_chemical_potential_kt {
@@ -139,7 +142,10 @@ impl Answer for HardBodyResult {
                 with_error(kind.free_volume_fraction, kind.free_volume_fraction_error)
             ));
         }
-        lines.push(format!("{:.1} % of the moves accepted", 100.0 * self.acceptance));
+        lines.push(format!(
+            "{:.1} % of the moves accepted",
+            100.0 * self.acceptance
+        ));
         lines.join("\n")
     }
 }
@@ -184,7 +190,10 @@ pub fn run_hard_bodies(
     match shape.dimension() {
         2 => HardBodyRun::<2>::new(settings, &shape)?.drive(path, execution),
         3 => HardBodyRun::<3>::new(settings, &shape)?.drive(path, execution),
-        other => bail!("{} has {other} dimensions; give two or three", settings.shape),
+        other => bail!(
+            "{} has {other} dimensions; give two or three",
+            settings.shape
+        ),
     }
 }
 
@@ -239,7 +248,8 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
     }
 
     fn drive(&self, path: &Path, execution: &Execution) -> Result<End<HardBodyResult>> {
-        let _ours = ResultsDirectory::enter(path, &LAYOUT, self.settings, &self.identity, execution)?;
+        let _ours =
+            ResultsDirectory::enter(path, &LAYOUT, self.settings, &self.identity, execution)?;
         execution.progress.begin(self.length(), "sweeps");
         drive(self, path, execution)
     }
@@ -304,8 +314,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             ),
             None => {
                 let (bodies, packing) = (settings.bodies, settings.packing_fraction);
-                let new =
-                    Simulation::new(&self.engine, &self.body, depletants, bodies, packing)?;
+                let new = Simulation::new(&self.engine, &self.body, depletants, bodies, packing)?;
                 (LogMark::default(), 0, new)
             }
         };
@@ -403,7 +412,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             dimension: D,
             rounding_radius: self.settings.rounding_radius,
             bodies: system.len(),
-            packing_fraction: system.packing_fraction(),
+            packing_fraction: self.settings.packing_fraction,
             box_edge: system.edge(),
             sweeps: open
                 .simulation
@@ -489,13 +498,20 @@ mod tests {
         run(&short, &parts);
         let (in_parts, at_once) = (run(&long, &parts), run(&long, &whole));
         assert_eq!(in_parts.sweeps, 300);
-        assert_eq!(in_parts.compressibility_factor, at_once.compressibility_factor);
+        assert_eq!(
+            in_parts.compressibility_factor,
+            at_once.compressibility_factor
+        );
         for file in [LOG, TRAJECTORY, CHECKPOINT] {
-            let [parts, whole] = [&parts, &whole].map(|path| std::fs::read(path.join(file)).unwrap());
+            let [parts, whole] =
+                [&parts, &whole].map(|path| std::fs::read(path.join(file)).unwrap());
             assert!(parts == whole, "{file}");
         }
         // A finished run answers from its record.
-        assert_eq!(run(&long, &whole).compressibility_factor, at_once.compressibility_factor);
+        assert_eq!(
+            run(&long, &whole).compressibility_factor,
+            at_once.compressibility_factor
+        );
         let other = HardBodySettings { seed: 2, ..long };
         let refused = run_hard_bodies(&other, &whole, &Execution::default());
         assert!(refused.unwrap_err().to_string().contains("seed"));
