@@ -29,7 +29,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
         &["voxelize", "merge", "train", "tune", "predict"],
     ),
     ("Lattices", &["lattice", "framework"]),
-    ("Hard shapes", &["shape", "md"]),
+    ("Hard shapes", &["shape", "hpmc", "md", "phase-diagram"]),
     ("Tools", &["report", "bench", "completions", "man", "help"]),
 ];
 
@@ -241,6 +241,27 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "md run --shape polygon:4 --packing-fraction 0.6 -o squares",
             "md run --shape octahedron --bodies 500 --potential smooth --ensemble nvt -o fluid",
+        ],
+    ),
+    (
+        "hpmc",
+        [
+            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
+        ],
+    ),
+    (
+        "hpmc run",
+        [
+            "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
+            "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
+        ],
+    ),
+    (
+        "phase-diagram",
+        [
+            "phase-diagram --size-ratio 0.5 --reservoir 0.4,0.5,0.6",
+            "phase-diagram --branch fluid.txt --branch solid.txt",
         ],
     ),
     (

@@ -81,6 +81,12 @@ pub enum Purpose {
     ContactVelocities = 0x71,
     /// The heat bath of contact dynamics.
     ContactBath = 0x72,
+    /// Trial moves of hard bodies.
+    HardBodyMove = 0x63,
+    /// The start of hard bodies: places, orientations, compression.
+    HardBodyStart = 0x64,
+    /// Points and bodies inserted among hard bodies to measure free volumes.
+    HardBodyInsertion = 0x65,
     /// New velocities for frames of a finished run.
     ReseededVelocities = 0xf1,
 }

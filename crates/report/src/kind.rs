@@ -65,11 +65,13 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
             directory.display()
         ),
-        Some(ResultKind::DynamicsRun | ResultKind::Other(_)) | None => bail!(
-            "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
+        Some(ResultKind::DynamicsRun | ResultKind::HardBodies | ResultKind::Other(_)) | None => {
+            bail!(
+                "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
              lattice run, lattice sweep, framework, train, tune or voxelize command",
-            directory.display()
-        ),
+                directory.display()
+            )
+        }
     })
 }
 

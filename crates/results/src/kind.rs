@@ -23,6 +23,8 @@ pub enum ResultKind {
     Pair,
     /// Two bodies at one salt and pH.
     PairCondition,
+    /// A run of many hard convex bodies.
+    HardBodies,
     /// A lattice of rigid squares followed through time.
     LatticeRun,
     /// Many lattice runs.
@@ -44,7 +46,7 @@ pub enum ResultKind {
 }
 
 /// Each kind, its word in JSON, and its name in a sentence.
-const KINDS: [(ResultKind, &str, &str); 12] = [
+const KINDS: &[(ResultKind, &str, &str)] = &[
     (ResultKind::Sweep, "sweep", "a sweep"),
     (
         ResultKind::Simulation,
@@ -56,6 +58,11 @@ const KINDS: [(ResultKind, &str, &str); 12] = [
         ResultKind::PairCondition,
         "pair condition",
         "two bodies at one salt and pH",
+    ),
+    (
+        ResultKind::HardBodies,
+        "hard bodies",
+        "a run of hard bodies",
     ),
     (ResultKind::LatticeRun, "lattice run", "a lattice run"),
     (ResultKind::LatticeSweep, "lattice sweep", "a lattice sweep"),
@@ -125,8 +132,8 @@ mod tests {
         for (kind, word, name) in KINDS {
             let json = serde_json::to_string(&kind).unwrap();
             assert_eq!(json, format!("\"{word}\""));
-            assert_eq!(serde_json::from_str::<ResultKind>(&json).unwrap(), kind);
-            assert_eq!(kind.to_string(), name);
+            assert_eq!(serde_json::from_str::<ResultKind>(&json).unwrap(), *kind);
+            assert_eq!(kind.to_string(), *name);
         }
         let newer: ResultKind = serde_json::from_str("\"pair free energy\"").unwrap();
         assert_eq!(newer, ResultKind::Other("pair free energy".into()));

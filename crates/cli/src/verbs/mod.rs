@@ -5,10 +5,12 @@ mod bodies;
 mod export;
 mod frameworks;
 mod generate;
+mod hpmc;
 mod lattice;
 #[cfg(feature = "learning")]
 mod learning;
 mod md;
+mod phase_diagram;
 mod potential;
 mod report;
 mod scattering;
@@ -33,6 +35,8 @@ pub enum Verb {
     Potential(potential::PotentialArgs),
     Shape(shape::ShapeArgs),
     Md(md::MdArgs),
+    Hpmc(hpmc::HpmcArgs),
+    PhaseDiagram(phase_diagram::PhaseDiagramArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
     Candidates(assemblies::candidates::CandidatesArgs),
@@ -65,6 +69,8 @@ impl Verb {
             Verb::Potential(args) => args.run(front),
             Verb::Shape(args) => args.run(front),
             Verb::Md(args) => args.run(front),
+            Verb::Hpmc(args) => args.run(front),
+            Verb::PhaseDiagram(args) => args.run(),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),
             Verb::Candidates(args) => args.run(front),

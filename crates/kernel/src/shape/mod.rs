@@ -8,6 +8,7 @@
 //! | [`polytope`] | corners, edges and faces about the centroid |
 //! | [`closest`] | the closest points of two convex bodies |
 //! | [`remembered`] | the same for bodies that moved little since |
+//! | [`separation`] | whether two convex bodies overlap, fast |
 //!
 //! Shapes have no unit of length of their own.
 //!
@@ -26,6 +27,7 @@ pub mod hull;
 pub mod measures;
 pub mod polytope;
 pub mod remembered;
+pub mod separation;
 
 use crate::{KernelError, Result, Vec3};
 use hull::Hull;

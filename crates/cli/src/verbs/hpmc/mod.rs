@@ -1,0 +1,29 @@
+//! `protomer hpmc`: Monte Carlo of many hard convex bodies.
+
+mod run;
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::{Args, Subcommand};
+
+/// Hard convex bodies in a periodic box, with penetrable depletants.
+#[derive(Debug, Args)]
+#[command(arg_required_else_help = true)]
+pub struct HpmcArgs {
+    #[command(subcommand)]
+    verb: HpmcVerb,
+}
+
+#[derive(Debug, Subcommand)]
+enum HpmcVerb {
+    Run(run::RunArgs),
+}
+
+impl HpmcArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        match &self.verb {
+            HpmcVerb::Run(args) => args.run(front),
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! `protomer hpmc run`: one run in its directory.
+
+use crate::flags::execution::ExecutionArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer::hard_bodies::run::run_hard_bodies;
+use protomer::hard_bodies::settings::{HardBodySettings, parse_depletants};
+use std::path::PathBuf;
+
+/// Run hard bodies in a periodic cube or square. The same command continues the run; more sweeps
+/// extend it.
+///
+/// Bodies are placed at random and compressed to the packing fraction. In the equilibration the steps
+/// are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
+/// random points, and the chemical potential by insertion.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// File with points, or the name of a shape, as for `shape`.
+    #[arg(long, value_name = "FILE")]
+    shape: String,
+    /// Radius of the ball, or disk, that rounds it (Minkowski sum).
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RADIUS",
+        allow_negative_numbers = true
+    )]
+    rounding: f64,
+    /// Number of bodies.
+    #[arg(long, default_value_t = 216)]
+    bodies: usize,
+    /// The part of the box that the bodies fill.
+    #[arg(long, allow_negative_numbers = true)]
+    packing_fraction: f64,
+    /// Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
+    /// the reservoir, several with commas between them. With density 0 only free volumes are measured.
+    #[arg(long, value_name = "RADIUS:FUGACITY,…", allow_hyphen_values = true)]
+    depletants: Option<String>,
+    /// Sweeps in which the steps are tuned and nothing is measured.
+    #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]
+    equilibration: u64,
+    /// Sweeps after that; a sweep is one trial move per body.
+    #[arg(long, default_value_t = 10_000)]
+    sweeps: u64,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Sweeps between measurements.
+    #[arg(long, default_value_t = 5, value_name = "SWEEPS")]
+    sample_every: u64,
+    /// Sweeps between frames of the trajectory; 0 for none.
+    #[arg(long, default_value_t = 500, value_name = "SWEEPS")]
+    trajectory_every: u64,
+    /// Bodies inserted at random per measurement, for the chemical potential.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    insertions: usize,
+    /// Points per measurement, for free volumes [default: ten per body].
+    #[arg(long, value_name = "NUMBER")]
+    points: Option<usize>,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl RunArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let depletants = match &self.depletants {
+            None => Vec::new(),
+            Some(text) => parse_depletants(text)?,
+        };
+        let settings = HardBodySettings {
+            shape: self.shape.clone(),
+            rounding_radius: self.rounding,
+            bodies: self.bodies,
+            packing_fraction: self.packing_fraction,
+            equilibration: self.equilibration,
+            sweeps: self.sweeps,
+            seed: self.seed,
+            sample_every: self.sample_every,
+            trajectory_every: self.trajectory_every,
+            insertions: self.insertions,
+            points: self.points.unwrap_or(0),
+            depletants,
+        };
+        let execution = self.execution.execution(front)?;
+        let end = run_hard_bodies(&settings, &self.output, &execution)?;
+        Ok(Reply::of_end(end, || {
+            format!(
+                "stopped; the same command continues {}",
+                self.output.display()
+            )
+        }))
+    }
+}

@@ -1,0 +1,165 @@
+//! A hard convex body, ready for tests of overlap.
+
+use crate::{Error, Result};
+use protomer_kernel::shape::Shape;
+use protomer_kernel::shape::hull::Hull;
+use protomer_kernel::shape::measures::Measures;
+use protomer_kernel::shape::polytope::Polytope;
+use protomer_kernel::shape::separation::{Block, Pair, overlap_on_all_axes, pack, turn};
+use protomer_kernel::{Rotation, Vec3};
+
+/// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre.
+#[derive(Debug, Clone)]
+pub struct HardBody<const D: usize> {
+    /// The corners from the centre.
+    pub corners: Vec<[f64; D]>,
+    /// Radius of the ball, or disk, that is added to the hull of the corners.
+    pub rounding_radius: f64,
+    /// Radius of a ball about the centre that fits in.
+    pub inner_radius: f64,
+    /// Radius of the ball about the centre that holds the body.
+    pub outer_radius: f64,
+    /// Volume; in a plane, area.
+    pub volume: f64,
+    packed: Vec<Block<D>>,
+    normals: Vec<[f64; D]>,
+    edges: Vec<[f64; D]>,
+}
+
+impl<const D: usize> HardBody<D> {
+    /// The Minkowski sum of a shape and a ball of this radius.
+    ///
+    /// # Errors
+    /// For a shape of another dimension, without volume, or a negative radius.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_kernel::shape::builders::by_name;
+    /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.1)?;
+    /// assert_eq!(cube.corners.len(), 8);
+    /// assert!((cube.inner_radius - 0.6).abs() < 1e-12);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn new(shape: &Shape, rounding_radius: f64) -> Result<Self> {
+        if shape.dimension() != D {
+            return Err(Error::Dimension {
+                shape: shape.dimension(),
+                space: D,
+            });
+        }
+        let measures = Measures::of(shape, rounding_radius)?;
+        let (corners, normals, edges, inradius) = match Polytope::of(shape) {
+            Ok(polytope) => {
+                let edge = |[from, to]: &[usize; 2]| {
+                    coordinates(&(polytope.corners[*to] - polytope.corners[*from]))
+                };
+                (
+                    polytope.corners.iter().map(coordinates).collect(),
+                    polytope
+                        .faces
+                        .iter()
+                        .map(|face| coordinates(&face.normal))
+                        .collect(),
+                    polytope.edges.iter().map(edge).collect(),
+                    polytope.inradius(),
+                )
+            }
+            // A point, a segment or a polygon in space, which only its rounding makes a body.
+            Err(_) => (thin_corners(shape), Vec::new(), Vec::new(), 0.0),
+        };
+        let outer: f64 = corners.iter().map(norm).fold(0.0, f64::max);
+        Ok(Self {
+            packed: pack(&corners),
+            corners,
+            rounding_radius,
+            inner_radius: inradius + rounding_radius,
+            outer_radius: outer + rounding_radius,
+            volume: measures.volume,
+            normals,
+            edges,
+        })
+    }
+
+    /// Whether it is a ball or a disk, which looks the same however it is turned.
+    pub fn is_round(&self) -> bool {
+        self.corners.len() == 1
+    }
+
+    /// Corners in groups of four.
+    pub(crate) fn blocks(&self) -> usize {
+        self.packed.len()
+    }
+
+    /// The corners from the centre when the body is turned.
+    pub(crate) fn turned_into(&self, rotation: &Rotation, corners: &mut [Block<D>]) {
+        turn(&matrix(rotation), &self.packed, corners);
+    }
+
+    /// The last word on two bodies that touch to within rounding.
+    pub(crate) fn exact(&self, pair: &Pair<'_, D>, rotations: [&Rotation; 2]) -> bool {
+        if self.rounding_radius > 0.0 || self.normals.is_empty() {
+            return true;
+        }
+        let turned = |vectors: &[[f64; D]], rotation: &Rotation| -> Vec<[f64; D]> {
+            let matrix = matrix(rotation);
+            vectors
+                .iter()
+                .map(|vector| times(&matrix, vector))
+                .collect()
+        };
+        let normals = rotations.map(|rotation| turned(&self.normals, rotation));
+        let edges = rotations.map(|rotation| turned(&self.edges, rotation));
+        overlap_on_all_axes(pair, [&normals[0], &normals[1]], [&edges[0], &edges[1]])
+    }
+}
+
+fn coordinates<const D: usize>(vector: &Vec3) -> [f64; D] {
+    let mut coordinates = [0.0; D];
+    for (axis, x) in coordinates.iter_mut().enumerate() {
+        *x = vector[axis];
+    }
+    coordinates
+}
+
+/// Corners of a shape without volume, from their mean.
+fn thin_corners<const D: usize>(shape: &Shape) -> Vec<[f64; D]> {
+    let corners: Vec<Vec3> = match shape {
+        Shape::Flat(corners) => corners
+            .iter()
+            .map(|[x, y]| Vec3::new(*x, *y, 0.0))
+            .collect(),
+        Shape::Solid(hull @ (Hull::Point(_) | Hull::Segment(_) | Hull::Polygon(_))) => {
+            hull.corners()
+        }
+        Shape::Solid(hull) => hull.corners(),
+    };
+    let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
+    corners
+        .iter()
+        .map(|corner| coordinates(&(corner - mean)))
+        .collect()
+}
+
+pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
+    protomer_kernel::shape::separation::dot(vector, vector).sqrt()
+}
+
+fn times<const D: usize>(matrix: &[[f64; D]; D], vector: &[f64; D]) -> [f64; D] {
+    let mut product = [0.0; D];
+    for (out, row) in product.iter_mut().zip(matrix) {
+        *out = protomer_kernel::shape::separation::dot(row, vector);
+    }
+    product
+}
+
+/// The first D rows and columns of a rotation matrix.
+pub(crate) fn matrix<const D: usize>(rotation: &Rotation) -> [[f64; D]; D] {
+    let full = rotation.to_rotation_matrix();
+    let mut matrix = [[0.0; D]; D];
+    for (row, numbers) in matrix.iter_mut().enumerate() {
+        for (column, number) in numbers.iter_mut().enumerate() {
+            *number = full[(row, column)];
+        }
+    }
+    matrix
+}

@@ -1,0 +1,149 @@
+//! The pressure by trial compressions.
+//!
+//! When all distances between centres shrink by the factor 1 - x, n(x) pairs overlap. The
+//! compressibility factor of convex bodies is Z = 1 + n'(0) / (d N) in d dimensions (Eppenga and Frenkel,
+//! Mol. Phys. 52, 1303 (1984)). Convex bodies that overlap when shrunk to 1 - x overlap for all larger
+//! x, so each pair has one contraction at which it first does. These are counted in equal bins up to
+//! a largest contraction. The density of pairs, times (1 - x)^(d+1), is for spheres the radial
+//! distribution function; it is fitted with a cubic polynomial, whose value at zero is n'(0).
+
+use crate::grid::Grid;
+use crate::system::System;
+use nalgebra::{Matrix4, Vector4};
+
+/// Bins of contractions; a power of two, because pairs are placed by bisection.
+const BINS: usize = 32;
+/// The largest contraction times the compressibility factor: over this range the density of pairs
+/// falls by about half.
+const RANGE: f64 = 0.8;
+/// The largest contraction at low density.
+const LARGEST: f64 = 0.2;
+const SMALLEST: f64 = 1e-5;
+
+/// Measures compressibility factors by compressing up to a largest contraction.
+#[derive(Debug, Clone)]
+pub struct Compression {
+    largest: f64,
+    weights: [f64; BINS],
+}
+
+impl Compression {
+    /// For a compressibility factor of about this size.
+    pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
+        // In a small box a pair must not meet two images of each other.
+        let room = 1.0 - 4.0 * system.body.outer_radius / system.edge;
+        let largest = (RANGE / factor.max(1.0))
+            .min(LARGEST)
+            .min(room)
+            .max(SMALLEST);
+        let mut weights = weights();
+        for (bin, weight) in weights.iter_mut().enumerate() {
+            let middle = largest * (bin as f64 + 0.5) / BINS as f64;
+            *weight *= (1.0 - middle).powi(D as i32 + 1);
+        }
+        Self { largest, weights }
+    }
+
+    /// The compressibility factor of one state. Its mean over states is that of the system.
+    pub fn factor<const D: usize>(&self, system: &System<D>) -> f64 {
+        let mut density = 0.0;
+        self.visit(system, |bin| density += self.weights[bin]);
+        1.0 + density / self.largest / (D as f64 * system.len() as f64)
+    }
+
+    /// The factor without extrapolation, too small for a wide range but less noisy.
+    pub fn rough_factor<const D: usize>(&self, system: &System<D>) -> f64 {
+        let mut pairs = 0_u32;
+        self.visit(system, |_| pairs += 1);
+        1.0 + f64::from(pairs) / self.largest / (D as f64 * system.len() as f64)
+    }
+
+    /// Calls `visit` with the bin of every pair that overlaps in the range.
+    fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize)) {
+        let outer = 2.0 * system.body.outer_radius;
+        let range = outer / (1.0 - self.largest);
+        let grid = Grid::new(system.edge, range, &system.positions);
+        for body in 0..system.len() {
+            let here = system.where_it_is(body);
+            let but = body as u32;
+            grid.any_near(&here.position, range * range, but, |near| {
+                if near.body > but {
+                    let overlaps_within = |bins: usize| {
+                        let part = bins as f64 / BINS as f64;
+                        system.is_overlap(&here, &near, 1.0 - part * self.largest)
+                    };
+                    if overlaps_within(BINS) {
+                        visit(first(overlaps_within) - 1);
+                    }
+                }
+                false
+            });
+        }
+    }
+}
+
+/// The least number, from 1 to `BINS`, for which a statement holds that holds for `BINS` and, with
+/// any number, for all larger ones.
+fn first(holds: impl Fn(usize) -> bool) -> usize {
+    let (mut fails, mut works) = (0, BINS);
+    while works - fails > 1 {
+        let middle = usize::midpoint(fails, works);
+        if holds(middle) {
+            works = middle;
+        } else {
+            fails = middle;
+        }
+    }
+    works
+}
+
+/// What a pair in a bin adds to the density at zero, times the largest contraction: least squares of a
+/// cubic polynomial to the counts, whose means over the bins are exact.
+fn weights() -> [f64; BINS] {
+    let mean_of_power = |bin: usize, power: usize| {
+        let [low, high] = [bin, bin + 1].map(|edge| edge as f64 / BINS as f64);
+        let order = power as i32 + 1;
+        (high.powi(order) - low.powi(order)) / f64::from(order)
+    };
+    let row = |bin: usize| Vector4::from_fn(|power, _| mean_of_power(bin, power));
+    let mut normal = Matrix4::zeros();
+    for bin in 0..BINS {
+        normal += row(bin) * row(bin).transpose();
+    }
+    let at_zero = normal
+        .lu()
+        .solve(&Vector4::x())
+        .unwrap_or_else(Vector4::zeros);
+    std::array::from_fn(|bin| at_zero.dot(&row(bin)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubic_densities_are_extrapolated_exactly() {
+        let weights = weights();
+        for coefficients in [[3.0, 0.0, 0.0, 0.0], [1.0, -2.0, 5.0, -0.5]] {
+            let integral = |x: f64| {
+                let powers = coefficients.iter().enumerate();
+                powers
+                    .map(|(power, c)| c * x.powi(power as i32 + 1) / (power as f64 + 1.0))
+                    .sum::<f64>()
+            };
+            let mut found = 0.0;
+            for (bin, weight) in weights.iter().enumerate() {
+                let [low, high] = [bin, bin + 1].map(|edge| edge as f64 / BINS as f64);
+                found += weight * (integral(high) - integral(low));
+            }
+            assert!((found - coefficients[0]).abs() < 1e-10, "{found}");
+        }
+    }
+
+    #[test]
+    fn bisection_finds_the_first() {
+        for wanted in 1..=BINS {
+            assert_eq!(first(|number| number >= wanted), wanted);
+        }
+    }
+}

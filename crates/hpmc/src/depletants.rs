@@ -1,0 +1,259 @@
+//! Implicit depletants: penetrable hard spheres, ideal among themselves, in osmotic equilibrium with a
+//! reservoir.
+//!
+//! A depletant of radius r cannot have its centre within r of a body. With fugacity z (the number
+//! density in the reservoir) the depletants integrate out to the weight exp(z V_free) of a state, where
+//! V_free is the volume open to their centres (Asakura and Oosawa, J. Chem. Phys. 22, 1255 (1954)). V_free
+//! is never computed. A trial move takes a body from O to N, both widened by r, while the others
+//! cover J. Points are drawn from the Poisson process of density z, and the move is refused if one of them
+//! lies in a region A that depends on O, N and J. It is allowed with the probability exp(-z |A|), its
+//! reverse with exp(-z |B|), where B is A with O and N exchanged. That is detailed balance if
+//! |B| - |A| is the change of V_free. Two regions do this:
+//!
+//! * *covered*: A = N \ O \ J, what the body takes from the depletants, and B = O \ N \ J, what it
+//!   leaves them; the change of V_free is |B| - |A| by definition. This is the move of Glaser, Karas and
+//!   Glotzer, J. Chem. Phys. 143, 184110 (2015), without reinsertion.
+//! * *lost*: A = (O \ N) ∩ J, the overlap with others that is lost, and B = (N \ O) ∩ J, the overlap
+//!   gained. Since |O| = |N|, |O \ N| = |N \ O|, and |B| - |A| is again the change of V_free.
+//!
+//! With small depletants little overlaps, and *lost* hardly ever refuses a body that meets no other; among
+//! many large depletants little is free, and *covered* refuses less. A run tries both while it
+//! equilibrates and keeps the better one.
+//!
+//! A point in a ball about the centre that O and N share is in neither region, so points are drawn
+//! only in the shell around it.
+
+use crate::grid::Near;
+use crate::system::{System, Trial};
+use crate::{Result, error::require};
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::shape::separation::{Block, Pair};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// A kind of penetrable hard spheres; in a plane, disks.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Depletant {
+    /// Radius, in the unit of the bodies.
+    pub radius: f64,
+    /// Number density in the reservoir. With zero, free volumes are measured and nothing else.
+    pub fugacity: f64,
+}
+
+impl Depletant {
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// For a radius or fugacity that is negative or not finite.
+    pub fn check(&self) -> Result<()> {
+        require(
+            "the radius of the depletants",
+            self.radius,
+            "positive",
+            self.radius > 0.0,
+        )?;
+        require(
+            "the fugacity of the depletants",
+            self.fugacity,
+            "zero or positive",
+            self.fugacity >= 0.0,
+        )
+    }
+}
+
+/// Which depletants forbid a move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Counting {
+    /// Those in the overlap with other bodies that would be lost.
+    Lost,
+    /// Those in the volume that would be covered.
+    Covered,
+}
+
+impl<const D: usize> System<D> {
+    /// Whether no depletant forbids the move.
+    pub(crate) fn depletants_allow(
+        &mut self,
+        trial: &Trial<D>,
+        rng: &mut CounterRng,
+        counting: Counting,
+    ) -> bool {
+        let old = self.where_it_is(trial.body);
+        let step = self.nearest_image(&old.position, &trial.position);
+        let mut near = std::mem::take(&mut self.near);
+        let is_allowed = self.depletants.iter().all(|kind| {
+            kind.fugacity == 0.0 || self.allows(kind, &old, trial, &step, &mut near, rng, counting)
+        });
+        self.near = near;
+        is_allowed
+    }
+
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "one trial, taken apart by its caller"
+    )]
+    fn allows(
+        &self,
+        kind: &Depletant,
+        old: &Trial<D>,
+        new: &Trial<D>,
+        step: &[f64; D],
+        near: &mut Vec<Near<D>>,
+        rng: &mut CounterRng,
+        counting: Counting,
+    ) -> bool {
+        let radius = kind.radius;
+        let length = crate::body::norm(step);
+        let (inside, outside) = match counting {
+            Counting::Lost => (old, new),
+            Counting::Covered => (new, old),
+        };
+        let shell = Shell::new::<D>(
+            (self.body.inner_radius + radius - length).max(0.0),
+            self.body.outer_radius + radius,
+        );
+        // From the centre of `inside` to that of `outside`.
+        let apart = match counting {
+            Counting::Lost => *step,
+            Counting::Covered => step.map(|x| -x),
+        };
+        let expected = kind.fugacity * shell.volume;
+        let mut arrived = exponential(rng);
+        let mut is_gathered = false;
+        while arrived < expected {
+            arrived += exponential(rng);
+            let point = shell.point(rng);
+            let mut beyond = point;
+            for axis in 0..D {
+                beyond[axis] -= apart[axis];
+            }
+            if self.covers(self.corners_of_trial(outside), &beyond, radius)
+                || !self.covers(self.corners_of_trial(inside), &point, radius)
+            {
+                continue;
+            }
+            if !is_gathered {
+                self.gather(inside, radius, near);
+                is_gathered = true;
+            }
+            let is_covered = near.iter().any(|other| {
+                let mut from_other = point;
+                for axis in 0..D {
+                    from_other[axis] -= other.offset[axis];
+                }
+                self.covers(self.corners_of(other.body as usize), &from_other, radius)
+            });
+            if is_covered == (counting == Counting::Lost) {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The other bodies that can touch the same depletant.
+    fn gather(&self, trial: &Trial<D>, radius: f64, near: &mut Vec<Near<D>>) {
+        near.clear();
+        let range = 2.0 * (self.body.outer_radius + radius);
+        let but = trial.body as u32;
+        self.grid
+            .any_near(&trial.position, range * range, but, |other| {
+                near.push(other);
+                false
+            });
+    }
+
+    /// Whether a point, from the centre of a body with these corners, is within a radius of it.
+    pub(crate) fn covers(&self, corners: &[Block<D>], point: &[f64; D], radius: f64) -> bool {
+        let squared: f64 = point.iter().map(|x| x * x).sum();
+        let (inner, outer) = (
+            self.body.inner_radius + radius,
+            self.body.outer_radius + radius,
+        );
+        if squared < inner * inner || squared >= outer * outer {
+            return squared < inner * inner;
+        }
+        let origin = [[[0.0; 4]; D]];
+        let pair = Pair {
+            first: corners,
+            second: &origin,
+            offset: *point,
+            reach: self.body.rounding_radius + radius,
+        };
+        pair.overlap(&mut { *point }, || true)
+    }
+
+    /// The free volume of depletants of this radius, as a part of the box: random points, one in each
+    /// of about `points` equal cells.
+    pub fn free_volume(&self, radius: f64, points: usize, rng: &mut CounterRng) -> f64 {
+        let cells = (points as f64).powf(1.0 / D as f64).ceil().max(1.0) as usize;
+        let width = self.edge / cells as f64;
+        let range = self.body.outer_radius + radius;
+        let count = cells.pow(D as u32);
+        let mut free = 0;
+        for number in 0..count {
+            let (mut rest, mut point) = (number, [0.0; D]);
+            for x in &mut point {
+                *x = ((rest % cells) as f64 + rng.uniform()) * width;
+                rest /= cells;
+            }
+            let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
+                let from_body = near.offset.map(|x| -x);
+                self.covers(self.corners_of(near.body as usize), &from_body, radius)
+            });
+            free += usize::from(!is_covered);
+        }
+        free as f64 / count as f64
+    }
+
+    fn nearest_image(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+        let mut step = [0.0; D];
+        for axis in 0..D {
+            let along = to[axis] - from[axis];
+            step[axis] = along - self.edge * (along / self.edge).round();
+        }
+        step
+    }
+}
+
+/// The space between two balls, or disks, about the origin.
+struct Shell {
+    inner_power: f64,
+    outer_power: f64,
+    volume: f64,
+}
+
+impl Shell {
+    fn new<const D: usize>(inner: f64, outer: f64) -> Self {
+        let (inner_power, outer_power) = (inner.powi(D as i32), outer.powi(D as i32));
+        let unit = if D == 2 { PI } else { 4.0 * PI / 3.0 };
+        Self {
+            inner_power,
+            outer_power,
+            volume: unit * (outer_power - inner_power),
+        }
+    }
+
+    fn point<const D: usize>(&self, rng: &mut CounterRng) -> [f64; D] {
+        let power = rng.uniform_in(self.inner_power, self.outer_power);
+        let mut point = [0.0; D];
+        if D == 2 {
+            let (sine, cosine) = (2.0 * PI * rng.uniform()).sin_cos();
+            let radius = power.sqrt();
+            point[0] = radius * cosine;
+            point[1] = radius * sine;
+        } else {
+            let direction = rng.unit_vector() * power.cbrt();
+            for (axis, x) in point.iter_mut().enumerate() {
+                *x = direction[axis];
+            }
+        }
+        point
+    }
+}
+
+/// The time to the next event of a Poisson process of rate one.
+fn exponential(rng: &mut CounterRng) -> f64 {
+    -(1.0 - rng.uniform()).ln()
+}

@@ -1,0 +1,70 @@
+/// Why hard bodies cannot be simulated, or phases cannot be computed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The shape has another number of dimensions than the box.
+    #[error("the shape has {shape} dimensions and the box {space}; give both the same number")]
+    Dimension {
+        /// Of the shape.
+        shape: usize,
+        /// Of the box.
+        space: usize,
+    },
+    /// A value outside the range in which it has a meaning.
+    #[error("{quantity} is {value}; it must be {requirement}")]
+    OutOfRange {
+        /// The quantity, as a user would name it.
+        quantity: &'static str,
+        /// The value given.
+        value: f64,
+        /// What is accepted.
+        requirement: &'static str,
+    },
+    /// A body would meet two images of another.
+    #[error(
+        "the box has the edge {edge:.4}, but bodies meet at distances up to {range:.4}; give at least \
+         {bodies} bodies"
+    )]
+    BoxTooSmall {
+        /// Edge of the box.
+        edge: f64,
+        /// The largest distance at which two bodies meet, with depletants between them.
+        range: f64,
+        /// The number of bodies that fills a box twice as wide as the range.
+        bodies: usize,
+    },
+    /// The bodies jammed on the way to their packing fraction.
+    #[error(
+        "random bodies jammed at a packing fraction of {reached:.4} on the way to {wanted:.4}; give a \
+         lower one"
+    )]
+    Jammed {
+        /// The packing fraction reached.
+        reached: f64,
+        /// The packing fraction wanted.
+        wanted: f64,
+    },
+    /// The shape cannot be used.
+    #[error(transparent)]
+    Shape(#[from] protomer_kernel::KernelError),
+}
+
+/// The result of an operation on hard bodies.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
+pub(crate) fn require(
+    quantity: &'static str,
+    value: f64,
+    requirement: &'static str,
+    holds: bool,
+) -> Result<()> {
+    if value.is_finite() && holds {
+        return Ok(());
+    }
+    Err(Error::OutOfRange {
+        quantity,
+        value,
+        requirement,
+    })
+}

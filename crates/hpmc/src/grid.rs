@@ -1,0 +1,227 @@
+//! Which bodies are near a place in a periodic cube or square.
+//!
+//! Cells hold copies of the positions, in order of arrival, so that a look around reads memory in
+//! long runs. The box goes from 0 to its edge along each axis.
+
+/// A body in a cell.
+#[derive(Debug, Clone, Copy)]
+struct Entry<const D: usize> {
+    position: [f64; D],
+    body: u32,
+}
+
+/// A body near a place.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Near<const D: usize> {
+    /// Its number.
+    pub body: u32,
+    /// From the place to its nearest image.
+    pub offset: [f64; D],
+    /// The squared length of the offset.
+    pub squared: f64,
+}
+
+/// With fewer cells along an edge, all bodies lie in one.
+const FEWEST: usize = 3;
+/// Room for bodies in a cell at first.
+const ROOM: usize = 8;
+
+/// Bodies sorted into cells at least as wide as a range.
+#[derive(Debug, Clone)]
+pub(crate) struct Grid<const D: usize> {
+    edge: f64,
+    cells_per_edge: usize,
+    cells_per_length: f64,
+    room: usize,
+    filled: Vec<u32>,
+    entries: Vec<Entry<D>>,
+    /// Cell and place in it of each body.
+    homes: Vec<(u32, u32)>,
+}
+
+impl<const D: usize> Grid<D> {
+    /// Sorts bodies; `edge` is at least twice the range.
+    pub fn new(edge: f64, range: f64, positions: &[[f64; D]]) -> Self {
+        // More cells than bodies would only be empty.
+        let most = ((2 * positions.len()) as f64).powf(1.0 / D as f64).ceil();
+        let mut cells_per_edge = (edge / range).floor().min(most) as usize;
+        if cells_per_edge < FEWEST {
+            cells_per_edge = 1;
+        }
+        let mut grid = Self {
+            edge,
+            cells_per_edge,
+            cells_per_length: cells_per_edge as f64 / edge,
+            room: if cells_per_edge == 1 {
+                positions.len()
+            } else {
+                ROOM
+            },
+            filled: Vec::new(),
+            entries: Vec::new(),
+            homes: Vec::new(),
+        };
+        grid.fill(positions);
+        grid
+    }
+
+    fn fill(&mut self, positions: &[[f64; D]]) {
+        let cells = self.cells_per_edge.pow(D as u32);
+        loop {
+            self.filled.clear();
+            self.filled.resize(cells, 0);
+            let empty = Entry {
+                position: [0.0; D],
+                body: 0,
+            };
+            self.entries.clear();
+            self.entries.resize(cells * self.room, empty);
+            self.homes.clear();
+            let mut body = 0;
+            while body < positions.len() {
+                let cell = self.cell(&positions[body]);
+                if self.filled[cell] as usize == self.room {
+                    break;
+                }
+                let home = self.put(cell, positions[body], body as u32);
+                self.homes.push(home);
+                body += 1;
+            }
+            if body == positions.len() {
+                return;
+            }
+            self.room *= 2;
+        }
+    }
+
+    fn put(&mut self, cell: usize, position: [f64; D], body: u32) -> (u32, u32) {
+        let place = self.filled[cell];
+        self.entries[cell * self.room + place as usize] = Entry { position, body };
+        self.filled[cell] += 1;
+        (cell as u32, place)
+    }
+
+    fn coordinate(&self, x: f64) -> usize {
+        ((x * self.cells_per_length) as usize).min(self.cells_per_edge - 1)
+    }
+
+    fn cell(&self, position: &[f64; D]) -> usize {
+        let mut cell = 0;
+        for x in position.iter().rev() {
+            cell = cell * self.cells_per_edge + self.coordinate(*x);
+        }
+        cell
+    }
+
+    /// A body has moved; all bodies are at `positions`.
+    pub fn moved(&mut self, body: usize, positions: &[[f64; D]]) {
+        let (old, place) = self.homes[body];
+        let cell = self.cell(&positions[body]);
+        let old = old as usize;
+        if cell == old {
+            self.entries[old * self.room + place as usize].position = positions[body];
+            return;
+        }
+        if self.filled[cell] as usize == self.room {
+            self.room *= 2;
+            self.fill(positions);
+            return;
+        }
+        self.filled[old] -= 1;
+        let last = self.entries[old * self.room + self.filled[old] as usize];
+        self.entries[old * self.room + place as usize] = last;
+        self.homes[last.body as usize] = (old as u32, place);
+        self.homes[body] = self.put(cell, positions[body], body as u32);
+    }
+
+    /// Calls `visit` with every body but one within a squared range of a place, until it returns
+    /// `true`; whether it did.
+    #[inline]
+    pub fn any_near(
+        &self,
+        place: &[f64; D],
+        squared_range: f64,
+        but: u32,
+        mut visit: impl FnMut(Near<D>) -> bool,
+    ) -> bool {
+        if self.cells_per_edge == 1 {
+            return self.any_in_one_cell(place, squared_range, but, visit);
+        }
+        let (mut cells, mut shifts) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
+        let (n, mut stride) = (self.cells_per_edge, 1);
+        for axis in 0..D {
+            let home = self.coordinate(place[axis]);
+            for (number, step) in [n - 1, 0, 1].into_iter().enumerate() {
+                let cell = home + step;
+                let beyond = cell >= n;
+                cells[axis][number] = stride * if beyond { cell - n } else { cell };
+                let is_below = number == 0 && home == 0;
+                let is_above = number == 2 && beyond;
+                let images = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
+                shifts[axis][number] = images * self.edge - place[axis];
+            }
+            stride *= n;
+        }
+        let rows = 3_usize.pow(D as u32 - 1);
+        for row in 0..rows {
+            let (mut base, mut shift, mut rest) = (0, [0.0; D], row);
+            for axis in 1..D {
+                base += cells[axis][rest % 3];
+                shift[axis] = shifts[axis][rest % 3];
+                rest /= 3;
+            }
+            for number in 0..3 {
+                let cell = base + cells[0][number];
+                shift[0] = shifts[0][number];
+                let from = cell * self.room;
+                let entries = &self.entries[from..from + self.filled[cell] as usize];
+                for entry in entries {
+                    let (mut offset, mut squared) = ([0.0; D], 0.0);
+                    for axis in 0..D {
+                        offset[axis] = entry.position[axis] + shift[axis];
+                        squared += offset[axis] * offset[axis];
+                    }
+                    if squared < squared_range && entry.body != but {
+                        let near = Near {
+                            body: entry.body,
+                            offset,
+                            squared,
+                        };
+                        if visit(near) {
+                            return true;
+                        }
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    fn any_in_one_cell(
+        &self,
+        place: &[f64; D],
+        squared_range: f64,
+        but: u32,
+        mut visit: impl FnMut(Near<D>) -> bool,
+    ) -> bool {
+        for entry in &self.entries[..self.filled[0] as usize] {
+            let (mut offset, mut squared) = ([0.0; D], 0.0);
+            for axis in 0..D {
+                let along = entry.position[axis] - place[axis];
+                offset[axis] = along - self.edge * (along / self.edge).round();
+                squared += offset[axis] * offset[axis];
+            }
+            if squared < squared_range && entry.body != but {
+                let near = Near {
+                    body: entry.body,
+                    offset,
+                    squared,
+                };
+                if visit(near) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}

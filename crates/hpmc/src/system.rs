@@ -1,0 +1,485 @@
+//! Hard bodies in a periodic cube or square: which places are free, and trial moves.
+//!
+//! A trial move takes a body at random and moves or turns it by a random step; steps and their
+//! opposites are equally likely. It is accepted if the body overlaps no other, and if the depletants
+//! allow it (see [`depletants`](crate::depletants)). Random numbers of a trial depend on its number
+//! alone, so a state and a number of trials say how a run goes on.
+
+use crate::body::HardBody;
+use crate::depletants::{Counting, Depletant};
+use crate::grid::{Grid, Near};
+use crate::{Error, Result};
+use nalgebra::{Quaternion, UnitQuaternion};
+use protomer_kernel::Rotation;
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::shape::separation::{Block, Pair};
+use rand_core::Rng;
+use serde::{Deserialize, Serialize};
+
+/// The longest components of a rotation step: tan of half an angle of nearly 180 degrees.
+const LONGEST_TURN: f64 = 2.0;
+/// Neighbours whose separating directions a body remembers; a power of two.
+const SLOTS: usize = 32;
+/// A multiplicative hash spreads neighbours over the slots.
+const HASH: u32 = 0x9E37_79B1;
+const NOBODY: u32 = u32::MAX;
+
+/// Largest steps of the trial moves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steps {
+    /// Of a coordinate, in the unit of the bodies.
+    pub translation: f64,
+    /// Of a component of the rotation vector, as the tangent of half the angle.
+    pub rotation: f64,
+}
+
+/// Trials and how many were accepted.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Counts {
+    /// Trials.
+    pub trials: u64,
+    /// Accepted trials.
+    pub accepted: u64,
+}
+
+impl Counts {
+    /// The accepted part; zero without trials.
+    pub fn acceptance(&self) -> f64 {
+        self.accepted as f64 / self.trials.max(1) as f64
+    }
+
+    fn note(&mut self, is_accepted: bool) {
+        self.trials += 1;
+        self.accepted += u64::from(is_accepted);
+    }
+}
+
+/// Counts of both kinds of moves.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MoveCounts {
+    /// Translations.
+    pub translation: Counts,
+    /// Rotations.
+    pub rotation: Counts,
+}
+
+impl MoveCounts {
+    pub(crate) fn add(&mut self, more: &Self) {
+        for (sum, part) in [
+            (&mut self.translation, &more.translation),
+            (&mut self.rotation, &more.rotation),
+        ] {
+            sum.trials += part.trials;
+            sum.accepted += part.accepted;
+        }
+    }
+
+    /// All moves together.
+    pub fn total(&self) -> Counts {
+        Counts {
+            trials: self.translation.trials + self.rotation.trials,
+            accepted: self.translation.accepted + self.rotation.accepted,
+        }
+    }
+}
+
+/// The direction that separated two bodies last.
+#[derive(Debug, Clone, Copy)]
+struct Slot<const D: usize> {
+    other: u32,
+    direction: [f32; D],
+}
+
+/// What a body would be after a move.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Trial<const D: usize> {
+    pub body: usize,
+    pub position: [f64; D],
+    pub rotation: Rotation,
+    /// Whether the corners for this rotation are in [`System::turned`].
+    is_turned: bool,
+}
+
+/// Equal hard bodies in a periodic cube (D = 3) or square (D = 2).
+#[derive(Debug, Clone)]
+pub struct System<const D: usize> {
+    pub(crate) body: HardBody<D>,
+    pub(crate) edge: f64,
+    pub(crate) positions: Vec<[f64; D]>,
+    pub(crate) rotations: Vec<Rotation>,
+    /// The corners of all bodies, turned, each from the centre of its body.
+    pub(crate) corners: Vec<Block<D>>,
+    pub(crate) grid: Grid<D>,
+    pub(crate) depletants: Vec<Depletant>,
+    /// Corners of the body of a trial.
+    pub(crate) turned: Vec<Block<D>>,
+    pub(crate) near: Vec<Near<D>>,
+    memory: Vec<Slot<D>>,
+}
+
+impl<const D: usize> System<D> {
+    /// Bodies in a box from 0 to `edge` along each axis. Places outside are wrapped. The bodies may
+    /// overlap; see [`overlaps`](Self::overlaps).
+    ///
+    /// # Errors
+    /// If a body could meet two images of another.
+    pub fn new(
+        body: HardBody<D>,
+        depletants: Vec<Depletant>,
+        edge: f64,
+        positions: Vec<[f64; D]>,
+        rotations: Vec<Rotation>,
+    ) -> Result<Self> {
+        let reach = depletants
+            .iter()
+            .map(|kind| kind.radius)
+            .fold(0.0, f64::max);
+        let range = 2.0 * (body.outer_radius + reach);
+        if edge < 2.0 * range {
+            let density = positions.len() as f64 / edge.powi(D as i32);
+            return Err(Error::BoxTooSmall {
+                edge,
+                range,
+                bodies: (density * (2.0 * range).powi(D as i32)).ceil() as usize,
+            });
+        }
+        let blocks = body.blocks();
+        let wrapped: Vec<[f64; D]> = positions
+            .iter()
+            .map(|place| place.map(|x| x.rem_euclid(edge)))
+            .collect();
+        let mut system = Self {
+            turned: vec![[[0.0; 4]; D]; blocks],
+            corners: vec![[[0.0; 4]; D]; blocks * wrapped.len()],
+            grid: Grid::new(edge, range, &wrapped),
+            body,
+            edge,
+            positions: wrapped,
+            rotations,
+            depletants,
+            near: Vec::new(),
+            memory: Vec::new(),
+        };
+        for (number, rotation) in system.rotations.iter().enumerate() {
+            let corners = &mut system.corners[number * blocks..(number + 1) * blocks];
+            system.body.turned_into(rotation, corners);
+        }
+        system.refresh();
+        Ok(system)
+    }
+
+    /// Forgets everything but the places of the bodies: what follows depends on them alone.
+    pub fn refresh(&mut self) {
+        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+        self.grid = Grid::new(self.edge, range, &self.positions);
+        let empty = Slot {
+            other: NOBODY,
+            direction: [0.0; D],
+        };
+        self.memory.clear();
+        if !self.body.is_round() {
+            self.memory.resize(SLOTS * self.positions.len(), empty);
+        }
+    }
+
+    fn depletant_reach(&self) -> f64 {
+        self.depletants
+            .iter()
+            .map(|kind| kind.radius)
+            .fold(0.0, f64::max)
+    }
+
+    /// The shape of the bodies.
+    pub fn body(&self) -> &HardBody<D> {
+        &self.body
+    }
+
+    /// Edge of the box.
+    pub fn edge(&self) -> f64 {
+        self.edge
+    }
+
+    /// Number of bodies.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are no bodies.
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// The centres, from 0 to the edge along each axis.
+    pub fn positions(&self) -> &[[f64; D]] {
+        &self.positions
+    }
+
+    /// The orientations.
+    pub fn rotations(&self) -> &[Rotation] {
+        &self.rotations
+    }
+
+    /// The depletants.
+    pub fn depletants(&self) -> &[Depletant] {
+        &self.depletants
+    }
+
+    /// The part of the box that the bodies fill.
+    pub fn packing_fraction(&self) -> f64 {
+        self.len() as f64 * self.body.volume / self.edge.powi(D as i32)
+    }
+
+    pub(crate) fn corners_of(&self, body: usize) -> &[Block<D>] {
+        let blocks = self.body.blocks();
+        &self.corners[body * blocks..(body + 1) * blocks]
+    }
+
+    /// The number of pairs that overlap.
+    pub fn overlaps(&self) -> usize {
+        (0..self.len())
+            .map(|body| self.overlaps_of(&self.where_it_is(body), |other| other as usize > body))
+            .sum()
+    }
+
+    pub(crate) fn where_it_is(&self, body: usize) -> Trial<D> {
+        Trial {
+            body,
+            position: self.positions[body],
+            rotation: self.rotations[body],
+            is_turned: false,
+        }
+    }
+
+    /// How many of the other bodies that `counts` it would overlap.
+    pub(crate) fn overlaps_of(&self, trial: &Trial<D>, counts: impl Fn(u32) -> bool) -> usize {
+        let mut found = 0;
+        let range = 2.0 * self.body.outer_radius;
+        let but = trial.body as u32;
+        self.grid
+            .any_near(&trial.position, range * range, but, |near| {
+                found += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
+                false
+            });
+        found
+    }
+
+    /// Whether the body of a trial overlaps another when all distances are scaled.
+    pub(crate) fn is_overlap(&self, trial: &Trial<D>, other: &Near<D>, scale: f64) -> bool {
+        let (inner, outer) = (2.0 * self.body.inner_radius, 2.0 * self.body.outer_radius);
+        let squared = other.squared * scale * scale;
+        if squared < inner * inner || squared >= outer * outer {
+            return squared < outer * outer;
+        }
+        let pair = Pair {
+            first: self.corners_of_trial(trial),
+            second: self.corners_of(other.body as usize),
+            offset: other.offset.map(|x| x * scale),
+            reach: 2.0 * self.body.rounding_radius,
+        };
+        let rotations = [&trial.rotation, &self.rotations[other.body as usize]];
+        pair.overlap(&mut { other.offset }, || self.body.exact(&pair, rotations))
+    }
+
+    pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
+        if trial.is_turned {
+            &self.turned
+        } else {
+            self.corners_of(trial.body)
+        }
+    }
+
+    /// Whether a body at a place, turned so, overlaps none. Its corners are left in `turned`.
+    pub(crate) fn is_free(&mut self, position: [f64; D], rotation: &Rotation) -> bool {
+        self.body.turned_into(rotation, &mut self.turned);
+        let trial = Trial {
+            body: NOBODY as usize,
+            position,
+            rotation: *rotation,
+            is_turned: true,
+        };
+        let range = 2.0 * self.body.outer_radius;
+        !self
+            .grid
+            .any_near(&position, range * range, NOBODY, |near| {
+                self.is_overlap(&trial, &near, 1.0)
+            })
+    }
+
+    /// Whether the body would overlap another; fast, by the directions that separated them last.
+    pub(crate) fn collides(&mut self, trial: &Trial<D>) -> bool {
+        let Self {
+            body,
+            grid,
+            near,
+            corners,
+            turned,
+            rotations,
+            memory,
+            ..
+        } = self;
+        let outer = 2.0 * body.outer_radius;
+        let own = trial.body as u32;
+        if body.is_round() {
+            return grid.any_near(&trial.position, outer * outer, own, |_| true);
+        }
+        let inner = 4.0 * body.inner_radius * body.inner_radius;
+        near.clear();
+        let is_deep = grid.any_near(&trial.position, outer * outer, own, |other| {
+            near.push(other);
+            other.squared < inner
+        });
+        if is_deep {
+            return true;
+        }
+        let blocks = body.blocks();
+        let slots = &mut memory[trial.body * SLOTS..(trial.body + 1) * SLOTS];
+        let first = if trial.is_turned {
+            &turned[..]
+        } else {
+            &corners[trial.body * blocks..(trial.body + 1) * blocks]
+        };
+        let pair_with = |other: &Near<D>| {
+            let number = other.body as usize;
+            Pair {
+                first,
+                second: &corners[number * blocks..(number + 1) * blocks],
+                offset: other.offset,
+                reach: 2.0 * body.rounding_radius,
+            }
+        };
+        let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
+        near.retain(|other| {
+            let slot = &slots[place(other.body)];
+            slot.other != other.body
+                || !pair_with(other).is_separated_along(&slot.direction.map(f64::from))
+        });
+        // The nearest is the likeliest to overlap.
+        near.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
+        for other in near.iter() {
+            let number = other.body as usize;
+            let slot = &mut slots[place(other.body)];
+            let pair = pair_with(other);
+            let mut direction = other.offset;
+            let exact = || body.exact(&pair, [&trial.rotation, &rotations[number]]);
+            if pair.overlap(&mut direction, exact) {
+                return true;
+            }
+            *slot = Slot {
+                other: other.body,
+                direction: direction.map(|x| x as f32),
+            };
+        }
+        false
+    }
+
+    /// One trial move with the numbers of a stream.
+    pub(crate) fn trial(
+        &mut self,
+        rng: &mut CounterRng,
+        steps: &Steps,
+        counting: Counting,
+        counts: &mut MoveCounts,
+    ) -> bool {
+        let trial = self.propose(rng, steps, None);
+        let is_accepted = !self.collides(&trial)
+            && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
+        if is_accepted {
+            self.accept(&trial);
+        }
+        let kind = match trial.is_turned {
+            true => &mut counts.rotation,
+            false => &mut counts.translation,
+        };
+        kind.note(is_accepted);
+        is_accepted
+    }
+
+    /// A body, or any, moved or turned at random.
+    pub(crate) fn propose(
+        &mut self,
+        rng: &mut CounterRng,
+        steps: &Steps,
+        body: Option<usize>,
+    ) -> Trial<D> {
+        let word = rng.next_u32();
+        let any = (u64::from(word >> 1) * self.positions.len() as u64) >> 31;
+        let body = body.unwrap_or(any as usize);
+        let is_turned = !self.body.is_round() && word & 1 == 1;
+        let mut trial = Trial {
+            is_turned,
+            ..self.where_it_is(body)
+        };
+        if is_turned {
+            let mut turn = [0.0; 3];
+            for axis in if D == 2 { 2..3 } else { 0..3 } {
+                turn[axis] = steps.rotation * symmetric(rng);
+            }
+            let [x, y, z] = turn;
+            let turn = UnitQuaternion::new_normalize(Quaternion::new(1.0, x, y, z));
+            let turned = (turn * trial.rotation).into_inner();
+            trial.rotation = UnitQuaternion::new_normalize(turned);
+            self.body.turned_into(&trial.rotation, &mut self.turned);
+        } else {
+            for x in &mut trial.position {
+                *x += steps.translation * symmetric(rng);
+                if *x < 0.0 {
+                    *x += self.edge;
+                }
+                // Also where a tiny negative number has been rounded to the edge.
+                if *x >= self.edge {
+                    *x -= self.edge;
+                }
+            }
+        }
+        trial
+    }
+
+    pub(crate) fn accept(&mut self, trial: &Trial<D>) {
+        let body = trial.body;
+        if trial.is_turned {
+            let blocks = self.body.blocks();
+            self.corners[body * blocks..(body + 1) * blocks].copy_from_slice(&self.turned);
+            self.rotations[body] = trial.rotation;
+        } else {
+            self.positions[body] = trial.position;
+            self.grid.moved(body, &self.positions);
+        }
+    }
+
+    /// The longest steps that make sense.
+    pub(crate) fn longest_steps(&self) -> Steps {
+        Steps {
+            translation: 0.5 * self.edge,
+            rotation: LONGEST_TURN,
+        }
+    }
+}
+
+/// A number in (-1, 1), as likely as its opposite.
+fn symmetric(rng: &mut CounterRng) -> f64 {
+    (f64::from(rng.next_u32()) + 0.5) / f64::from(1_u32 << 31) - 1.0
+}
+
+impl Steps {
+    /// Fewer trials say little.
+    pub(crate) const ENOUGH: u64 = 300;
+
+    /// Changes the steps towards an acceptance, by what they gave.
+    pub(crate) fn tune(&mut self, counts: &MoveCounts, wanted: f64, longest: &Self) {
+        let change = |step: &mut f64, counts: &Counts, longest: f64| {
+            if counts.trials >= Self::ENOUGH {
+                let factor = (counts.acceptance() / wanted).clamp(0.5, 1.5);
+                *step = (*step * factor).clamp(1e-9 * longest, longest);
+            }
+        };
+        change(
+            &mut self.translation,
+            &counts.translation,
+            longest.translation,
+        );
+        change(&mut self.rotation, &counts.rotation, longest.rotation);
+    }
+}

@@ -1,0 +1,119 @@
+//! Fluids of hard bodies against an independent program; short runs.
+
+#![allow(clippy::unwrap_used)] // a test fails by panicking
+
+use protomer_hpmc::body::HardBody;
+use protomer_hpmc::depletants::Depletant;
+use protomer_hpmc::simulation::{Settings, Simulation};
+use protomer_kernel::Vec3;
+use protomer_kernel::shape::{Shape, builders::by_name};
+use protomer_kernel::statistics::summarize;
+use std::f64::consts::PI;
+
+const SETTINGS: Settings = Settings {
+    seed: 5,
+    equilibration_sweeps: 500,
+    insertions: 0,
+    points: 1000,
+};
+
+fn ball() -> HardBody<3> {
+    HardBody::new(&Shape::solid(&[Vec3::zeros()]).unwrap(), 0.5).unwrap()
+}
+
+fn named<const D: usize>(name: &str) -> HardBody<D> {
+    HardBody::new(&by_name(name).unwrap(), 0.0).unwrap()
+}
+
+/// Asserts the mean of a series within four errors of a number with an error.
+fn assert_mean(series: &[f64], expected: f64, error: f64, what: &str) {
+    let found = summarize(series);
+    let tolerance = 4.0 * found.standard_error.hypot(error) + 0.002 * expected.abs();
+    assert!(
+        (found.mean - expected).abs() < tolerance,
+        "{what}: {} ± {} instead of {expected}",
+        found.mean,
+        found.standard_error
+    );
+    // Without this a noisy run would pass.
+    assert!(
+        found.standard_error < 0.02 * expected.abs(),
+        "{what}: {found:?}"
+    );
+}
+
+fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> Vec<f64> {
+    let mut simulation = Simulation::new(&SETTINGS, body, &[], bodies, packing).unwrap();
+    simulation.run(SETTINGS.equilibration_sweeps);
+    let series = (0..400).map(|_| {
+        simulation.run(4);
+        simulation.sample().compressibility_factor
+    });
+    let series = series.collect();
+    assert_eq!(simulation.system().overlaps(), 0);
+    let acceptance = simulation.counts().total().acceptance();
+    assert!((0.2..0.5).contains(&acceptance), "{acceptance}");
+    series
+}
+
+#[test]
+fn pressures_are_those_of_the_reference() {
+    assert_mean(&factors(&ball(), 216, 0.4), 6.949, 0.0139, "spheres");
+    assert_mean(
+        &factors(&named::<3>("cube"), 216, 0.3),
+        6.2354,
+        0.0164,
+        "cubes",
+    );
+    assert_mean(
+        &factors(&named::<3>("tetrahedron"), 216, 0.15),
+        3.1899,
+        0.0181,
+        "tetrahedra",
+    );
+    assert_mean(
+        &factors(&named::<2>("polygon:4"), 256, 0.5),
+        5.0073,
+        0.0114,
+        "squares",
+    );
+    let disk = HardBody::<2>::new(&Shape::flat(&[[0.0, 0.0]]).unwrap(), 1.0).unwrap();
+    assert_mean(&factors(&disk, 256, 0.45), 3.3938, 0.0119, "disks");
+}
+
+/// Two spheres with depletants of fugacity z: the weight of a distance is exp(z times the overlap).
+#[test]
+fn two_spheres_with_depletants_have_their_exact_statistics() {
+    for (q, reservoir, edge, bonded, alpha) in [
+        (0.4, 0.3, 3.5, 0.2773248758443137, 0.9334115171754359),
+        (1.0, 0.6, 5.0, 0.3353272948350776, 0.934276192309352),
+    ] {
+        let radius = 0.5 * q;
+        let fugacity = reservoir / (4.0 / 3.0 * PI * radius * radius * radius);
+        let packing = 2.0 * PI / 6.0 / (edge * edge * edge);
+        let depletants = [Depletant { radius, fugacity }];
+        let settings = Settings {
+            equilibration_sweeps: 4000,
+            ..SETTINGS
+        };
+        let mut simulation = Simulation::new(&settings, &ball(), &depletants, 2, packing).unwrap();
+        simulation.run(settings.equilibration_sweeps);
+        let (mut is_bonded, mut free) = (Vec::new(), Vec::new());
+        for number in 0..40_000 {
+            simulation.run(10);
+            let [a, b] = simulation.system().positions() else {
+                unreachable!()
+            };
+            let apart = Vec3::from_fn(|axis, _| {
+                let along = a[axis] - b[axis];
+                along - edge * (along / edge).round()
+            });
+            is_bonded.push(f64::from(u8::from(apart.norm() < 1.0 + q)));
+            if number % 20 == 0 {
+                free.push(simulation.sample().free_volume[0]);
+            }
+        }
+        assert_mean(&is_bonded, bonded, 0.0, "bonded");
+        assert_mean(&free, alpha, 0.0, "free volume");
+    }
+}

@@ -1,0 +1,637 @@
+//! Whether two convex bodies overlap, for engines that ask many million times.
+//!
+//! Two convex bodies are apart if and only if some direction separates them. The caller keeps the
+//! direction that did it last time: where bodies move little it does so again, and a test is one
+//! pass over the corners of each. Else a portal is sought in the difference of the bodies, through which
+//! a ray from its inside to the origin leaves (Snethen's method). The search stops as soon as a
+//! direction separates the bodies, or as soon as the origin is inside. Where it passes within rounding of
+//! the surface, all axes on which two polytopes can be separated have the last word.
+//!
+//! Bodies may be rounded: with radii whose sum is `reach`, they overlap if the distance of their
+//! cores is less than that. Then the walk of Gilbert, Johnson and Keerthi (see
+//! [`closest`](super::closest)) goes towards the origin, and stops as soon as the distance is
+//! known to be more or less than the reach.
+
+use crate::Vec3;
+
+/// Corners that are handled together.
+pub const LANES: usize = 4;
+
+/// Coordinates of four corners, axis by axis.
+pub type Block<const D: usize> = [[f64; LANES]; D];
+
+/// The walk visits a corner of the difference at most once, but for rounding.
+const MOST_STEPS: usize = 60;
+/// Nearer to the surface of the difference than this part of its size, the walk does not decide.
+const NEAR_SURFACE: f64 = 1e-7;
+/// A step that shortens the squared distance by less than this part is none.
+const NO_GAIN: f64 = 1e-14;
+
+/// Packs corners for [`Pair`]; the last block repeats the last corner.
+pub fn pack<const D: usize>(corners: &[[f64; D]]) -> Vec<Block<D>> {
+    let mut blocks = vec![[[0.0; LANES]; D]; corners.len().div_ceil(LANES)];
+    for (number, block) in blocks.iter_mut().enumerate() {
+        for lane in 0..LANES {
+            let corner = corners[(number * LANES + lane).min(corners.len() - 1)];
+            for axis in 0..D {
+                block[axis][lane] = corner[axis];
+            }
+        }
+    }
+    blocks
+}
+
+/// Turns packed corners by a matrix, of which the first D rows and columns count.
+pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut [Block<D>]) {
+    for (from, to) in from.iter().zip(to) {
+        for (row, out) in matrix.iter().zip(to.iter_mut()) {
+            *out = [0.0; LANES];
+            for (factor, x) in row.iter().zip(from) {
+                for lane in 0..LANES {
+                    out[lane] += factor * x[lane];
+                }
+            }
+        }
+    }
+}
+
+/// The inner product.
+pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    let mut sum = 0.0;
+    for axis in 0..D {
+        sum += a[axis] * b[axis];
+    }
+    sum
+}
+
+fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
+    let mut difference = [0.0; D];
+    for axis in 0..D {
+        difference[axis] = a[axis] - b[axis];
+    }
+    difference
+}
+
+/// Heights of four corners along a direction.
+fn heights<const D: usize>(block: &Block<D>, direction: &[f64; D]) -> [f64; LANES] {
+    let mut heights = [0.0; LANES];
+    for axis in 0..D {
+        for lane in 0..LANES {
+            heights[lane] += block[axis][lane] * direction[axis];
+        }
+    }
+    heights
+}
+
+/// The largest height of corners along a direction.
+fn highest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> f64 {
+    let mut best = [f64::NEG_INFINITY; LANES];
+    for block in corners {
+        let heights = heights(block, direction);
+        for lane in 0..LANES {
+            if heights[lane] > best[lane] {
+                best[lane] = heights[lane];
+            }
+        }
+    }
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    larger(larger(best[0], best[1]), larger(best[2], best[3]))
+}
+
+/// The corner that is highest along a direction.
+fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64; D] {
+    // Numbers of blocks as floats: a compiler makes vectors of equal types only.
+    let (mut best, mut numbers) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
+    let mut number = 0.0;
+    for block in corners {
+        let heights = heights(block, direction);
+        for lane in 0..LANES {
+            let is_higher = heights[lane] > best[lane];
+            best[lane] = if is_higher { heights[lane] } else { best[lane] };
+            numbers[lane] = if is_higher { number } else { numbers[lane] };
+        }
+        number += 1.0;
+    }
+    let left = usize::from(best[1] > best[0]);
+    let right = 2 + usize::from(best[3] > best[2]);
+    let lane = if best[right] > best[left] {
+        right
+    } else {
+        left
+    };
+    let block = &corners[numbers[lane] as usize];
+    let mut corner = [0.0; D];
+    for axis in 0..D {
+        corner[axis] = block[axis][lane];
+    }
+    corner
+}
+
+/// Two bodies in their places.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'a, const D: usize> {
+    /// The corners of the first from its centre, turned as it is.
+    pub first: &'a [Block<D>],
+    /// The corners of the second from its centre.
+    pub second: &'a [Block<D>],
+    /// From the centre of the first to that of the second.
+    pub offset: [f64; D],
+    /// Sum of the rounding radii.
+    pub reach: f64,
+}
+
+impl<const D: usize> Pair<'_, D> {
+    /// Whether this direction, of any length, separates the bodies; touching bodies are not apart.
+    pub fn is_separated_along(&self, direction: &[f64; D]) -> bool {
+        let top = highest(self.first, direction);
+        let down = direction.map(|x| -x);
+        let bottom = dot(&self.offset, direction) - highest(self.second, &down);
+        let gap = bottom - top;
+        if self.reach == 0.0 {
+            return gap > 0.0;
+        }
+        gap > 0.0 && gap * gap > self.reach * self.reach * dot(direction, direction)
+    }
+
+    /// Whether the bodies overlap. `direction` is where the search begins: the direction that separated
+    /// them last, or the offset; if they are apart, it separates them afterwards.
+    /// `exact` decides where cores without rounding touch to within rounding.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::separation::{Pair, pack};
+    /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
+    /// let at = |x: f64| {
+    ///     let offset = [x, 0.3];
+    ///     let pair = Pair { first: &square, second: &square, offset, reach: 0.0 };
+    ///     pair.overlap(&mut { offset }, || unreachable!())
+    /// };
+    /// assert!(at(0.99) && !at(1.01));
+    /// ```
+    pub fn overlap(&self, direction: &mut [f64; D], exact: impl FnOnce() -> bool) -> bool {
+        if self.is_separated_along(direction) {
+            return false;
+        }
+        let decision = match (self.reach > 0.0, D) {
+            (true, _) => self.walk(direction),
+            (false, 2) => self.portal_in_plane(direction),
+            (false, _) => self.portal_in_space(direction),
+        };
+        decision.unwrap_or_else(exact)
+    }
+
+    /// The corner of the difference (second less first) that is lowest along a direction.
+    fn lowest(&self, direction: &[f64; D]) -> [f64; D] {
+        let first = farthest(self.first, direction);
+        let second = farthest(self.second, &direction.map(|x| -x));
+        let mut corner = self.offset;
+        for axis in 0..D {
+            corner[axis] += second[axis] - first[axis];
+        }
+        corner
+    }
+
+    /// The corner of the difference that is highest along a direction. If it is not above the origin, the
+    /// opposite direction separates the bodies.
+    fn beyond(&self, normal: &[f64; D], direction: &mut [f64; D]) -> Option<[f64; D]> {
+        let down = normal.map(|x| -x);
+        let corner = self.lowest(&down);
+        if dot(&corner, normal) < 0.0 {
+            *direction = down;
+            return None;
+        }
+        Some(corner)
+    }
+
+    /// The ray from the inside of the difference to the origin leaves a simplex that grows through a
+    /// face, the portal (Snethen, Game Programming Gems 7 (2008), 165).
+    fn portal_in_plane(&self, direction: &mut [f64; D]) -> Option<bool> {
+        let inside = self.offset;
+        let Some(mut a) = self.beyond(&inside.map(|x| -x), direction) else {
+            return Some(false);
+        };
+        let mut size_squared = dot(&a, &a).max(dot(&inside, &inside));
+        let Some(mut b) = self.beyond(&across(&inside, &a), direction) else {
+            return Some(false);
+        };
+        for step in 0..=MOST_STEPS {
+            // Until the ray passes between the two corners.
+            let side = across(&inside, &b);
+            if dot(&side, &a) >= dot(&side, &inside) {
+                break;
+            }
+            match self.beyond(&side, direction) {
+                None => return Some(false),
+                Some(next) => (a, b) = (b, next),
+            }
+            if step == MOST_STEPS {
+                return None;
+            }
+        }
+        for _ in 0..MOST_STEPS {
+            let mut normal = across_edge(&a, &b);
+            if dot(&normal, &minus(&a, &inside)) < 0.0 {
+                normal = normal.map(|x| -x);
+            }
+            let height = dot(&normal, &a);
+            let near = NEAR_SURFACE * NEAR_SURFACE * size_squared * dot(&normal, &normal);
+            if height * height <= near {
+                return None;
+            }
+            if height > 0.0 {
+                return Some(true);
+            }
+            let Some(next) = self.beyond(&normal, direction) else {
+                return Some(false);
+            };
+            let gain = dot(&minus(&next, &a), &normal);
+            if gain * gain <= near {
+                return None;
+            }
+            size_squared = size_squared.max(dot(&next, &next));
+            // The origin lies on the same side of the ray through the new corner as a or b does.
+            let side = across(&inside, &next);
+            if (dot(&side, &a) > dot(&side, &inside)) == (dot(&side, &inside) < 0.0) {
+                b = next;
+            } else {
+                a = next;
+            }
+        }
+        None
+    }
+
+    /// As [`portal_in_plane`](Self::portal_in_plane); the portal is a triangle.
+    fn portal_in_space(&self, direction: &mut [f64; D]) -> Option<bool> {
+        let mut support = |normal: &Vec3| {
+            let normal = in_plane_or_space(normal);
+            Some(in_space(&self.beyond(&normal, direction)?))
+        };
+        let inside = in_space(&self.offset);
+        let Some(mut a) = support(&-inside) else {
+            return Some(false);
+        };
+        let mut size_squared = a.norm_squared().max(inside.norm_squared());
+        let mut normal = a.cross(&inside);
+        if normal.norm_squared() <= NEAR_SURFACE * NEAR_SURFACE * size_squared * size_squared {
+            // The origin is on the line from the inside to the corner, where any portal begins well.
+            let least = inside.iamin();
+            normal = inside.cross(&Vec3::ith(least, 1.0));
+        }
+        let Some(mut b) = support(&normal) else {
+            return Some(false);
+        };
+        normal = (a - inside).cross(&(b - inside));
+        if normal.dot(&inside) > 0.0 {
+            std::mem::swap(&mut a, &mut b);
+            normal = -normal;
+        }
+        // Now the origin is on the outer side of the plane through the inside, a and b.
+        let mut c = a;
+        for step in 0..=MOST_STEPS {
+            if step == MOST_STEPS {
+                return None;
+            }
+            match support(&normal) {
+                None => return Some(false),
+                Some(corner) => c = corner,
+            }
+            if a.cross(&c).dot(&inside) < 0.0 {
+                b = c;
+            } else if c.cross(&b).dot(&inside) < 0.0 {
+                a = c;
+            } else {
+                break;
+            }
+            normal = (a - inside).cross(&(b - inside));
+        }
+        for _ in 0..MOST_STEPS {
+            let normal = (b - a).cross(&(c - a));
+            let height = normal.dot(&a);
+            let near = NEAR_SURFACE * NEAR_SURFACE * size_squared * normal.norm_squared();
+            if height * height <= near {
+                return None;
+            }
+            if height > 0.0 {
+                return Some(true);
+            }
+            let Some(next) = support(&normal) else {
+                return Some(false);
+            };
+            let gain = (next - a).dot(&normal);
+            if gain * gain <= near {
+                return None;
+            }
+            size_squared = size_squared.max(next.norm_squared());
+            // The plane through the inside, the origin and the new corner divides the portal.
+            let plane = next.cross(&inside);
+            if a.dot(&plane) > 0.0 {
+                if b.dot(&plane) > 0.0 {
+                    a = next;
+                } else {
+                    c = next;
+                }
+            } else if c.dot(&plane) > 0.0 {
+                b = next;
+            } else {
+                a = next;
+            }
+        }
+        None
+    }
+
+    /// `None` if the surface of the difference is too near to the origin to tell.
+    fn walk(&self, direction: &mut [f64; D]) -> Option<bool> {
+        let mut simplex = Simplex::new(self.lowest(direction));
+        let mut nearest = simplex.corners[0];
+        let mut size_squared = dot(&nearest, &nearest);
+        let reach_squared = self.reach * self.reach;
+        for _ in 0..MOST_STEPS {
+            let squared = dot(&nearest, &nearest);
+            // The nearest point of the simplex is one of the difference.
+            if self.reach > 0.0 && squared <= reach_squared {
+                return Some(true);
+            }
+            if squared <= NEAR_SURFACE * NEAR_SURFACE * size_squared {
+                return None;
+            }
+            let next = self.lowest(&nearest);
+            let height = dot(&nearest, &next);
+            if height > 0.0 && height * height > reach_squared * squared {
+                *direction = nearest;
+                return Some(false);
+            }
+            size_squared = size_squared.max(dot(&next, &next));
+            if squared - height <= NO_GAIN * size_squared {
+                // The nearest point of the difference, to rounding: it is at the distance `reach`.
+                return (self.reach > 0.0).then_some(false);
+            }
+            simplex.add(next);
+            match simplex.nearest(size_squared) {
+                Nearest::Inside => return Some(true),
+                Nearest::Unclear => return None,
+                Nearest::At(point) => nearest = point,
+            }
+        }
+        None
+    }
+}
+
+fn in_plane_or_space<const D: usize>(vector: &Vec3) -> [f64; D] {
+    let mut coordinates = [0.0; D];
+    for (axis, x) in coordinates.iter_mut().enumerate() {
+        *x = vector[axis];
+    }
+    coordinates
+}
+
+/// A vector of the plane at right angles to the line from a place to another, on the side of the origin.
+fn across<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+    let normal = across_edge(from, to);
+    if dot(&normal, from) > 0.0 {
+        return normal.map(|x| -x);
+    }
+    normal
+}
+
+fn across_edge<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+    let along = minus(to, from);
+    let mut normal = [0.0; D];
+    normal[0] = along[1];
+    normal[1] = -along[0];
+    normal
+}
+
+/// At most four corners of the difference.
+#[derive(Debug, Clone, Copy)]
+struct Simplex<const D: usize> {
+    corners: [[f64; D]; 4],
+    count: usize,
+}
+
+/// Where the origin is.
+enum Nearest<const D: usize> {
+    /// Outside of the simplex, nearest to this point of it.
+    At([f64; D]),
+    Inside,
+    /// On its surface, as far as numbers can tell.
+    Unclear,
+}
+
+impl<const D: usize> Simplex<D> {
+    fn new(corner: [f64; D]) -> Self {
+        Self {
+            corners: [corner; 4],
+            count: 1,
+        }
+    }
+
+    fn add(&mut self, corner: [f64; D]) {
+        self.corners[self.count] = corner;
+        self.count += 1;
+    }
+
+    /// The point nearest to the origin; keeps the corners that carry it.
+    fn nearest(&mut self, size_squared: f64) -> Nearest<D> {
+        match self.count {
+            1 => Nearest::At(self.corners[0]),
+            2 => {
+                let [a, b, ..] = self.corners;
+                let face = on_segment(&a, &b);
+                self.keep(&[a, b], &face);
+                Nearest::At(face.point)
+            }
+            3 => {
+                let [a, b, c, _] = self.corners;
+                let face = on_triangle(&a, &b, &c);
+                if D == 2 && face.carriers == [true; 3] {
+                    return Nearest::inside_if(inner_distance_2d(&[a, b, c]), size_squared);
+                }
+                self.keep(&[a, b, c], &face);
+                Nearest::At(face.point)
+            }
+            _ => self.of_tetrahedron(size_squared),
+        }
+    }
+
+    fn keep(&mut self, corners: &[[f64; D]], face: &Face<D>) {
+        self.count = 0;
+        for (corner, carries) in corners.iter().zip(face.carriers) {
+            if carries {
+                self.add(*corner);
+            }
+        }
+    }
+
+    fn of_tetrahedron(&mut self, size_squared: f64) -> Nearest<D> {
+        const FACES: [[usize; 4]; 4] = [[0, 1, 2, 3], [0, 1, 3, 2], [0, 2, 3, 1], [1, 2, 3, 0]];
+        let corners = self.corners;
+        let place = corners.map(|corner| in_space(&corner));
+        let mut best: Option<([[f64; D]; 3], Face<D>)> = None;
+        let mut depth = f64::INFINITY;
+        for [a, b, c, opposite] in FACES {
+            let normal = (place[b] - place[a]).cross(&(place[c] - place[a]));
+            let inward = normal.dot(&(place[opposite] - place[a]));
+            let origin = -normal.dot(&place[a]) * inward.signum();
+            let length = normal.norm();
+            // The origin may be outside of a face that is a mere line.
+            if origin < 0.0 || length * length <= f64::MIN_POSITIVE || inward == 0.0 {
+                let triangle = [corners[a], corners[b], corners[c]];
+                let face = on_triangle(&triangle[0], &triangle[1], &triangle[2]);
+                let is_better = |(_, best): &([[f64; D]; 3], Face<D>)| {
+                    dot(&face.point, &face.point) < dot(&best.point, &best.point)
+                };
+                if best.as_ref().is_none_or(is_better) {
+                    best = Some((triangle, face));
+                }
+            } else {
+                depth = depth.min(origin / length);
+            }
+        }
+        match best {
+            Some((triangle, face)) => {
+                self.keep(&triangle, &face);
+                Nearest::At(face.point)
+            }
+            None => Nearest::inside_if(depth, size_squared),
+        }
+    }
+}
+
+impl<const D: usize> Nearest<D> {
+    fn inside_if(depth: f64, size_squared: f64) -> Self {
+        if depth * depth > NEAR_SURFACE * NEAR_SURFACE * size_squared {
+            Nearest::Inside
+        } else {
+            Nearest::Unclear
+        }
+    }
+}
+
+fn in_space<const D: usize>(corner: &[f64; D]) -> Vec3 {
+    let mut place = Vec3::zeros();
+    for (axis, x) in corner.iter().enumerate().take(3) {
+        place[axis] = *x;
+    }
+    place
+}
+
+/// The distance of the origin, inside of a triangle, from its edges.
+fn inner_distance_2d<const D: usize>(triangle: &[[f64; D]; 3]) -> f64 {
+    let place = triangle.map(|corner| in_space(&corner));
+    let mut least = f64::INFINITY;
+    for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+        let edge = place[to] - place[from];
+        least = least.min(edge.cross(&place[from]).norm() / edge.norm());
+    }
+    least
+}
+
+/// The point of a segment or triangle that is nearest to the origin, and the corners it needs.
+struct Face<const D: usize> {
+    point: [f64; D],
+    carriers: [bool; 3],
+}
+
+impl<const D: usize> Face<D> {
+    fn at_corner(point: &[f64; D], which: usize) -> Self {
+        let mut carriers = [false; 3];
+        carriers[which] = true;
+        Self {
+            point: *point,
+            carriers,
+        }
+    }
+
+    fn on_edge(ends: [&[f64; D]; 2], part: f64, which: [usize; 2]) -> Self {
+        let mut carriers = [false; 3];
+        for end in which {
+            carriers[end] = true;
+        }
+        let mut point = *ends[0];
+        for axis in 0..D {
+            point[axis] += part * (ends[1][axis] - ends[0][axis]);
+        }
+        Self { point, carriers }
+    }
+}
+
+fn on_segment<const D: usize>(a: &[f64; D], b: &[f64; D]) -> Face<D> {
+    let along = minus(b, a);
+    let (part, whole) = (-dot(a, &along), dot(&along, &along));
+    if part <= 0.0 {
+        Face::at_corner(a, 0)
+    } else if part >= whole {
+        Face::at_corner(b, 1)
+    } else {
+        Face::on_edge([a, b], part / whole, [0, 1])
+    }
+}
+
+/// By regions of the plane (Ericson, Real-Time Collision Detection (2005), 5.1.5).
+fn on_triangle<const D: usize>(a: &[f64; D], b: &[f64; D], c: &[f64; D]) -> Face<D> {
+    let (ab, ac) = (minus(b, a), minus(c, a));
+    let (d1, d2) = (-dot(&ab, a), -dot(&ac, a));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Face::at_corner(a, 0);
+    }
+    let (d3, d4) = (-dot(&ab, b), -dot(&ac, b));
+    if d3 >= 0.0 && d4 <= d3 {
+        return Face::at_corner(b, 1);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return Face::on_edge([a, b], d1 / (d1 - d3), [0, 1]);
+    }
+    let (d5, d6) = (-dot(&ab, c), -dot(&ac, c));
+    if d6 >= 0.0 && d5 <= d6 {
+        return Face::at_corner(c, 2);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return Face::on_edge([a, c], d2 / (d2 - d6), [0, 2]);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return Face::on_edge([b, c], (d4 - d3) / ((d4 - d3) + (d5 - d6)), [1, 2]);
+    }
+    let scale = 1.0 / (va + vb + vc);
+    let mut point = *a;
+    for axis in 0..D {
+        point[axis] += scale * (vb * ab[axis] + vc * ac[axis]);
+    }
+    Face {
+        point,
+        carriers: [true; 3],
+    }
+}
+
+/// Whether two polytopes without rounding overlap, by every axis that can separate them: normals of
+/// faces, and in space cross products of edges (Gottschalk, Lin and Manocha, SIGGRAPH 96, 171).
+/// Slow; touching bodies overlap.
+pub fn overlap_on_all_axes<const D: usize>(
+    pair: &Pair<'_, D>,
+    normals: [&[[f64; D]]; 2],
+    edges: [&[[f64; D]]; 2],
+) -> bool {
+    let separates = |axis: &[f64; D]| {
+        pair.is_separated_along(axis) || pair.is_separated_along(&axis.map(|x| -x))
+    };
+    if normals[0].iter().chain(normals[1]).any(separates) {
+        return false;
+    }
+    for first in edges[0] {
+        for second in edges[1] {
+            let cross = in_space(first).cross(&in_space(second));
+            // Parallel edges have no axis of their own.
+            if cross.norm_squared() > 1e-18 {
+                let mut axis = [0.0; D];
+                for (number, x) in axis.iter_mut().enumerate() {
+                    *x = cross[number];
+                }
+                if separates(&axis) {
+                    return false;
+                }
+            }
+        }
+    }
+    true
+}

@@ -1,0 +1,132 @@
+//! The settings of a run of hard bodies, as stored in `run.toml`.
+
+use anyhow::{Result, bail};
+use protomer_hpmc::depletants::Depletant;
+use protomer_results::Settings;
+use serde::{Deserialize, Serialize};
+
+/// Settings of a run. They contain everything that can change a result. Lengths are in the unit of the
+/// shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HardBodySettings {
+    /// File or name of the shape.
+    pub shape: String,
+    /// Radius of the ball, or disk, that rounds it.
+    pub rounding_radius: f64,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// The part of the box that they fill.
+    pub packing_fraction: f64,
+    /// Sweeps in which the steps are tuned and nothing is measured.
+    pub equilibration: u64,
+    /// Sweeps after that.
+    pub sweeps: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Sweeps between two measurements.
+    pub sample_every: u64,
+    /// Sweeps between two frames of the trajectory; zero for no trajectory.
+    pub trajectory_every: u64,
+    /// Bodies inserted at random per measurement, for the chemical potential.
+    pub insertions: usize,
+    /// Points per measurement, for the free volume of each depletant; zero for ten per body.
+    pub points: usize,
+    /// Penetrable hard spheres, or disks, in equilibrium with a reservoir.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub depletants: Vec<Depletant>,
+}
+
+impl Default for HardBodySettings {
+    fn default() -> Self {
+        Self {
+            shape: String::new(),
+            rounding_radius: 0.0,
+            bodies: 216,
+            packing_fraction: 0.3,
+            equilibration: 2000,
+            sweeps: 10_000,
+            seed: 1,
+            sample_every: 5,
+            trajectory_every: 500,
+            insertions: 0,
+            points: 0,
+            depletants: Vec::new(),
+        }
+    }
+}
+
+impl Settings for HardBodySettings {
+    /// More sweeps continue a run.
+    fn essential(&self) -> Self {
+        Self {
+            sweeps: 0,
+            ..self.clone()
+        }
+    }
+}
+
+impl HardBodySettings {
+    /// Checks what does not depend on the shape.
+    ///
+    /// # Errors
+    /// Names the setting and what it can be.
+    pub fn check(&self) -> Result<()> {
+        if self.sample_every == 0 {
+            bail!("sample_every is 0; give the sweeps between two measurements");
+        }
+        if self.sweeps < self.sample_every {
+            bail!(
+                "{} sweeps are too few for a measurement every {}; give at least {}",
+                self.sweeps,
+                self.sample_every,
+                self.sample_every
+            );
+        }
+        for kind in &self.depletants {
+            kind.check()?;
+        }
+        Ok(())
+    }
+
+    /// Points per measurement.
+    pub(super) fn resolved_points(&self) -> usize {
+        match self.points {
+            0 => 10 * self.bodies,
+            points => points,
+        }
+    }
+}
+
+/// Depletants as the command line gives them: `RADIUS:FUGACITY`, several with commas between them.
+///
+/// # Errors
+/// Names the part that is not two numbers.
+///
+/// ```
+/// use protomer::hard_bodies::settings::parse_depletants;
+/// let kinds = parse_depletants("0.1:20,0.2:1.5")?;
+/// assert_eq!((kinds[1].radius, kinds[1].fugacity), (0.2, 1.5));
+/// assert!(parse_depletants("0.1").is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn parse_depletants(text: &str) -> Result<Vec<Depletant>> {
+    let mut kinds = Vec::new();
+    for part in text.split(',') {
+        let numbers = part.trim().split_once(':').and_then(|(radius, fugacity)| {
+            Some(Depletant {
+                radius: radius.trim().parse().ok()?,
+                fugacity: fugacity.trim().parse().ok()?,
+            })
+        });
+        let Some(kind) = numbers else {
+            bail!(
+                "'{part}' is not RADIUS:FUGACITY; write the radius and the number density in the \
+                 reservoir, such as 0.1:20"
+            );
+        };
+        kind.check()?;
+        kinds.push(kind);
+    }
+    Ok(kinds)
+}
