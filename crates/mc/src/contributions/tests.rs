@@ -354,6 +354,9 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
     assert!((of_pairs - mean).abs() < 1e-11);
 }
 
+/// Takes the number of a replica, whether its bodies touch, and its state.
+type Take<'a> = Box<dyn FnMut(u32, f64, &System) + 'a>;
+
 /// The frames of two bodies, weighted for three mutants, against the mutants simulated anew:
 /// `tests/validation/mutation_scan.sh` does the same with proteins.
 #[test]
@@ -376,9 +379,7 @@ fn weighted_frames_are_those_of_the_mutants() {
         System::new(types.to_vec(), &placed, boundary).unwrap()
     };
     // Each frame of each replica: whether the bodies touch, and the state.
-    let simulated = |system: &System,
-                     seed: u64,
-                     mut take: Box<dyn FnMut(u32, f64, &System) + '_>| {
+    let simulated = |system: &System, seed: u64, mut take: Take<'_>| {
         for replica in 0..REPLICAS {
             let mut settings = Settings::new(Interaction::YukawaDirect(yukawa));
             settings.contact_gap_angstrom = 2.0;
