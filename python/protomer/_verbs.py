@@ -43,6 +43,7 @@ __all__ = [
     "surface",
     "potential",
     "shape",
+    "md",
     "body",
     "assemble",
     "candidates",
@@ -590,6 +591,133 @@ class _Shape:
 
 
 shape = _Shape()
+
+
+class _Md:
+    """Contact dynamics: convex bodies in motion, in two and three dimensions."""
+
+    def run(
+        self,
+        config: Path | None = None,
+        *,
+        output: Path,
+        shape: Text | None = None,
+        keep_size: bool = False,
+        bodies: Integer | None = None,
+        packing_fraction: Number | None = None,
+        potential: Literal["contact", "face-sum", "smooth"] | None = None,
+        time_step: Number | None = None,
+        steps: Integer | None = None,
+        ensemble: Literal["nve", "nvt", "langevin", "brownian"] | None = None,
+        temperature: Number | None = None,
+        relaxation_time: Number | None = None,
+        friction: Number | None = None,
+        seed: Integer | None = None,
+        compress_from: Number | None = None,
+        compress_steps: Integer | None = None,
+        equilibrate_steps: Integer | None = None,
+        preparation_time_step: Number | None = None,
+        log_every: Integer | None = None,
+        trajectory_every: Integer | None = None,
+        time_limit: Number | None = None,
+        checkpoint_every: Number | None = None,
+        threads: Integer | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Follow convex bodies in motion, from a wide lattice through a slow compression. The same command
+        continues a run. Bodies repel each other between the points that --potential names (energy epsilon at
+        the distance sigma_c = 0.15 sigma; sigma is the mean diameter of the balls about the centroids that
+        fit in). Units: epsilon, the length that gives a body area or volume one, density one. The packing
+        fraction counts bodies with a layer of sigma_c/2.
+
+        Parameters
+        ----------
+        config
+            Configuration (TOML), such as the run.toml of another run; flags override it
+        output
+            Directory of the results
+        shape
+            File or name of the shape, as for `shape`; also disk or ball [default: polygon:4]
+        keep_size
+            Keep the size of the shape instead of scaling it to area or volume one
+        bodies
+            Number of bodies [default: 1000]
+        packing_fraction
+            Part of the space that bodies with their layer fill [default: 0.5]
+        potential
+            Which points of the bodies repel each other [default: smooth]
+        time_step
+            Time step [default: 1e-4]
+        steps
+            Run to this many steps after the preparation [default: 10000]
+        ensemble
+            What keeps the temperature [default: nve]
+        temperature
+            kT at the start and of the bath, in units of epsilon [default: 1]
+        relaxation_time
+            Relaxation time of the bath of nvt [default: 0.5]
+        friction
+            Friction of langevin and brownian, an inverse time [default: 1]
+        seed
+            Seed of the random numbers [default: 1]
+        compress_from
+            Packing fraction of the lattice at the start [default: the densest without forces]
+        compress_steps
+            Steps of the compression [default: 10000]
+        equilibrate_steps
+            Steps with a bath after the compression [default: 8000]
+        preparation_time_step
+            Time step of compression and equilibration [default: 5e-4]
+        log_every
+            Steps between rows of the log [default: 100]
+        trajectory_every
+            Steps between frames of the trajectory; 0 for none [default: 1000]
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+        """
+        return call(
+            Result,
+            ["md", "run"],
+            [config],
+            {
+                "--output": output,
+                "--shape": shape,
+                "--keep-size": keep_size,
+                "--bodies": bodies,
+                "--packing-fraction": packing_fraction,
+                "--potential": potential,
+                "--time-step": time_step,
+                "--steps": steps,
+                "--ensemble": ensemble,
+                "--temperature": temperature,
+                "--relaxation-time": relaxation_time,
+                "--friction": friction,
+                "--seed": seed,
+                "--compress-from": compress_from,
+                "--compress-steps": compress_steps,
+                "--equilibrate-steps": equilibrate_steps,
+                "--preparation-time-step": preparation_time_step,
+                "--log-every": log_every,
+                "--trajectory-every": trajectory_every,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+md = _Md()
 
 
 def body(

@@ -197,8 +197,9 @@ mod tests {
             let mut place = reach * rng.unit_vector();
             let mut turns = [rng.rotation(), rng.rotation()];
             for _ in 0..4000 {
-                place += 0.01 * rng.unit_vector() - 0.001 * place;
-                turns = turns.map(|turn| rng.small_rotation(0.02) * turn);
+                place += 0.04 * rng.unit_vector();
+                place *= place.norm().clamp(0.2 * reach, 0.9 * reach) / place.norm();
+                turns = turns.map(|turn| rng.small_rotation(0.05) * turn);
                 let at = |n: usize, position: Vec3| {
                     let rotation = turns[n];
                     body.corners_at(&Pose { position, rotation })
@@ -225,7 +226,7 @@ mod tests {
                     (found, expected) => panic!("{name}: {found:?} {expected:?}"),
                 }
             }
-            assert!(seen > 500 && touching > 100, "{name}: {seen} {touching}");
+            assert!(seen > 300 && touching > 30, "{name}: {seen} {touching}");
         }
     }
 }
