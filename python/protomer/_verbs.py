@@ -31,6 +31,8 @@ __all__ = [
     "surface",
     "potential",
     "shape",
+    "hpmc",
+    "phase-diagram",
     "body",
     "assemble",
     "candidates",
@@ -450,6 +452,152 @@ class _Shape:
 
 
 shape = _Shape()
+
+
+class _Hpmc:
+    """Hard convex bodies in a periodic box, with penetrable depletants."""
+
+    def run(
+        self,
+        *,
+        shape: Text,
+        packing_fraction: Number,
+        output: Path,
+        rounding: Number | None = None,
+        bodies: Integer | None = None,
+        depletants: Text | None = None,
+        equilibration: Integer | None = None,
+        sweeps: Integer | None = None,
+        seed: Integer | None = None,
+        sample_every: Integer | None = None,
+        trajectory_every: Integer | None = None,
+        insertions: Integer | None = None,
+        points: Integer | None = None,
+        time_limit: Number | None = None,
+        checkpoint_every: Number | None = None,
+        threads: Integer | None = None,
+        force: bool = False,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Run hard bodies in a periodic cube or square. The same command continues the run; more sweeps extend
+        it. Bodies are placed at random and compressed to the packing fraction. In the equilibration the steps
+        are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
+        random points, and the chemical potential by insertion.
+
+        Parameters
+        ----------
+        shape
+            File with points, or the name of a shape, as for `shape`
+        packing_fraction
+            The part of the box that the bodies fill
+        output
+            Directory of the results
+        rounding
+            Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+        bodies
+            Number of bodies [default: 216]
+        depletants
+            Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
+            the reservoir, several with commas between them. With density 0 only free volumes are measured
+        equilibration
+            Sweeps in which the steps are tuned and nothing is measured [default: 2000]
+        sweeps
+            Sweeps after that; a sweep is one trial move per body [default: 10000]
+        seed
+            Seed of the random numbers [default: 1]
+        sample_every
+            Sweeps between measurements [default: 5]
+        trajectory_every
+            Sweeps between frames of the trajectory; 0 for none [default: 500]
+        insertions
+            Bodies inserted at random per measurement, for the chemical potential [default: 0]
+        points
+            Points per measurement, for free volumes [default: ten per body]
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+        """
+        return call(
+            Result,
+            ["hpmc", "run"],
+            [],
+            {
+                "--shape": shape,
+                "--packing-fraction": packing_fraction,
+                "--output": output,
+                "--rounding": rounding,
+                "--bodies": bodies,
+                "--depletants": depletants,
+                "--equilibration": equilibration,
+                "--sweeps": sweeps,
+                "--seed": seed,
+                "--sample-every": sample_every,
+                "--trajectory-every": trajectory_every,
+                "--insertions": insertions,
+                "--points": points,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+hpmc = _Hpmc()
+
+
+def phase-diagram(
+    *,
+    size_ratio: Numbers | None = None,
+    reservoir: Numbers | None = None,
+    branch: Paths | None = None,
+    threads: Integer | None = None,
+    force: bool = False,
+    progress: Progress | None = None,
+) -> Result:
+    """Print the phases that coexist: their packing fractions, pressure and chemical potential. With
+    `--size-ratio` and `--reservoir`, hard spheres among penetrable depletants by free volume theory: the
+    fluid of Carnahan and Starling, the cell model of the crystal, free volumes of scaled particle theory.
+    With `--branch`, tables of free energies: two columns, a packing fraction (or density) and the free energy
+    per volume, one file per phase. Pressures are in units of kT over the volume of a sphere, chemical
+    potentials in kT; with tables both are in the units of the tables.
+
+    Parameters
+    ----------
+    size_ratio
+        Radius of the depletants over that of the spheres; several with commas between them
+    reservoir
+        Packing fraction of the depletants in the reservoir; several with commas between them
+    branch
+        Table of the free energy of a phase; once per phase
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+    """
+    return call(
+        Result,
+        ["phase-diagram"],
+        [],
+        {
+            "--size-ratio": size_ratio,
+            "--reservoir": reservoir,
+            "--branch": branch,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
 
 
 def body(
