@@ -285,7 +285,7 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
 /// How wide the list of verbs is, at most.
 const WIDTH: usize = 100;
 /// Where the descriptions of verbs begin.
-const INDENT: usize = 15;
+const INDENT: usize = 17;
 
 /// The command line as clap derives it from the flags, with what this module adds.
 pub fn completed(derived: Command) -> Command {

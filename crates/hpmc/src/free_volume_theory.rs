@@ -19,6 +19,10 @@ use std::f64::consts::{PI, SQRT_2};
 const CLOSE_PACKING: f64 = PI / (3.0 * SQRT_2);
 /// The lowest packing fraction of a gas that is looked at.
 const THINNEST: f64 = 1e-100;
+/// The densest fluid, near random close packing.
+const DENSEST_FLUID: f64 = 0.64;
+/// Where the search for a critical point begins.
+const THINNEST_LIQUID: f64 = 1e-3;
 /// Samples of a branch.
 const SAMPLES: usize = 4000;
 /// The relative accuracy of critical and triple points.
@@ -176,7 +180,7 @@ impl Mixture {
         for number in 0..SAMPLES {
             samples.push(THINNEST * (decades * number as f64 / SAMPLES as f64).exp());
         }
-        samples.extend(even_samples(0.01, 0.64, SAMPLES));
+        samples.extend(even_samples(0.01, DENSEST_FLUID, SAMPLES));
         samples.retain(|eta| *eta > thinnest);
         let branches = [
             Branch {
@@ -194,11 +198,11 @@ impl Mixture {
     }
 
     /// The critical point of gas and liquid for a size ratio: the reservoir at which a fluid first
-    /// becomes unstable, f''(η) = φ_r α''(η)/q³.
+    /// becomes unstable, f''(η) = φ_r α''(η)/q³; `None` where that is beyond any fluid.
     ///
     /// # Errors
     /// For a size ratio that is not positive.
-    pub fn critical_point(size_ratio: f64) -> Result<CriticalPoint> {
+    pub fn critical_point(size_ratio: f64) -> Result<Option<CriticalPoint>> {
         let unit = Self::new(size_ratio, 1.0)?;
         // The reservoir at which a fluid is just unstable; infinite where none makes it so.
         let limit = |eta: f64| {
@@ -210,20 +214,23 @@ impl Mixture {
             }
         };
         let mut best = (0.1, f64::INFINITY);
-        for eta in even_samples(1e-3, 0.6, SAMPLES) {
+        for eta in even_samples(THINNEST_LIQUID, DENSEST_FLUID, SAMPLES) {
             if limit(eta) < best.1 {
                 best = (eta, limit(eta));
             }
         }
-        let width = 0.6 / SAMPLES as f64;
+        let width = DENSEST_FLUID / SAMPLES as f64;
+        if best.0 > DENSEST_FLUID - width {
+            return Ok(None);
+        }
         let eta = least(limit, [best.0 - width, best.0 + width]);
         let reservoir = limit(eta);
         let above = Self::new(size_ratio, reservoir * (1.0 + 1e-4))?;
-        Ok(CriticalPoint {
+        Ok(Some(CriticalPoint {
             packing_fraction: eta,
             reservoir,
             is_stable: above.coexistences().len() > 1,
-        })
+        }))
     }
 
     /// The triple point for a size ratio; `None` if gas and liquid never coexist in equilibrium.
@@ -231,10 +238,10 @@ impl Mixture {
     /// # Errors
     /// For a size ratio that is not positive.
     pub fn triple_point(size_ratio: f64) -> Result<Option<TriplePoint>> {
-        let critical = Self::critical_point(size_ratio)?;
-        if !critical.is_stable {
+        let critical = Self::critical_point(size_ratio)?.filter(|point| point.is_stable);
+        let Some(critical) = critical else {
             return Ok(None);
-        }
+        };
         // The chemical potential of gas and liquid less that of liquid and solid grows with the
         // reservoir, and is zero at the triple point.
         let both = |reservoir: f64| {

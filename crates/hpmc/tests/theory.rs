@@ -84,7 +84,7 @@ fn fluid_and_solid_coexist_where_they_should() {
 
 #[test]
 fn gas_and_liquid_coexist_above_their_critical_point() {
-    let critical = Mixture::critical_point(0.5).unwrap();
+    let critical = Mixture::critical_point(0.5).unwrap().unwrap();
     assert_near(critical.packing_fraction, 0.22399415947668416, 1e-6);
     assert_near(critical.reservoir, 0.4487676976894916, 1e-9);
     let found = Mixture::new(0.5, 0.5).unwrap().coexistences();
@@ -105,6 +105,7 @@ fn triple_points_are_found_unaided() {
     assert_near(liquid, 0.4614291161437209, 1e-8);
     assert_near(solid, 0.5662607920712336, 1e-8);
     assert_eq!(Mixture::triple_point(0.2).unwrap(), None);
+    assert_eq!(Mixture::critical_point(0.02).unwrap(), None);
 }
 
 #[test]

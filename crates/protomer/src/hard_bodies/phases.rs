@@ -24,7 +24,7 @@ pub struct Phases {
     /// Coexistence of gas and liquid where a solid is more stable.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub metastable: Vec<Coexistence>,
-    /// Critical point of gas and liquid for each size ratio.
+    /// Critical point of gas and liquid for each size ratio that has one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub critical_points: Vec<CriticalPoint>,
     /// Triple point for each size ratio that has one.
@@ -182,13 +182,14 @@ pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Pha
                 phases.metastable.push(named(&found, ["gas", "liquid"]));
             }
         }
-        let critical = Mixture::critical_point(q)?;
-        phases.critical_points.push(CriticalPoint {
-            size_ratio: q,
-            packing_fraction: critical.packing_fraction,
-            reservoir_packing_fraction: critical.reservoir,
-            is_stable: critical.is_stable,
-        });
+        if let Some(critical) = Mixture::critical_point(q)? {
+            phases.critical_points.push(CriticalPoint {
+                size_ratio: q,
+                packing_fraction: critical.packing_fraction,
+                reservoir_packing_fraction: critical.reservoir,
+                is_stable: critical.is_stable,
+            });
+        }
         if let Some(triple) = Mixture::triple_point(q)? {
             phases.triple_points.push(TriplePoint {
                 size_ratio: q,
