@@ -216,8 +216,11 @@ impl Engine {
     }
 
     /// Temperatures (kT) of all momenta, of the centres and of the rotations; zero where nothing
-    /// moves.
+    /// moves. Overdamped bodies have the temperature of their bath.
     pub fn temperatures(&self) -> [f64; 3] {
+        if let Ensemble::Brownian { temperature, .. } = self.settings.ensemble {
+            return [temperature; 3];
+        }
         let [moving, turning] = self.motion.state.kinetic_energies(&self.bodies);
         let over = |kinetic: f64, freedoms: usize| 2.0 * kinetic / freedoms.max(1) as f64;
         [

@@ -56,8 +56,8 @@ impl Bodies<'_> {
     pub fn closest(&self, reach: f64, simplex: &mut Simplex) -> Found {
         let mut corners = [self.corner([0, 0]); 4];
         let count = simplex.count.clamp(1, 4);
-        for place in 0..count {
-            corners[place] = self.corner(simplex.corners[place]);
+        for (corner, numbers) in corners.iter_mut().zip(simplex.corners).take(count) {
+            *corner = self.corner(numbers);
         }
         let mut walk = Walk {
             count,
