@@ -27,7 +27,7 @@ use crate::grid::Near;
 use crate::system::{System, Trial};
 use crate::{Result, error::require};
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::separation::{Block, Pair};
+use protomer_kernel::shape::separation::{Block, Pair, minus};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -125,10 +125,7 @@ impl<const D: usize> System<D> {
         while arrived < expected {
             arrived += exponential(rng);
             let point = shell.point(rng);
-            let mut beyond = point;
-            for axis in 0..D {
-                beyond[axis] -= apart[axis];
-            }
+            let beyond = minus(&point, &apart);
             if self.covers(self.corners_of_trial(outside), &beyond, radius)
                 || !self.covers(self.corners_of_trial(inside), &point, radius)
             {
@@ -139,10 +136,7 @@ impl<const D: usize> System<D> {
                 is_gathered = true;
             }
             let is_covered = near.iter().any(|other| {
-                let mut from_other = point;
-                for axis in 0..D {
-                    from_other[axis] -= other.offset[axis];
-                }
+                let from_other = minus(&point, &other.offset);
                 self.covers(self.corners_of(other.body as usize), &from_other, radius)
             });
             if is_covered == (counting == Counting::Lost) {

@@ -64,7 +64,8 @@ pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     sum
 }
 
-fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
+/// The difference.
+pub fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
     let mut difference = [0.0; D];
     for axis in 0..D {
         difference[axis] = a[axis] - b[axis];
