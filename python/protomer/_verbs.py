@@ -44,6 +44,8 @@ __all__ = [
     "potential",
     "shape",
     "md",
+    "hpmc",
+    "phase-diagram",
     "body",
     "assemble",
     "candidates",
@@ -598,32 +600,32 @@ class _Md:
 
     def run(
         self,
-        config: Path | None = None,
+        config: Path | str | None = None,
         *,
-        output: Path,
-        shape: Text | None = None,
+        output: Path | str,
+        shape: str | float | Sequence[str | float] | None = None,
         keep_size: bool = False,
-        bodies: Integer | None = None,
-        packing_fraction: Number | None = None,
+        bodies: int | str | None = None,
+        packing_fraction: float | str | None = None,
         potential: Literal["contact", "face-sum", "smooth"] | None = None,
-        time_step: Number | None = None,
-        steps: Integer | None = None,
+        time_step: float | str | None = None,
+        steps: int | str | None = None,
         ensemble: Literal["nve", "nvt", "langevin", "brownian"] | None = None,
-        temperature: Number | None = None,
-        relaxation_time: Number | None = None,
-        friction: Number | None = None,
-        seed: Integer | None = None,
-        compress_from: Number | None = None,
-        compress_steps: Integer | None = None,
-        equilibrate_steps: Integer | None = None,
-        preparation_time_step: Number | None = None,
-        log_every: Integer | None = None,
-        trajectory_every: Integer | None = None,
-        time_limit: Number | None = None,
-        checkpoint_every: Number | None = None,
-        threads: Integer | None = None,
+        temperature: float | str | None = None,
+        relaxation_time: float | str | None = None,
+        friction: float | str | None = None,
+        seed: int | str | None = None,
+        compress_from: float | str | None = None,
+        compress_steps: int | str | None = None,
+        equilibrate_steps: int | str | None = None,
+        preparation_time_step: float | str | None = None,
+        log_every: int | str | None = None,
+        trajectory_every: int | str | None = None,
+        time_limit: float | str | None = None,
+        checkpoint_every: float | str | None = None,
+        threads: int | str | None = None,
         force: bool = False,
-        progress: Progress | None = None,
+        progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Follow convex bodies in motion, from a wide lattice through a slow compression. The same command
         continues a run. Bodies repel each other between the points that --potential names (energy epsilon at
@@ -683,6 +685,29 @@ class _Md:
             Overwrite existing results
         progress
             Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        StoppedError
+            If the time was over before the end; the same call continues it
+
+        Examples
+        --------
+        >>> pm.md.run(shape="polygon:4", packing_fraction=0.6, output="squares")  # doctest: +SKIP
+        >>> pm.md.run(shape="octahedron", bodies=500, potential="smooth", ensemble="nvt", output="fluid")  # doctest: +SKIP
         """
         return call(
             Result,
@@ -718,6 +743,196 @@ class _Md:
 
 
 md = _Md()
+
+
+class _Hpmc:
+    """Hard convex bodies in a periodic box, with penetrable depletants."""
+
+    def run(
+        self,
+        *,
+        shape: str | float | Sequence[str | float],
+        packing_fraction: float | str,
+        output: Path | str,
+        rounding: float | str | None = None,
+        bodies: int | str | None = None,
+        depletants: str | float | Sequence[str | float] | None = None,
+        equilibration: int | str | None = None,
+        sweeps: int | str | None = None,
+        seed: int | str | None = None,
+        sample_every: int | str | None = None,
+        trajectory_every: int | str | None = None,
+        insertions: int | str | None = None,
+        points: int | str | None = None,
+        time_limit: float | str | None = None,
+        checkpoint_every: float | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Run hard bodies in a periodic cube or square. The same command continues the run; more sweeps extend
+        it. Bodies are placed at random and compressed to the packing fraction. In the equilibration the steps
+        are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
+        random points, and the chemical potential by insertion.
+
+        Parameters
+        ----------
+        shape
+            File with points, or the name of a shape, as for `shape`
+        packing_fraction
+            The part of the box that the bodies fill
+        output
+            Directory of the results
+        rounding
+            Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+        bodies
+            Number of bodies [default: 216]
+        depletants
+            Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
+            the reservoir, several with commas between them. With density 0 only free volumes are measured
+        equilibration
+            Sweeps in which the steps are tuned and nothing is measured [default: 2000]
+        sweeps
+            Sweeps after that; a sweep is one trial move per body [default: 10000]
+        seed
+            Seed of the random numbers [default: 1]
+        sample_every
+            Sweeps between measurements [default: 5]
+        trajectory_every
+            Sweeps between frames of the trajectory; 0 for none [default: 500]
+        insertions
+            Bodies inserted at random per measurement, for the chemical potential [default: 0]
+        points
+            Points per measurement, for free volumes [default: ten per body]
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        StoppedError
+            If the time was over before the end; the same call continues it
+
+        Examples
+        --------
+        >>> pm.hpmc.run(shape="cube", packing_fraction=0.3, output="cubes")  # doctest: +SKIP
+        >>> pm.hpmc.run(shape="cube", packing_fraction=0.3, depletants="0.1:20", output="depleted")  # doctest: +SKIP
+        """
+        return call(
+            Result,
+            ["hpmc", "run"],
+            [],
+            {
+                "--shape": shape,
+                "--packing-fraction": packing_fraction,
+                "--output": output,
+                "--rounding": rounding,
+                "--bodies": bodies,
+                "--depletants": depletants,
+                "--equilibration": equilibration,
+                "--sweeps": sweeps,
+                "--seed": seed,
+                "--sample-every": sample_every,
+                "--trajectory-every": trajectory_every,
+                "--insertions": insertions,
+                "--points": points,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+
+hpmc = _Hpmc()
+
+
+def phase-diagram(
+    *,
+    size_ratio: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    reservoir: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    branch: Path | str | Sequence[Path | str] | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Print the phases that coexist: their packing fractions, pressure and chemical potential. With
+    `--size-ratio` and `--reservoir`, hard spheres among penetrable depletants by free volume theory: the
+    fluid of Carnahan and Starling, the cell model of the crystal, free volumes of scaled particle theory.
+    With `--branch`, tables of free energies: two columns, a packing fraction (or density) and the free energy
+    per volume, one file per phase. Pressures are in units of kT over the volume of a sphere, chemical
+    potentials in kT; with tables both are in the units of the tables.
+
+    Parameters
+    ----------
+    size_ratio
+        Radius of the depletants over that of the spheres; several with commas between them
+    reservoir
+        Packing fraction of the depletants in the reservoir; several with commas between them
+    branch
+        Table of the free energy of a phase; once per phase
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.phase_diagram(size_ratio=0.5, reservoir="0.4,0.5,0.6")  # doctest: +SKIP
+    >>> pm.phase_diagram(branch="fluid.txt", branch="solid.txt")  # doctest: +SKIP
+    """
+    return call(
+        Result,
+        ["phase-diagram"],
+        [],
+        {
+            "--size-ratio": size_ratio,
+            "--reservoir": reservoir,
+            "--branch": branch,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
 
 
 def body(
@@ -2829,30 +3044,31 @@ def sweep(
 
 
 def residues(
-    input: Path,
+    input: Path | str,
     *,
-    output: Path | None = None,
+    output: Path | str | None = None,
     mutations: bool = False,
-    touching: Number | None = None,
-    frames: Integer | None = None,
+    touching: float | str | None = None,
+    frames: int | str | None = None,
     script: Literal["chimerax", "pymol"] | None = None,
-    assembly: Path | None = None,
-    salt: Quantity | None = None,
-    temperature: Number | None = None,
-    permittivity: Number | None = None,
-    bjerrum: Number | None = None,
-    debye: Number | None = None,
-    cutoff: Number | None = None,
+    assembly: Path | str | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
     interaction: Literal["bare", "effective"] | None = None,
-    inner_permittivity: Number | None = None,
-    ion_radius: Number | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
-    contact_strength: Number | None = None,
+    contact_strength: float | str | None = None,
     desolvation: bool = False,
     no_cache: bool = False,
-    threads: Integer | None = None,
+    threads: int | str | None = None,
     force: bool = False,
-    progress: Progress | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Share out the energy of an assembly by residues and pairs of residues, averaged over the frames of a sweep
     or a simulation: which residues hold it together, which touch, and what single exchanges of charge would
@@ -2877,6 +3093,8 @@ def residues(
         Assembly file of a run, if it has moved
     salt
         Concentration of a 1:1 salt, such as 100mM or 0.1M
+    salt_molar
+        The same as a number in mol/L, instead of `salt`
     temperature
         Temperature, K [default: 298.15]
     permittivity
@@ -2911,6 +3129,27 @@ def residues(
         Overwrite existing results
     progress
         Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.residues("stability", salt="100mM", mutations=True)  # doctest: +SKIP
+    >>> pm.residues("ring.json", salt="100mM", output="holds", script="pymol")  # doctest: +SKIP
     """
     return call(
         Result,
@@ -2923,7 +3162,7 @@ def residues(
             "--frames": frames,
             "--script": script,
             "--assembly": assembly,
-            "--salt": salt,
+            "--salt": salts("residues", salt, salt_molar),
             "--temperature": temperature,
             "--permittivity": permittivity,
             "--bjerrum": bjerrum,
