@@ -94,14 +94,17 @@ pub struct DynamicsResult {
 
 impl Answer for DynamicsResult {
     fn text(&self) -> String {
-        let number = |value: Option<f64>, digits: &str| match value {
-            Some(value) if digits == "e" => format!("{value:.1e}"),
-            Some(value) => format!("{value:.4}"),
+        let number = |value: Option<f64>| match value {
+            Some(value) => format!("{value:.1e}"),
             None => "-".into(),
+        };
+        let pressure_error = match self.pressure_error {
+            Some(error) => format!("± {error:.4}"),
+            None => "(too short a run for an error)".into(),
         };
         format!(
             "t = {}: {} bodies at a packing fraction of {:.4}\n\
-             kT {:.4} (centres {:.4}, rotations {:.4}), pressure {:.4} ± {}\n\
+             kT {:.4} (centres {:.4}, rotations {:.4}), pressure {:.4} {pressure_error}\n\
              energy per body {:.6}, drift {}, noise {}\n\
              {} body-steps per CPU-second",
             self.time,
@@ -111,11 +114,10 @@ impl Answer for DynamicsResult {
             self.translational_temperature_kt,
             self.rotational_temperature_kt,
             self.pressure,
-            number(self.pressure_error, "f"),
             self.energy_per_body,
-            number(self.energy_drift_per_body, "e"),
-            number(self.energy_noise_per_body, "e"),
-            number(self.body_steps_per_cpu_second, "e"),
+            number(self.energy_drift_per_body),
+            number(self.energy_noise_per_body),
+            number(self.body_steps_per_cpu_second),
         )
     }
 }
