@@ -45,7 +45,7 @@ __all__ = [
     "shape",
     "md",
     "hpmc",
-    "phase-diagram",
+    "phase_diagram",
     "body",
     "assemble",
     "candidates",
@@ -868,7 +868,7 @@ class _Hpmc:
 hpmc = _Hpmc()
 
 
-def phase-diagram(
+def phase_diagram(
     *,
     size_ratio: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     reservoir: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
@@ -918,7 +918,7 @@ def phase-diagram(
     Examples
     --------
     >>> pm.phase_diagram(size_ratio=0.5, reservoir="0.4,0.5,0.6")  # doctest: +SKIP
-    >>> pm.phase_diagram(branch="fluid.txt", branch="solid.txt")  # doctest: +SKIP
+    >>> pm.phase_diagram(branch=["fluid.txt", "solid.txt"])  # doctest: +SKIP
     """
     return call(
         Result,

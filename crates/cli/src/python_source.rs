@@ -156,7 +156,7 @@ pub fn python_functions() -> String {
     text.push_str(TAIL);
     text.push_str("\n__all__ = [\n");
     for verb in &verbs {
-        let _ = writeln!(text, "    \"{}\",", verb.get_name());
+        let _ = writeln!(text, "    \"{}\",", identifier(verb.get_name()));
     }
     text.push_str("]\n");
     for verb in verbs {
@@ -173,11 +173,11 @@ fn write_verb(text: &mut String, verb: &Command) {
     let name = verb.get_name();
     if subverbs.is_empty() {
         text.push_str("\n\n");
-        write_function(text, verb, &[name], name, "");
+        write_function(text, verb, &[name], &identifier(name), "");
         return;
     }
     // Verbs with subcommands are objects with methods.
-    let _ = write!(text, "\n\nclass _{}:\n", capitalised(name));
+    let _ = write!(text, "\n\nclass _{}:\n", capitalised(&identifier(name)));
     write_docstring(
         text,
         &[wrapped(&sentence(&about(verb)), WIDTH - 4, "")],
@@ -197,7 +197,8 @@ fn write_verb(text: &mut String, verb: &Command) {
             "    ",
         );
     }
-    let _ = write!(text, "\n\n{name} = _{}()\n", capitalised(name));
+    let object = identifier(name);
+    let _ = write!(text, "\n\n{object} = _{}()\n", capitalised(&object));
 }
 
 /// One argument of a Python function.
@@ -486,7 +487,8 @@ fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> 
             return None;
         }
     }
-    let (mut places, mut keywords) = (Vec::new(), Vec::new());
+    let mut places = Vec::new();
+    let mut keywords: Vec<(String, Vec<String>)> = Vec::new();
     while let Some(word) = words.next() {
         let flags = || command.get_arguments().filter(|arg| !arg.is_positional());
         let arg = match (word.strip_prefix("--"), word.strip_prefix('-')) {
@@ -513,7 +515,10 @@ fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> 
                 }
             }
         };
-        keywords.push(format!("{name}={value}"));
+        match keywords.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, values)) => values.push(value),
+            None => keywords.push((name, vec![value])),
+        }
     }
     let first = command.get_arguments().find(|arg| arg.is_positional());
     let takes_many = first
@@ -523,7 +528,12 @@ fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> 
         true => vec![format!("[{}]", places.join(", "))],
         false => places,
     };
-    given.extend(keywords);
+    for (name, values) in keywords {
+        given.push(match &values[..] {
+            [value] => format!("{name}={value}"),
+            several => format!("{name}=[{}]", several.join(", ")),
+        });
+    }
     let mut function = path.iter().map(|word| identifier(word));
     Some(format!(
         "pm.{}({})",
