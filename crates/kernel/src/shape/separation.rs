@@ -56,6 +56,7 @@ pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut 
 }
 
 /// The inner product.
+#[inline(always)]
 pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     let mut sum = 0.0;
     for axis in 0..D {
@@ -65,6 +66,7 @@ pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
 }
 
 /// The difference.
+#[inline(always)]
 pub fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
     let mut difference = [0.0; D];
     for axis in 0..D {
@@ -74,6 +76,7 @@ pub fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
 }
 
 /// Heights of four corners along a direction.
+#[inline(always)]
 fn heights<const D: usize>(block: &Block<D>, direction: &[f64; D]) -> [f64; LANES] {
     let mut heights = [0.0; LANES];
     for axis in 0..D {
@@ -85,6 +88,7 @@ fn heights<const D: usize>(block: &Block<D>, direction: &[f64; D]) -> [f64; LANE
 }
 
 /// The largest height of corners along a direction.
+#[inline(always)]
 fn highest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> f64 {
     let mut best = [f64::NEG_INFINITY; LANES];
     for block in corners {
@@ -100,6 +104,7 @@ fn highest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> f64 {
 }
 
 /// The corner that is highest along a direction.
+#[inline(always)]
 fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64; D] {
     // Numbers of blocks as floats: a compiler makes vectors of equal types only.
     let (mut best, mut numbers) = ([f64::NEG_INFINITY; LANES], [0.0; LANES]);
@@ -143,6 +148,7 @@ pub struct Pair<'a, const D: usize> {
 
 impl<const D: usize> Pair<'_, D> {
     /// Whether this direction, of any length, separates the bodies; touching bodies are not apart.
+    #[inline(always)]
     pub fn is_separated_along(&self, direction: &[f64; D]) -> bool {
         let top = highest(self.first, direction);
         let down = direction.map(|x| -x);
@@ -169,18 +175,40 @@ impl<const D: usize> Pair<'_, D> {
     /// assert!(at(0.99) && !at(1.01));
     /// ```
     pub fn overlap(&self, direction: &mut [f64; D], exact: impl FnOnce() -> bool) -> bool {
-        if self.is_separated_along(direction) {
-            return false;
+        self.decide(direction).unwrap_or_else(exact)
+    }
+
+    /// As [`overlap`](Self::overlap); `None` where the search cannot tell.
+    fn decide(&self, direction: &mut [f64; D]) -> Option<bool> {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has the instructions that the function is compiled for.
+            return unsafe { self.decide_avx2(direction) };
         }
-        let decision = match (self.reach > 0.0, D) {
+        self.decide_anywhere(direction)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn decide_avx2(&self, direction: &mut [f64; D]) -> Option<bool> {
+        self.decide_anywhere(direction)
+    }
+
+    /// The same operations in the same order for every processor: they give the same bits.
+    #[inline(always)]
+    fn decide_anywhere(&self, direction: &mut [f64; D]) -> Option<bool> {
+        if self.is_separated_along(direction) {
+            return Some(false);
+        }
+        match (self.reach > 0.0, D) {
             (true, _) => self.walk(direction),
             (false, 2) => self.portal_in_plane(direction),
             (false, _) => self.portal_in_space(direction),
-        };
-        decision.unwrap_or_else(exact)
+        }
     }
 
     /// The corner of the difference (second less first) that is lowest along a direction.
+    #[inline(always)]
     fn lowest(&self, direction: &[f64; D]) -> [f64; D] {
         let first = farthest(self.first, direction);
         let second = farthest(self.second, &direction.map(|x| -x));
@@ -193,6 +221,7 @@ impl<const D: usize> Pair<'_, D> {
 
     /// The corner of the difference that is highest along a direction. If it is not above the origin, the
     /// opposite direction separates the bodies.
+    #[inline(always)]
     fn beyond(&self, normal: &[f64; D], direction: &mut [f64; D]) -> Option<[f64; D]> {
         let down = normal.map(|x| -x);
         let corner = self.lowest(&down);
@@ -203,8 +232,16 @@ impl<const D: usize> Pair<'_, D> {
         Some(corner)
     }
 
+    /// The same in space.
+    #[inline(always)]
+    fn beyond_in_space(&self, normal: &Vec3, direction: &mut [f64; D]) -> Option<Vec3> {
+        let normal = in_plane_or_space(normal);
+        Some(in_space(&self.beyond(&normal, direction)?))
+    }
+
     /// The ray from the inside of the difference to the origin leaves a simplex that grows through a
     /// face, the portal (Snethen, Game Programming Gems 7 (2008), 165).
+    #[inline(always)]
     fn portal_in_plane(&self, direction: &mut [f64; D]) -> Option<bool> {
         let inside = self.offset;
         let Some(mut a) = self.beyond(&inside.map(|x| -x), direction) else {
@@ -261,13 +298,10 @@ impl<const D: usize> Pair<'_, D> {
     }
 
     /// As [`portal_in_plane`](Self::portal_in_plane); the portal is a triangle.
+    #[inline(always)]
     fn portal_in_space(&self, direction: &mut [f64; D]) -> Option<bool> {
-        let mut support = |normal: &Vec3| {
-            let normal = in_plane_or_space(normal);
-            Some(in_space(&self.beyond(&normal, direction)?))
-        };
         let inside = in_space(&self.offset);
-        let Some(mut a) = support(&-inside) else {
+        let Some(mut a) = self.beyond_in_space(&-inside, direction) else {
             return Some(false);
         };
         let mut size_squared = a.norm_squared().max(inside.norm_squared());
@@ -277,7 +311,7 @@ impl<const D: usize> Pair<'_, D> {
             let least = inside.iamin();
             normal = inside.cross(&Vec3::ith(least, 1.0));
         }
-        let Some(mut b) = support(&normal) else {
+        let Some(mut b) = self.beyond_in_space(&normal, direction) else {
             return Some(false);
         };
         normal = (a - inside).cross(&(b - inside));
@@ -291,7 +325,7 @@ impl<const D: usize> Pair<'_, D> {
             if step == MOST_STEPS {
                 return None;
             }
-            match support(&normal) {
+            match self.beyond_in_space(&normal, direction) {
                 None => return Some(false),
                 Some(corner) => c = corner,
             }
@@ -314,7 +348,7 @@ impl<const D: usize> Pair<'_, D> {
             if height > 0.0 {
                 return Some(true);
             }
-            let Some(next) = support(&normal) else {
+            let Some(next) = self.beyond_in_space(&normal, direction) else {
                 return Some(false);
             };
             let gain = (next - a).dot(&normal);
@@ -340,6 +374,7 @@ impl<const D: usize> Pair<'_, D> {
     }
 
     /// `None` if the surface of the difference is too near to the origin to tell.
+    #[inline(always)]
     fn walk(&self, direction: &mut [f64; D]) -> Option<bool> {
         let mut simplex = Simplex::new(self.lowest(direction));
         let mut nearest = simplex.corners[0];
@@ -376,6 +411,7 @@ impl<const D: usize> Pair<'_, D> {
     }
 }
 
+#[inline(always)]
 fn in_plane_or_space<const D: usize>(vector: &Vec3) -> [f64; D] {
     let mut coordinates = [0.0; D];
     for (axis, x) in coordinates.iter_mut().enumerate() {
@@ -385,6 +421,7 @@ fn in_plane_or_space<const D: usize>(vector: &Vec3) -> [f64; D] {
 }
 
 /// A vector of the plane at right angles to the line from a place to another, on the side of the origin.
+#[inline(always)]
 fn across<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
     let normal = across_edge(from, to);
     if dot(&normal, from) > 0.0 {
@@ -393,6 +430,7 @@ fn across<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
     normal
 }
 
+#[inline(always)]
 fn across_edge<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
     let along = minus(to, from);
     let mut normal = [0.0; D];
@@ -507,6 +545,7 @@ impl<const D: usize> Nearest<D> {
     }
 }
 
+#[inline(always)]
 fn in_space<const D: usize>(corner: &[f64; D]) -> Vec3 {
     let mut place = Vec3::zeros();
     for (axis, x) in corner.iter().enumerate().take(3) {
