@@ -72,6 +72,12 @@ impl HardBodySettings {
     /// # Errors
     /// Names the setting and what it can be.
     pub fn check(&self) -> Result<()> {
+        if !(self.packing_fraction > 0.0 && self.packing_fraction < 1.0) {
+            bail!(
+                "the packing fraction is {}; it must be between 0 and 1",
+                self.packing_fraction
+            );
+        }
         if self.sample_every == 0 {
             bail!("sample_every is 0; give the sweeps between two measurements");
         }
