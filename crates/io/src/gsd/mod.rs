@@ -3,17 +3,19 @@
 //!
 //! The file layer, frames of named arrays, is written from the public specification
 //! (<https://gsd.readthedocs.io/en/stable/file-layer.html>): [`GsdWriter`] appends, [`GsdFile`]
-//! reads. [`trajectory`] is the schema for rigid bodies on top of it
+//! reads. [`FrameWriter`] continues a file from a checkpoint. [`trajectory`] is the schema for rigid bodies on top of it
 //! (<https://gsd.readthedocs.io/en/stable/schema-hoomd.html>), and [`TrajectoryReader`] reads the
 //! poses back.
 
 mod format;
+mod frames;
 mod poses;
 mod reader;
 pub mod trajectory;
 mod writer;
 
 pub use format::{Chunk, ChunkData};
+pub use frames::FrameWriter;
 pub use poses::{PosedFrame, TrajectoryReader};
 pub use reader::GsdFile;
 pub use trajectory::{

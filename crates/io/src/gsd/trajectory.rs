@@ -4,14 +4,10 @@
 //! frame holds step, box, positions, orientations and logged quantities; readers take the rest from
 //! frame 0.
 
-use super::{Chunk, ChunkData, GsdFile, GsdWriter};
+use super::{Chunk, ChunkData, FrameWriter, GsdFile};
 use crate::{IoError, Result};
 use protomer_kernel::{Pose, TriangleMesh};
 use std::path::Path;
-
-const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
-const SCHEMA: &str = "hoomd";
-const SCHEMA_VERSION: (u16, u16) = (1, 4);
 
 /// A kind of body.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,8 +78,8 @@ pub fn enclosing_box(poses: &[Pose], margin_angstrom: f64) -> [f64; 3] {
 /// ```
 #[derive(Debug)]
 pub struct TrajectoryWriter {
-    writer: GsdWriter,
-    header: TrajectoryHeader,
+    writer: FrameWriter,
+    bodies: usize,
 }
 
 impl TrajectoryWriter {
@@ -93,34 +89,28 @@ impl TrajectoryWriter {
     /// [`IoError::Unwritable`] for an inconsistent header, [`IoError::File`] if
     /// the system call fails.
     pub fn create(path: &Path, header: &TrajectoryHeader) -> Result<Self> {
-        check_header(header)?;
-        let writer = GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
-        Ok(Self {
-            writer,
-            header: header.clone(),
-        })
+        Self::after(path, header, 0)
     }
 
     /// Continues a trajectory after its first `frames` frames; later ones, complete or not, are
     /// dropped.
     ///
-    /// The frames to keep are written to a new file, which then replaces the old one. So the
-    /// file always equals, byte for byte, that of an uninterrupted run with the same frames.
+    /// The file then equals, byte for byte, that of an uninterrupted run ([`FrameWriter::open`]).
     ///
     /// # Errors
     /// [`IoError::Parse`] if the file has fewer frames or belongs to other bodies; else as
     /// [`TrajectoryWriter::create`].
     pub fn resume(path: &Path, header: &TrajectoryHeader, frames: u64) -> Result<Self> {
-        let mut old = GsdFile::open(path)?;
-        check_resumable(&mut old, path, header, frames)?;
-        let temporary = path.with_extension("gsd.partial");
-        let mut resumed = Self::create(&temporary, header)?;
-        for frame in 0..frames {
-            resumed.writer.append_frame(&old.frame(frame)?)?;
-        }
-        resumed.sync()?;
-        resumed.writer.rename(path)?;
-        Ok(resumed)
+        check_resumable(path, header, frames)?;
+        Self::after(path, header, frames)
+    }
+
+    fn after(path: &Path, header: &TrajectoryHeader, frames: u64) -> Result<Self> {
+        check_header(header)?;
+        Ok(Self {
+            writer: FrameWriter::open(path, header_chunks(header)?, frames)?,
+            bodies: header.type_ids.len(),
+        })
     }
 
     /// Appends a frame.
@@ -129,19 +119,15 @@ impl TrajectoryWriter {
     /// [`IoError::Unwritable`] unless there is a pose for each body; [`IoError::File`] if
     /// the system call fails.
     pub fn append(&mut self, frame: &TrajectoryFrame) -> Result<()> {
-        if frame.poses.len() != self.header.type_ids.len() {
+        if frame.poses.len() != self.bodies {
             let cause = format!(
                 "a frame has {} poses for {} bodies",
                 frame.poses.len(),
-                self.header.type_ids.len()
+                self.bodies
             );
             return Err(IoError::unwritable(cause, "give a pose for each body"));
         }
-        let mut chunks = frame_chunks(frame);
-        if self.writer.frames() == 0 {
-            chunks.extend(header_chunks(&self.header)?);
-        }
-        self.writer.append_frame(&chunks)
+        self.writer.append(frame_chunks(frame))
     }
 
     /// The frames written.
@@ -155,34 +141,23 @@ impl TrajectoryWriter {
     /// # Errors
     /// [`IoError::File`] if the system call fails.
     pub fn sync(&mut self) -> Result<()> {
-        self.writer.sync()
+        self.writer.sync().map(|_| ())
     }
 }
 
-/// Checks that a file has the frames to keep and belongs to these bodies.
-fn check_resumable(
-    old: &mut GsdFile,
-    path: &Path,
-    header: &TrajectoryHeader,
-    frames: u64,
-) -> Result<()> {
-    let refuse = |cause: &str, remedy: &str| {
-        let file = path.display().to_string();
-        Err(IoError::parse(&file, 0, cause, remedy))
-    };
-    let held = old.frames();
-    if held < frames {
-        let cause = format!("it holds {held} frames where the checkpoint has written {frames}");
-        return refuse(&cause, "restore it, or begin the run again");
-    }
-    if frames == 0 {
+/// Checks that the frames to keep, if any, are of these bodies.
+fn check_resumable(path: &Path, header: &TrajectoryHeader, frames: u64) -> Result<()> {
+    let mut old = GsdFile::open(path)?;
+    if frames == 0 || old.frames() == 0 {
         return Ok(());
     }
     for chunk in header_chunks(header)? {
         let is_same = matches!(old.chunk(0, &chunk.name), Ok(Some(found)) if found == chunk);
         if !is_same {
+            let file = path.display().to_string();
             let cause = "it is a trajectory of other bodies";
-            return refuse(cause, "continue it with its own run");
+            let remedy = "continue it with its own run";
+            return Err(IoError::parse(&file, 0, cause, remedy));
         }
     }
     Ok(())
@@ -215,15 +190,15 @@ fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
     let box_and_tilts = vec![lx, ly, lz, 0.0, 0.0, 0.0];
     let bodies = frame.poses.len() as u32;
     let mut chunks = vec![
-        chunk("configuration/step", 1, ChunkData::U64(vec![frame.step])),
-        chunk("configuration/box", 1, ChunkData::F32(box_and_tilts)),
-        chunk("particles/N", 1, ChunkData::U32(vec![bodies])),
-        chunk("particles/position", 3, ChunkData::F32(positions)),
-        chunk("particles/orientation", 4, ChunkData::F32(orientations)),
+        Chunk::new("configuration/step", 1, ChunkData::U64(vec![frame.step])),
+        Chunk::new("configuration/box", 1, ChunkData::F32(box_and_tilts)),
+        Chunk::new("particles/N", 1, ChunkData::U32(vec![bodies])),
+        Chunk::new("particles/position", 3, ChunkData::F32(positions)),
+        Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
     ];
     for (name, value) in frame.log {
         let data = ChunkData::F64(vec![*value]);
-        chunks.push(chunk(&format!("log/{name}"), 1, data));
+        chunks.push(Chunk::new(&format!("log/{name}"), 1, data));
     }
     chunks
 }
@@ -241,34 +216,11 @@ fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
         .map(|charge| *charge as f32)
         .collect();
     Ok(vec![
-        text_chunk("particles/types", &names)?,
-        text_chunk("particles/type_shapes", &shapes)?,
-        chunk("particles/typeid", 1, types),
-        chunk("particles/charge", 1, ChunkData::F32(charges)),
+        Chunk::text("particles/types", &names)?,
+        Chunk::text("particles/type_shapes", &shapes)?,
+        Chunk::new("particles/typeid", 1, types),
+        Chunk::new("particles/charge", 1, ChunkData::F32(charges)),
     ])
-}
-
-fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
-    Chunk {
-        name: name.to_owned(),
-        columns,
-        data,
-    }
-}
-
-/// Strings as rows of equal length, each terminated by a zero byte.
-fn text_chunk(name: &str, rows: &[String]) -> Result<Chunk> {
-    let longest = rows.iter().map(String::len).max().unwrap_or(0);
-    let Ok(columns) = u32::try_from(longest + 1) else {
-        let cause = format!("{name} is longer than 4 GB");
-        return Err(IoError::unwritable(cause, "give coarser meshes"));
-    };
-    let mut data = Vec::with_capacity((longest + 1) * rows.len());
-    for row in rows {
-        data.extend(row.bytes().map(|byte| byte as i8));
-        data.resize(data.len() + longest + 1 - row.len(), 0);
-    }
-    Ok(chunk(name, columns, ChunkData::I8(data)))
 }
 
 /// The shape definition understood by HOOMD and OVITO; `{}` for none.

@@ -5,24 +5,17 @@
 
 use anyhow::{Result, bail};
 use protomer_crystal::lattice::{Corner, Network, State};
-use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+use protomer_io::gsd::{Chunk, ChunkData, FrameWriter, GsdFile};
 use serde_json::json;
 use std::f64::consts::FRAC_PI_4;
 use std::path::Path;
 
-/// HOOMD's schema, which OVITO reads.
-const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
-const SCHEMA: &str = "hoomd";
-const SCHEMA_VERSION: (u16, u16) = (1, 4);
 /// Diameter of the dots on the corners.
 const DOT_DIAMETER: f64 = 0.04;
 
 /// A trajectory that is being written.
 #[derive(Debug)]
-pub struct Trajectory {
-    writer: GsdWriter,
-    header: Vec<Chunk>,
-}
+pub struct Trajectory(FrameWriter);
 
 impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
@@ -30,29 +23,7 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written, or holds fewer frames than the checkpoint records.
     pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
-        let header = header(network);
-        if frames == 0 {
-            return Ok(Self {
-                writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?,
-                header,
-            });
-        }
-        let mut old = GsdFile::open(path)?;
-        if old.frames() < frames {
-            bail!(
-                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start again with --force",
-                path.display(),
-                old.frames()
-            );
-        }
-        let partial = path.with_extension("gsd.partial");
-        let mut writer = GsdWriter::create(&partial, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
-        for frame in 0..frames {
-            writer.append_frame(&old.frame(frame)?)?;
-        }
-        writer.sync()?;
-        std::fs::rename(&partial, path)?;
-        Ok(Self { writer, header })
+        Ok(Self(FrameWriter::open(path, header(network)?, frames)?))
     }
 
     /// Appends a state.
@@ -66,11 +37,7 @@ impl Trajectory {
         state: &State,
         energy: f64,
     ) -> Result<()> {
-        let mut chunks = frame(step, network, state, energy);
-        if self.writer.frames() == 0 {
-            chunks.extend(self.header.iter().cloned());
-        }
-        Ok(self.writer.append_frame(&chunks)?)
+        Ok(self.0.append(frame(step, network, state, energy))?)
     }
 
     /// Flushes everything to disk and returns the number of frames.
@@ -78,8 +45,7 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
-        self.writer.sync()?;
-        Ok(self.writer.frames())
+        Ok(self.0.sync()?)
     }
 }
 
@@ -101,14 +67,6 @@ fn corner_angle(vertex: u8) -> f64 {
     }
 }
 
-fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
-    Chunk {
-        name: name.to_owned(),
-        columns,
-        data,
-    }
-}
-
 /// The distinct sizes of squares in order of first appearance, and the index of the size of each
 /// square.
 fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
@@ -125,7 +83,7 @@ fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
 }
 
 /// The data that is the same in every frame.
-fn header(network: &Network) -> Vec<Chunk> {
+fn header(network: &Network) -> Result<Vec<Chunk>> {
     let (sizes, mut kinds) = sizes(network);
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for (kind, size) in sizes.iter().enumerate() {
@@ -143,25 +101,25 @@ fn header(network: &Network) -> Vec<Chunk> {
         masses.push(square.mass as f32);
     }
     masses.extend(vec![1e-6; number_of_ends]);
-    vec![
-        chunk("configuration/dimensions", 1, ChunkData::U8(vec![2])),
-        text_chunk("particles/types", &names),
-        text_chunk("particles/type_shapes", &shapes),
-        chunk("particles/typeid", 1, ChunkData::U32(kinds)),
-        chunk("particles/mass", 1, ChunkData::F32(masses)),
-        text_chunk("bonds/types", &["rod".into()]),
-        chunk(
+    Ok(vec![
+        Chunk::new("configuration/dimensions", 1, ChunkData::U8(vec![2])),
+        Chunk::text("particles/types", &names)?,
+        Chunk::text("particles/type_shapes", &shapes)?,
+        Chunk::new("particles/typeid", 1, ChunkData::U32(kinds)),
+        Chunk::new("particles/mass", 1, ChunkData::F32(masses)),
+        Chunk::text("bonds/types", &["rod"])?,
+        Chunk::new(
             "bonds/N",
             1,
             ChunkData::U32(vec![network.rods.len() as u32]),
         ),
-        chunk(
+        Chunk::new(
             "bonds/typeid",
             1,
             ChunkData::U32(vec![0; network.rods.len()]),
         ),
-        chunk("bonds/group", 2, ChunkData::U32(ends)),
-    ]
+        Chunk::new("bonds/group", 2, ChunkData::U32(ends)),
+    ])
 }
 
 /// The shape of a square of this size.
@@ -207,8 +165,8 @@ fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk>
         orientations.extend([cosine as f32, 0.0, 0.0, sine as f32]);
     }
     vec![
-        chunk("configuration/step", 1, ChunkData::U64(vec![step])),
-        chunk(
+        Chunk::new("configuration/step", 1, ChunkData::U64(vec![step])),
+        Chunk::new(
             "configuration/box",
             1,
             ChunkData::F32(vec![
@@ -220,12 +178,12 @@ fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk>
                 0.0,
             ]),
         ),
-        chunk("particles/N", 1, ChunkData::U32(vec![places.len() as u32])),
-        chunk("particles/position", 3, ChunkData::F32(positions)),
-        chunk("particles/orientation", 4, ChunkData::F32(orientations)),
-        chunk("log/time", 1, ChunkData::F64(vec![state.time])),
-        chunk("log/energy", 1, ChunkData::F64(vec![energy])),
-        chunk("log/positions", 3, ChunkData::F64(state.positions.clone())),
+        Chunk::new("particles/N", 1, ChunkData::U32(vec![places.len() as u32])),
+        Chunk::new("particles/position", 3, ChunkData::F32(positions)),
+        Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
+        Chunk::new("log/time", 1, ChunkData::F64(vec![state.time])),
+        Chunk::new("log/energy", 1, ChunkData::F64(vec![energy])),
+        Chunk::new("log/positions", 3, ChunkData::F64(state.positions.clone())),
     ]
 }
 
@@ -242,17 +200,6 @@ fn enclosing(network: &Network, places: &[[f64; 2]]) -> [f64; 2] {
         }
     }
     furthest.map(|furthest| 2.0 * (furthest + largest))
-}
-
-/// Strings as rows of equal length, each terminated by a zero byte.
-fn text_chunk(name: &str, rows: &[String]) -> Chunk {
-    let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
-    let mut data = Vec::with_capacity(columns * rows.len());
-    for row in rows {
-        data.extend(row.bytes().map(|byte| byte as i8));
-        data.resize(data.len() + columns - row.len(), 0);
-    }
-    chunk(name, columns as u32, ChunkData::I8(data))
 }
 
 /// Reads the states of a trajectory: time, and x, y, θ of every square.

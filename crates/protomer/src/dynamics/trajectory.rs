@@ -3,8 +3,8 @@
 //! Positions are wrapped into the box. `log/particles/unwrapped_position` (and in a plane
 //! `log/particles/unwrapped_angle`) lead through its faces and through full turns.
 
-use anyhow::{Result, bail};
-use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+use anyhow::Result;
+use protomer_io::gsd::{Chunk, ChunkData, FrameWriter};
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::body::Kind;
 use protomer_md::engine::Engine;
@@ -12,16 +12,9 @@ use protomer_md::state::{Bodies, State};
 use serde_json::json;
 use std::path::Path;
 
-const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
-const SCHEMA: &str = "hoomd";
-const SCHEMA_VERSION: (u16, u16) = (1, 4);
-
 /// A trajectory that is being written.
 #[derive(Debug)]
-pub struct Trajectory {
-    writer: GsdWriter,
-    header: Vec<Chunk>,
-}
+pub struct Trajectory(FrameWriter);
 
 impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
@@ -29,30 +22,7 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written, or holds fewer frames than the checkpoint records.
     pub fn open(path: &Path, bodies: &Bodies, frames: u64) -> Result<Self> {
-        let header = header(bodies);
-        if frames == 0 {
-            return Ok(Self {
-                writer: GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?,
-                header,
-            });
-        }
-        let mut old = GsdFile::open(path)?;
-        if old.frames() < frames {
-            bail!(
-                "{} holds {} frames where the checkpoint has written {frames}; restore it, or \
-                 start again with --force",
-                path.display(),
-                old.frames()
-            );
-        }
-        let partial = path.with_extension("gsd.partial");
-        let mut writer = GsdWriter::create(&partial, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
-        for frame in 0..frames {
-            writer.append_frame(&old.frame(frame)?)?;
-        }
-        writer.sync()?;
-        std::fs::rename(&partial, path)?;
-        Ok(Self { writer, header })
+        Ok(Self(FrameWriter::open(path, header(bodies)?, frames)?))
     }
 
     /// Appends a state.
@@ -60,11 +30,7 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written.
     pub fn append(&mut self, step: u64, time: f64, engine: &Engine) -> Result<()> {
-        let mut chunks = frame(step, time, engine);
-        if self.writer.frames() == 0 {
-            chunks.extend(self.header.iter().cloned());
-        }
-        Ok(self.writer.append_frame(&chunks)?)
+        Ok(self.0.append(frame(step, time, engine))?)
     }
 
     /// Flushes everything to disk and returns the number of frames.
@@ -72,21 +38,12 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
-        self.writer.sync()?;
-        Ok(self.writer.frames())
-    }
-}
-
-fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
-    Chunk {
-        name: name.to_owned(),
-        columns,
-        data,
+        Ok(self.0.sync()?)
     }
 }
 
 /// The data that is the same in every frame.
-fn header(bodies: &Bodies) -> Vec<Chunk> {
+fn header(bodies: &Bodies) -> Result<Vec<Chunk>> {
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for (number, kind) in bodies.kinds.iter().enumerate() {
         names.push(format!("body{}", number + 1));
@@ -101,14 +58,14 @@ fn header(bodies: &Bodies) -> Vec<Chunk> {
         moments.extend(kind.moments.iter().map(|moment| *moment as f32));
     }
     let dimensions = vec![bodies.dimension() as u8];
-    vec![
-        chunk("configuration/dimensions", 1, ChunkData::U8(dimensions)),
-        text_chunk("particles/types", &names),
-        text_chunk("particles/type_shapes", &shapes),
-        chunk("particles/typeid", 1, ChunkData::U32(kinds)),
-        chunk("particles/mass", 1, ChunkData::F32(masses)),
-        chunk("particles/moment_inertia", 3, ChunkData::F32(moments)),
-    ]
+    Ok(vec![
+        Chunk::new("configuration/dimensions", 1, ChunkData::U8(dimensions)),
+        Chunk::text("particles/types", &names)?,
+        Chunk::text("particles/type_shapes", &shapes)?,
+        Chunk::new("particles/typeid", 1, ChunkData::U32(kinds)),
+        Chunk::new("particles/mass", 1, ChunkData::F32(masses)),
+        Chunk::new("particles/moment_inertia", 3, ChunkData::F32(moments)),
+    ])
 }
 
 /// The shape of a kind, as viewers read it.
@@ -148,24 +105,24 @@ fn frame(step: u64, time: f64, engine: &Engine) -> Vec<Chunk> {
         .map(|part| part as f32)
         .collect();
     let mut chunks = vec![
-        chunk("configuration/step", 1, ChunkData::U64(vec![step])),
-        chunk("configuration/box", 1, ChunkData::F32(lengths)),
-        chunk("particles/N", 1, ChunkData::U32(vec![wrapped.len() as u32])),
-        chunk("particles/position", 3, ChunkData::F32(single(&wrapped))),
-        chunk("particles/orientation", 4, ChunkData::F32(turns)),
-        chunk(
+        Chunk::new("configuration/step", 1, ChunkData::U64(vec![step])),
+        Chunk::new("configuration/box", 1, ChunkData::F32(lengths)),
+        Chunk::new("particles/N", 1, ChunkData::U32(vec![wrapped.len() as u32])),
+        Chunk::new("particles/position", 3, ChunkData::F32(single(&wrapped))),
+        Chunk::new("particles/orientation", 4, ChunkData::F32(turns)),
+        Chunk::new(
             "particles/velocity",
             3,
             ChunkData::F32(single(&state.velocities)),
         ),
-        chunk("log/time", 1, ChunkData::F64(vec![time])),
-        chunk("log/energy", 1, ChunkData::F64(vec![engine.energy()])),
-        chunk(
+        Chunk::new("log/time", 1, ChunkData::F64(vec![time])),
+        Chunk::new("log/energy", 1, ChunkData::F64(vec![engine.energy()])),
+        Chunk::new(
             "log/particles/unwrapped_position",
             3,
             ChunkData::F64(state.positions.iter().flatten().copied().collect()),
         ),
-        chunk(
+        Chunk::new(
             "log/particles/spin",
             3,
             ChunkData::F64(state.spins.iter().flatten().copied().collect()),
@@ -173,7 +130,7 @@ fn frame(step: u64, time: f64, engine: &Engine) -> Vec<Chunk> {
     ];
     if is_flat {
         let angles = ChunkData::F64(state.angles_rad.clone());
-        chunks.push(chunk("log/particles/unwrapped_angle", 1, angles));
+        chunks.push(Chunk::new("log/particles/unwrapped_angle", 1, angles));
     }
     chunks
 }
@@ -192,15 +149,4 @@ fn lengths(state: &State, is_flat: bool) -> Vec<f32> {
 
 fn single(vectors: &[Vec3]) -> Vec<f32> {
     vectors.iter().flatten().map(|x| *x as f32).collect()
-}
-
-/// Strings as rows of equal length, each terminated by a zero byte.
-fn text_chunk(name: &str, rows: &[String]) -> Chunk {
-    let columns = rows.iter().map(String::len).max().unwrap_or(0) + 1;
-    let mut data = Vec::with_capacity(columns * rows.len());
-    for row in rows {
-        data.extend(row.bytes().map(|byte| byte as i8));
-        data.resize(data.len() + columns - row.len(), 0);
-    }
-    chunk(name, columns as u32, ChunkData::I8(data))
 }

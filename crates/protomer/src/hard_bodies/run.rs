@@ -323,7 +323,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         log.sync()?;
         let trajectory = match settings.trajectory_every {
             0 => None,
-            _ => Some(Trajectory::open(&directory.join(TRAJECTORY), frames)?),
+            _ => {
+                let path = directory.join(TRAJECTORY);
+                Some(Trajectory::open(&path, simulation.system(), frames)?)
+            }
         };
         let mut open = Open {
             simulation,

@@ -1,50 +1,23 @@
 //! `trajectory.gsd`: the bodies with their shape, which OVITO draws.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::system::System;
-use protomer_io::gsd::{Chunk, ChunkData, GsdFile, GsdWriter};
+use protomer_io::gsd::{Chunk, ChunkData, FrameWriter};
 use serde_json::{Value, json};
 use std::path::Path;
 
-const APPLICATION: &str = concat!("protomer ", env!("CARGO_PKG_VERSION"));
-/// HOOMD's schema.
-const SCHEMA: &str = "hoomd";
-const SCHEMA_VERSION: (u16, u16) = (1, 4);
-
 /// A trajectory that is being written.
 #[derive(Debug)]
-pub struct Trajectory {
-    writer: GsdWriter,
-}
+pub struct Trajectory(FrameWriter);
 
 impl Trajectory {
     /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
     ///
     /// # Errors
     /// If the file cannot be written, or holds fewer frames than the checkpoint records.
-    pub fn open(path: &Path, frames: u64) -> Result<Self> {
-        if frames == 0 {
-            let writer = GsdWriter::create(path, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
-            return Ok(Self { writer });
-        }
-        let mut old = GsdFile::open(path)?;
-        if old.frames() < frames {
-            bail!(
-                "{} holds {} frames where the checkpoint has written {frames}; restore it, or start \
-                 again with --force",
-                path.display(),
-                old.frames()
-            );
-        }
-        let partial = path.with_extension("gsd.partial");
-        let mut writer = GsdWriter::create(&partial, APPLICATION, SCHEMA, SCHEMA_VERSION)?;
-        for frame in 0..frames {
-            writer.append_frame(&old.frame(frame)?)?;
-        }
-        writer.sync()?;
-        std::fs::rename(&partial, path)?;
-        Ok(Self { writer })
+    pub fn open<const D: usize>(path: &Path, system: &System<D>, frames: u64) -> Result<Self> {
+        Ok(Self(FrameWriter::open(path, header(system)?, frames)?))
     }
 
     /// Appends a state.
@@ -52,11 +25,7 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written.
     pub fn append<const D: usize>(&mut self, sweep: u64, system: &System<D>) -> Result<()> {
-        let mut chunks = frame(sweep, system);
-        if self.writer.frames() == 0 {
-            chunks.extend(header(system));
-        }
-        Ok(self.writer.append_frame(&chunks)?)
+        Ok(self.0.append(frame(sweep, system))?)
     }
 
     /// Flushes everything to disk and returns the number of frames.
@@ -64,26 +33,17 @@ impl Trajectory {
     /// # Errors
     /// If the file cannot be written.
     pub fn sync(&mut self) -> Result<u64> {
-        self.writer.sync()?;
-        Ok(self.writer.frames())
-    }
-}
-
-fn chunk(name: &str, columns: u32, data: ChunkData) -> Chunk {
-    Chunk {
-        name: name.to_owned(),
-        columns,
-        data,
+        Ok(self.0.sync()?)
     }
 }
 
 /// The data that is the same in every frame.
-fn header<const D: usize>(system: &System<D>) -> Vec<Chunk> {
-    vec![
-        chunk("configuration/dimensions", 1, ChunkData::U8(vec![D as u8])),
-        text("particles/types", "body"),
-        text("particles/type_shapes", &shape(system.body()).to_string()),
-    ]
+fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
+    Ok(vec![
+        Chunk::new("configuration/dimensions", 1, ChunkData::U8(vec![D as u8])),
+        Chunk::text("particles/types", &["body"])?,
+        Chunk::text("particles/type_shapes", &[shape(system.body()).to_string()])?,
+    ])
 }
 
 /// The shape in the words of the schema.
@@ -117,17 +77,10 @@ fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
     let depth = if D == 2 { 0.0 } else { edge as f32 };
     let lengths = vec![edge as f32, edge as f32, depth, 0.0, 0.0, 0.0];
     vec![
-        chunk("configuration/step", 1, ChunkData::U64(vec![sweep])),
-        chunk("configuration/box", 1, ChunkData::F32(lengths)),
-        chunk("particles/N", 1, ChunkData::U32(vec![system.len() as u32])),
-        chunk("particles/position", 3, ChunkData::F32(positions)),
-        chunk("particles/orientation", 4, ChunkData::F32(orientations)),
+        Chunk::new("configuration/step", 1, ChunkData::U64(vec![sweep])),
+        Chunk::new("configuration/box", 1, ChunkData::F32(lengths)),
+        Chunk::new("particles/N", 1, ChunkData::U32(vec![system.len() as u32])),
+        Chunk::new("particles/position", 3, ChunkData::F32(positions)),
+        Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),
     ]
-}
-
-/// One string, terminated by a zero byte.
-fn text(name: &str, row: &str) -> Chunk {
-    let mut data: Vec<i8> = row.bytes().map(|byte| byte as i8).collect();
-    data.push(0);
-    chunk(name, data.len() as u32, ChunkData::I8(data))
 }
