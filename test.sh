@@ -15,14 +15,20 @@ rust_checks() {
     cargo test --workspace --locked
 }
 
-python_checks() {
+install_requirements() {
     if [ ! -x .venv/bin/python ]; then
         python3 -m venv .venv
     fi
+    # Modules are compiled when they are first imported, which most of these never are.
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --no-compile \
+        -r python/checks/requirements.txt -r docs/requirements.txt
+}
+
+python_checks() {
+    install_requirements
     # The package brings the command that the checks run. It shares the build of the Rust tests.
     CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check \
         --config-settings=build-args=--profile=dev ./python
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check -r python/checks/requirements.txt
     # The Rust checks have built target/doc; without them the site builds it.
     if [ -e target/doc/protomer/index.html ]; then
         bash docs/site.sh --no-rust
@@ -30,16 +36,20 @@ python_checks() {
         bash docs/site.sh
     fi
     .venv/bin/python -m mypy --config-file python/pyproject.toml
-    .venv/bin/python -m pytest -q -rs python/tests
-    .venv/bin/python -m pytest -q -rs python/checks
+    .venv/bin/python -m pytest -q -rs -n 2 python/tests
+    .venv/bin/python -m pytest -q -rs -n 2 python/checks
 }
 
 case "${1:-all}" in
 rust) rust_checks ;;
 python) python_checks ;;
 all)
+    # Downloads come in while the compiler works.
+    install_requirements &
+    downloads=$!
     # Not joined by &&: within such a list an error would not end the first function.
     rust_checks
+    wait "$downloads"
     python_checks
     ;;
 *) echo "test.sh: '$1' is not one of: rust, python" >&2 && exit 2 ;;

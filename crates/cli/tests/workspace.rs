@@ -76,7 +76,11 @@ fn arrows_point_the_way_the_architecture_says() {
         ("protomer-hpmc", &["protomer-kernel"]),
         ("protomer-crystal", &["protomer-kernel"]),
         ("protomer-field", &["protomer-body", "protomer-kernel"]),
-        ("protomer-learn", &["protomer-kernel"]),
+        ("protomer-convolution", &[]),
+        (
+            "protomer-learn",
+            &["protomer-convolution", "protomer-kernel"],
+        ),
         ("protomer-plot", &["protomer-io"]),
         ("protomer-results", &["protomer-io"]),
         ("protomer-common", &["protomer-io", "protomer-plot"]),

@@ -20,6 +20,9 @@ pub enum LearnError {
     /// A tensor operation failed.
     #[error("tensor: {0}")]
     Tensor(#[from] candle_core::Error),
+    /// A convolution that no kernel computes.
+    #[error(transparent)]
+    Convolution(#[from] protomer_convolution::ConvolutionError),
 }
 
 /// Short for this crate's results.

@@ -15,7 +15,6 @@
 //! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
 //! | [`augmentation`] | the 24 rotations of the cube, exact |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
-//! | [`convolution`] | kernels of the convolution on the processor |
 //! | [`block`] | convolution, normalisation, ReLU and pooling as one |
 //! | [`network`] | blocks, global pooling, a linear layer |
 //! | [`loss`] | cross entropy |
@@ -41,7 +40,6 @@ pub mod block;
 pub mod bootstrap;
 pub mod calibration;
 pub mod controls;
-pub mod convolution;
 pub mod device;
 mod error;
 pub mod evaluation;

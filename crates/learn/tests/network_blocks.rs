@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used)]
 
 use candle_core::{Device, Tensor, Var};
+use protomer_convolution::Level;
 use protomer_kernel::random::CounterRng;
 use protomer_learn::BlockSettings;
 use protomer_learn::block::{self, BlockParameters};
-use protomer_learn::convolution::Level;
 use protomer_learn::operations;
 
 const CPU: Device = Device::Cpu;

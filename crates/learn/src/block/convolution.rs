@@ -1,12 +1,12 @@
 //! Convolution, bias, and ReLU and pooling if wanted, of one sample.
 
 use super::BlockParameters;
-use crate::convolution::buffers::Buffer;
-use crate::convolution::forward::{self, Finish, Forward};
-use crate::convolution::padded::{Occupied, Padded};
-use crate::convolution::{Geometry, Level};
 use crate::error::refuse;
 use candle_core::Tensor;
+use protomer_convolution::buffers::Buffer;
+use protomer_convolution::forward::{self, Finish, Forward};
+use protomer_convolution::padded::{Occupied, Padded};
+use protomer_convolution::{Geometry, Level};
 
 /// What follows convolution and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -109,14 +109,15 @@ impl Convolution {
         let geometry = &self.geometry;
         let input = Padded::new(geometry, sample, self.from_data);
         let mut scratch = Buffer::stale(forward::scratch_length(geometry));
-        self.level.run(Forward {
+        Forward {
             geometry,
             input: &input,
             weights: packed,
             bias: Some(bias),
             finish,
             scratch: &mut scratch,
-        });
+        }
+        .run_on(self.level);
         input.occupied
     }
 }

@@ -5,17 +5,17 @@
 //! forward pass with the weights turned round).
 
 use super::convolution::{Convolution, Finishing};
-use crate::convolution::Geometry;
-use crate::convolution::buffers::Buffer;
-use crate::convolution::dense::{self, DenseWeights};
-use crate::convolution::forward::{self, DEAD, Finish, Forward};
-use crate::convolution::geometry::LANES;
-use crate::convolution::padded::{
-    Occupied, Padded, channel_last, channel_last_length, count_nonzero, from_channel_last,
-};
-use crate::convolution::sparse::{self, Entries, SparseInput, SparseWeights};
 use crate::numbers::{Numbers, sum};
 use candle_core::{Result, Tensor};
+use protomer_convolution::Geometry;
+use protomer_convolution::buffers::Buffer;
+use protomer_convolution::dense::{self, DenseWeights};
+use protomer_convolution::forward::{self, DEAD, Finish, Forward};
+use protomer_convolution::geometry::LANES;
+use protomer_convolution::padded::{
+    Occupied, Padded, channel_last, channel_last_length, count_nonzero, from_channel_last,
+};
+use protomer_convolution::sparse::{self, Entries, SparseInput, SparseWeights};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -146,20 +146,22 @@ impl Convolution {
     ) -> WeightGradient {
         let geometry = &self.geometry;
         let mut gradient = Buffer::stale(sparse::weights_length(geometry));
-        self.level.run(SparseWeights {
+        SparseWeights {
             geometry,
             input: &channel_last(geometry, sample.input, sample.occupied),
             entries,
             weights: &mut gradient,
-        });
+        }
+        .run_on(self.level);
         if let Some(to) = input_gradient {
             let mut channel_last = Buffer::zeros(channel_last_length(geometry));
-            self.level.run(SparseInput {
+            SparseInput {
                 geometry,
                 input: &mut channel_last,
                 entries,
                 weights: weights.runs(geometry),
-            });
+            }
+            .run_on(self.level);
             from_channel_last(geometry, &channel_last, to);
         }
         WeightGradient::Runs(gradient)
@@ -176,14 +178,15 @@ impl Convolution {
         if let Some(to) = input_gradient {
             let transposed = self.geometry.transposed();
             let mut scratch = Buffer::stale(forward::scratch_length(&transposed));
-            self.level.run(Forward {
+            Forward {
                 geometry: &transposed,
                 input: &Padded::new(&transposed, gradient, false),
                 weights: weights.transposed(&self.geometry),
                 bias: None,
                 finish: Finish::Plain(to),
                 scratch: &mut scratch,
-            });
+            }
+            .run_on(self.level);
         }
         WeightGradient::Packed(weight_gradient)
     }
@@ -192,13 +195,14 @@ impl Convolution {
         let geometry = &self.geometry;
         let mut weights = Buffer::zeros(geometry.packed_weights());
         let mut scratch = Buffer::stale(dense::scratch_length(geometry));
-        self.level.run(DenseWeights {
+        DenseWeights {
             geometry,
             input: &Padded::new(geometry, input, self.from_data),
             gradient,
             weights: &mut weights,
             scratch: &mut scratch,
-        });
+        }
+        .run_on(self.level);
         weights
     }
 }

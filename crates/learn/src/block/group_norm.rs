@@ -4,11 +4,11 @@
 //! u = weight ∂L/∂y: ∂L/∂x = (u - (Σ u + x̂ Σ u x̂) / N) / √(variance + ε).
 
 use super::gradients::{Sample, is_alive};
-use crate::convolution::Level;
-use crate::convolution::forward::{DEAD, positive};
-use crate::convolution::lanes::{Lanes, Work};
 use crate::numbers::{of_sample, sum_of};
 use crate::operations::NORM_EPSILON;
+use protomer_convolution::Level;
+use protomer_convolution::forward::{DEAD, positive};
+use protomer_convolution::lanes::{Lanes, Work};
 use std::array;
 
 /// Group normalisation, ReLU, and pooling if wanted, of grids of one shape.

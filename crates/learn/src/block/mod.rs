@@ -21,10 +21,10 @@ mod settings;
 pub use settings::BlockSettings;
 
 use crate::Result;
-use crate::convolution::Level;
 use crate::operations::{convolution3d, group_norm, max_pool3d};
 use candle_core::{DType, Tensor};
 use node::Node;
+use protomer_convolution::Level;
 
 /// The parameters of a block, as tensors that may or may not be variables.
 #[derive(Debug, Clone)]

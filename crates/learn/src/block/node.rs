@@ -5,13 +5,13 @@ use super::convolution::{Convolution, Finishing};
 use super::gradients::{Gradients, Sample, ThreeGradients, Weights};
 use super::group_norm::{GroupNorm, Moments};
 use super::{BlockParameters, BlockSettings};
-use crate::convolution::Level;
-use crate::convolution::buffers::Buffer;
-use crate::convolution::forward::Finish;
-use crate::convolution::padded::Occupied;
 use crate::error::refuse;
 use crate::numbers::{Numbers, contiguous, of_sample, wrong_storage};
 use candle_core::{CpuStorage, CustomOp3, Layout, Result, Shape, Tensor, bail};
+use protomer_convolution::Level;
+use protomer_convolution::buffers::Buffer;
+use protomer_convolution::forward::Finish;
+use protomer_convolution::padded::Occupied;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 

@@ -6,15 +6,15 @@
 //!
 //! ∂w\[o, run\] += g x\[p + run\] and ∂x\[p + run\] += g w\[o, run\].
 
-use super::forward::DEAD;
-use super::geometry::{Geometry, LANES};
-use super::lanes::{Lanes, Work};
-use super::padded::channel_last_length;
+use crate::forward::DEAD;
+use crate::geometry::{Geometry, LANES};
+use crate::lanes::{Lanes, Level, Work};
+use crate::padded::channel_last_length;
 use std::array;
 
 /// One gradient that is not zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Entry {
+pub struct Entry {
     /// Where in the padded grid its taps begin, voxels.
     pub voxel: u32,
     /// The gradient.
@@ -23,7 +23,7 @@ pub(crate) struct Entry {
 
 /// The gradients of a sample that are not zero.
 #[derive(Debug, Default)]
-pub(crate) struct Entries {
+pub struct Entries {
     list: Vec<Entry>,
     /// Where in the list the rows of each output begin, and the end of the last.
     starts: Vec<usize>,
@@ -174,7 +174,7 @@ impl Lister {
 }
 
 /// Numbers of a run of k C, rounded up to whole vectors.
-pub(crate) fn run_length(geometry: &Geometry) -> usize {
+pub fn run_length(geometry: &Geometry) -> usize {
     (geometry.kernel * geometry.channels).next_multiple_of(LANES)
 }
 
@@ -184,19 +184,19 @@ fn weights_per_output(geometry: &Geometry) -> usize {
 }
 
 /// Numbers of all weights in runs.
-pub(crate) fn weights_length(geometry: &Geometry) -> usize {
+pub fn weights_length(geometry: &Geometry) -> usize {
     geometry.outputs * weights_per_output(geometry)
 }
 
 /// The weights (O, C, taps) in runs: (O, k², k C and zeros).
-pub(crate) fn pack(geometry: &Geometry, weights: &[f32]) -> Vec<f32> {
+pub fn pack(geometry: &Geometry, weights: &[f32]) -> Vec<f32> {
     let mut packed = vec![0.0; weights_length(geometry)];
     each_weight(geometry, |plain, run| packed[run] = weights[plain]);
     packed
 }
 
 /// Undoes [`pack`], adding to `weights`.
-pub(crate) fn add_unpacked(geometry: &Geometry, packed: &[f32], weights: &mut [f32]) {
+pub fn add_unpacked(geometry: &Geometry, packed: &[f32], weights: &mut [f32]) {
     each_weight(geometry, |plain, run| weights[plain] += packed[run]);
 }
 
@@ -217,7 +217,7 @@ fn each_weight(geometry: &Geometry, mut pair: impl FnMut(usize, usize)) {
 
 /// The gradient of the weights of one sample, which overwrites `weights`.
 #[derive(Debug)]
-pub(crate) struct SparseWeights<'a> {
+pub struct SparseWeights<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input, channel last.
@@ -230,7 +230,7 @@ pub(crate) struct SparseWeights<'a> {
 
 /// Adds the gradient of the input of one sample.
 #[derive(Debug)]
-pub(crate) struct SparseInput<'a> {
+pub struct SparseInput<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The gradient of the input, channel last.
@@ -252,6 +252,16 @@ fn fits(geometry: &Geometry, input: usize, entries: &Entries, weights: usize) ->
             .list
             .iter()
             .all(|entry| entry.voxel as usize <= last)
+}
+
+impl SparseWeights<'_> {
+    /// Runs on the instructions of `level`.
+    ///
+    /// # Panics
+    /// If the buffers do not fit the geometry.
+    pub fn run_on(self, level: Level) {
+        level.run(self);
+    }
 }
 
 impl Work for SparseWeights<'_> {
@@ -347,6 +357,16 @@ unsafe fn gather<S: Lanes, const R: usize, const V: usize>(
                 S::store(weights.as_mut_ptr().add(to), *sum);
             }
         }
+    }
+}
+
+impl SparseInput<'_> {
+    /// Runs on the instructions of `level`.
+    ///
+    /// # Panics
+    /// If the buffers do not fit the geometry.
+    pub fn run_on(self, level: Level) {
+        level.run(self);
     }
 }
 

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 ///
 /// # Safety
 /// Every function may only run on a processor that has the instruction set of the type.
-pub(crate) trait Lanes: Copy {
+pub trait Lanes: Copy {
     /// The register.
     type Vector: Copy;
     /// Numbers in it; divides 16.
@@ -51,7 +51,7 @@ pub(crate) trait Lanes: Copy {
 
 /// Any processor.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Portable;
+pub struct Portable;
 
 impl Lanes for Portable {
     type Vector = [f32; 8];
@@ -101,7 +101,7 @@ mod x86 {
 
     /// AVX2 and FMA.
     #[derive(Debug, Clone, Copy)]
-    pub(crate) struct Avx2;
+    pub struct Avx2;
 
     impl Lanes for Avx2 {
         type Vector = __m256;
@@ -141,7 +141,7 @@ mod x86 {
 
     /// AVX-512 F.
     #[derive(Debug, Clone, Copy)]
-    pub(crate) struct Avx512;
+    pub struct Avx512;
 
     impl Lanes for Avx512 {
         type Vector = __m512;
@@ -184,7 +184,7 @@ mod x86 {
 use x86::{Avx2, Avx512};
 
 /// A kernel.
-pub(crate) trait Work {
+pub trait Work {
     /// What it computes.
     type Output;
 
@@ -199,7 +199,7 @@ pub(crate) trait Work {
 /// The instruction sets that kernels are compiled for, slowest first.
 ///
 /// ```
-/// use protomer_learn::convolution::Level;
+/// use protomer_convolution::Level;
 ///
 /// assert!(Level::Portable.is_available());
 /// assert_eq!(Level::available().last(), Some(Level::best()));
@@ -248,7 +248,7 @@ impl Level {
     }
 
     /// Does the work on this level, or on the portable one if the processor lacks it.
-    pub(crate) fn run<W: Work>(self, work: W) -> W::Output {
+    pub fn run<W: Work>(self, work: W) -> W::Output {
         #[cfg(target_arch = "x86_64")]
         if self.is_available() {
             match self {

@@ -4,16 +4,16 @@
 //! Each step takes V vectors of weights and P single numbers of the padded input, which lie next to
 //! each other, and does P V multiply-adds.
 
-use super::geometry::{Geometry, LANES};
-use super::lanes::{Lanes, Work};
-use super::padded::{Occupied, Padded};
+use crate::geometry::{Geometry, LANES};
+use crate::lanes::{Lanes, Level, Work};
+use crate::padded::{Occupied, Padded};
 
 /// Stands for no corner of a window: the ReLU gave 0.
-pub(crate) const DEAD: u8 = 8;
+pub const DEAD: u8 = 8;
 
 /// What follows the convolution and its bias.
 #[derive(Debug)]
-pub(crate) enum Finish<'a> {
+pub enum Finish<'a> {
     /// Nothing: (O, D, H, W).
     Plain(&'a mut [f32]),
     /// ReLU: (O, D, H, W).
@@ -25,7 +25,7 @@ pub(crate) enum Finish<'a> {
 
 /// The forward pass of one sample.
 #[derive(Debug)]
-pub(crate) struct Forward<'a> {
+pub struct Forward<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input.
@@ -41,8 +41,18 @@ pub(crate) struct Forward<'a> {
 }
 
 /// Numbers of scratch that [`Forward`] wants.
-pub(crate) fn scratch_length(geometry: &Geometry) -> usize {
+pub fn scratch_length(geometry: &Geometry) -> usize {
     5 * geometry.edges[2] * geometry.padded_outputs()
+}
+
+impl Forward<'_> {
+    /// Runs on the instructions of `level`.
+    ///
+    /// # Panics
+    /// If the buffers do not fit the geometry.
+    pub fn run_on(self, level: Level) {
+        level.run(self);
+    }
 }
 
 impl Work for Forward<'_> {
@@ -184,7 +194,7 @@ fn gather<T: Copy>(from: &[T], stride: usize, to: &mut [T]) {
 
 /// ReLU. NaN must propagate.
 #[inline(always)]
-pub(crate) fn positive(value: f32) -> f32 {
+pub fn positive(value: f32) -> f32 {
     if value <= 0.0 { 0.0 } else { value }
 }
 

@@ -1,15 +1,14 @@
 //! The shape of a convolution and of the buffers around it.
 
-use crate::Result;
-use crate::error::refuse;
+use crate::{ConvolutionError, Result};
 
 /// Channel counts of outputs are rounded up to this: the widest vector, and two of the narrower
 /// ones.
-pub(crate) const LANES: usize = 16;
+pub const LANES: usize = 16;
 
 /// A convolution of one sample, stride 1, zero padding that keeps the shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Geometry {
+pub struct Geometry {
     /// Channels in.
     pub channels: usize,
     /// Channels out.
@@ -24,18 +23,17 @@ impl Geometry {
     /// Checks that the kernel is one of those compiled, and nothing is empty.
     ///
     /// # Errors
-    /// [`LearnError::Settings`](crate::LearnError::Settings) says what is wrong.
+    /// [`ConvolutionError`] says what is wrong.
     pub fn check(&self) -> Result<()> {
         if !matches!(self.kernel, 1 | 3 | 5) {
-            return refuse(format!("a kernel of edge {}: take 1, 3 or 5", self.kernel));
+            return Err(ConvolutionError::Kernel(self.kernel));
         }
         if self.channels == 0 || self.outputs == 0 || self.voxels() == 0 {
-            return refuse(format!("a convolution of nothing: {self:?}"));
+            return Err(ConvolutionError::Empty(*self));
         }
         // Padded voxels are counted in u32.
         if u32::try_from(self.padded_voxels()).is_err() {
-            let edges = self.edges;
-            return refuse(format!("{edges:?} voxels are too many for one grid"));
+            return Err(ConvolutionError::TooLarge(self.edges));
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! Grids with zeros around them.
 
-use super::buffers::Buffer;
-use super::geometry::{Geometry, LANES};
+use crate::buffers::Buffer;
+use crate::geometry::{Geometry, LANES};
 
 /// A sample with zeros around it, channel by channel: (C, D + 2r, H + 2r, W + 2r).
 #[derive(Debug)]
-pub(crate) struct Padded {
+pub struct Padded {
     /// The numbers.
     pub numbers: Buffer,
     /// Which voxels hold anything; `None` if too many do for it to pay.
@@ -14,7 +14,7 @@ pub(crate) struct Padded {
 
 /// Which voxels of a padded grid hold anything in any channel.
 #[derive(Debug, Clone)]
-pub(crate) struct Occupied {
+pub struct Occupied {
     /// For every row; bit i stands for the voxels from i `grain` on.
     rows: Vec<u128>,
     /// Voxels per bit.
@@ -155,7 +155,7 @@ fn is_sparse(sample: &[f32], share: f64) -> bool {
 }
 
 /// How many numbers are not zero.
-pub(crate) fn count_nonzero(numbers: &[f32]) -> usize {
+pub fn count_nonzero(numbers: &[f32]) -> usize {
     let mut count = 0;
     // In u32 over short parts, which the compiler vectorises.
     for part in numbers.chunks(PART) {
@@ -173,18 +173,14 @@ fn slack(geometry: &Geometry) -> usize {
 }
 
 /// Numbers of a channel-last grid with zeros around it, and the slack behind.
-pub(crate) fn channel_last_length(geometry: &Geometry) -> usize {
+pub fn channel_last_length(geometry: &Geometry) -> usize {
     geometry.channels * geometry.padded_voxels() + slack(geometry)
 }
 
 /// The sample (C, D, H, W) with zeros around it, voxel by voxel: (D + 2r, H + 2r, W + 2r, C), and
 /// slack behind, [`channel_last_length`] numbers. `occupied`, if known, says which voxels hold
 /// anything.
-pub(crate) fn channel_last(
-    geometry: &Geometry,
-    sample: &[f32],
-    occupied: Option<&Occupied>,
-) -> Buffer {
+pub fn channel_last(geometry: &Geometry, sample: &[f32], occupied: Option<&Occupied>) -> Buffer {
     let mut numbers = Buffer::zeros(channel_last_length(geometry));
     let (width, channels, voxels) = (geometry.edges[2], geometry.channels, geometry.voxels());
     for row in 0..voxels / width {
@@ -227,7 +223,7 @@ fn copy_occupied(
 }
 
 /// Undoes [`channel_last`]: writes the inner voxels to `sample`.
-pub(crate) fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32]) {
+pub fn from_channel_last(geometry: &Geometry, numbers: &[f32], sample: &mut [f32]) {
     let (width, channels) = (geometry.edges[2], geometry.channels);
     let voxels = geometry.voxels();
     for row in 0..voxels / width {

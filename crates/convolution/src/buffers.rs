@@ -11,7 +11,7 @@ static WAITING: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());
 
 /// Numbers whose memory goes back to the waiting buffers when they are dropped.
 #[derive(Debug, Default)]
-pub(crate) struct Buffer(Vec<f32>);
+pub struct Buffer(Vec<f32>);
 
 impl Buffer {
     /// A buffer of this length, with stale numbers in it.

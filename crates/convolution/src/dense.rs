@@ -4,13 +4,13 @@
 //! register tile holds J channels times K taps along the width times V vectors, and sums over all
 //! rows of a plane.
 
-use super::geometry::Geometry;
-use super::lanes::{Lanes, Work};
-use super::padded::Padded;
+use crate::geometry::Geometry;
+use crate::lanes::{Lanes, Level, Work};
+use crate::padded::Padded;
 
 /// Adds the gradient of the weights of one sample.
 #[derive(Debug)]
-pub(crate) struct DenseWeights<'a> {
+pub struct DenseWeights<'a> {
     /// The shape.
     pub geometry: &'a Geometry,
     /// The input.
@@ -24,8 +24,18 @@ pub(crate) struct DenseWeights<'a> {
 }
 
 /// Numbers of scratch that [`DenseWeights`] wants.
-pub(crate) fn scratch_length(geometry: &Geometry) -> usize {
+pub fn scratch_length(geometry: &Geometry) -> usize {
     geometry.edges[1] * geometry.edges[2] * geometry.padded_outputs()
+}
+
+impl DenseWeights<'_> {
+    /// Runs on the instructions of `level`.
+    ///
+    /// # Panics
+    /// If the buffers do not fit the geometry.
+    pub fn run_on(self, level: Level) {
+        level.run(self);
+    }
 }
 
 impl Work for DenseWeights<'_> {
