@@ -27,6 +27,7 @@ mod framework;
 mod framework_tables;
 mod html;
 mod kind;
+mod hard_bodies;
 mod lattice;
 #[cfg(feature = "learning")]
 mod learning;
@@ -119,6 +120,8 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         Kind::Pair => pair::page(directory),
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
+        Kind::HardBodies => hard_bodies::page_of_run(directory),
+        Kind::FreeEnergy => hard_bodies::page_of_free_energy(directory),
         Kind::Framework => framework::page(directory),
         Kind::FrameworkTables => framework_tables::page(directory),
         #[cfg(feature = "learning")]
