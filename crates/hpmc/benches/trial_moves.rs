@@ -62,8 +62,13 @@ fn measure<const D: usize>(
         equilibration_sweeps: 400,
         ..Settings::default()
     };
-    let mut simulation =
-        Simulation::new(&settings, body, depletants, &Start::fluid(bodies, packing_fraction)).unwrap();
+    let mut simulation = Simulation::new(
+        &settings,
+        body,
+        depletants,
+        &Start::fluid(bodies, packing_fraction),
+    )
+    .unwrap();
     simulation.run(settings.equilibration_sweeps);
     let begin = cpu_seconds();
     while cpu_seconds() - begin < 2.0 {

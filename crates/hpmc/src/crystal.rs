@@ -127,9 +127,8 @@ impl<const D: usize> UnitCell<D> {
             apart.into_iter().all(|x| (x - x.round()).abs() < SAME)
         };
         self.sites.iter().all(|site| {
-            let moved: [f64; D] = std::array::from_fn(|axis| {
-                site.place[axis] + to.place[axis] - first.place[axis]
-            });
+            let moved: [f64; D] =
+                std::array::from_fn(|axis| site.place[axis] + to.place[axis] - first.place[axis]);
             let lands_on = |other: &Site<D>| {
                 is_at(&moved, other) && symmetry.are_alike(&other.rotation, &site.rotation)
             };

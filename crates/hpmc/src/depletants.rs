@@ -182,7 +182,9 @@ impl<const D: usize> System<D> {
     /// of about `points` equal cells.
     pub fn free_volume(&self, radius: f64, points: usize, rng: &mut CounterRng) -> f64 {
         let width = (self.volume() / points.max(1) as f64).powf(1.0 / D as f64);
-        let cells = self.edges.map(|edge| (edge / width - 1e-9).ceil().max(1.0) as usize);
+        let cells = self
+            .edges
+            .map(|edge| (edge / width - 1e-9).ceil().max(1.0) as usize);
         let range = self.body.outer_radius + radius;
         let count: usize = cells.iter().product();
         let mut free = 0;

@@ -112,9 +112,7 @@ impl<const D: usize> Field<D> for Springs<D> {
     fn change_kt(&mut self, system: &System<D>, trial: &Trial<D>) -> f64 {
         let body = trial.body;
         if trial.is_turned {
-            self.new_potential = self
-                .symmetry
-                .potential(&self.wanted[body], &trial.rotation);
+            self.new_potential = self.symmetry.potential(&self.wanted[body], &trial.rotation);
             return self.strength * self.turning * (self.new_potential - self.potentials[body]);
         }
         self.step = system.nearest_image(&system.positions[body], &trial.position);

@@ -167,8 +167,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
             extent += pilot.run(1, false) / PILOT_SWEEPS as f64;
         }
         let bodies = self.crystal.positions.len() as f64;
-        let freedom =
-            D as f64 * (1.0 - 1.0 / bodies) + self.symmetry.degrees_of_freedom() as f64;
+        let freedom = D as f64 * (1.0 - 1.0 / bodies) + self.symmetry.degrees_of_freedom() as f64;
         let shift = 0.5 * freedom / extent;
         Ok(Plan {
             strongest,
@@ -388,12 +387,8 @@ impl<const D: usize> Walker<D> {
         let mut sum = 0.0;
         for _ in 0..sweeps {
             for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
-                let mut rng = CounterRng::for_purpose(
-                    self.seed,
-                    self.stream,
-                    trial,
-                    Purpose::HardBodyMove,
-                );
+                let mut rng =
+                    CounterRng::for_purpose(self.seed, self.stream, trial, Purpose::HardBodyMove);
                 self.system.trial(
                     &mut rng,
                     &self.steps,

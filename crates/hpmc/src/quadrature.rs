@@ -13,7 +13,10 @@ pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
             let (mut before, mut value) = (1.0, x);
             for order in 2..=count {
                 let n = order as f64;
-                (before, value) = (value, ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n);
+                (before, value) = (
+                    value,
+                    ((2.0 * n - 1.0) * x * value - (n - 1.0) * before) / n,
+                );
             }
             slope = count as f64 * (x * value - before) / (x * x - 1.0);
             let step = value / slope;
@@ -41,11 +44,23 @@ pub(crate) struct KronrodNode {
 /// (1983), print it: places, weights, weights of Gauss.
 const POSITIVE: [[f64; 3]; 8] = [
     [0.991_455_371_120_812_6, 0.022_935_322_010_529_22, 0.0],
-    [0.949_107_912_342_758_5, 0.063_092_092_629_978_56, 0.129_484_966_168_869_7],
+    [
+        0.949_107_912_342_758_5,
+        0.063_092_092_629_978_56,
+        0.129_484_966_168_869_7,
+    ],
     [0.864_864_423_359_769_1, 0.104_790_010_322_250_2, 0.0],
-    [0.741_531_185_599_394_4, 0.140_653_259_715_525_9, 0.279_705_391_489_276_7],
+    [
+        0.741_531_185_599_394_4,
+        0.140_653_259_715_525_9,
+        0.279_705_391_489_276_7,
+    ],
     [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
-    [0.405_845_151_377_397_2, 0.190_350_578_064_785_4, 0.381_830_050_505_118_9],
+    [
+        0.405_845_151_377_397_2,
+        0.190_350_578_064_785_4,
+        0.381_830_050_505_118_9,
+    ],
     [0.207_784_955_007_898_5, 0.204_432_940_075_298_9, 0.0],
     [0.0, 0.209_482_141_084_727_8, 0.417_959_183_673_469_4],
 ];
@@ -88,7 +103,9 @@ mod tests {
         assert!(rule.is_sorted_by(|a, b| a.place < b.place));
         let sum = |power: i32, weight: fn(&KronrodNode) -> f64| -> f64 {
             let terms = rule.iter();
-            terms.map(|node| weight(node) * node.place.powi(power)).sum()
+            terms
+                .map(|node| weight(node) * node.place.powi(power))
+                .sum()
         };
         for power in 0..23 {
             let found = sum(power, |node| node.weight);

@@ -130,7 +130,12 @@ impl Settings {
         }
         if let Some(gravity) = &self.gravity {
             let value = gravity.weight_kt_per_length;
-            require("the weight of a body", value, "zero or positive", value >= 0.0)?;
+            require(
+                "the weight of a body",
+                value,
+                "zero or positive",
+                value >= 0.0,
+            )?;
         }
         let kinds = [
             (self.pressure.is_some(), "constant pressure"),
@@ -378,8 +383,7 @@ impl<const D: usize> Simulation<D> {
 
     fn change_box(&mut self, pressure: &Pressure, number: u32) {
         let (seed, stream) = (self.settings.seed, BOX + number);
-        let mut rng =
-            CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
+        let mut rng = CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
         let growth = self.box_step * rng.uniform_in(-1.0, 1.0);
         let mut scales = [(growth / D as f64).exp(); D];
         if pressure.is_anisotropic {

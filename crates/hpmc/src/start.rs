@@ -281,8 +281,13 @@ impl<const D: usize> Compressor<D> {
             }
             for _ in 0..self.system.len() {
                 let mut rng = self.rng();
-                self.system
-                    .trial(&mut rng, &self.steps, Counting::Lost, &mut Nothing, &mut counts);
+                self.system.trial(
+                    &mut rng,
+                    &self.steps,
+                    Counting::Lost,
+                    &mut Nothing,
+                    &mut counts,
+                );
             }
             let longest = self.system.longest_steps();
             self.steps.tune(&counts, ACCEPTANCE, &longest);

@@ -113,7 +113,9 @@ impl Symmetry {
             return 1.0;
         }
         // exp(-81) and less is left out.
-        let end = self.half_angle_rad.min(18.0 / strength_kt.max(1e-300).sqrt());
+        let end = self
+            .half_angle_rad
+            .min(18.0 / strength_kt.max(1e-300).sqrt());
         let (nodes, weights) = gauss_legendre(64);
         let mut integral = 0.0;
         for (node, weight) in nodes.iter().zip(&weights) {

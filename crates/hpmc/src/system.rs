@@ -273,8 +273,9 @@ impl<const D: usize> System<D> {
 
     /// Whether any two overlap, or one reaches into a wall.
     pub(crate) fn has_overlaps(&self) -> bool {
-        (0..self.len())
-            .any(|body| self.overlaps_of(&self.where_it_is(body), |other| other as usize > body) > 0)
+        (0..self.len()).any(|body| {
+            self.overlaps_of(&self.where_it_is(body), |other| other as usize > body) > 0
+        })
     }
 
     /// Puts all bodies elsewhere.
@@ -399,11 +400,12 @@ impl<const D: usize> System<D> {
             is_turned: true,
         };
         let range = 2.0 * self.body.outer_radius;
-        !self.reaches_into_wall(&trial) && !self
-            .grid
-            .any_near(&position, range * range, NOBODY, |near| {
-                self.is_overlap(&trial, &near, 1.0)
-            })
+        !self.reaches_into_wall(&trial)
+            && !self
+                .grid
+                .any_near(&position, range * range, NOBODY, |near| {
+                    self.is_overlap(&trial, &near, 1.0)
+                })
     }
 
     /// Whether the body would overlap another; fast, by the directions that separated them last.

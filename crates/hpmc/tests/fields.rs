@@ -29,9 +29,15 @@ fn samples<const D: usize>(
 
 fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
     let found = summarize(series);
-    assert!(found.standard_error < precision * exact, "{what}: {found:?}");
+    assert!(
+        found.standard_error < precision * exact,
+        "{what}: {found:?}"
+    );
     let off = (found.mean - exact).abs();
-    assert!(off < 4.0 * found.standard_error, "{what}: {exact}, {found:?}");
+    assert!(
+        off < 4.0 * found.standard_error,
+        "{what}: {exact}, {found:?}"
+    );
 }
 
 fn pressed(kt_per_volume: f64, is_anisotropic: bool) -> Settings {

@@ -46,7 +46,8 @@ fn assert_mean(series: &[f64], expected: f64, error: f64, what: &str) {
 }
 
 fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> Vec<f64> {
-    let mut simulation = Simulation::new(&SETTINGS, body, &[], &Start::fluid(bodies, packing)).unwrap();
+    let mut simulation =
+        Simulation::new(&SETTINGS, body, &[], &Start::fluid(bodies, packing)).unwrap();
     simulation.run(SETTINGS.equilibration_sweeps);
     let series = (0..400).map(|_| {
         simulation.run(4);
@@ -99,7 +100,8 @@ fn two_spheres_with_depletants_have_their_exact_statistics() {
             equilibration_sweeps: 4000,
             ..SETTINGS
         };
-        let mut simulation = Simulation::new(&settings, &ball(), &depletants, &Start::fluid(2, packing)).unwrap();
+        let mut simulation =
+            Simulation::new(&settings, &ball(), &depletants, &Start::fluid(2, packing)).unwrap();
         simulation.run(settings.equilibration_sweeps);
         let (mut is_bonded, mut free) = (Vec::new(), Vec::new());
         for number in 0..40_000 {

@@ -9,7 +9,7 @@ use protomer::hard_bodies::free_energy::FreeEnergyResult;
 use protomer::hard_bodies::log::LogRow;
 use protomer::hard_bodies::run::HardBodyResult;
 use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};
-use protomer_kernel::shape::hull::Hull;
+use protomer_kernel::shape::{Shape, hull::Hull};
 use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{Record, log};
@@ -46,10 +46,17 @@ pub fn page_of_run(directory: &Path) -> Result<Page> {
         html += &figures::drawn(&course(&rows), &csv)?;
     }
     html += &data::of_file(directory, "profile.csv")?;
-    let subtitle = result.as_ref().map(|result| {
-        format!("{} bodies ({})", result.bodies, result.shape)
-    });
-    page(directory, "Hard bodies", subtitle, html, "trajectory.gsd", record.as_ref())
+    let subtitle = result
+        .as_ref()
+        .map(|result| format!("{} bodies ({})", result.bodies, result.shape));
+    page(
+        directory,
+        "Hard bodies",
+        subtitle,
+        html,
+        "trajectory.gsd",
+        record.as_ref(),
+    )
 }
 
 /// The page of a free energy.
@@ -71,9 +78,19 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
         }
     }
     let subtitle = result.as_ref().map(|result| {
-        format!("{} bodies ({}), {}", result.bodies, result.shape, result.crystal)
+        format!(
+            "{} bodies ({}), {}",
+            result.bodies, result.shape, result.crystal
+        )
     });
-    page(directory, "Free energy", subtitle, html, "crystal.gsd", record.as_ref())
+    page(
+        directory,
+        "Free energy",
+        subtitle,
+        html,
+        "crystal.gsd",
+        record.as_ref(),
+    )
 }
 
 fn page(
@@ -90,7 +107,12 @@ fn page(
         Ok(section) => sections.push(section),
         Err(error) => problems.push(format!("The bodies cannot be shown: {error:#}")),
     }
-    sections.push(provenance::section(directory, "run.toml", record, Vec::new())?);
+    sections.push(provenance::section(
+        directory,
+        "run.toml",
+        record,
+        Vec::new(),
+    )?);
     Ok(Page {
         title: format!("{kind}: {}", provenance::name(directory)),
         subtitle: subtitle.unwrap_or_else(|| "Not finished".into()),
@@ -145,7 +167,10 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
     }
     if let Some(potential) = result.excess_chemical_potential_kt {
         let error = result.excess_chemical_potential_error_kt;
-        values.push(("Excess chemical potential (kT)", with_error(potential, error)));
+        values.push((
+            "Excess chemical potential (kT)",
+            with_error(potential, error),
+        ));
     }
     if let Some(fraction) = result.free_volume_fraction {
         let error = result.free_volume_fraction_error;
@@ -205,8 +230,16 @@ fn terms(result: &FreeEnergyResult) -> String {
         row("centre of mass", terms.centre_of_mass_kt, None),
         row("strongest springs", terms.springs_kt, None),
         row("orientations", terms.orientations_kt, None),
-        row("overlaps with them", terms.overlaps_kt, Some(terms.overlaps_error_kt)),
-        row("weaker springs", -terms.integral_kt, Some(terms.integral_error_kt)),
+        row(
+            "overlaps with them",
+            terms.overlaps_kt,
+            Some(terms.overlaps_error_kt),
+        ),
+        row(
+            "weaker springs",
+            -terms.integral_kt,
+            Some(terms.integral_error_kt),
+        ),
         row("free energy", terms.total_kt, Some(terms.error_kt)),
         row(
             "excess over an ideal gas",
@@ -274,7 +307,10 @@ fn bodies(path: &Path) -> Result<Section> {
         let count = frame.poses.len();
         return Ok(Section::new(
             "Bodies",
-            paragraph(&format!("{count} bodies are not drawn; OVITO opens {}.", path.display())),
+            paragraph(&format!(
+                "{count} bodies are not drawn; OVITO opens {}.",
+                path.display()
+            )),
         ));
     }
     let text = shape_text(path)?;
@@ -337,8 +373,8 @@ fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
             }
         }
     }
-    match Hull::of(&points) {
-        Hull::Polyhedron(mesh) => Ok(mesh),
+    match Shape::solid(&points)? {
+        Shape::Solid(Hull::Polyhedron(mesh)) => Ok(mesh),
         _ => bail!("a shape without volume cannot be drawn"),
     }
 }

@@ -8,7 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `pair`, `learning` | the sections of each kind |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `hard_bodies`, `pair`, `learning` | the sections of each kind |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
@@ -25,9 +25,9 @@ mod data;
 mod figures;
 mod framework;
 mod framework_tables;
+mod hard_bodies;
 mod html;
 mod kind;
-mod hard_bodies;
 mod lattice;
 #[cfg(feature = "learning")]
 mod learning;

@@ -423,9 +423,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             let stream = number as u32;
             let (strength, turning) = (point.strength, plan.turning);
             walkers.push(match states.get(number) {
-                Some(state) => self
-                    .measurement
-                    .resume(stream, strength, turning, state)?,
+                Some(state) => self.measurement.resume(stream, strength, turning, state)?,
                 None => self.measurement.start(stream, strength, turning)?,
             });
         }
@@ -467,7 +465,12 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             let row = |_| walker.run(SWEEPS_PER_ROW, false);
             (0..*rows).map(row).collect::<Vec<f64>>()
         };
-        let measured: Vec<Vec<f64>> = open.walkers.par_iter_mut().zip(&rows).map(measure).collect();
+        let measured: Vec<Vec<f64>> = open
+            .walkers
+            .par_iter_mut()
+            .zip(&rows)
+            .map(measure)
+            .collect();
         for (point, extents) in measured.into_iter().enumerate() {
             for extent in extents {
                 open.series[point].push(extent);
@@ -589,9 +592,9 @@ mod tests {
             assert!(read("parts") == read("whole"), "{file}");
         }
         let terms = &in_parts.terms;
-        let sum = terms.centre_of_mass_kt + terms.springs_kt + terms.orientations_kt
-            + terms.overlaps_kt
-            - terms.integral_kt;
+        let sum =
+            terms.centre_of_mass_kt + terms.springs_kt + terms.orientations_kt + terms.overlaps_kt
+                - terms.integral_kt;
         assert!((sum - in_parts.free_energy_per_body_kt).abs() < 1e-12);
     }
 }

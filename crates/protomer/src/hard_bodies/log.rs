@@ -38,7 +38,8 @@ impl Row for LogRow {
     fn to_cells(&self) -> Vec<String> {
         let volumes: Vec<String> = self.free_volume.iter().map(f64::to_string).collect();
         let of_walls = |value: fn(&Walls) -> f64| {
-            self.walls.map_or_else(String::new, |walls| value(&walls).to_string())
+            self.walls
+                .map_or_else(String::new, |walls| value(&walls).to_string())
         };
         vec![
             self.sweep.to_string(),
@@ -54,7 +55,17 @@ impl Row for LogRow {
     }
 
     fn from_cells(cells: &[String]) -> Option<Self> {
-        let [sweep, factor, insertion, volumes, packing, low, high, height] = cells else {
+        let [
+            sweep,
+            factor,
+            insertion,
+            volumes,
+            packing,
+            low,
+            high,
+            height,
+        ] = cells
+        else {
             return None;
         };
         let insertion_probability = match insertion.as_str() {

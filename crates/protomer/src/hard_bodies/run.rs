@@ -8,7 +8,7 @@ use super::log::LogRow;
 use super::settings::HardBodySettings;
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
 use super::trajectory::Trajectory;
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result};
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
@@ -337,13 +337,18 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let gravity = self.settings.gravity?;
         let samples: Option<Vec<Walls>> = open.rows.iter().map(|row| row.walls).collect();
         let samples = samples?;
-        let mean = |of: fn(&Walls) -> f64| {
-            mean_and_error(&samples.iter().map(of).collect::<Vec<f64>>())
-        };
+        let mean =
+            |of: fn(&Walls) -> f64| mean_and_error(&samples.iter().map(of).collect::<Vec<f64>>());
         let (lower, lower_error) = mean(|walls| walls.pressures[0]);
         let (upper, upper_error) = mean(|walls| walls.pressures[1]);
         let (height, height_error) = mean(|walls| walls.mean_height);
-        let area: f64 = open.simulation.system().edges().iter().take(D - 1).product();
+        let area: f64 = open
+            .simulation
+            .system()
+            .edges()
+            .iter()
+            .take(D - 1)
+            .product();
         Some(WallsResult {
             lower_pressure: lower,
             lower_pressure_error: lower_error,
@@ -534,7 +539,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 .and_then(|(mean, error)| Some(error? / mean)),
             free_volume_fraction: first.map(|kind| kind.free_volume_fraction),
             free_volume_fraction_error: first.and_then(|kind| kind.free_volume_fraction_error),
-            pressure_kt_per_volume: self.settings.pressure.map(|pressure| pressure.kt_per_volume),
+            pressure_kt_per_volume: self
+                .settings
+                .pressure
+                .map(|pressure| pressure.kt_per_volume),
             box_acceptance: self
                 .settings
                 .pressure

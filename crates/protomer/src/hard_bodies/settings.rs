@@ -1,7 +1,7 @@
 //! The settings of a run of hard bodies, as stored in `run.toml`.
 
-use anyhow::{Result, bail};
 use super::start::FLUID;
+use anyhow::{Result, bail};
 use protomer_hpmc::depletants::Depletant;
 pub use protomer_hpmc::field::Gravity;
 pub use protomer_hpmc::simulation::Pressure;
@@ -122,7 +122,9 @@ impl HardBodySettings {
         }
         let is_fluid = is_fluid(&self.start);
         if is_fluid && !self.turn.is_empty() {
-            bail!("a turn is for crystals, and the start is a fluid; give a crystal or leave it out");
+            bail!(
+                "a turn is for crystals, and the start is a fluid; give a crystal or leave it out"
+            );
         }
         if !is_fluid && !self.box_ratios.is_empty() {
             bail!("a crystal has the box of its cells; leave the ratios of the edges out");

@@ -6,8 +6,8 @@ use protomer_common::input::InputFile;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::{Site, UnitCell};
 use protomer_io::atomic::sha256_hex;
-use protomer_kernel::{Rotation, Vec3};
 use protomer_kernel::shape::Shape;
+use protomer_kernel::{Rotation, Vec3};
 use std::path::Path;
 
 /// The start that is no crystal.
@@ -87,7 +87,11 @@ pub(super) fn unit_cell<const D: usize>(
     }
     match rotation::<D>(turn) {
         Some(rotation) => Ok(cell.with_bodies_turned(&rotation)),
-        None => bail!("--turn has {} numbers; {}", turn.len(), numbers_of_a_turn::<D>()),
+        None => bail!(
+            "--turn has {} numbers; {}",
+            turn.len(),
+            numbers_of_a_turn::<D>()
+        ),
     }
 }
 
@@ -142,13 +146,19 @@ fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
                 "{name}:{}: '{line}' is not understood; write 'cell' and {D} edges once, and for each \
                  body 'site', {D} parts of the edges and, if it is turned, its {}",
                 number + 1,
-                if D == 2 { "angle in degrees" } else { "quaternion (scalar first)" }
+                if D == 2 {
+                    "angle in degrees"
+                } else {
+                    "quaternion (scalar first)"
+                }
             );
         }
     }
     match (edges, sites.is_empty()) {
         (Some(edges), false) => Ok(UnitCell { edges, sites }),
-        (None, _) => bail!("{name}: the edges of the cell are missing; write 'cell' and {D} numbers"),
+        (None, _) => {
+            bail!("{name}: the edges of the cell are missing; write 'cell' and {D} numbers")
+        }
         (_, true) => bail!("{name}: there is no body; write 'site' and {D} parts of the edges"),
     }
 }
@@ -164,7 +174,10 @@ mod tests {
         let cell = parse_cell::<3>("file", text).unwrap();
         assert_eq!((cell.edges, cell.sites.len()), ([1.0, 1.0, 2.0], 2));
         let angle = cell.sites[1].rotation.angle();
-        assert!((angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12, "{angle}");
+        assert!(
+            (angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12,
+            "{angle}"
+        );
         for text in [
             "cell 1 1 1\nsite 0 0",
             "cell 1 1 1\ncell 1 1 1",

@@ -40,7 +40,11 @@ impl Trajectory {
 /// The data that is the same in every frame.
 fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
     Ok(vec![
-        Chunk::new("configuration/dimensions", 1, ChunkData::U8(vec![D.max(2) as u8])),
+        Chunk::new(
+            "configuration/dimensions",
+            1,
+            ChunkData::U8(vec![D.max(2) as u8]),
+        ),
         Chunk::text("particles/types", &["body"])?,
         Chunk::text("particles/type_shapes", &[shape(system.body()).to_string()])?,
     ])
