@@ -1,11 +1,12 @@
 //! Crystals: unit cells with right angles, repeated until they hold all bodies.
 
-use crate::body::HardBody;
+use crate::body::{HardBody, norm};
 use crate::depletants::Depletant;
 use crate::symmetry::{Symmetry, frame};
 use crate::system::System;
 use crate::{Error, Result, error::require};
 use nalgebra::Rotation3;
+use protomer_kernel::shape::separation::dot;
 use protomer_kernel::{Rotation, Vec3};
 
 /// Names of unit cells, by dimension.
@@ -17,6 +18,8 @@ pub const NAMES: [&str; 3] = [
 
 /// Sites nearer to each other than this part of the cell are the same.
 const SAME: f64 = 1e-6;
+/// Translations are across a bond if the cosine of their angle is less.
+const ACROSS: f64 = 0.25;
 
 /// A site of a unit cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -215,6 +218,15 @@ fn faces_along(directions: &[Vec3]) -> Rotation {
     Rotation::identity()
 }
 
+/// Bonds along one translation of the lattice.
+#[derive(Debug, Clone)]
+pub(crate) struct Bond<const D: usize> {
+    /// Translations across it.
+    pub slips: Vec<[f64; D]>,
+    /// For each site the one at the other end.
+    pub others: Vec<usize>,
+}
+
 /// Bodies on all sites of repeated unit cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crystal<const D: usize> {
@@ -335,6 +347,67 @@ impl<const D: usize> Crystal<D> {
             wanted,
             largest: wanted / wide.powi(D as i32),
         })
+    }
+
+    /// The translations of the lattice to near sites: edges of the unit cell, and what is shorter.
+    fn translations(&self, symmetry: &Symmetry) -> Vec<[f64; D]> {
+        let scale = self.edge_of_cell();
+        let longest = scale.iter().copied().fold(0.0, f64::max) * (1.0 + SAME);
+        let first = &self.cell.sites[0];
+        let mut translations = Vec::new();
+        for site in &self.cell.sites {
+            if !self.cell.is_translation(site, symmetry) {
+                continue;
+            }
+            for image in 0..3_usize.pow(D as u32) {
+                let mut rest = image;
+                let translation: [f64; D] = std::array::from_fn(|axis| {
+                    let shift = (rest % 3) as f64 - 1.0;
+                    rest /= 3;
+                    (site.place[axis] - first.place[axis] + shift) * scale[axis]
+                });
+                let length = norm(&translation);
+                if length > SAME * longest && length <= longest {
+                    translations.push(translation);
+                }
+            }
+        }
+        translations
+    }
+
+    fn edge_of_cell(&self) -> [f64; D] {
+        let volume: f64 = self.edges.iter().product();
+        let relative: f64 = self.cell.edges.iter().product();
+        let scale = (volume / self.cells as f64 / relative).powf(1.0 / D as f64);
+        self.cell.edges.map(|edge| edge * scale)
+    }
+
+    /// The bonds between equal sites, with the translations across them.
+    pub(crate) fn bonds(&self, symmetry: &Symmetry) -> Vec<Bond<D>> {
+        let translations = self.translations(symmetry);
+        let mut bonds = Vec::new();
+        for along in &translations {
+            let is_across =
+                |slip: &&[f64; D]| dot(slip, along).abs() < ACROSS * norm(slip) * norm(along);
+            let slips: Vec<[f64; D]> = translations.iter().filter(is_across).copied().collect();
+            if slips.is_empty() {
+                continue;
+            }
+            let site_at = |place: &[f64; D]| {
+                let is_near = |other: &[f64; D]| {
+                    (0..D).all(|axis| {
+                        let apart = (other[axis] - place[axis] - along[axis]) / self.edges[axis];
+                        (apart - apart.round()).abs() * self.edges[axis] < SAME * norm(along)
+                    })
+                };
+                self.positions.iter().position(is_near)
+            };
+            let others: Option<Vec<usize>> = self.positions.iter().map(site_at).collect();
+            if let Some(others) = others {
+                bonds.push(Bond { slips, others });
+            }
+        }
+        bonds
     }
 
     /// The volume of the smallest cell that, repeated, makes the crystal: translations by its edges

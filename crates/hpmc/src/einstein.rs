@@ -10,8 +10,13 @@
 //! The springs hold the bodies to a lattice that goes with their centre of mass. It may drift: no body is
 //! fixed and nothing is pulled back, so weak springs leave no slow motion of the whole crystal
 //! (compare Polson, Trizac, Pronk and Frenkel, J. Chem. Phys. 112, 5339 (2000), who fix it).
+//!
+//! Rows of bodies with flat faces slide. A row that has slid by a translation of the lattice is the same
+//! crystal with other bodies on its sites, which is counted already. So a body may slip past another, to
+//! which a translation t leads, by no more than half of any translation across t: in d_i - d_j the part
+//! along a translation s is at most s²/2, where t and s are nearly at right angles.
 
-use crate::crystal::Crystal;
+use crate::crystal::{Bond, Crystal};
 use crate::field::Field;
 use crate::symmetry::{Symmetry, normal};
 use crate::system::{System, Trial};
@@ -25,6 +30,9 @@ use std::f64::consts::PI;
 pub struct Springs<const D: usize> {
     symmetry: Symmetry,
     wanted: Vec<Rotation>,
+    bonds: Vec<Bond<D>>,
+    /// Smaller slips than this, squared, are not too long for any bond.
+    short_squared: f64,
     /// λ, kT per squared length.
     strength: f64,
     /// κ, squared length.
@@ -43,9 +51,16 @@ impl<const D: usize> Springs<D> {
     /// Springs without strength for bodies that stand on the sites of a crystal.
     pub fn new(crystal: &Crystal<D>, symmetry: &Symmetry, turning: f64) -> Self {
         let bodies = crystal.positions.len();
+        let bonds = crystal.bonds(symmetry);
+        let mut short_squared = f64::INFINITY;
+        for slip in bonds.iter().flat_map(|bond| &bond.slips) {
+            short_squared = short_squared.min(0.25 * dot(slip, slip));
+        }
         Self {
             symmetry: symmetry.clone(),
             wanted: crystal.rotations.clone(),
+            bonds,
+            short_squared,
             strength: 0.0,
             turning,
             displacements: vec![[0.0; D]; bodies],
@@ -88,8 +103,8 @@ impl<const D: usize> Springs<D> {
         for displacement in displacements {
             let about: [f64; D] = std::array::from_fn(|axis| displacement[axis] - mean[axis]);
             self.squares += dot(&about, &about);
-            for axis in 0..D {
-                self.sum[axis] += about[axis];
+            for (sum, along) in self.sum.iter_mut().zip(&about) {
+                *sum += along;
             }
             self.displacements.push(about);
         }
@@ -97,6 +112,17 @@ impl<const D: usize> Springs<D> {
             self.potentials[body] = self.symmetry.potential(&self.wanted[body], rotation);
             self.potential += self.potentials[body];
         }
+    }
+
+    /// Whether a body, after a step, has slipped too far past another.
+    fn slips(&self, body: usize, step: &[f64; D]) -> bool {
+        self.bonds.iter().any(|bond| {
+            let other = &self.displacements[bond.others[body]];
+            let own = &self.displacements[body];
+            let apart: [f64; D] = std::array::from_fn(|axis| own[axis] + step[axis] - other[axis]);
+            let is_too_long = |slip: &[f64; D]| 2.0 * dot(&apart, slip).abs() > dot(slip, slip);
+            dot(&apart, &apart) > self.short_squared && bond.slips.iter().any(is_too_long)
+        })
     }
 
     /// E/(λ N): the squared displacement per body from a lattice that goes with the bodies, and κ times the
@@ -116,6 +142,9 @@ impl<const D: usize> Field<D> for Springs<D> {
             return self.strength * self.turning * (self.new_potential - self.potentials[body]);
         }
         self.step = system.nearest_image(&system.positions[body], &trial.position);
+        if self.slips(body, &self.step) {
+            return f64::INFINITY;
+        }
         let bodies = self.displacements.len() as f64;
         let squared = dot(&self.step, &self.step);
         let own = 2.0 * dot(&self.displacements[body], &self.step) + squared;

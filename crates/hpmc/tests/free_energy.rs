@@ -73,6 +73,41 @@ fn rods_on_a_ring_have_their_exact_free_energy() {
     }
 }
 
+/// Rows of cubes slide; on springs of no strength they still belong to their sites.
+#[test]
+fn rows_that_slide_do_not_pass_their_neighbours() {
+    let cube = HardBody::<3>::new(&by_name("cube").unwrap(), 0.0).unwrap();
+    let cell = UnitCell::by_name("simple-cubic").unwrap();
+    // So dilute that bodies would exchange places at once.
+    let crystal = Crystal::new(&cell, &cube, 64, 0.1).unwrap();
+    let measurement = Measurement::new(&cube, &crystal, 3).unwrap();
+    let mut walker = measurement.start(0, 0.0, 1.0).unwrap();
+    walker.run(2000, true);
+    let spacing = crystal.edges[0] / 4.0;
+    let (mut longest, displacements) = (0.0_f64, walker.springs().displacements());
+    for (number, site) in crystal.positions.iter().enumerate() {
+        for (other, place) in crystal.positions.iter().enumerate() {
+            let apart = [0, 1, 2].map(|axis| {
+                let along = (place[axis] - site[axis]) / crystal.edges[axis];
+                (along - along.round()).abs() * crystal.edges[axis] / spacing
+            });
+            let is_bond = (apart.iter().sum::<f64>() - 1.0).abs() < 1e-9;
+            for axis in [0, 1, 2]
+                .into_iter()
+                .filter(|axis| is_bond && apart[*axis] < 0.5)
+            {
+                let slip = displacements[number][axis] - displacements[other][axis];
+                longest = longest.max(slip.abs());
+            }
+        }
+    }
+    // The limit is reached and kept.
+    assert!(
+        (0.4..=0.5).contains(&(longest / spacing)),
+        "{longest} {spacing}"
+    );
+}
+
 /// For springs alone, the derivative of the free energy is the extent, and both are exact.
 #[test]
 fn bodies_on_strong_springs_have_the_extent_of_an_einstein_crystal() {
