@@ -149,12 +149,11 @@ def gravity():
     )  # fmt: skip
     lines = (OUTPUT / "column" / "profile.csv").read_text().splitlines()[1:]
     profile = [tuple(map(float, line.split(","))) for line in lines]
-    # Gravity acts from the wall of the centres, half a diameter above the wall.
     head("z / l_g", "packing fraction, local density", "protomer (mean over l_g/2)")
     bottom = potential(known["eta_bottom"])
-    # The weight fixes the potential at the bottom: spheres leave half a diameter at the wall free.
+    # Heights are those over the lowest place of a centre, half a diameter above the wall.
     for z in (0.5, 1, 2, 3, 4, 5, 6):
-        near = [entry[2] for entry in profile if abs(entry[0] - z * length) < length / 4]
+        near = [entry[2] for entry in profile if abs(entry[0] - 0.5 - z * length) < length / 4]
         row(float(z), packing_of(bottom - z), sum(near) / len(near))
     walls = found["walls"]
     print(f"\npressure below {walls['lower_pressure']:.4f} ± {walls['lower_pressure_error']:.4f}, weight {walls['weight_per_area']:.4f}")

@@ -89,24 +89,27 @@ impl<const D: usize> Springs<D> {
         &self.displacements
     }
 
-    /// Takes displacements up and computes all sums anew, about the centre of mass.
-    pub(crate) fn refresh(&mut self, displacements: &[[f64; D]], rotations: &[Rotation]) {
-        let bodies = displacements.len() as f64;
+    /// Takes displacements as they were saved; [`refresh`](Self::refresh) must follow before a move.
+    pub(crate) fn restore(&mut self, displacements: &[[f64; D]]) {
+        self.displacements = displacements.to_vec();
+    }
+
+    /// Computes all sums anew, with displacements about the centre of mass.
+    pub(crate) fn refresh(&mut self, rotations: &[Rotation]) {
+        let bodies = self.displacements.len() as f64;
         let mut mean = [0.0; D];
-        for displacement in displacements {
+        for displacement in &self.displacements {
             for axis in 0..D {
                 mean[axis] += displacement[axis] / bodies;
             }
         }
-        self.displacements.clear();
         (self.sum, self.squares, self.potential) = ([0.0; D], 0.0, 0.0);
-        for displacement in displacements {
-            let about: [f64; D] = std::array::from_fn(|axis| displacement[axis] - mean[axis]);
-            self.squares += dot(&about, &about);
-            for (sum, along) in self.sum.iter_mut().zip(&about) {
-                *sum += along;
+        for displacement in &mut self.displacements {
+            for axis in 0..D {
+                displacement[axis] -= mean[axis];
+                self.sum[axis] += displacement[axis];
             }
-            self.displacements.push(about);
+            self.squares += dot(displacement, displacement);
         }
         for (body, rotation) in rotations.iter().enumerate() {
             self.potentials[body] = self.symmetry.potential(&self.wanted[body], rotation);

@@ -222,7 +222,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
         })
     }
 
-    /// From a saved state.
+    /// From a saved state. Call [`Walker::refresh`] before going on.
     ///
     /// # Errors
     /// If the state is not of these bodies.
@@ -251,7 +251,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
                 });
             }
         }
-        walker.springs.refresh(displacements, &rotations);
+        walker.springs.restore(displacements);
         walker.system.put_all(positions.to_vec(), rotations);
         walker.steps = state.steps;
         walker.sweeps = state.sweeps;
@@ -373,11 +373,9 @@ pub struct Walker<const D: usize> {
 }
 
 impl<const D: usize> Walker<D> {
-    /// Forgets everything but the state.
+    /// Forgets everything but the state, and computes from it what the next moves need.
     pub fn refresh(&mut self) {
-        let displacements = self.springs.displacements().to_vec();
-        self.springs
-            .refresh(&displacements, self.system.rotations());
+        self.springs.refresh(self.system.rotations());
         self.system.refresh();
     }
 

@@ -46,6 +46,7 @@ fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
             ChunkData::U8(vec![D.max(2) as u8]),
         ),
         Chunk::text("particles/types", &["body"])?,
+        Chunk::new("particles/typeid", 1, ChunkData::U32(vec![0; system.len()])),
         Chunk::text("particles/type_shapes", &[shape(system.body()).to_string()])?,
     ])
 }
