@@ -45,6 +45,7 @@ __all__ = [
     "shape",
     "md",
     "hpmc",
+    "free_energy",
     "phase_diagram",
     "body",
     "assemble",
@@ -756,6 +757,12 @@ class _Hpmc:
         output: Path | str,
         rounding: float | str | None = None,
         bodies: int | str | None = None,
+        start: str | float | Sequence[str | float] | None = None,
+        turn: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        pressure: float | str | None = None,
+        anisotropic: bool = False,
+        gravity: float | str | None = None,
         depletants: str | float | Sequence[str | float] | None = None,
         equilibration: int | str | None = None,
         sweeps: int | str | None = None,
@@ -770,15 +777,15 @@ class _Hpmc:
         force: bool = False,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
-        """Run hard bodies in a periodic cube or square. The same command continues the run; more sweeps extend
-        it. Bodies are placed at random and compressed to the packing fraction. In the equilibration the steps
-        are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
-        random points, and the chemical potential by insertion.
+        """Run hard bodies in a periodic box. The same command continues the run; more sweeps extend it. Bodies
+        are placed at random and compressed to the packing fraction, or stand on the sites of a crystal. In
+        the equilibration the steps are tuned; then the pressure is measured by trial compressions, the free
+        volume of the depletants by random points, and the chemical potential by insertion.
 
         Parameters
         ----------
         shape
-            File with points, or the name of a shape, as for `shape`
+            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
         packing_fraction
             The part of the box that the bodies fill
         output
@@ -787,6 +794,21 @@ class _Hpmc:
             Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
         bodies
             Number of bodies [default: 216]
+        start
+            How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
+            hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
+        turn
+            Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space
+        box
+            Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal]
+        pressure
+            Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
+            start
+        anisotropic
+            At constant pressure, change each edge of the box on its own; for crystals
+        gravity
+            Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
+            both ends of the last axis
         depletants
             Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
             the reservoir, several with commas between them. With density 0 only free volumes are measured
@@ -848,6 +870,12 @@ class _Hpmc:
                 "--output": output,
                 "--rounding": rounding,
                 "--bodies": bodies,
+                "--start": start,
+                "--turn": turn,
+                "--box": box,
+                "--pressure": pressure,
+                "--anisotropic": anisotropic,
+                "--gravity": gravity,
                 "--depletants": depletants,
                 "--equilibration": equilibration,
                 "--sweeps": sweeps,
@@ -866,6 +894,107 @@ class _Hpmc:
 
 
 hpmc = _Hpmc()
+
+
+def free_energy(
+    *,
+    shape: str | float | Sequence[str | float],
+    crystal: str | float | Sequence[str | float],
+    packing_fraction: float | str,
+    output: Path | str,
+    rounding: float | str | None = None,
+    turn: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    bodies: int | str | None = None,
+    equilibration: int | str | None = None,
+    sweeps: int | str | None = None,
+    seed: int | str | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps
+    extend it. Springs hold the bodies and their orientations to the sites. With the strongest springs the
+    free energy is exact; the difference to none is integrated over 15 strengths, and sweeps go to those whose
+    errors count most (Frenkel and Ladd). The free energy is A/(N kT) at this number of bodies, for a thermal
+    wavelength of one in the unit of the shape and an integral of one over all orientations. The excess is
+    what it is more than that of an ideal gas of the same density, ln ρ - 1.
+
+    Parameters
+    ----------
+    shape
+        File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
+    crystal
+        Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond; square, hexagonal; row),
+        or the file of its unit cell
+    packing_fraction
+        The part of the box that the bodies fill
+    output
+        Directory of the results
+    rounding
+        Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+    turn
+        Turn every body first: degrees in a plane, a quaternion W,X,Y,Z in space
+    bodies
+        Number of bodies [default: 216]
+    equilibration
+        Sweeps at each strength in which steps are tuned and nothing is measured [default: 2000]
+    sweeps
+        Sweeps after that, per strength on average [default: 20000]
+    seed
+        Seed of the random numbers [default: 1]
+    time_limit
+        Stop (resumably, exit code 3) after this many minutes
+    checkpoint_every
+        Seconds between checkpoints: the most that a killed run loses [default: 20]
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
+    """
+    return call(
+        Result,
+        ["free-energy"],
+        [],
+        {
+            "--shape": shape,
+            "--crystal": crystal,
+            "--packing-fraction": packing_fraction,
+            "--output": output,
+            "--rounding": rounding,
+            "--turn": turn,
+            "--bodies": bodies,
+            "--equilibration": equilibration,
+            "--sweeps": sweeps,
+            "--seed": seed,
+            "--time-limit": time_limit,
+            "--checkpoint-every": checkpoint_every,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
 
 
 def phase_diagram(

@@ -11,6 +11,7 @@ use cpu_time::{cpu_seconds, is_asked_for};
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::depletants::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
+use protomer_hpmc::start::Start;
 use protomer_kernel::shape::{Shape, builders::by_name};
 
 fn main() {
@@ -59,11 +60,15 @@ fn measure<const D: usize>(
     let settings = Settings {
         seed: 1,
         equilibration_sweeps: 400,
-        insertions: 0,
-        points: 1000,
+        ..Settings::default()
     };
-    let mut simulation =
-        Simulation::new(&settings, body, depletants, bodies, packing_fraction).unwrap();
+    let mut simulation = Simulation::new(
+        &settings,
+        body,
+        depletants,
+        &Start::fluid(bodies, packing_fraction),
+    )
+    .unwrap();
     simulation.run(settings.equilibration_sweeps);
     let begin = cpu_seconds();
     while cpu_seconds() - begin < 2.0 {

@@ -1,12 +1,13 @@
 //! A hard convex body, ready for tests of overlap.
 
-use crate::{Error, Result};
+use crate::{Error, Result, error::require};
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::hull::Hull;
 use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::shape::separation::{Block, Pair, overlap_on_all_axes, pack, turn};
 use protomer_kernel::{Rotation, Vec3};
+use std::f64::consts::PI;
 
 /// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre.
 #[derive(Debug, Clone)]
@@ -77,6 +78,26 @@ impl<const D: usize> HardBody<D> {
             volume: measures.volume,
             normals,
             edges,
+        })
+    }
+
+    /// A ball about the centre: in one dimension a rod, in two a disk.
+    ///
+    /// # Errors
+    /// For a radius that is not positive.
+    pub fn ball(radius: f64) -> Result<Self> {
+        require("the radius", radius, "positive", radius > 0.0)?;
+        let corners = vec![[0.0; D]];
+        let volume = [2.0, PI * radius, 4.0 / 3.0 * PI * radius * radius][D - 1] * radius;
+        Ok(Self {
+            packed: pack(&corners),
+            corners,
+            rounding_radius: radius,
+            inner_radius: radius,
+            outer_radius: radius,
+            volume,
+            normals: Vec::new(),
+            edges: Vec::new(),
         })
     }
 

@@ -12,7 +12,7 @@ use crate::system::System;
 use nalgebra::{Matrix4, Vector4};
 
 /// Bins of contractions; a power of two, because pairs are placed by bisection.
-const BINS: usize = 32;
+pub(crate) const BINS: usize = 32;
 /// The largest contraction times the compressibility factor: over this range the density of pairs
 /// falls by about half.
 const RANGE: f64 = 0.8;
@@ -31,7 +31,7 @@ impl Compression {
     /// For a compressibility factor of about this size.
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
         // In a small box a pair must not meet two images of each other.
-        let room = 1.0 - 4.0 * system.body.outer_radius / system.edge;
+        let room = 1.0 - 4.0 * system.body.outer_radius / system.shortest_edge();
         let largest = (RANGE / factor.max(1.0))
             .min(LARGEST)
             .min(room)
@@ -62,7 +62,7 @@ impl Compression {
     fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize)) {
         let outer = 2.0 * system.body.outer_radius;
         let range = outer / (1.0 - self.largest);
-        let grid = Grid::new(system.edge, range, &system.positions);
+        let grid = Grid::new(&system.edges, range, &system.positions);
         for body in 0..system.len() {
             let here = system.where_it_is(body);
             let but = body as u32;
@@ -99,7 +99,7 @@ fn first(holds: impl Fn(usize) -> bool) -> usize {
 
 /// What a pair in a bin adds to the density at zero, times the largest contraction: least squares of a
 /// cubic polynomial to the counts, whose means over the bins are exact.
-fn weights() -> [f64; BINS] {
+pub(crate) fn weights() -> [f64; BINS] {
     let mean_of_power = |bin: usize, power: usize| {
         let [low, high] = [bin, bin + 1].map(|edge| edge as f64 / BINS as f64);
         let order = power as i32 + 1;

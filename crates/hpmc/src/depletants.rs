@@ -181,16 +181,19 @@ impl<const D: usize> System<D> {
     /// The free volume of depletants of this radius, as a part of the box: random points, one in each
     /// of about `points` equal cells.
     pub fn free_volume(&self, radius: f64, points: usize, rng: &mut CounterRng) -> f64 {
-        let cells = (points as f64).powf(1.0 / D as f64).ceil().max(1.0) as usize;
-        let width = self.edge / cells as f64;
+        let width = (self.volume() / points.max(1) as f64).powf(1.0 / D as f64);
+        let cells = self
+            .edges
+            .map(|edge| (edge / width - 1e-9).ceil().max(1.0) as usize);
         let range = self.body.outer_radius + radius;
-        let count = cells.pow(D as u32);
+        let count: usize = cells.iter().product();
         let mut free = 0;
         for number in 0..count {
             let (mut rest, mut point) = (number, [0.0; D]);
-            for x in &mut point {
-                *x = ((rest % cells) as f64 + rng.uniform()) * width;
-                rest /= cells;
+            for axis in 0..D {
+                let place = (rest % cells[axis]) as f64 + rng.uniform();
+                point[axis] = place * self.edges[axis] / cells[axis] as f64;
+                rest /= cells[axis];
             }
             let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
                 let from_body = near.offset.map(|x| -x);
@@ -199,15 +202,6 @@ impl<const D: usize> System<D> {
             free += usize::from(!is_covered);
         }
         free as f64 / count as f64
-    }
-
-    fn nearest_image(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
-        let mut step = [0.0; D];
-        for axis in 0..D {
-            let along = to[axis] - from[axis];
-            step[axis] = along - self.edge * (along / self.edge).round();
-        }
-        step
     }
 }
 
@@ -221,7 +215,7 @@ struct Shell {
 impl Shell {
     fn new<const D: usize>(inner: f64, outer: f64) -> Self {
         let (inner_power, outer_power) = (inner.powi(D as i32), outer.powi(D as i32));
-        let unit = if D == 2 { PI } else { 4.0 * PI / 3.0 };
+        let unit = [2.0, PI, 4.0 * PI / 3.0][D - 1];
         Self {
             inner_power,
             outer_power,
@@ -232,7 +226,9 @@ impl Shell {
     fn point<const D: usize>(&self, rng: &mut CounterRng) -> [f64; D] {
         let power = rng.uniform_in(self.inner_power, self.outer_power);
         let mut point = [0.0; D];
-        if D == 2 {
+        if D == 1 {
+            point[0] = if rng.uniform() < 0.5 { power } else { -power };
+        } else if D == 2 {
             let (sine, cosine) = (2.0 * PI * rng.uniform()).sin_cos();
             let radius = power.sqrt();
             point[0] = radius * cosine;

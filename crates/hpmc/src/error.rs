@@ -44,6 +44,54 @@ pub enum Error {
         /// The packing fraction wanted.
         wanted: f64,
     },
+    /// Bodies overlap on the sites of a crystal.
+    #[error(
+        "the bodies overlap in this crystal at a packing fraction of {wanted:.4}; they fit up to \
+         {largest:.4}"
+    )]
+    Dense {
+        /// The packing fraction wanted.
+        wanted: f64,
+        /// The largest at which they do not overlap.
+        largest: f64,
+    },
+    /// The bodies do not fill whole unit cells.
+    #[error(
+        "{bodies} bodies are not a whole number of unit cells of {sites}; give a multiple of {sites}, such \
+         as {nearest}"
+    )]
+    PartialCell {
+        /// The number of bodies wanted.
+        bodies: usize,
+        /// Sites of a unit cell.
+        sites: usize,
+        /// A number near it that works.
+        nearest: usize,
+    },
+    /// The name is not that of a crystal.
+    #[error("'{name}' is not a crystal in {dimension} dimensions; known are {known}")]
+    UnknownCrystal {
+        /// The name.
+        name: String,
+        /// Of the bodies.
+        dimension: usize,
+        /// What there is.
+        known: &'static str,
+    },
+    /// Two things that cannot be simulated in one box yet.
+    #[error("{first} and {second} cannot be simulated together; leave one out")]
+    NotTogether {
+        /// The one.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// A body that any rotation about an axis leaves as it is.
+    #[error(
+        "the body looks the same however it is turned about its axis; the orientation of such bodies \
+         cannot be held yet"
+    )]
+    Axis,
     /// The shape cannot be used.
     #[error(transparent)]
     Shape(#[from] protomer_kernel::KernelError),

@@ -1,4 +1,4 @@
-//! Which bodies are near a place in a periodic cube or square.
+//! Which bodies are near a place in a periodic box.
 //!
 //! Cells hold copies of the positions, in order of arrival, so that a look around reads memory in
 //! long runs. The box goes from 0 to its edge along each axis.
@@ -21,7 +21,7 @@ pub(crate) struct Near<const D: usize> {
     pub squared: f64,
 }
 
-/// With fewer cells along an edge, all bodies lie in one.
+/// With fewer cells along an edge, there is one, and offsets along it are wrapped.
 const FEWEST: usize = 3;
 /// Room for bodies in a cell at first.
 const ROOM: usize = 8;
@@ -29,9 +29,9 @@ const ROOM: usize = 8;
 /// Bodies sorted into cells at least as wide as a range.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid<const D: usize> {
-    edge: f64,
-    cells_per_edge: usize,
-    cells_per_length: f64,
+    edges: [f64; D],
+    cells: [usize; D],
+    cells_per_length: [f64; D],
     room: usize,
     filled: Vec<u32>,
     entries: Vec<Entry<D>>,
@@ -40,19 +40,24 @@ pub(crate) struct Grid<const D: usize> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Sorts bodies; `edge` is at least twice the range.
-    pub fn new(edge: f64, range: f64, positions: &[[f64; D]]) -> Self {
+    /// Sorts bodies; each edge is at least twice the range.
+    pub fn new(edges: &[f64; D], range: f64, positions: &[[f64; D]]) -> Self {
         // More cells than bodies would only be empty.
-        let most = ((2 * positions.len()) as f64).powf(1.0 / D as f64).ceil();
-        let mut cells_per_edge = (edge / range).floor().min(most) as usize;
-        if cells_per_edge < FEWEST {
-            cells_per_edge = 1;
+        let volume: f64 = edges.iter().product();
+        let width = (volume / (2 * positions.len()).max(1) as f64).powf(1.0 / D as f64);
+        let mut cells = [1; D];
+        for axis in 0..D {
+            let most = (edges[axis] / width).ceil();
+            let number = (edges[axis] / range).floor().min(most) as usize;
+            if number >= FEWEST {
+                cells[axis] = number;
+            }
         }
         let mut grid = Self {
-            edge,
-            cells_per_edge,
-            cells_per_length: cells_per_edge as f64 / edge,
-            room: if cells_per_edge == 1 {
+            edges: *edges,
+            cells,
+            cells_per_length: std::array::from_fn(|axis| cells[axis] as f64 / edges[axis]),
+            room: if cells == [1; D] {
                 positions.len()
             } else {
                 ROOM
@@ -66,7 +71,7 @@ impl<const D: usize> Grid<D> {
     }
 
     fn fill(&mut self, positions: &[[f64; D]]) {
-        let cells = self.cells_per_edge.pow(D as u32);
+        let cells = self.cells.iter().product();
         loop {
             self.filled.clear();
             self.filled.resize(cells, 0);
@@ -101,14 +106,14 @@ impl<const D: usize> Grid<D> {
         (cell as u32, place)
     }
 
-    fn coordinate(&self, x: f64) -> usize {
-        ((x * self.cells_per_length) as usize).min(self.cells_per_edge - 1)
+    fn coordinate(&self, axis: usize, x: f64) -> usize {
+        ((x * self.cells_per_length[axis]) as usize).min(self.cells[axis] - 1)
     }
 
     fn cell(&self, position: &[f64; D]) -> usize {
         let mut cell = 0;
-        for x in position.iter().rev() {
-            cell = cell * self.cells_per_edge + self.coordinate(*x);
+        for axis in (0..D).rev() {
+            cell = cell * self.cells[axis] + self.coordinate(axis, position[axis]);
         }
         cell
     }
@@ -144,13 +149,14 @@ impl<const D: usize> Grid<D> {
         but: u32,
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
-        if self.cells_per_edge == 1 {
-            return self.any_in_one_cell(place, squared_range, but, visit);
+        if self.cells.contains(&1) {
+            return self.any_wrapped(place, squared_range, but, visit);
         }
         let (mut cells, mut shifts) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
-        let (n, mut stride) = (self.cells_per_edge, 1);
+        let mut stride = 1;
         for axis in 0..D {
-            let home = self.coordinate(place[axis]);
+            let n = self.cells[axis];
+            let home = self.coordinate(axis, place[axis]);
             for (number, step) in [n - 1, 0, 1].into_iter().enumerate() {
                 let cell = home + step;
                 let beyond = cell >= n;
@@ -158,7 +164,7 @@ impl<const D: usize> Grid<D> {
                 let is_below = number == 0 && home == 0;
                 let is_above = number == 2 && beyond;
                 let images = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
-                shifts[axis][number] = images * self.edge - place[axis];
+                shifts[axis][number] = images * self.edges[axis] - place[axis];
             }
             stride *= n;
         }
@@ -197,28 +203,42 @@ impl<const D: usize> Grid<D> {
         false
     }
 
-    fn any_in_one_cell(
+    /// The same where an edge has one cell.
+    fn any_wrapped(
         &self,
         place: &[f64; D],
         squared_range: f64,
         but: u32,
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
-        for entry in &self.entries[..self.filled[0] as usize] {
-            let (mut offset, mut squared) = ([0.0; D], 0.0);
+        let steps = self.cells.map(|cells| if cells == 1 { 1 } else { 3 });
+        for number in 0..steps.iter().product() {
+            let (mut cell, mut rest, mut stride) = (0, number, 1);
             for axis in 0..D {
-                let along = entry.position[axis] - place[axis];
-                offset[axis] = along - self.edge * (along / self.edge).round();
-                squared += offset[axis] * offset[axis];
+                let n = self.cells[axis];
+                let home = self.coordinate(axis, place[axis]);
+                cell += stride * ((home + n - 1 + rest % steps[axis]) % n);
+                rest /= steps[axis];
+                stride *= n;
             }
-            if squared < squared_range && entry.body != but {
-                let near = Near {
-                    body: entry.body,
-                    offset,
-                    squared,
-                };
-                if visit(near) {
-                    return true;
+            let from = cell * self.room;
+            for entry in &self.entries[from..from + self.filled[cell] as usize] {
+                let (mut offset, mut squared) = ([0.0; D], 0.0);
+                for axis in 0..D {
+                    let along = entry.position[axis] - place[axis];
+                    let edge = self.edges[axis];
+                    offset[axis] = along - edge * (along / edge).round();
+                    squared += offset[axis] * offset[axis];
+                }
+                if squared < squared_range && entry.body != but {
+                    let near = Near {
+                        body: entry.body,
+                        offset,
+                        squared,
+                    };
+                    if visit(near) {
+                        return true;
+                    }
                 }
             }
         }

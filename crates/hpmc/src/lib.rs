@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! Shape + rounding --HardBody--> bodies --start--> System --sweeps--> samples: Z, free volumes, insertions
+//! UnitCell --Crystal--> System --springs of rising strength--> free energy of a crystal
 //! free volume theory --common_tangent--> coexisting packing fractions
 //! ```
 //!
@@ -9,10 +10,16 @@
 //! |---|---|
 //! | [`body`] | a hard convex body, ready for tests of overlap |
 //! | [`system`] | bodies in a periodic box, and trial moves |
+//! | [`crystal`] | unit cells, by name or of one's own, and crystals made of them |
 //! | [`start`] | the start of a run |
+//! | [`field`] | potentials that act on each body: gravity |
 //! | [`compression`] | the pressure by trial compressions |
+//! | [`heights`] | bodies between walls |
 //! | [`depletants`] | implicit penetrable hard spheres, sampled exactly |
 //! | [`simulation`] | equilibration, production, samples |
+//! | [`symmetry`] | the rotations that leave a body as it is, and what holds its orientation |
+//! | [`einstein`] | bodies on springs, and their free energy |
+//! | [`frenkel_ladd`] | the free energy of a crystal, by springs of falling strength |
 //! | [`jet`] | numbers with two derivatives |
 //! | [`tangent`] | coexistence by common tangents |
 //! | [`free_volume_theory`] | phases of spheres and depletants by theory |
@@ -22,13 +29,20 @@
 
 pub mod body;
 pub mod compression;
+pub mod crystal;
 pub mod depletants;
+pub mod einstein;
 mod error;
+pub mod field;
 pub mod free_volume_theory;
+pub mod frenkel_ladd;
 mod grid;
+pub mod heights;
 pub mod jet;
+mod quadrature;
 pub mod simulation;
 pub mod start;
+pub mod symmetry;
 pub mod system;
 pub mod tangent;
 

@@ -1,11 +1,18 @@
 //! A run: equilibration, in which steps are tuned, and production, in which they are not.
+//!
+//! At constant pressure, a sweep ends with trial changes of the box by a factor uniform in its
+//! logarithm. With the volume V → V' it is accepted with
+//! min(1, exp[-βP(V' - V) + (N + 1) ln(V'/V)]) if no bodies overlap then (Wood, J. Chem. Phys. 48, 415
+//! (1968)). The factor is the same for all edges, or that of one edge at random.
 
 use crate::body::HardBody;
 use crate::compression::Compression;
 use crate::depletants::{Counting, Depletant};
-use crate::start::random_fluid;
-use crate::system::{MoveCounts, Steps, System};
-use crate::{Error, Result};
+use crate::field::{Gravity, Nothing};
+use crate::heights::{Heights, Walls};
+use crate::start::Start;
+use crate::system::{Counts, MoveCounts, Steps, System};
+use crate::{Error, Result, error::require};
 use protomer_kernel::Rotation;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
@@ -19,6 +26,15 @@ const NEW_PART: f64 = 0.3;
 /// Streams of what is inserted.
 const POINTS: u32 = 0;
 const BODIES: u32 = 1;
+/// Streams of the changes of the box, beside that of the moves.
+const BOX: u32 = 1 << 20;
+/// Trial changes of the box in a sweep. Most end at the first overlap, after a small part of a sweep.
+const BOX_TRIALS: u32 = 4;
+/// The first largest change of the logarithm of a volume, and the largest at all.
+const FIRST_BOX_STEP: f64 = 0.01;
+const LARGEST_BOX_STEP: f64 = 1.0;
+/// Fewer changes of the box say little about their acceptance.
+const ENOUGH_BOX_TRIALS: u64 = 40;
 
 /// What a run does.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +47,34 @@ pub struct Settings {
     pub insertions: usize,
     /// Points per sample, to measure the free volume of each depletant.
     pub points: usize,
+    /// Pressure, for a box that changes.
+    pub pressure: Option<Pressure>,
+    /// Gravity, for bodies between walls.
+    pub gravity: Option<Gravity>,
+}
+
+impl Default for Settings {
+    /// Bodies in a box that stays as it is.
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            equilibration_sweeps: 0,
+            insertions: 0,
+            points: 1000,
+            pressure: None,
+            gravity: None,
+        }
+    }
+}
+
+/// A constant pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pressure {
+    /// βP, kT per volume; in a plane, per area.
+    pub kt_per_volume: f64,
+    /// Whether each edge of the box changes on its own.
+    pub is_anisotropic: bool,
 }
 
 /// Averages over one state.
@@ -42,6 +86,10 @@ pub struct Sample {
     pub insertion_probability: Option<f64>,
     /// Free volume of each depletant as a part of the box.
     pub free_volume: Vec<f64>,
+    /// The part of the box that the bodies fill.
+    pub packing_fraction: f64,
+    /// Between walls: what they bear, and how high the bodies are.
+    pub walls: Option<Walls>,
 }
 
 /// A state from which a run goes on as if it had not stopped.
@@ -50,8 +98,8 @@ pub struct Sample {
 pub struct State {
     /// Sweeps done, with those of the equilibration.
     pub sweeps: u64,
-    /// Edge of the box.
-    pub edge: f64,
+    /// Edges of the box.
+    pub edges: Vec<f64>,
     /// Coordinates of the centres, body by body.
     pub positions: Vec<f64>,
     /// Orientations, scalar first.
@@ -66,6 +114,44 @@ pub struct State {
     pub tried: [MoveCounts; 2],
     /// Moves of the production.
     pub counts: MoveCounts,
+    /// Largest change of the logarithm of the volume.
+    pub box_step: f64,
+    /// Changes of the box since their step was tuned last.
+    pub box_counts: Counts,
+    /// Between walls: bodies by height, from samples of the production.
+    pub heights: Vec<u64>,
+}
+
+impl Settings {
+    fn check(&self, depletants: &[Depletant]) -> Result<()> {
+        if let Some(pressure) = &self.pressure {
+            let value = pressure.kt_per_volume;
+            require("the pressure", value, "positive", value > 0.0)?;
+        }
+        if let Some(gravity) = &self.gravity {
+            let value = gravity.weight_kt_per_length;
+            require(
+                "the weight of a body",
+                value,
+                "zero or positive",
+                value >= 0.0,
+            )?;
+        }
+        let kinds = [
+            (self.pressure.is_some(), "constant pressure"),
+            (self.gravity.is_some(), "gravity between walls"),
+            (!depletants.is_empty(), "depletants"),
+        ];
+        let asked: Vec<&'static str> = kinds
+            .iter()
+            .filter(|(is_asked_for, _)| *is_asked_for)
+            .map(|(_, name)| *name)
+            .collect();
+        match asked[..] {
+            [first, second, ..] => Err(Error::NotTogether { first, second }),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Hard bodies that move.
@@ -73,10 +159,11 @@ pub struct State {
 /// ```
 /// use protomer_hpmc::body::HardBody;
 /// use protomer_hpmc::simulation::{Settings, Simulation};
+/// use protomer_hpmc::start::Start;
 /// use protomer_kernel::{Vec3, shape::Shape};
 /// let ball = HardBody::<3>::new(&Shape::solid(&[Vec3::zeros()])?, 0.5)?;
-/// let settings = Settings { seed: 1, equilibration_sweeps: 20, insertions: 0, points: 1000 };
-/// let mut simulation = Simulation::new(&settings, &ball, &[], 64, 0.2)?;
+/// let settings = Settings { equilibration_sweeps: 20, ..Settings::default() };
+/// let mut simulation = Simulation::new(&settings, &ball, &[], &Start::fluid(64, 0.2))?;
 /// simulation.run(100);
 /// assert_eq!(simulation.system().overlaps(), 0);
 /// # Ok::<(), protomer_hpmc::Error>(())
@@ -91,26 +178,28 @@ pub struct Simulation<const D: usize> {
     counting: Counting,
     tried: [MoveCounts; 2],
     counts: MoveCounts,
+    box_step: f64,
+    box_counts: Counts,
+    heights: Heights,
     compression: Compression,
 }
 
 impl<const D: usize> Simulation<D> {
-    /// Bodies compressed to a packing fraction.
+    /// Bodies at the start.
     ///
     /// # Errors
-    /// As [`random_fluid`]; also for depletants with impossible numbers.
+    /// As [`Start::make`]; also for depletants with impossible numbers.
     pub fn new(
         settings: &Settings,
         body: &HardBody<D>,
         depletants: &[Depletant],
-        bodies: usize,
-        packing_fraction: f64,
+        start: &Start<D>,
     ) -> Result<Self> {
         for kind in depletants {
             kind.check()?;
         }
-        let (system, steps) =
-            random_fluid(body, depletants, bodies, packing_fraction, settings.seed)?;
+        settings.check(depletants)?;
+        let (system, steps) = start.make(body, depletants, settings.seed)?;
         let compression = Compression::new(&system, 1.0);
         let mut simulation = Self {
             settings: settings.clone(),
@@ -121,6 +210,9 @@ impl<const D: usize> Simulation<D> {
             counting: Counting::Lost,
             tried: <[MoveCounts; 2]>::default(),
             counts: MoveCounts::default(),
+            box_step: FIRST_BOX_STEP,
+            box_counts: Counts::default(),
+            heights: Heights::default(),
             compression,
         };
         // Two rounds: the first range of contractions may be too wide.
@@ -142,6 +234,10 @@ impl<const D: usize> Simulation<D> {
         state: &State,
     ) -> Result<Self> {
         let (positions, _) = state.positions.as_chunks::<D>();
+        let mut edges = [0.0; D];
+        for (edge, saved) in edges.iter_mut().zip(&state.edges) {
+            *edge = *saved;
+        }
         let rotation = |[w, x, y, z]: &[f64; 4]| {
             // The numbers are those of a rotation that was normalised before it was saved.
             Rotation::new_unchecked(nalgebra::Quaternion::new(*w, *x, *y, *z))
@@ -157,10 +253,14 @@ impl<const D: usize> Simulation<D> {
         let system = System::new(
             body.clone(),
             depletants.to_vec(),
-            state.edge,
+            edges,
             positions.to_vec(),
             rotations,
         )?;
+        let system = match settings.gravity {
+            Some(_) => system.between_walls(),
+            None => system,
+        };
         let compression = Compression::new(&system, state.rough_factor);
         Ok(Self {
             settings: settings.clone(),
@@ -171,6 +271,9 @@ impl<const D: usize> Simulation<D> {
             counting: state.counting,
             tried: state.tried,
             counts: state.counts,
+            box_step: state.box_step,
+            box_counts: state.box_counts,
+            heights: Heights(state.heights.clone()),
             compression,
         })
     }
@@ -184,7 +287,7 @@ impl<const D: usize> Simulation<D> {
         };
         State {
             sweeps: self.sweeps,
-            edge: self.system.edge(),
+            edges: self.system.edges().to_vec(),
             positions: self.system.positions().as_flattened().to_vec(),
             orientations_wxyz: self.system.rotations().iter().map(wxyz).collect(),
             steps: self.steps,
@@ -192,12 +295,16 @@ impl<const D: usize> Simulation<D> {
             counting: self.counting,
             tried: self.tried,
             counts: self.counts,
+            box_step: self.box_step,
+            box_counts: self.box_counts,
+            heights: self.heights.0.clone(),
         }
     }
 
     /// Forgets what only makes the run faster: directions that separate bodies, the order in cells.
     pub fn refresh(&mut self) {
         self.system.refresh();
+        self.compression = Compression::new(&self.system, self.rough_factor);
     }
 
     /// The bodies.
@@ -213,6 +320,16 @@ impl<const D: usize> Simulation<D> {
     /// Moves of the production so far.
     pub fn counts(&self) -> &MoveCounts {
         &self.counts
+    }
+
+    /// Bodies by height, from the samples of the production; without walls, none.
+    pub fn heights(&self) -> &Heights {
+        &self.heights
+    }
+
+    /// The accepted part of the changes of the box, since their step was tuned last.
+    pub fn box_acceptance(&self) -> f64 {
+        self.box_counts.acceptance()
     }
 
     /// The steps.
@@ -244,8 +361,16 @@ impl<const D: usize> Simulation<D> {
         for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
             let mut rng =
                 CounterRng::for_purpose(self.settings.seed, 0, trial, Purpose::HardBodyMove);
-            self.system
-                .trial(&mut rng, &self.steps, counting, &mut counts);
+            let (system, steps, counts) = (&mut self.system, &self.steps, &mut counts);
+            match &mut self.settings.gravity {
+                None => system.trial(&mut rng, steps, counting, &mut Nothing, counts),
+                Some(gravity) => system.trial(&mut rng, steps, counting, gravity, counts),
+            };
+        }
+        if let Some(pressure) = self.settings.pressure {
+            for number in 0..BOX_TRIALS {
+                self.change_box(&pressure, number);
+            }
         }
         self.sweeps += 1;
         if equilibrates {
@@ -254,6 +379,23 @@ impl<const D: usize> Simulation<D> {
         } else {
             self.counts.add(&counts);
         }
+    }
+
+    fn change_box(&mut self, pressure: &Pressure, number: u32) {
+        let (seed, stream) = (self.settings.seed, BOX + number);
+        let mut rng = CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
+        let growth = self.box_step * rng.uniform_in(-1.0, 1.0);
+        let mut scales = [(growth / D as f64).exp(); D];
+        if pressure.is_anisotropic {
+            scales = [1.0; D];
+            scales[rng.index(D)] = growth.exp();
+        }
+        let change = self.system.volume() * (growth.exp() - 1.0);
+        let bodies = self.system.len() as f64;
+        let weight = (bodies + 1.0) * growth - pressure.kt_per_volume * change;
+        let is_likely = rng.uniform() < weight.exp();
+        let is_accepted = is_likely && self.system.try_rescale(&scales);
+        self.box_counts.note(is_accepted);
     }
 
     /// Tunes the steps and the range of compressions; at the end fixes them.
@@ -280,15 +422,27 @@ impl<const D: usize> Simulation<D> {
                 self.tried = <[MoveCounts; 2]>::default();
             }
         }
+        if !is_last && self.box_counts.trials >= ENOUGH_BOX_TRIALS {
+            let factor = (self.box_counts.acceptance() / ACCEPTANCE).clamp(0.5, 1.5);
+            self.box_step = (self.box_step * factor).min(LARGEST_BOX_STEP);
+            self.box_counts = Counts::default();
+        }
         let rough = self.compression.rough_factor(&self.system);
         self.rough_factor += NEW_PART * (rough - self.rough_factor);
         self.compression = Compression::new(&self.system, self.rough_factor);
     }
 
-    /// Measures the state. The same state gives the same sample.
+    /// Measures the state. The same state gives the same sample, but heights are counted.
     pub fn sample(&mut self) -> Sample {
         let free_volume = self.free_volume();
+        let walls = self.settings.gravity.map(|gravity| {
+            self.heights.count(&self.system);
+            let density = self.system.len() as f64 / self.system.volume();
+            Walls::of(&self.system, &gravity, density * self.rough_factor)
+        });
         Sample {
+            packing_fraction: self.system.packing_fraction(),
+            walls,
             compressibility_factor: self.compression.factor(&self.system),
             insertion_probability: self.insertion_probability(),
             free_volume,
@@ -314,11 +468,8 @@ impl<const D: usize> Simulation<D> {
         let mut rng = self.inserted(BODIES);
         let mut free = 0;
         for _ in 0..insertions {
-            let edge = self.system.edge();
-            let mut place = [0.0; D];
-            for x in &mut place {
-                *x = edge * rng.uniform();
-            }
+            // Centres at random in the whole box, also where a wall is in the way.
+            let place = self.system.edges().map(|edge| edge * rng.uniform());
             let rotation = match D {
                 2 => {
                     let angle = std::f64::consts::TAU * rng.uniform();

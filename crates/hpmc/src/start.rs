@@ -1,11 +1,13 @@
-//! The start of a run: bodies on a wide lattice, turned at random, are compressed to their packing
-//! fraction.
+//! The start of a run: a crystal, or bodies on a wide lattice, turned at random, that are compressed to
+//! their packing fraction.
 //!
 //! The box shrinks a little at a time. Bodies that overlap then move as soon as they find a place
 //! where they overlap none; if they do not in time, the step is taken back and halved.
 
 use crate::body::HardBody;
+use crate::crystal::Crystal;
 use crate::depletants::{Counting, Depletant};
+use crate::field::Nothing;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -28,17 +30,74 @@ const TRIES: usize = 10;
 const SWEEPS_BETWEEN: usize = 6;
 const ACCEPTANCE: f64 = 0.3;
 
-/// Bodies at random in a box of this packing fraction, and steps that suit them.
-///
-/// # Errors
-/// For a packing fraction that cannot be reached, and too few bodies.
-pub fn random_fluid<const D: usize>(
-    body: &HardBody<D>,
-    depletants: &[Depletant],
-    bodies: usize,
-    packing_fraction: f64,
-    seed: u64,
-) -> Result<(System<D>, Steps)> {
+/// How a run begins.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Start<const D: usize> {
+    /// Bodies at random.
+    Fluid {
+        /// How many.
+        bodies: usize,
+        /// The part of the box that they fill.
+        packing_fraction: f64,
+        /// The edges of the box, relative to each other.
+        edge_ratios: [f64; D],
+        /// Whether hard walls close the box at both ends of the last axis.
+        has_walls: bool,
+    },
+    /// Bodies on the sites of a crystal.
+    Crystal(Crystal<D>),
+}
+
+impl<const D: usize> Start<D> {
+    /// Bodies at random in a periodic cube or square.
+    pub fn fluid(bodies: usize, packing_fraction: f64) -> Self {
+        Self::Fluid {
+            bodies,
+            packing_fraction,
+            edge_ratios: [1.0; D],
+            has_walls: false,
+        }
+    }
+
+    /// The bodies in their places, and steps that suit them.
+    ///
+    /// # Errors
+    /// For a packing fraction that cannot be reached, bodies that overlap in the crystal, and too few
+    /// bodies.
+    pub fn make(
+        &self,
+        body: &HardBody<D>,
+        depletants: &[Depletant],
+        seed: u64,
+    ) -> Result<(System<D>, Steps)> {
+        match self {
+            Self::Crystal(crystal) => {
+                let system = crystal.system(body, depletants)?;
+                let steps = Steps {
+                    translation: 0.1 * body.outer_radius,
+                    rotation: 0.1,
+                };
+                Ok((system, steps))
+            }
+            Self::Fluid {
+                bodies,
+                packing_fraction,
+                edge_ratios,
+                has_walls,
+            } => {
+                let (bodies, packing) = (*bodies, *packing_fraction);
+                check(bodies, packing, edge_ratios)?;
+                let volume = bodies as f64 * body.volume / packing;
+                let ratios: f64 = edge_ratios.iter().product();
+                let scale = (volume / ratios).powf(1.0 / D as f64);
+                let edges = edge_ratios.map(|ratio| scale * ratio);
+                random_fluid(body, depletants, bodies, edges, *has_walls, seed)
+            }
+        }
+    }
+}
+
+fn check(bodies: usize, packing_fraction: f64, edge_ratios: &[f64]) -> Result<()> {
     require(
         "the packing fraction",
         packing_fraction,
@@ -51,19 +110,37 @@ pub fn random_fluid<const D: usize>(
         "at least 1",
         bodies > 0,
     )?;
-    let edge = (bodies as f64 * body.volume / packing_fraction).powf(1.0 / D as f64);
-    let per_edge = (1..)
-        .find(|m: &usize| m.pow(D as u32) >= bodies)
-        .unwrap_or(1);
+    for ratio in edge_ratios {
+        require("an edge of the box", *ratio, "positive", *ratio > 0.0)?;
+    }
+    Ok(())
+}
+
+/// Bodies at random in a box.
+fn random_fluid<const D: usize>(
+    body: &HardBody<D>,
+    depletants: &[Depletant],
+    bodies: usize,
+    edges: [f64; D],
+    has_walls: bool,
+    seed: u64,
+) -> Result<(System<D>, Steps)> {
+    let per_edge = sites_per_edge(&edges, bodies);
     // The widest box comes first, so a box that is too small for the images is refused at once.
-    let wide = edge.max(per_edge as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
-    let sites = per_edge.pow(D as u32);
+    let mut scale: f64 = 1.0;
+    for (edge, sites) in edges.iter().zip(per_edge) {
+        let wide = edge.max(sites as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
+        scale = scale.max(wide / edge);
+    }
+    let wide = edges.map(|edge| edge * scale);
+    let sites: usize = per_edge.iter().product();
     let (mut positions, mut rotations) = (Vec::new(), Vec::new());
     for number in 0..bodies {
         let (mut site, mut position) = (number * sites / bodies, [0.0; D]);
-        for x in &mut position {
-            *x = ((site % per_edge) as f64 + 0.5) * wide / per_edge as f64;
-            site /= per_edge;
+        for axis in 0..D {
+            let place = (site % per_edge[axis]) as f64 + 0.5;
+            position[axis] = place * wide[axis] / per_edge[axis] as f64;
+            site /= per_edge[axis];
         }
         positions.push(position);
         rotations.push(orientation::<D>(body, seed, number as u64));
@@ -72,28 +149,45 @@ pub fn random_fluid<const D: usize>(
     let hard = System::new(
         body.clone(),
         depletants.clone(),
-        edge,
+        edges,
         Vec::new(),
         Vec::new(),
     );
     if let Err(Error::BoxTooSmall { edge, range, .. }) = hard {
-        let density = bodies as f64 / edge.powi(D as i32);
-        let bodies = (density * (2.0 * range).powi(D as i32)).ceil() as usize;
+        let bodies = bodies as f64 * (2.0 * range / edge).powi(D as i32);
         return Err(Error::BoxTooSmall {
             edge,
             range,
-            bodies,
+            bodies: bodies.ceil() as usize,
         });
     }
-    let system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
-    let (system, steps) = Compressor::new(system, seed).to(edge)?;
+    let mut system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
+    if has_walls {
+        system = system.between_walls();
+    }
+    let (system, steps) = Compressor::new(system, seed).to(&edges)?;
     let System {
         positions,
         rotations,
         ..
     } = system;
-    let system = System::new(body.clone(), depletants, edge, positions, rotations)?;
+    let mut system = System::new(body.clone(), depletants, edges, positions, rotations)?;
+    if has_walls {
+        system = system.between_walls();
+    }
     Ok((system, steps))
+}
+
+/// Sites of a lattice with about equal spacings, at least as many as bodies.
+fn sites_per_edge<const D: usize>(edges: &[f64; D], bodies: usize) -> [usize; D] {
+    let longest = edges.iter().copied().fold(0.0, f64::max);
+    let mut per_edge = [1; D];
+    let mut along_longest = 1.0;
+    while per_edge.iter().product::<usize>() < bodies {
+        along_longest += 1.0;
+        per_edge = edges.map(|edge| (along_longest * edge / longest - 1e-9).ceil() as usize);
+    }
+    per_edge
 }
 
 fn orientation<const D: usize>(body: &HardBody<D>, seed: u64, number: u64) -> Rotation {
@@ -129,11 +223,11 @@ impl<const D: usize> Compressor<D> {
         compressor
     }
 
-    fn to(mut self, edge: f64) -> Result<(System<D>, Steps)> {
+    fn to(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
         let mut shrinking = FIRST_SHRINKING;
-        while self.system.edge > edge {
+        while self.system.edges[0] > edges[0] {
             let before = self.system.clone();
-            self.shrink(edge.max(self.system.edge * (1.0 - shrinking)))?;
+            self.shrink(edges, 1.0 - shrinking)?;
             if self.repair() {
                 shrinking = (1.4 * shrinking).min(LARGEST_SHRINKING);
             } else {
@@ -141,7 +235,7 @@ impl<const D: usize> Compressor<D> {
                 self.system = before;
                 shrinking *= 0.5;
                 if shrinking < JAMMED {
-                    let wanted = reached * (self.system.edge / edge).powi(D as i32);
+                    let wanted = reached * self.system.volume() / edges.iter().product::<f64>();
                     return Err(Error::Jammed { reached, wanted });
                 }
             }
@@ -150,16 +244,26 @@ impl<const D: usize> Compressor<D> {
         Ok((self.system, self.steps))
     }
 
-    fn shrink(&mut self, edge: f64) -> Result<()> {
-        let scale = edge / self.system.edge;
+    /// Scales all lengths, down to the edges that are wanted.
+    fn shrink(&mut self, edges: &[f64; D], scale: f64) -> Result<()> {
+        let scale = scale.max(edges[0] / self.system.edges[0]);
+        let is_last = scale * self.system.edges[0] <= edges[0];
+        let shrunk = match is_last {
+            true => *edges,
+            false => self.system.edges.map(|edge| edge * scale),
+        };
         let moved = |place: &[f64; D]| place.map(|x| x * scale);
-        self.system = System::new(
+        let system = System::new(
             self.system.body.clone(),
             Vec::new(),
-            edge,
+            shrunk,
             self.system.positions.iter().map(moved).collect(),
             self.system.rotations.clone(),
         )?;
+        self.system = match self.system.has_walls() {
+            true => system.between_walls(),
+            false => system,
+        };
         Ok(())
     }
 
@@ -177,8 +281,13 @@ impl<const D: usize> Compressor<D> {
             }
             for _ in 0..self.system.len() {
                 let mut rng = self.rng();
-                self.system
-                    .trial(&mut rng, &self.steps, Counting::Lost, &mut counts);
+                self.system.trial(
+                    &mut rng,
+                    &self.steps,
+                    Counting::Lost,
+                    &mut Nothing,
+                    &mut counts,
+                );
             }
             let longest = self.system.longest_steps();
             self.steps.tune(&counts, ACCEPTANCE, &longest);

@@ -1,12 +1,16 @@
-//! Hard bodies in a periodic cube or square: which places are free, and trial moves.
+//! Hard bodies in a periodic box with right angles: which places are free, and trial moves.
 //!
 //! A trial move takes a body at random and moves or turns it by a random step; steps and their
-//! opposites are equally likely. It is accepted if the body overlaps no other, and if the depletants
-//! allow it (see [`depletants`](crate::depletants)). Random numbers of a trial depend on its number
+//! opposites are equally likely. It is accepted if the body overlaps no other, if the field that acts
+//! on it does (Metropolis), and if the depletants allow it (see [`depletants`](crate::depletants)).
+//!
+//! Hard walls can close the box at both ends of its last axis. Bodies between them do not reach the
+//! images beyond, so nothing else changes. Random numbers of a trial depend on its number
 //! alone, so a state and a number of trials say how a run goes on.
 
 use crate::body::HardBody;
 use crate::depletants::{Counting, Depletant};
+use crate::field::Field;
 use crate::grid::{Grid, Near};
 use crate::{Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -50,7 +54,7 @@ impl Counts {
         self.accepted as f64 / self.trials.max(1) as f64
     }
 
-    fn note(&mut self, is_accepted: bool) {
+    pub(crate) fn note(&mut self, is_accepted: bool) {
         self.trials += 1;
         self.accepted += u64::from(is_accepted);
     }
@@ -100,14 +104,15 @@ pub(crate) struct Trial<const D: usize> {
     pub position: [f64; D],
     pub rotation: Rotation,
     /// Whether the corners for this rotation are in [`System::turned`].
-    is_turned: bool,
+    pub is_turned: bool,
 }
 
-/// Equal hard bodies in a periodic cube (D = 3) or square (D = 2).
+/// Equal hard bodies in a periodic box of D dimensions.
 #[derive(Debug, Clone)]
 pub struct System<const D: usize> {
     pub(crate) body: HardBody<D>,
-    pub(crate) edge: f64,
+    pub(crate) edges: [f64; D],
+    has_walls: bool,
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) rotations: Vec<Rotation>,
     /// The corners of all bodies, turned, each from the centre of its body.
@@ -121,7 +126,7 @@ pub struct System<const D: usize> {
 }
 
 impl<const D: usize> System<D> {
-    /// Bodies in a box from 0 to `edge` along each axis. Places outside are wrapped. The bodies may
+    /// Bodies in a box from 0 to its edge along each axis. Places outside are wrapped. The bodies may
     /// overlap; see [`overlaps`](Self::overlaps).
     ///
     /// # Errors
@@ -129,7 +134,7 @@ impl<const D: usize> System<D> {
     pub fn new(
         body: HardBody<D>,
         depletants: Vec<Depletant>,
-        edge: f64,
+        edges: [f64; D],
         positions: Vec<[f64; D]>,
         rotations: Vec<Rotation>,
     ) -> Result<Self> {
@@ -138,26 +143,28 @@ impl<const D: usize> System<D> {
             .map(|kind| kind.radius)
             .fold(0.0, f64::max);
         let range = 2.0 * (body.outer_radius + reach);
+        let edge = edges.iter().copied().fold(f64::INFINITY, f64::min);
         if edge < 2.0 * range {
-            let density = positions.len() as f64 / edge.powi(D as i32);
+            let bodies = positions.len() as f64 * (2.0 * range / edge).powi(D as i32);
             return Err(Error::BoxTooSmall {
                 edge,
                 range,
-                bodies: (density * (2.0 * range).powi(D as i32)).ceil() as usize,
+                bodies: (bodies - 1e-6).ceil() as usize,
             });
         }
         let blocks = body.blocks();
-        let wrapped: Vec<[f64; D]> = positions
+        let places: Vec<[f64; D]> = positions
             .iter()
-            .map(|place| place.map(|x| x.rem_euclid(edge)))
+            .map(|place| std::array::from_fn(|axis| wrapped(place[axis], edges[axis])))
             .collect();
         let mut system = Self {
             turned: vec![[[0.0; 4]; D]; blocks],
-            corners: vec![[[0.0; 4]; D]; blocks * wrapped.len()],
-            grid: Grid::new(edge, range, &wrapped),
+            corners: vec![[[0.0; 4]; D]; blocks * places.len()],
+            grid: Grid::new(&edges, range, &places),
             body,
-            edge,
-            positions: wrapped,
+            edges,
+            has_walls: false,
+            positions: places,
             rotations,
             depletants,
             near: Vec::new(),
@@ -174,7 +181,7 @@ impl<const D: usize> System<D> {
     /// Forgets everything but the places of the bodies: what follows depends on them alone.
     pub fn refresh(&mut self) {
         let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
-        self.grid = Grid::new(self.edge, range, &self.positions);
+        self.grid = Grid::new(&self.edges, range, &self.positions);
         let empty = Slot {
             other: NOBODY,
             direction: [0.0; D],
@@ -197,9 +204,29 @@ impl<const D: usize> System<D> {
         &self.body
     }
 
-    /// Edge of the box.
-    pub fn edge(&self) -> f64 {
-        self.edge
+    /// Edges of the box.
+    pub fn edges(&self) -> &[f64; D] {
+        &self.edges
+    }
+
+    pub(crate) fn shortest_edge(&self) -> f64 {
+        self.edges.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Volume of the box; in a plane, area.
+    pub fn volume(&self) -> f64 {
+        self.edges.iter().product()
+    }
+
+    /// The same bodies between hard walls at both ends of the last axis.
+    pub fn between_walls(mut self) -> Self {
+        self.has_walls = true;
+        self
+    }
+
+    /// Whether there are walls.
+    pub fn has_walls(&self) -> bool {
+        self.has_walls
     }
 
     /// Number of bodies.
@@ -229,7 +256,7 @@ impl<const D: usize> System<D> {
 
     /// The part of the box that the bodies fill.
     pub fn packing_fraction(&self) -> f64 {
-        self.len() as f64 * self.body.volume / self.edge.powi(D as i32)
+        self.len() as f64 * self.body.volume / self.volume()
     }
 
     pub(crate) fn corners_of(&self, body: usize) -> &[Block<D>] {
@@ -237,11 +264,83 @@ impl<const D: usize> System<D> {
         &self.corners[body * blocks..(body + 1) * blocks]
     }
 
-    /// The number of pairs that overlap.
+    /// The number of pairs that overlap, and of bodies that reach into a wall.
     pub fn overlaps(&self) -> usize {
         (0..self.len())
             .map(|body| self.overlaps_of(&self.where_it_is(body), |other| other as usize > body))
             .sum()
+    }
+
+    /// Whether any two overlap, or one reaches into a wall.
+    pub(crate) fn has_overlaps(&self) -> bool {
+        (0..self.len()).any(|body| {
+            self.overlaps_of(&self.where_it_is(body), |other| other as usize > body) > 0
+        })
+    }
+
+    /// Puts all bodies elsewhere.
+    pub(crate) fn put_all(&mut self, positions: Vec<[f64; D]>, rotations: Vec<Rotation>) {
+        self.positions = positions;
+        for place in &mut self.positions {
+            for (x, edge) in place.iter_mut().zip(&self.edges) {
+                *x = wrapped(*x, *edge);
+            }
+        }
+        self.rotations = rotations;
+        let blocks = self.body.blocks();
+        for (number, rotation) in self.rotations.iter().enumerate() {
+            let corners = &mut self.corners[number * blocks..(number + 1) * blocks];
+            self.body.turned_into(rotation, corners);
+        }
+        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+        self.grid = Grid::new(&self.edges, range, &self.positions);
+    }
+
+    /// Scales the box and the places in it along each axis, unless bodies overlap then or meet two
+    /// images of each other; whether it did.
+    pub(crate) fn try_rescale(&mut self, scales: &[f64; D]) -> bool {
+        let before = (self.edges, self.positions.clone(), self.grid.clone());
+        for axis in 0..D {
+            self.edges[axis] *= scales[axis];
+            for place in &mut self.positions {
+                place[axis] = wrapped(place[axis] * scales[axis], self.edges[axis]);
+            }
+        }
+        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+        if self.shortest_edge() >= 2.0 * range {
+            self.grid = Grid::new(&self.edges, range, &self.positions);
+            if !self.has_overlaps() {
+                return true;
+            }
+        }
+        (self.edges, self.positions, self.grid) = before;
+        false
+    }
+
+    /// From the lower wall to the body and from the body to the upper wall; negative if it reaches in.
+    pub(crate) fn gaps_to_walls(&self, trial: &Trial<D>) -> [f64; 2] {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for block in self.corners_of_trial(trial) {
+            for x in block[D - 1] {
+                low = low.min(x);
+                high = high.max(x);
+            }
+        }
+        let (place, rounding) = (trial.position[D - 1], self.body.rounding_radius);
+        let top = self.edges[D - 1] - (place + high + rounding);
+        [place + low - rounding, top]
+    }
+
+    fn reaches_into_wall(&self, trial: &Trial<D>) -> bool {
+        if !self.has_walls {
+            return false;
+        }
+        let height = trial.position[D - 1];
+        let nearest = height.min(self.edges[D - 1] - height);
+        if nearest >= self.body.outer_radius || nearest < self.body.inner_radius {
+            return nearest < self.body.inner_radius;
+        }
+        self.gaps_to_walls(trial).iter().any(|gap| *gap < 0.0)
     }
 
     pub(crate) fn where_it_is(&self, body: usize) -> Trial<D> {
@@ -255,7 +354,7 @@ impl<const D: usize> System<D> {
 
     /// How many of the other bodies that `counts` it would overlap.
     pub(crate) fn overlaps_of(&self, trial: &Trial<D>, counts: impl Fn(u32) -> bool) -> usize {
-        let mut found = 0;
+        let mut found = usize::from(self.reaches_into_wall(trial));
         let range = 2.0 * self.body.outer_radius;
         let but = trial.body as u32;
         self.grid
@@ -301,15 +400,19 @@ impl<const D: usize> System<D> {
             is_turned: true,
         };
         let range = 2.0 * self.body.outer_radius;
-        !self
-            .grid
-            .any_near(&position, range * range, NOBODY, |near| {
-                self.is_overlap(&trial, &near, 1.0)
-            })
+        !self.reaches_into_wall(&trial)
+            && !self
+                .grid
+                .any_near(&position, range * range, NOBODY, |near| {
+                    self.is_overlap(&trial, &near, 1.0)
+                })
     }
 
     /// Whether the body would overlap another; fast, by the directions that separated them last.
     pub(crate) fn collides(&mut self, trial: &Trial<D>) -> bool {
+        if self.reaches_into_wall(trial) {
+            return true;
+        }
         let Self {
             body,
             grid,
@@ -381,12 +484,15 @@ impl<const D: usize> System<D> {
         rng: &mut CounterRng,
         steps: &Steps,
         counting: Counting,
+        field: &mut impl Field<D>,
         counts: &mut MoveCounts,
     ) -> bool {
         let trial = self.propose(rng, steps, None);
-        let is_accepted = !self.collides(&trial)
+        let is_accepted = field.allows(self, &trial, rng)
+            && !self.collides(&trial)
             && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
         if is_accepted {
+            field.moved(&trial);
             self.accept(&trial);
         }
         let kind = match trial.is_turned {
@@ -423,14 +529,19 @@ impl<const D: usize> System<D> {
             trial.rotation = UnitQuaternion::new_normalize(turned);
             self.body.turned_into(&trial.rotation, &mut self.turned);
         } else {
-            for x in &mut trial.position {
+            let periodic = D - usize::from(self.has_walls);
+            for (axis, x) in trial.position.iter_mut().enumerate() {
                 *x += steps.translation * symmetric(rng);
+                if axis == periodic {
+                    break;
+                }
+                let edge = self.edges[axis];
                 if *x < 0.0 {
-                    *x += self.edge;
+                    *x += edge;
                 }
                 // Also where a tiny negative number has been rounded to the edge.
-                if *x >= self.edge {
-                    *x -= self.edge;
+                if *x >= edge {
+                    *x -= edge;
                 }
             }
         }
@@ -449,13 +560,29 @@ impl<const D: usize> System<D> {
         }
     }
 
+    /// From a place to the nearest image of another.
+    pub(crate) fn nearest_image(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
+        let mut step = [0.0; D];
+        for axis in 0..D {
+            let (along, edge) = (to[axis] - from[axis], self.edges[axis]);
+            step[axis] = along - edge * (along / edge).round();
+        }
+        step
+    }
+
     /// The longest steps that make sense.
     pub(crate) fn longest_steps(&self) -> Steps {
         Steps {
-            translation: 0.5 * self.edge,
+            translation: 0.5 * self.shortest_edge(),
             rotation: LONGEST_TURN,
         }
     }
+}
+
+/// A coordinate in the box, from 0 to less than its edge.
+fn wrapped(x: f64, edge: f64) -> f64 {
+    let inside = x.rem_euclid(edge);
+    if inside < edge { inside } else { 0.0 }
 }
 
 /// A number in (-1, 1), as likely as its opposite.

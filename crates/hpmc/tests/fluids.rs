@@ -5,6 +5,7 @@
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::depletants::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
+use protomer_hpmc::start::Start;
 use protomer_kernel::Vec3;
 use protomer_kernel::shape::{Shape, builders::by_name};
 use protomer_kernel::statistics::summarize;
@@ -15,6 +16,8 @@ const SETTINGS: Settings = Settings {
     equilibration_sweeps: 500,
     insertions: 0,
     points: 1000,
+    pressure: None,
+    gravity: None,
 };
 
 fn ball() -> HardBody<3> {
@@ -43,7 +46,8 @@ fn assert_mean(series: &[f64], expected: f64, error: f64, what: &str) {
 }
 
 fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> Vec<f64> {
-    let mut simulation = Simulation::new(&SETTINGS, body, &[], bodies, packing).unwrap();
+    let mut simulation =
+        Simulation::new(&SETTINGS, body, &[], &Start::fluid(bodies, packing)).unwrap();
     simulation.run(SETTINGS.equilibration_sweeps);
     let series = (0..400).map(|_| {
         simulation.run(4);
@@ -96,7 +100,8 @@ fn two_spheres_with_depletants_have_their_exact_statistics() {
             equilibration_sweeps: 4000,
             ..SETTINGS
         };
-        let mut simulation = Simulation::new(&settings, &ball(), &depletants, 2, packing).unwrap();
+        let mut simulation =
+            Simulation::new(&settings, &ball(), &depletants, &Start::fluid(2, packing)).unwrap();
         simulation.run(settings.equilibration_sweeps);
         let (mut is_bonded, mut free) = (Vec::new(), Vec::new());
         for number in 0..40_000 {

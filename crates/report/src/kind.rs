@@ -21,6 +21,10 @@ pub enum Kind {
     Lattice(Box<LatticeSettings>),
     /// A sweep of lattices.
     LatticeSweep(Box<LatticeSettings>),
+    /// A run of hard bodies.
+    HardBodies,
+    /// The free energy of a crystal of hard bodies.
+    FreeEnergy,
     /// The elastic constants of a network.
     Framework,
     /// The tables of a paper on networks.
@@ -52,6 +56,8 @@ pub fn of(directory: &Path) -> Result<Kind> {
         Some(ResultKind::LatticeSweep) => {
             Kind::LatticeSweep(Box::new(read_toml(&settings("run.toml"))?))
         }
+        Some(ResultKind::HardBodies) => Kind::HardBodies,
+        Some(ResultKind::FreeEnergy) => Kind::FreeEnergy,
         Some(ResultKind::ElasticConstants) => Kind::Framework,
         Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
         Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => {
@@ -65,10 +71,10 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
             directory.display()
         ),
-        Some(ResultKind::DynamicsRun | ResultKind::HardBodies | ResultKind::Other(_)) | None => {
+        Some(ResultKind::DynamicsRun | ResultKind::Other(_)) | None => {
             bail!(
                 "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
-             lattice run, lattice sweep, framework, train, tune or voxelize command",
+             hpmc run, free-energy, lattice run, lattice sweep, framework, train, tune or voxelize command",
                 directory.display()
             )
         }

@@ -8,7 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `pair`, `learning` | the sections of each kind |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `hard_bodies`, `pair`, `learning` | the sections of each kind |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
@@ -25,6 +25,7 @@ mod data;
 mod figures;
 mod framework;
 mod framework_tables;
+mod hard_bodies;
 mod html;
 mod kind;
 mod lattice;
@@ -119,6 +120,8 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         Kind::Pair => pair::page(directory),
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
+        Kind::HardBodies => hard_bodies::page_of_run(directory),
+        Kind::FreeEnergy => hard_bodies::page_of_free_energy(directory),
         Kind::Framework => framework::page(directory),
         Kind::FrameworkTables => framework_tables::page(directory),
         #[cfg(feature = "learning")]

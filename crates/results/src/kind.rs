@@ -25,6 +25,8 @@ pub enum ResultKind {
     PairCondition,
     /// A run of many hard convex bodies.
     HardBodies,
+    /// The free energy of a crystal of hard bodies.
+    FreeEnergy,
     /// A lattice of rigid squares followed through time.
     LatticeRun,
     /// Many lattice runs.
@@ -63,6 +65,11 @@ const KINDS: &[(ResultKind, &str, &str)] = &[
         ResultKind::HardBodies,
         "hard bodies",
         "a run of hard bodies",
+    ),
+    (
+        ResultKind::FreeEnergy,
+        "free energy",
+        "the free energy of a crystal",
     ),
     (ResultKind::LatticeRun, "lattice run", "a lattice run"),
     (ResultKind::LatticeSweep, "lattice sweep", "a lattice sweep"),

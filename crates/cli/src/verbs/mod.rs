@@ -4,6 +4,7 @@ mod assemblies;
 mod bodies;
 mod export;
 mod frameworks;
+mod free_energy;
 mod generate;
 mod hpmc;
 mod lattice;
@@ -36,6 +37,7 @@ pub enum Verb {
     Shape(shape::ShapeArgs),
     Md(md::MdArgs),
     Hpmc(hpmc::HpmcArgs),
+    FreeEnergy(free_energy::FreeEnergyArgs),
     PhaseDiagram(phase_diagram::PhaseDiagramArgs),
     Body(bodies::body::BodyArgs),
     Assemble(assemblies::assemble::AssembleArgs),
@@ -70,6 +72,7 @@ impl Verb {
             Verb::Shape(args) => args.run(front),
             Verb::Md(args) => args.run(front),
             Verb::Hpmc(args) => args.run(front),
+            Verb::FreeEnergy(args) => args.run(front),
             Verb::PhaseDiagram(args) => args.run(),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),

@@ -3,12 +3,16 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`settings`] | the settings of a run |
+//! | [`start`] | bodies and starts from names and files |
 //! | [`run`] | one run in its directory |
+//! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
 //! | [`phases`] | coexisting phases of spheres and depletants by free volume theory |
 
+pub mod free_energy;
 pub mod log;
 pub mod phases;
 pub mod run;
 pub mod settings;
+pub mod start;
 pub mod trajectory;

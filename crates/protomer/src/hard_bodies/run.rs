@@ -1,20 +1,22 @@
 //! One run of hard bodies in its directory.
 //!
 //! ```text
-//! DIR/  run.toml  run.json  log.csv  trajectory.gsd  checkpoint.bin
+//! DIR/  run.toml  run.json  log.csv  trajectory.gsd  profile.csv  checkpoint.bin
 //! ```
 
 use super::log::LogRow;
 use super::settings::HardBodySettings;
+use super::start::{BodyShape, FLUID, cell_text, unit_cell};
 use super::trajectory::Trajectory;
-use crate::shapes::read_shape;
-use anyhow::{Context, Error, Result, bail};
+use anyhow::{Context, Error, Result};
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::Stopwatch;
+use protomer_common::output_file::write_once;
 use protomer_hpmc::body::HardBody;
+use protomer_hpmc::crystal::Crystal;
+use protomer_hpmc::heights::Walls;
 use protomer_hpmc::simulation::{self, Simulation, State};
-use protomer_io::atomic::sha256_hex;
-use protomer_kernel::shape::Shape;
+use protomer_hpmc::start::Start;
 use protomer_kernel::statistics::{block_standard_error, summarize};
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
@@ -26,6 +28,7 @@ use std::path::Path;
 
 const LOG: &str = "log.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
+const PROFILE: &str = "profile.csv";
 /// Measurements between two looks at the clock. What makes a run fast is forgotten there, so that a run
 /// goes on from a checkpoint as it would have.
 const SAMPLES_AT_ONCE: u64 = 10;
@@ -38,6 +41,7 @@ const LAYOUT: Layout = Layout {
         "run.json",
         LOG,
         TRAJECTORY,
+        PROFILE,
         CHECKPOINT,
         "trajectory.gsd.partial",
         "report.html",
@@ -56,10 +60,16 @@ pub struct HardBodyResult {
     pub rounding_radius: f64,
     /// Bodies.
     pub bodies: usize,
-    /// The part of the box that they fill.
+    /// The part of the box that they fill; at constant pressure its mean.
     pub packing_fraction: f64,
-    /// Edge of the box.
+    /// At constant pressure, its standard error.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub packing_fraction_error: Option<f64>,
+    /// First edge of the box at the end.
     pub box_edge: f64,
+    /// Edges of the box at the end.
+    #[serde(default)]
+    pub box_edges: Vec<f64>,
     /// Sweeps after the equilibration.
     pub sweeps: u64,
     /// Z = βP/ρ of the bodies by trial compressions. It does not hold what depletants add.
@@ -94,9 +104,38 @@ pub struct HardBodyResult {
     /// Its standard error.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction_error: Option<f64>,
+    /// The constant pressure βP, kT per volume.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub pressure_kt_per_volume: Option<f64>,
+    /// The accepted part of the changes of the box.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub box_acceptance: Option<f64>,
+    /// What the walls bear.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub walls: Option<WallsResult>,
     /// Each depletant.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub depletants: Vec<DepletantResult>,
+}
+
+/// Bodies under gravity between walls. The pressures differ by the weight over the area, whatever the
+/// bodies are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WallsResult {
+    /// βP at the lower wall, kT per volume, from the bodies near it.
+    pub lower_pressure: f64,
+    /// Its standard error.
+    pub lower_pressure_error: Option<f64>,
+    /// βP at the upper wall.
+    pub upper_pressure: f64,
+    /// Its standard error.
+    pub upper_pressure_error: Option<f64>,
+    /// The weight of all bodies over the area of a wall, kT per volume.
+    pub weight_per_area: f64,
+    /// Mean height of the centres over the lower wall.
+    pub mean_height: f64,
+    /// Its standard error.
+    pub mean_height_error: Option<f64>,
 }
 
 /// What was measured of a depletant.
@@ -119,7 +158,13 @@ impl Answer for HardBodyResult {
         let mut lines = vec![
             format!(
                 "{} bodies ({}), packing fraction {}, {} sweeps",
-                self.bodies, self.shape, self.packing_fraction, self.sweeps
+                self.bodies,
+                self.shape,
+                match self.pressure_kt_per_volume {
+                    None => self.packing_fraction.to_string(),
+                    Some(_) => with_error(self.packing_fraction, self.packing_fraction_error),
+                },
+                self.sweeps
             ),
             format!(
                 "compressibility factor {}",
@@ -129,6 +174,18 @@ impl Answer for HardBodyResult {
                 )
             ),
         ];
+        if let Some(walls) = &self.walls {
+            lines.push(format!(
+                "pressure at the lower wall {}, at the upper {}; weight per area {:.5}",
+                with_error(walls.lower_pressure, walls.lower_pressure_error),
+                with_error(walls.upper_pressure, walls.upper_pressure_error),
+                walls.weight_per_area
+            ));
+            lines.push(format!(
+                "mean height {}",
+                with_error(walls.mean_height, walls.mean_height_error)
+            ));
+        }
         if let Some(potential) = self.excess_chemical_potential_kt {
             lines.push(format!(
                 "excess chemical potential {} kT",
@@ -186,14 +243,11 @@ pub fn run_hard_bodies(
     execution: &Execution,
 ) -> Result<End<HardBodyResult>> {
     settings.check()?;
-    let shape = read_shape(&settings.shape)?;
+    let shape = BodyShape::read(&settings.shape)?;
     match shape.dimension() {
+        1 => HardBodyRun::<1>::new(settings, &shape)?.drive(path, execution),
         2 => HardBodyRun::<2>::new(settings, &shape)?.drive(path, execution),
-        3 => HardBodyRun::<3>::new(settings, &shape)?.drive(path, execution),
-        other => bail!(
-            "{} has {other} dimensions; give two or three",
-            settings.shape
-        ),
+        _ => HardBodyRun::<3>::new(settings, &shape)?.drive(path, execution),
     }
 }
 
@@ -203,6 +257,7 @@ struct HardBodyRun<'a, const D: usize> {
     identity: String,
     input_sha256: String,
     body: HardBody<D>,
+    start: Start<D>,
     engine: simulation::Settings,
 }
 
@@ -229,20 +284,26 @@ struct Saved {
 }
 
 impl<'a, const D: usize> HardBodyRun<'a, D> {
-    fn new(settings: &'a HardBodySettings, shape: &Shape) -> Result<Self> {
-        let body = HardBody::new(shape, settings.rounding_radius)
+    fn new(settings: &'a HardBodySettings, shape: &BodyShape) -> Result<Self> {
+        let body = shape
+            .body(settings.rounding_radius)
             .with_context(|| settings.shape.clone())?;
-        let input_sha256 = sha256_hex(format!("{shape:?}").as_bytes());
+        let text = cell_text(&settings.start)?;
+        let start = start(settings, &body, text.as_deref())?;
+        let input_sha256 = shape.sha256(text.as_deref());
         Ok(Self {
             settings,
             identity: settings::identity(settings, &input_sha256)?,
             input_sha256,
             body,
+            start,
             engine: simulation::Settings {
                 seed: settings.seed,
                 equilibration_sweeps: settings.equilibration,
                 insertions: settings.insertions,
                 points: settings.resolved_points(),
+                pressure: settings.pressure,
+                gravity: settings.gravity,
             },
         })
     }
@@ -269,6 +330,34 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             stop = stop.min(after(self.settings.trajectory_every));
         }
         stop.min(self.length())
+    }
+
+    /// The means of what the walls bear.
+    fn walls(&self, open: &Open<D>) -> Option<WallsResult> {
+        let gravity = self.settings.gravity?;
+        let samples: Option<Vec<Walls>> = open.rows.iter().map(|row| row.walls).collect();
+        let samples = samples?;
+        let mean =
+            |of: fn(&Walls) -> f64| mean_and_error(&samples.iter().map(of).collect::<Vec<f64>>());
+        let (lower, lower_error) = mean(|walls| walls.pressures[0]);
+        let (upper, upper_error) = mean(|walls| walls.pressures[1]);
+        let (height, height_error) = mean(|walls| walls.mean_height);
+        let area: f64 = open
+            .simulation
+            .system()
+            .edges()
+            .iter()
+            .take(D - 1)
+            .product();
+        Some(WallsResult {
+            lower_pressure: lower,
+            lower_pressure_error: lower_error,
+            upper_pressure: upper,
+            upper_pressure_error: upper_error,
+            weight_per_area: self.settings.bodies as f64 * gravity.weight_kt_per_length / area,
+            mean_height: height,
+            mean_height_error: height_error,
+        })
     }
 
     fn write_frame(&self, open: &mut Open<D>) -> Result<()> {
@@ -313,8 +402,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 Simulation::resume(&self.engine, &self.body, depletants, &saved.state)?,
             ),
             None => {
-                let (bodies, packing) = (settings.bodies, settings.packing_fraction);
-                let new = Simulation::new(&self.engine, &self.body, depletants, bodies, packing)?;
+                let new = Simulation::new(&self.engine, &self.body, depletants, &self.start)?;
                 (LogMark::default(), 0, new)
             }
         };
@@ -366,6 +454,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                     compressibility_factor: sample.compressibility_factor,
                     insertion_probability: sample.insertion_probability,
                     free_volume: sample.free_volume,
+                    packing_fraction: sample.packing_fraction,
+                    walls: sample.walls,
                 };
                 open.log.append(&row)?;
                 open.rows.push(row);
@@ -386,7 +476,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         })
     }
 
-    fn answer(&self, open: &mut Open<D>, _directory: &Path) -> Result<HardBodyResult> {
+    fn answer(&self, open: &mut Open<D>, directory: &Path) -> Result<HardBodyResult> {
         let rows = &open.rows;
         let factors: Vec<f64> = rows.iter().map(|row| row.compressibility_factor).collect();
         let (factor, factor_error) = mean_and_error(&factors);
@@ -407,6 +497,15 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 free_volume_fraction_error: error,
             });
         }
+        let walls = self.walls(open);
+        if walls.is_some() {
+            write_once(&directory.join(PROFILE), profile(open).as_bytes(), true)?;
+        }
+        let packings: Vec<f64> = rows.iter().map(|row| row.packing_fraction).collect();
+        let (packing, packing_error) = match self.settings.pressure {
+            Some(_) => mean_and_error(&packings),
+            None => (self.settings.packing_fraction, None),
+        };
         let system = open.simulation.system();
         let first = depletants.first();
         let seconds = open.watch.seconds();
@@ -415,15 +514,17 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             dimension: D,
             rounding_radius: self.settings.rounding_radius,
             bodies: system.len(),
-            packing_fraction: self.settings.packing_fraction,
-            box_edge: system.edge(),
+            packing_fraction: packing,
+            packing_fraction_error: packing_error,
+            box_edge: system.edges()[0],
+            box_edges: system.edges().to_vec(),
             sweeps: open
                 .simulation
                 .sweeps()
                 .saturating_sub(self.settings.equilibration),
             compressibility_factor: factor,
             compressibility_factor_error: factor_error,
-            reduced_pressure: factor * system.packing_fraction(),
+            reduced_pressure: factor * packing,
             acceptance: open.simulation.counts().total().acceptance(),
             translation_step: open.simulation.steps().translation,
             rotation_step: open.simulation.steps().rotation,
@@ -438,6 +539,15 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 .and_then(|(mean, error)| Some(error? / mean)),
             free_volume_fraction: first.map(|kind| kind.free_volume_fraction),
             free_volume_fraction_error: first.and_then(|kind| kind.free_volume_fraction_error),
+            pressure_kt_per_volume: self
+                .settings
+                .pressure
+                .map(|pressure| pressure.kt_per_volume),
+            box_acceptance: self
+                .settings
+                .pressure
+                .map(|_| open.simulation.box_acceptance()),
+            walls,
             depletants,
         })
     }
@@ -454,8 +564,52 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     }
 }
 
+fn start<const D: usize>(
+    settings: &HardBodySettings,
+    body: &HardBody<D>,
+    cell_text: Option<&str>,
+) -> Result<Start<D>> {
+    let (bodies, packing) = (settings.bodies, settings.packing_fraction);
+    if settings.start != FLUID {
+        let cell = unit_cell(&settings.start, cell_text, &settings.turn)?;
+        let crystal = Crystal::new(&cell, body, bodies, packing)?;
+        // What cannot be is refused before a directory is made.
+        crystal.system(body, &settings.depletants)?;
+        return Ok(Start::Crystal(crystal));
+    }
+    let edge_ratios = match settings.box_ratios.as_slice() {
+        [] => [1.0; D],
+        ratios => ratios.try_into().ok().with_context(|| {
+            let count = ratios.len();
+            format!("there are {count} ratios of edges, and the box has {D} edges; give {D}")
+        })?,
+    };
+    Ok(Start::Fluid {
+        bodies,
+        packing_fraction: packing,
+        edge_ratios,
+        has_walls: settings.gravity.is_some(),
+    })
+}
+
+/// Densities by height.
+fn profile<const D: usize>(open: &Open<D>) -> String {
+    let system = open.simulation.system();
+    let parts = open.simulation.heights().parts();
+    let height = system.edges()[D - 1] / parts.len().max(1) as f64;
+    let volume = system.volume() / parts.len().max(1) as f64;
+    let mut table = String::from("height,number_density,packing_fraction\n");
+    for (bin, part) in parts.iter().enumerate() {
+        let density = part * system.len() as f64 / volume;
+        let middle = (bin as f64 + 0.5) * height;
+        let packing = density * system.body().volume;
+        table.push_str(&format!("{middle},{density},{packing}\n"));
+    }
+    table
+}
+
 /// The mean of a series and its standard error by blocks; of a short series, by its autocorrelation.
-fn mean_and_error(series: &[f64]) -> (f64, Option<f64>) {
+pub(super) fn mean_and_error(series: &[f64]) -> (f64, Option<f64>) {
     let summary = summarize(series);
     let error = block_standard_error(series).unwrap_or(summary.standard_error);
     (summary.mean, Some(error).filter(|error| error.is_finite()))
@@ -464,6 +618,7 @@ fn mean_and_error(series: &[f64]) -> (f64, Option<f64>) {
 fn ball_volume<const D: usize>(radius: f64) -> f64 {
     use std::f64::consts::PI;
     match D {
+        1 => 2.0 * radius,
         2 => PI * radius * radius,
         _ => 4.0 / 3.0 * PI * radius.powi(3),
     }

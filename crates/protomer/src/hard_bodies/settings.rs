@@ -1,7 +1,10 @@
 //! The settings of a run of hard bodies, as stored in `run.toml`.
 
+use super::start::FLUID;
 use anyhow::{Result, bail};
 use protomer_hpmc::depletants::Depletant;
+pub use protomer_hpmc::field::Gravity;
+pub use protomer_hpmc::simulation::Pressure;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +38,22 @@ pub struct HardBodySettings {
     /// Penetrable hard spheres, or disks, in equilibrium with a reservoir.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub depletants: Vec<Depletant>,
+    /// `fluid`, the name of a crystal, or the file of a unit cell.
+    #[serde(skip_serializing_if = "is_fluid")]
+    pub start: String,
+    /// How every body of a crystal is turned first: degrees in a plane, a quaternion in space; empty for
+    /// not at all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turn: Vec<f64>,
+    /// Edges of the box relative to each other; empty for equal ones, and for a crystal.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub box_ratios: Vec<f64>,
+    /// A constant pressure, at which the box changes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Pressure>,
+    /// Gravity between hard walls.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Gravity>,
 }
 
 impl Default for HardBodySettings {
@@ -52,8 +71,17 @@ impl Default for HardBodySettings {
             insertions: 0,
             points: 0,
             depletants: Vec::new(),
+            start: FLUID.into(),
+            turn: Vec::new(),
+            box_ratios: Vec::new(),
+            pressure: None,
+            gravity: None,
         }
     }
+}
+
+fn is_fluid(start: &str) -> bool {
+    start == FLUID
 }
 
 impl Settings for HardBodySettings {
@@ -91,6 +119,18 @@ impl HardBodySettings {
         }
         for kind in &self.depletants {
             kind.check()?;
+        }
+        let is_fluid = is_fluid(&self.start);
+        if is_fluid && !self.turn.is_empty() {
+            bail!(
+                "a turn is for crystals, and the start is a fluid; give a crystal or leave it out"
+            );
+        }
+        if !is_fluid && !self.box_ratios.is_empty() {
+            bail!("a crystal has the box of its cells; leave the ratios of the edges out");
+        }
+        if !is_fluid && self.gravity.is_some() {
+            bail!("a crystal that fills the box has no room for walls; start from a fluid");
         }
         Ok(())
     }

@@ -40,8 +40,13 @@ impl Trajectory {
 /// The data that is the same in every frame.
 fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
     Ok(vec![
-        Chunk::new("configuration/dimensions", 1, ChunkData::U8(vec![D as u8])),
+        Chunk::new(
+            "configuration/dimensions",
+            1,
+            ChunkData::U8(vec![D.max(2) as u8]),
+        ),
         Chunk::text("particles/types", &["body"])?,
+        Chunk::new("particles/typeid", 1, ChunkData::U32(vec![0; system.len()])),
         Chunk::text("particles/type_shapes", &[shape(system.body()).to_string()])?,
     ])
 }
@@ -63,19 +68,25 @@ fn shape<const D: usize>(body: &HardBody<D>) -> Value {
 
 /// The data that changes from frame to frame; the box is centred on the origin.
 fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
-    let edge = system.edge();
+    let edges = system.edges();
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());
     for (place, rotation) in system.positions().iter().zip(system.rotations()) {
         let mut centre = [0.0_f32; 3];
-        for (centre, x) in centre.iter_mut().zip(place) {
-            *centre = (x - 0.5 * edge) as f32;
+        for axis in 0..D {
+            centre[axis] = (place[axis] - 0.5 * edges[axis]) as f32;
         }
         positions.extend(centre);
         let q = rotation.quaternion();
         orientations.extend([q.w, q.i, q.j, q.k].map(|x| x as f32));
     }
-    let depth = if D == 2 { 0.0 } else { edge as f32 };
-    let lengths = vec![edge as f32, edge as f32, depth, 0.0, 0.0, 0.0];
+    // Without a depth a box is flat; a line is drawn as a strip.
+    let mut lengths = vec![0.0; 6];
+    for (length, edge) in lengths.iter_mut().zip(edges) {
+        *length = *edge as f32;
+    }
+    if D == 1 {
+        lengths[1] = 2.0 * system.body().outer_radius as f32;
+    }
     vec![
         Chunk::new("configuration/step", 1, ChunkData::U64(vec![sweep])),
         Chunk::new("configuration/box", 1, ChunkData::F32(lengths)),

@@ -6,18 +6,18 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::hard_bodies::run::run_hard_bodies;
-use protomer::hard_bodies::settings::{HardBodySettings, parse_depletants};
+use protomer::hard_bodies::settings::{Gravity, HardBodySettings, Pressure, parse_depletants};
+use protomer::hard_bodies::start::FLUID;
 use std::path::PathBuf;
 
-/// Run hard bodies in a periodic cube or square. The same command continues the run; more sweeps
-/// extend it.
+/// Run hard bodies in a periodic box. The same command continues the run; more sweeps extend it.
 ///
-/// Bodies are placed at random and compressed to the packing fraction. In the equilibration the steps
+/// Bodies are placed at random and compressed to the packing fraction, or stand on the sites of a crystal. In the equilibration the steps
 /// are tuned; then the pressure is measured by trial compressions, the free volume of the depletants by
 /// random points, and the chemical potential by insertion.
 #[derive(Debug, Args)]
 pub struct RunArgs {
-    /// File with points, or the name of a shape, as for `shape`.
+    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line.
     #[arg(long, value_name = "FILE")]
     shape: String,
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).
@@ -34,6 +34,27 @@ pub struct RunArgs {
     /// The part of the box that the bodies fill.
     #[arg(long, allow_negative_numbers = true)]
     packing_fraction: f64,
+    /// How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
+    /// hexagonal-diamond; square, hexagonal; row), or the file of a unit cell.
+    #[arg(long, default_value = FLUID, value_name = "CRYSTAL")]
+    start: String,
+    /// Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    turn: Vec<f64>,
+    /// Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal].
+    #[arg(long = "box", value_delimiter = ',', value_name = "RATIOS")]
+    box_ratios: Vec<f64>,
+    /// Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
+    /// start.
+    #[arg(long, value_name = "P_KT_PER_VOLUME", allow_negative_numbers = true)]
+    pressure: Option<f64>,
+    /// At constant pressure, change each edge of the box on its own; for crystals.
+    #[arg(long, requires = "pressure")]
+    anisotropic: bool,
+    /// Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
+    /// both ends of the last axis.
+    #[arg(long, value_name = "KT_PER_LENGTH", allow_negative_numbers = true)]
+    gravity: Option<f64>,
     /// Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
     /// the reservoir, several with commas between them. With density 0 only free volumes are measured.
     #[arg(long, value_name = "RADIUS:FUGACITY,…", allow_hyphen_values = true)]
@@ -85,6 +106,16 @@ impl RunArgs {
             insertions: self.insertions,
             points: self.points.unwrap_or(0),
             depletants,
+            start: self.start.clone(),
+            turn: self.turn.clone(),
+            box_ratios: self.box_ratios.clone(),
+            pressure: self.pressure.map(|kt_per_volume| Pressure {
+                kt_per_volume,
+                is_anisotropic: self.anisotropic,
+            }),
+            gravity: self.gravity.map(|weight_kt_per_length| Gravity {
+                weight_kt_per_length,
+            }),
         };
         let execution = self.execution.execution(front)?;
         let end = run_hard_bodies(&settings, &self.output, &execution)?;

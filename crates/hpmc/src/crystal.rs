@@ -1,0 +1,547 @@
+//! Crystals: unit cells with right angles, repeated until they hold all bodies.
+
+use crate::body::{HardBody, norm};
+use crate::depletants::Depletant;
+use crate::symmetry::{Symmetry, frame};
+use crate::system::System;
+use crate::{Error, Result, error::require};
+use nalgebra::Rotation3;
+use protomer_kernel::shape::separation::dot;
+use protomer_kernel::{Rotation, Vec3};
+
+/// Names of unit cells, by dimension.
+pub const NAMES: [&str; 3] = [
+    "row",
+    "square and hexagonal",
+    "simple-cubic, fcc, bcc, hcp, diamond and hexagonal-diamond",
+];
+
+/// Sites nearer to each other than this part of the cell are the same.
+const SAME: f64 = 1e-6;
+/// Translations are across a bond if the cosine of their angle is less.
+const ACROSS: f64 = 0.25;
+
+/// A site of a unit cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Site<const D: usize> {
+    /// The place, in parts of the edges.
+    pub place: [f64; D],
+    /// The orientation of the body on it.
+    pub rotation: Rotation,
+}
+
+/// A unit cell with right angles.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnitCell<const D: usize> {
+    /// The edges, relative to each other.
+    pub edges: [f64; D],
+    /// The sites.
+    pub sites: Vec<Site<D>>,
+}
+
+impl<const D: usize> UnitCell<D> {
+    /// The unit cell of this name, with bodies as their shapes have them.
+    ///
+    /// In the diamonds, the bodies of the two kinds of sites are turned so that the faces of a (truncated)
+    /// tetrahedron by name look at the four neighbours. In the hexagonal crystal, nearest neighbours
+    /// are at odd multiples of 30 degrees from the first axis, where hexagons by name have their
+    /// edges.
+    ///
+    /// # Errors
+    /// For an unknown name, which lists the [`NAMES`].
+    ///
+    /// ```
+    /// use protomer_hpmc::crystal::UnitCell;
+    /// assert_eq!(UnitCell::<3>::by_name("fcc")?.sites.len(), 4);
+    /// assert!(UnitCell::<2>::by_name("fcc").is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn by_name(name: &str) -> Result<Self> {
+        let (edges, places): (&[f64], &[&[f64]]) = match (D, name) {
+            (1, "row") => (&[1.0], &[&[0.0]]),
+            (2, "square") => (&[1.0; 2], &[&[0.0; 2]]),
+            (2, "hexagonal" | "triangular") => (&[SQRT_3, 1.0], &[&[0.0; 2], &[0.5; 2]]),
+            (3, "simple-cubic" | "sc") => (&[1.0; 3], &[&[0.0; 3]]),
+            (3, "bcc") => (&[1.0; 3], &[&[0.0; 3], &[0.5; 3]]),
+            (3, "fcc") => (&[1.0; 3], &FCC),
+            (3, "hcp") => (&[1.0, SQRT_3, SQRT_8_3], &HCP),
+            (3, "diamond") => (&[1.0; 3], &DIAMOND),
+            (3, "hexagonal-diamond") => (&[1.0, SQRT_3, SQRT_8_3], &HEXAGONAL_DIAMOND),
+            _ => {
+                return Err(Error::UnknownCrystal {
+                    name: name.to_owned(),
+                    dimension: D,
+                    known: NAMES[D - 1],
+                });
+            }
+        };
+        let mut cell = Self {
+            edges: std::array::from_fn(|axis| edges[axis]),
+            sites: Vec::new(),
+        };
+        for place in places {
+            cell.sites.push(Site {
+                place: std::array::from_fn(|axis| place[axis]),
+                rotation: Rotation::identity(),
+            });
+        }
+        if name.ends_with("diamond") {
+            cell.turn_to_neighbours();
+        }
+        Ok(cell)
+    }
+
+    /// Turns each body so that the faces of a tetrahedron look at the four nearest sites.
+    fn turn_to_neighbours(&mut self) {
+        for number in 0..self.sites.len() {
+            let mut bonds = Vec::new();
+            for other in 0..self.sites.len() {
+                for image in 0..27 {
+                    let shift = [image % 3, image / 3 % 3, image / 9].map(|x| f64::from(x) - 1.0);
+                    let mut bond = Vec3::zeros();
+                    for axis in 0..D {
+                        let [from, to] = [number, other].map(|site| self.sites[site].place[axis]);
+                        bond[axis] = (to - from + shift[axis]) * self.edges[axis];
+                    }
+                    if bond.norm() > SAME {
+                        bonds.push(bond);
+                    }
+                }
+            }
+            bonds.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
+            bonds.truncate(4);
+            self.sites[number].rotation = faces_along(&bonds);
+        }
+    }
+
+    /// The same cell with every body turned first, in its own frame.
+    pub fn with_bodies_turned(mut self, rotation: &Rotation) -> Self {
+        for site in &mut self.sites {
+            site.rotation *= rotation;
+        }
+        self
+    }
+
+    /// Whether the cell, moved by the way from its first site to another, looks as before.
+    fn is_translation(&self, to: &Site<D>, symmetry: &Symmetry) -> bool {
+        let first = &self.sites[0];
+        let is_at = |place: &[f64; D], site: &Site<D>| {
+            let apart = place.iter().zip(&site.place).map(|(a, b)| a - b);
+            apart.into_iter().all(|x| (x - x.round()).abs() < SAME)
+        };
+        self.sites.iter().all(|site| {
+            let moved: [f64; D] =
+                std::array::from_fn(|axis| site.place[axis] + to.place[axis] - first.place[axis]);
+            let lands_on = |other: &Site<D>| {
+                is_at(&moved, other) && symmetry.are_alike(&other.rotation, &site.rotation)
+            };
+            self.sites.iter().any(lands_on)
+        })
+    }
+
+    fn check(&self) -> Result<()> {
+        for edge in self.edges {
+            require("an edge of the unit cell", edge, "positive", edge > 0.0)?;
+        }
+        require(
+            "the number of sites of the unit cell",
+            self.sites.len() as f64,
+            "at least 1",
+            !self.sites.is_empty(),
+        )
+    }
+}
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+const SQRT_8_3: f64 = 1.632_993_161_855_452;
+const THIRD: f64 = 1.0 / 3.0;
+const FCC: [&[f64]; 4] = [
+    &[0.0, 0.0, 0.0],
+    &[0.0, 0.5, 0.5],
+    &[0.5, 0.0, 0.5],
+    &[0.5, 0.5, 0.0],
+];
+const HCP: [&[f64]; 4] = [
+    &[0.0, 0.0, 0.0],
+    &[0.5, 0.5, 0.0],
+    &[0.0, THIRD, 0.5],
+    &[0.5, 0.5 + THIRD, 0.5],
+];
+const DIAMOND: [&[f64]; 8] = [
+    &[0.0, 0.0, 0.0],
+    &[0.0, 0.5, 0.5],
+    &[0.5, 0.0, 0.5],
+    &[0.5, 0.5, 0.0],
+    &[0.25, 0.25, 0.25],
+    &[0.25, 0.75, 0.75],
+    &[0.75, 0.25, 0.75],
+    &[0.75, 0.75, 0.25],
+];
+const HEXAGONAL_DIAMOND: [&[f64]; 8] = [
+    &[0.0, THIRD, 0.0625],
+    &[0.5, THIRD + 0.5, 0.0625],
+    &[0.0, THIRD, 0.4375],
+    &[0.5, THIRD + 0.5, 0.4375],
+    &[0.5, 0.5 * THIRD, 0.5625],
+    &[0.0, 0.5 * THIRD + 0.5, 0.5625],
+    &[0.5, 0.5 * THIRD, 0.9375],
+    &[0.0, 0.5 * THIRD + 0.5, 0.9375],
+];
+
+/// A rotation that takes the faces of a tetrahedron by name to four directions.
+fn faces_along(directions: &[Vec3]) -> Rotation {
+    let face = |x: f64, y: f64, z: f64| Vec3::new(-x, -y, -z).normalize();
+    let faces = [
+        face(1.0, 1.0, 1.0),
+        face(1.0, -1.0, -1.0),
+        face(-1.0, 1.0, -1.0),
+        face(-1.0, -1.0, 1.0),
+    ];
+    let from = frame(&faces[0], &faces[1]);
+    for first in directions {
+        for second in directions {
+            if (first - second).norm() < SAME {
+                continue;
+            }
+            let matrix = frame(first, second) * from.transpose();
+            let looks_along = |face: &Vec3| {
+                let turned = matrix * face;
+                let is_near = |way: &Vec3| (way.normalize() - turned).norm() < 1e-3;
+                directions.iter().any(is_near)
+            };
+            if faces.iter().all(looks_along) {
+                let rotation = Rotation3::from_matrix_unchecked(matrix);
+                return Rotation::from_rotation_matrix(&rotation);
+            }
+        }
+    }
+    Rotation::identity()
+}
+
+/// Bonds along one translation of the lattice.
+#[derive(Debug, Clone)]
+pub(crate) struct Bond<const D: usize> {
+    /// Translations across it.
+    pub slips: Vec<[f64; D]>,
+    /// For each site the one at the other end.
+    pub others: Vec<usize>,
+}
+
+/// Bodies on all sites of repeated unit cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crystal<const D: usize> {
+    /// Edges of the box.
+    pub edges: [f64; D],
+    /// The sites.
+    pub positions: Vec<[f64; D]>,
+    /// The orientations of the bodies on them.
+    pub rotations: Vec<Rotation>,
+    cell: UnitCell<D>,
+    cells: usize,
+}
+
+impl<const D: usize> Crystal<D> {
+    /// So many bodies, in a box as near to a cube as whole cells allow.
+    ///
+    /// # Errors
+    /// Unless the bodies fill whole cells, and for numbers that make no crystal.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_hpmc::crystal::{Crystal, UnitCell};
+    /// use protomer_kernel::shape::builders::by_name;
+    /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
+    /// let cell = UnitCell::by_name("simple-cubic")?;
+    /// let crystal = Crystal::new(&cell, &cube, 64, 0.512)?;
+    /// assert!((crystal.edges[0] - 5.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn new(
+        cell: &UnitCell<D>,
+        body: &HardBody<D>,
+        bodies: usize,
+        packing_fraction: f64,
+    ) -> Result<Self> {
+        cell.check()?;
+        require(
+            "the packing fraction",
+            packing_fraction,
+            "between 0 and 1",
+            packing_fraction > 0.0 && packing_fraction < 1.0,
+        )?;
+        let sites = cell.sites.len();
+        if bodies == 0 || !bodies.is_multiple_of(sites) {
+            let across = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
+            let nearest = across.max(2.0).powi(D as i32) as usize * sites;
+            return Err(Error::PartialCell {
+                bodies,
+                sites,
+                nearest,
+            });
+        }
+        let cells = bodies / sites;
+        let repeats = repeats(&cell.edges, cells);
+        let volume = bodies as f64 * body.volume / packing_fraction;
+        let relative: f64 = (0..D)
+            .map(|axis| cell.edges[axis] * repeats[axis] as f64)
+            .product();
+        let scale = (volume / relative).powf(1.0 / D as f64);
+        let edge_of_cell = cell.edges.map(|edge| edge * scale);
+        let (mut positions, mut rotations) = (Vec::new(), Vec::new());
+        for number in 0..cells {
+            let (mut rest, mut corner) = (number, [0.0; D]);
+            for axis in 0..D {
+                corner[axis] = (rest % repeats[axis]) as f64;
+                rest /= repeats[axis];
+            }
+            for site in &cell.sites {
+                positions.push(std::array::from_fn(|axis| {
+                    (corner[axis] + site.place[axis]) * edge_of_cell[axis]
+                }));
+                rotations.push(site.rotation);
+            }
+        }
+        Ok(Self {
+            edges: std::array::from_fn(|axis| edge_of_cell[axis] * repeats[axis] as f64),
+            positions,
+            rotations,
+            cell: cell.clone(),
+            cells,
+        })
+    }
+
+    /// The bodies on their sites.
+    ///
+    /// # Errors
+    /// If they overlap there, or the box is too small.
+    pub fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
+        let at_scale = |scale: f64| {
+            let place = |place: &[f64; D]| place.map(|x| x * scale);
+            System::new(
+                body.clone(),
+                depletants.to_vec(),
+                self.edges.map(|edge| edge * scale),
+                self.positions.iter().map(place).collect(),
+                self.rotations.clone(),
+            )
+        };
+        let system = at_scale(1.0)?;
+        if !system.has_overlaps() {
+            return Ok(system);
+        }
+        // Convex bodies that are apart stay so in a wider box.
+        let (mut tight, mut wide) = (1.0, 2.0);
+        while at_scale(wide)?.has_overlaps() {
+            wide *= 2.0;
+        }
+        for _ in 0..30 {
+            let middle = 0.5 * (tight + wide);
+            if at_scale(middle)?.has_overlaps() {
+                tight = middle;
+            } else {
+                wide = middle;
+            }
+        }
+        let wanted = system.packing_fraction();
+        Err(Error::Dense {
+            wanted,
+            largest: wanted / wide.powi(D as i32),
+        })
+    }
+
+    /// The translations of the lattice to near sites: edges of the unit cell, and what is shorter.
+    fn translations(&self, symmetry: &Symmetry) -> Vec<[f64; D]> {
+        let scale = self.edge_of_cell();
+        let longest = scale.iter().copied().fold(0.0, f64::max) * (1.0 + SAME);
+        let first = &self.cell.sites[0];
+        let mut translations = Vec::new();
+        for site in &self.cell.sites {
+            if !self.cell.is_translation(site, symmetry) {
+                continue;
+            }
+            for image in 0..3_usize.pow(D as u32) {
+                let mut rest = image;
+                let translation: [f64; D] = std::array::from_fn(|axis| {
+                    let shift = (rest % 3) as f64 - 1.0;
+                    rest /= 3;
+                    (site.place[axis] - first.place[axis] + shift) * scale[axis]
+                });
+                let length = norm(&translation);
+                if length > SAME * longest && length <= longest {
+                    translations.push(translation);
+                }
+            }
+        }
+        translations
+    }
+
+    fn edge_of_cell(&self) -> [f64; D] {
+        let volume: f64 = self.edges.iter().product();
+        let relative: f64 = self.cell.edges.iter().product();
+        let scale = (volume / self.cells as f64 / relative).powf(1.0 / D as f64);
+        self.cell.edges.map(|edge| edge * scale)
+    }
+
+    /// The bonds between equal sites, with the translations across them.
+    pub(crate) fn bonds(&self, symmetry: &Symmetry) -> Vec<Bond<D>> {
+        let translations = self.translations(symmetry);
+        let mut bonds = Vec::new();
+        for along in &translations {
+            let is_across =
+                |slip: &&[f64; D]| dot(slip, along).abs() < ACROSS * norm(slip) * norm(along);
+            let slips: Vec<[f64; D]> = translations.iter().filter(is_across).copied().collect();
+            if slips.is_empty() {
+                continue;
+            }
+            let site_at = |place: &[f64; D]| {
+                let is_near = |other: &[f64; D]| {
+                    (0..D).all(|axis| {
+                        let apart = (other[axis] - place[axis] - along[axis]) / self.edges[axis];
+                        (apart - apart.round()).abs() * self.edges[axis] < SAME * norm(along)
+                    })
+                };
+                self.positions.iter().position(is_near)
+            };
+            let others: Option<Vec<usize>> = self.positions.iter().map(site_at).collect();
+            if let Some(others) = others {
+                bonds.push(Bond { slips, others });
+            }
+        }
+        bonds
+    }
+
+    /// The volume of the smallest cell that, repeated, makes the crystal: translations by its edges
+    /// exchange the bodies and change nothing.
+    pub fn primitive_volume(&self, symmetry: &Symmetry) -> f64 {
+        let sites = self.cell.sites.iter();
+        let translations = sites
+            .filter(|site| self.cell.is_translation(site, symmetry))
+            .count();
+        self.edges.iter().product::<f64>() / (self.cells * translations.max(1)) as f64
+    }
+}
+
+/// How often a cell is repeated along each axis, so that the longest edge of all is shortest.
+fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
+    let (mut best, mut shortest) = ([1; D], f64::INFINITY);
+    let divisors: Vec<usize> = (1..=cells).filter(|n| cells.is_multiple_of(*n)).collect();
+    for first in 0..divisors.len().pow(D as u32 - 1) {
+        let (mut rest, mut left, mut repeats) = (first, cells, [1; D]);
+        for repeat in repeats.iter_mut().take(D - 1) {
+            *repeat = divisors[rest % divisors.len()];
+            rest /= divisors.len();
+            if !left.is_multiple_of(*repeat) {
+                left = 0;
+                break;
+            }
+            left /= *repeat;
+        }
+        if left == 0 {
+            continue;
+        }
+        repeats[D - 1] = left;
+        let lengths = (0..D).map(|axis| edges[axis] * repeats[axis] as f64);
+        let longest = lengths.fold(0.0, f64::max);
+        if longest < shortest * (1.0 - 1e-9) {
+            (best, shortest) = (repeats, longest);
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::shape::{Shape, builders::by_name};
+    use std::f64::consts::PI;
+
+    fn ball<const D: usize>() -> HardBody<D> {
+        let shape = match D {
+            2 => Shape::flat(&[[0.0, 0.0]]),
+            _ => Shape::solid(&[Vec3::zeros()]),
+        };
+        HardBody::new(&shape.unwrap(), 0.5).unwrap()
+    }
+
+    /// The largest packing fraction of a crystal, as its error tells it.
+    fn densest<const D: usize>(name: &str, body: &HardBody<D>, bodies: usize) -> f64 {
+        let cell = UnitCell::by_name(name).unwrap();
+        let crystal = Crystal::new(&cell, body, bodies, 0.999).unwrap();
+        match crystal.system(body, &[]) {
+            Err(Error::Dense { largest, .. }) => largest,
+            Err(other) => unreachable!("{name}: {other}"),
+            Ok(_) => 0.999,
+        }
+    }
+
+    #[test]
+    fn balls_pack_as_densely_as_the_crystals_allow() {
+        for (name, bodies, expected) in [
+            ("simple-cubic", 64, PI / 6.0),
+            ("bcc", 128, PI * 3.0_f64.sqrt() / 8.0),
+            ("fcc", 108, PI / 18.0_f64.sqrt()),
+            ("hcp", 96, PI / 18.0_f64.sqrt()),
+            ("diamond", 64, PI * 3.0_f64.sqrt() / 16.0),
+            ("hexagonal-diamond", 64, PI * 3.0_f64.sqrt() / 16.0),
+        ] {
+            let found = densest(name, &ball::<3>(), bodies);
+            assert!((found - expected).abs() < 1e-7, "{name}: {found}");
+        }
+        for (name, expected) in [("square", PI / 4.0), ("hexagonal", PI / 12.0_f64.sqrt())] {
+            let found = densest(name, &ball::<2>(), 64);
+            assert!((found - expected).abs() < 1e-7, "{name}: {found}");
+        }
+    }
+
+    /// Both diamonds of Archimedean truncated tetrahedra close at 23/24; hexagons fill the plane.
+    #[test]
+    fn faces_look_at_their_neighbours() {
+        let name = "truncated-tetrahedron:0.6666666666666666";
+        let body = HardBody::<3>::new(&by_name(name).unwrap(), 0.0).unwrap();
+        for name in ["diamond", "hexagonal-diamond"] {
+            let found = densest(name, &body, 216);
+            assert!((found - 23.0 / 24.0).abs() < 1e-6, "{name}: {found}");
+        }
+        let hexagon = HardBody::<2>::new(&by_name("polygon:6").unwrap(), 0.0).unwrap();
+        assert_eq!(densest("hexagonal", &hexagon, 64), 0.999);
+    }
+
+    #[test]
+    fn translations_are_counted_with_orientations() {
+        let body = HardBody::<3>::new(&by_name("tetrahedron").unwrap(), 0.0).unwrap();
+        let symmetry = Symmetry::of(&body).unwrap();
+        for (name, bodies, sites) in [
+            ("fcc", 108, 1.0),
+            ("hcp", 96, 2.0),
+            ("diamond", 64, 2.0),
+            ("hexagonal-diamond", 64, 4.0),
+        ] {
+            let cell = UnitCell::by_name(name).unwrap();
+            let crystal = Crystal::new(&cell, &body, bodies, 0.1).unwrap();
+            let found = crystal.primitive_volume(&symmetry) * 0.1 / body.volume;
+            assert!((found - sites).abs() < 1e-9, "{name}: {found}");
+        }
+        // Without its orientations the hexagonal diamond still has four sites, a turned fcc has four.
+        let mut cell = UnitCell::<3>::by_name("fcc").unwrap();
+        for (number, site) in cell.sites.iter_mut().enumerate() {
+            site.rotation = Rotation::from_scaled_axis(0.2 * number as f64 * Vec3::x());
+        }
+        let crystal = Crystal::new(&cell, &body, 108, 0.1).unwrap();
+        let found = crystal.primitive_volume(&symmetry) * 0.1 / body.volume;
+        assert!((found - 4.0).abs() < 1e-9, "{found}");
+    }
+
+    #[test]
+    fn boxes_are_as_near_to_cubes_as_cells_allow() {
+        assert_eq!(repeats(&[1.0; 3], 27), [3, 3, 3]);
+        assert_eq!(repeats(&[1.0; 3], 24).iter().max(), Some(&4));
+        assert_eq!(repeats(&[3.0_f64.sqrt(), 1.0], 40), [5, 8]);
+        assert_eq!(repeats(&[1.0], 7), [7]);
+        let cell = UnitCell::<3>::by_name("fcc").unwrap();
+        let refused = Crystal::new(&cell, &ball(), 100, 0.5);
+        assert!(refused.is_ok());
+        let refused = Crystal::new(&cell, &ball(), 110, 0.5).unwrap_err();
+        assert!(refused.to_string().contains("such as 108"), "{refused}");
+    }
+}

@@ -1,0 +1,452 @@
+//! The free energy of a crystal of hard bodies (Frenkel and Ladd, J. Chem. Phys. 81, 3188 (1984)).
+//!
+//! Springs of the strength λ hold the bodies to the sites (see [`einstein`](crate::einstein)). For the
+//! strongest, λ₁, bodies hardly ever meet, and the free energy is that of an Einstein crystal less
+//! kT ln P, where P is the part of its states without overlaps. From there to none
+//!
+//! ```text
+//! A/(N kT) = A_E/(N kT) - ln P / N - ∫₀^λ₁ f dλ,   f = <E>/(λ N)
+//! ```
+//!
+//! f is about g/(2 (λ + c)) with g degrees of freedom per body and c = g/(2 f(0)), so the integral is taken
+//! over ln(λ + c) by the Gauss-Kronrod rule of 15 points. The Gauss rule of seven of them says how
+//! well that does. Sweeps go to the points whose errors count most.
+
+use crate::body::HardBody;
+use crate::crystal::Crystal;
+use crate::depletants::Counting;
+use crate::einstein::{EinsteinCrystal, EinsteinTerms, Springs};
+use crate::quadrature::gauss_kronrod;
+use crate::symmetry::Symmetry;
+use crate::system::{MoveCounts, Steps, System};
+use crate::{Error, Result};
+use protomer_kernel::Rotation;
+use protomer_kernel::random::{CounterRng, Purpose};
+use serde::{Deserialize, Serialize};
+
+/// Acceptance that steps are tuned to.
+const ACCEPTANCE: f64 = 0.3;
+/// Sweeps between two tunings.
+const TUNE_EVERY: u64 = 10;
+/// The strongest springs are those with which of so many states few have overlaps.
+const LOOKS: u32 = 200;
+const FEW: u32 = 10;
+/// A crystal whose bodies meet however strong the springs are is at its closest.
+const MOST_DOUBLINGS: u32 = 80;
+/// States of the Einstein crystal in which overlaps are counted.
+const STATES: u32 = 5000;
+/// Sweeps without springs, before and while their extent is estimated.
+const PILOT_SWEEPS: u64 = 1000;
+/// Streams of random numbers, beside one per point.
+const SEARCH: u32 = 1000;
+const OVERLAPS: u32 = 1001;
+const PILOT: u32 = 1002;
+
+/// A strength of springs at which the extent is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Point {
+    /// λ, kT per squared length.
+    pub strength: f64,
+    /// Weight of f in the integral.
+    pub weight: f64,
+    /// Weight in the coarser rule.
+    pub coarse_weight: f64,
+}
+
+/// What is measured, and at which strengths.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// λ₁, kT per squared length.
+    pub strongest: f64,
+    /// c, kT per squared length.
+    pub shift: f64,
+    /// κ, squared length.
+    pub turning: f64,
+    /// States of the Einstein crystal, and how many have no overlaps.
+    pub states: u32,
+    /// Of them without overlaps.
+    pub free_states: u32,
+    /// The strengths.
+    pub points: Vec<Point>,
+}
+
+/// A mean with its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// The mean.
+    pub mean: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+/// A free energy and its parts, in kT per body. The thermal wavelength is one in the unit of the
+/// bodies, the integral over all orientations is one, and bodies cannot be told apart.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FreeEnergy {
+    /// A/(N kT).
+    pub total_kt: f64,
+    /// Its standard error.
+    pub error_kt: f64,
+    /// Of the centre of mass.
+    pub centre_of_mass_kt: f64,
+    /// Of the strongest springs.
+    pub springs_kt: f64,
+    /// Of the orientations in the strongest field.
+    pub orientations_kt: f64,
+    /// -ln P / N of the overlaps with the strongest springs.
+    pub overlaps_kt: f64,
+    /// Its standard error.
+    pub overlaps_error_kt: f64,
+    /// The integral over the strength.
+    pub integral_kt: f64,
+    /// Its standard error.
+    pub integral_error_kt: f64,
+    /// The difference between the rule of 15 points and that of seven.
+    pub rules_difference_kt: f64,
+    /// Its standard error: a smaller difference is noise.
+    pub rules_difference_error_kt: f64,
+}
+
+/// A crystal whose free energy is wanted.
+#[derive(Debug, Clone)]
+pub struct Measurement<'a, const D: usize> {
+    body: &'a HardBody<D>,
+    crystal: &'a Crystal<D>,
+    symmetry: Symmetry,
+    seed: u64,
+}
+
+impl<'a, const D: usize> Measurement<'a, D> {
+    /// Of a crystal of these bodies.
+    ///
+    /// # Errors
+    /// If the bodies overlap on their sites, the box is too small, or their orientation cannot be held.
+    pub fn new(body: &'a HardBody<D>, crystal: &'a Crystal<D>, seed: u64) -> Result<Self> {
+        crystal.system(body, &[])?;
+        Ok(Self {
+            body,
+            crystal,
+            symmetry: Symmetry::of(body)?,
+            seed,
+        })
+    }
+
+    /// The symmetry of the bodies.
+    pub fn symmetry(&self) -> &Symmetry {
+        &self.symmetry
+    }
+
+    /// Finds the strongest springs, counts overlaps with them, and chooses the strengths.
+    ///
+    /// # Errors
+    /// If bodies meet however strong the springs are.
+    pub fn plan(&self) -> Result<Plan> {
+        // A turn by a small angle moves the farthest corner as far as a shift of the same square.
+        let turning = self.body.outer_radius.powi(2);
+        let inner = self.body.inner_radius.max(0.1 * self.body.outer_radius);
+        let mut strongest = (self.symmetry.least_strength_kt() / turning).max(inner.powi(-2));
+        let mut doublings = 0;
+        while LOOKS - self.free_states(strongest, turning, LOOKS, SEARCH)? > FEW {
+            strongest *= 2.0;
+            doublings += 1;
+            if doublings > MOST_DOUBLINGS {
+                let wanted = self.crystal.system(self.body, &[])?.packing_fraction();
+                return Err(Error::Dense {
+                    wanted,
+                    largest: wanted,
+                });
+            }
+        }
+        let free_states = self.free_states(strongest, turning, STATES, OVERLAPS)?;
+        let mut pilot = self.start(PILOT, 0.0, turning)?;
+        pilot.run(PILOT_SWEEPS, true);
+        let mut extent = 0.0;
+        for _ in 0..PILOT_SWEEPS {
+            extent += pilot.run(1, false) / PILOT_SWEEPS as f64;
+        }
+        let bodies = self.crystal.positions.len() as f64;
+        let freedom = D as f64 * (1.0 - 1.0 / bodies) + self.symmetry.degrees_of_freedom() as f64;
+        let shift = 0.5 * freedom / extent;
+        Ok(Plan {
+            strongest,
+            shift,
+            turning,
+            states: STATES,
+            free_states,
+            points: points(strongest, shift),
+        })
+    }
+
+    /// How many states of the Einstein crystal have no overlaps.
+    fn free_states(&self, strength: f64, turning: f64, states: u32, stream: u32) -> Result<u32> {
+        let einstein = EinsteinCrystal {
+            crystal: self.crystal,
+            symmetry: &self.symmetry,
+            strength,
+            turning,
+        };
+        let mut system = self.crystal.system(self.body, &[])?;
+        let mut free = 0;
+        for state in 0..states {
+            let step = u64::from(state);
+            let mut rng =
+                CounterRng::for_purpose(self.seed, stream, step, Purpose::HardBodyInsertion);
+            let (displacements, rotations) = einstein.sample(&mut rng);
+            let places = self.crystal.positions.iter().zip(&displacements);
+            let moved = places.map(|(site, by)| std::array::from_fn(|axis| site[axis] + by[axis]));
+            system.put_all(moved.collect(), rotations);
+            free += u32::from(!system.has_overlaps());
+        }
+        Ok(free)
+    }
+
+    /// Bodies on their sites, with springs of a strength; `stream` numbers their random numbers.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn start(&self, stream: u32, strength: f64, turning: f64) -> Result<Walker<D>> {
+        let steps = Steps {
+            translation: 0.1 * self.body.outer_radius,
+            rotation: 0.1,
+        };
+        Ok(Walker {
+            seed: self.seed,
+            stream,
+            system: self.crystal.system(self.body, &[])?,
+            springs: Springs::new(self.crystal, &self.symmetry, turning).with_strength(strength),
+            steps,
+            sweeps: 0,
+            counts: MoveCounts::default(),
+        })
+    }
+
+    /// From a saved state. Call [`Walker::refresh`] before going on.
+    ///
+    /// # Errors
+    /// If the state is not of these bodies.
+    pub fn resume(
+        &self,
+        stream: u32,
+        strength: f64,
+        turning: f64,
+        state: &WalkerState,
+    ) -> Result<Walker<D>> {
+        let mut walker = self.start(stream, strength, turning)?;
+        let (positions, _) = state.positions.as_chunks::<D>();
+        let (displacements, _) = state.displacements.as_chunks::<D>();
+        let rotation = |[w, x, y, z]: &[f64; 4]| {
+            // The numbers are those of a rotation that was normalised before it was saved.
+            Rotation::new_unchecked(nalgebra::Quaternion::new(*w, *x, *y, *z))
+        };
+        let rotations: Vec<Rotation> = state.orientations_wxyz.iter().map(rotation).collect();
+        let bodies = self.crystal.positions.len();
+        for found in [positions.len(), displacements.len(), rotations.len()] {
+            if found != bodies {
+                return Err(Error::OutOfRange {
+                    quantity: "the number of saved bodies",
+                    value: found as f64,
+                    requirement: "that of the crystal; start again with --force",
+                });
+            }
+        }
+        walker.springs.restore(displacements);
+        walker.system.put_all(positions.to_vec(), rotations);
+        walker.steps = state.steps;
+        walker.sweeps = state.sweeps;
+        walker.counts = state.counts;
+        Ok(walker)
+    }
+
+    /// The free energy from the extents f at the points of a plan.
+    pub fn free_energy(&self, plan: &Plan, extents: &[Estimate]) -> FreeEnergy {
+        let einstein = EinsteinCrystal {
+            crystal: self.crystal,
+            symmetry: &self.symmetry,
+            strength: plan.strongest,
+            turning: plan.turning,
+        };
+        let EinsteinTerms {
+            centre_of_mass_kt,
+            springs_kt,
+            orientations_kt,
+        } = einstein.terms();
+        let bodies = self.crystal.positions.len() as f64;
+        let (states, free) = (f64::from(plan.states), f64::from(plan.free_states));
+        let overlaps_kt = -(free / states).ln() / bodies;
+        let overlaps_error_kt = ((1.0 / free - 1.0 / states).max(0.0)).sqrt() / bodies;
+        let (mut integral, mut variance) = (0.0, 0.0);
+        let (mut difference, mut difference_variance) = (0.0, 0.0);
+        for (point, extent) in plan.points.iter().zip(extents) {
+            integral += point.weight * extent.mean;
+            variance += (point.weight * extent.error).powi(2);
+            let apart = point.weight - point.coarse_weight;
+            difference += apart * extent.mean;
+            difference_variance += (apart * extent.error).powi(2);
+        }
+        FreeEnergy {
+            total_kt: einstein.terms().total_kt() + overlaps_kt - integral,
+            error_kt: variance.sqrt().hypot(overlaps_error_kt),
+            centre_of_mass_kt,
+            springs_kt,
+            orientations_kt,
+            overlaps_kt,
+            overlaps_error_kt,
+            integral_kt: integral,
+            integral_error_kt: variance.sqrt(),
+            rules_difference_kt: difference,
+            rules_difference_error_kt: difference_variance.sqrt(),
+        }
+    }
+}
+
+/// The points of the rule in ln(λ + c).
+fn points(strongest: f64, shift: f64) -> Vec<Point> {
+    let [low, high] = [shift.ln(), (strongest + shift).ln()];
+    let half = 0.5 * (high - low);
+    let mut points = Vec::new();
+    for node in gauss_kronrod() {
+        let shifted = (0.5 * (low + high) + half * node.place).exp();
+        points.push(Point {
+            strength: shifted - shift,
+            weight: half * shifted * node.weight,
+            coarse_weight: half * shifted * node.gauss_weight,
+        });
+    }
+    points
+}
+
+/// How often each point is to be measured next, `times` in all: first once each, then where the variance
+/// of the integral falls most. `measured` tells how often each was measured, and the error that it has.
+pub fn share(plan: &Plan, measured: &[(u64, f64)], times: usize) -> Vec<usize> {
+    let mut shares = vec![0; plan.points.len()];
+    let mut variances = Vec::new();
+    for (point, (count, error)) in plan.points.iter().zip(measured) {
+        // Of one measurement.
+        variances.push((point.weight * error).powi(2) * *count as f64);
+    }
+    for turn in 0..times {
+        let gain = |number: usize| {
+            let count = measured[number].0 as f64 + shares[number] as f64;
+            variances[number] / (count * (count + 1.0))
+        };
+        let next = match turn < shares.len() {
+            true => turn,
+            false => (0..shares.len())
+                .max_by(|a, b| gain(*a).total_cmp(&gain(*b)))
+                .unwrap_or(0),
+        };
+        shares[next] += 1;
+    }
+    shares
+}
+
+/// A state from which bodies on springs go on as if they had not stopped.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WalkerState {
+    /// Sweeps done.
+    pub sweeps: u64,
+    /// Coordinates of the centres, body by body.
+    pub positions: Vec<f64>,
+    /// Displacements from the sites, body by body.
+    pub displacements: Vec<f64>,
+    /// Orientations, scalar first.
+    pub orientations_wxyz: Vec<[f64; 4]>,
+    /// Largest steps.
+    pub steps: Steps,
+    /// Moves since the steps were tuned last.
+    pub counts: MoveCounts,
+}
+
+/// Bodies on springs that move.
+#[derive(Debug, Clone)]
+pub struct Walker<const D: usize> {
+    seed: u64,
+    stream: u32,
+    system: System<D>,
+    springs: Springs<D>,
+    steps: Steps,
+    sweeps: u64,
+    counts: MoveCounts,
+}
+
+impl<const D: usize> Walker<D> {
+    /// Forgets everything but the state, and computes from it what the next moves need.
+    pub fn refresh(&mut self) {
+        self.springs.refresh(self.system.rotations());
+        self.system.refresh();
+    }
+
+    /// Does sweeps, with steps that are tuned or not; the mean of the extent f after each.
+    pub fn run(&mut self, sweeps: u64, is_tuned: bool) -> f64 {
+        let bodies = self.system.len() as u64;
+        let mut sum = 0.0;
+        for _ in 0..sweeps {
+            for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
+                let mut rng =
+                    CounterRng::for_purpose(self.seed, self.stream, trial, Purpose::HardBodyMove);
+                self.system.trial(
+                    &mut rng,
+                    &self.steps,
+                    Counting::Lost,
+                    &mut self.springs,
+                    &mut self.counts,
+                );
+            }
+            self.sweeps += 1;
+            if is_tuned && self.sweeps.is_multiple_of(TUNE_EVERY) {
+                // A longer step could take a body past another, to a site that is not its own.
+                let body = self.system.body();
+                let longest = Steps {
+                    translation: body.inner_radius.max(0.2 * body.outer_radius),
+                    ..self.system.longest_steps()
+                };
+                self.steps.tune(&self.counts, ACCEPTANCE, &longest);
+                if self.counts.total().trials >= 2 * Steps::ENOUGH {
+                    self.counts = MoveCounts::default();
+                }
+            }
+            sum += self.springs.extent();
+        }
+        sum / sweeps.max(1) as f64
+    }
+
+    /// The bodies.
+    pub fn system(&self) -> &System<D> {
+        &self.system
+    }
+
+    /// The springs.
+    pub fn springs(&self) -> &Springs<D> {
+        &self.springs
+    }
+
+    /// Sweeps done.
+    pub fn sweeps(&self) -> u64 {
+        self.sweeps
+    }
+
+    /// The accepted part of the moves since the steps were tuned last.
+    pub fn acceptance(&self) -> f64 {
+        self.counts.total().acceptance()
+    }
+
+    /// The state. Call [`refresh`](Self::refresh) before going on, so that this walker does what one from
+    /// the state does.
+    pub fn state(&self) -> WalkerState {
+        let wxyz = |rotation: &Rotation| {
+            let q = rotation.quaternion();
+            [q.w, q.i, q.j, q.k]
+        };
+        WalkerState {
+            sweeps: self.sweeps,
+            positions: self.system.positions().as_flattened().to_vec(),
+            displacements: self.springs.displacements().as_flattened().to_vec(),
+            orientations_wxyz: self.system.rotations().iter().map(wxyz).collect(),
+            steps: self.steps,
+            counts: self.counts,
+        }
+    }
+}

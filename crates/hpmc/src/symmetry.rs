@@ -1,0 +1,325 @@
+//! The rotations that leave a body as it is, and the potential that holds its orientation.
+//!
+//! With the angle ω of the smallest rotation from an orientation to one that looks like the wanted one,
+//! the potential is u = 4 sin²(ω/2), which is ω² for small angles. All orientations that look alike
+//! have the same energy, so each of them is counted.
+
+use crate::body::HardBody;
+use crate::quadrature::gauss_legendre;
+use crate::{Error, Result};
+use nalgebra::{Matrix3, Rotation3};
+use protomer_kernel::random::CounterRng;
+use protomer_kernel::{Rotation, Vec3};
+use std::f64::consts::PI;
+
+/// Corners this near to each other, in radii of the body, are the same.
+const SAME: f64 = 1e-6;
+/// Energies beyond this, in kT, count for nothing: exp(-40) = 4e-18.
+const BEYOND_KT: f64 = 40.0;
+
+/// The proper rotations of a body onto itself, with the identity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Symmetry {
+    dimension: usize,
+    rotations: Vec<Rotation>,
+    is_round: bool,
+    /// Half the smallest angle of a rotation other than the identity; π if there is none.
+    half_angle_rad: f64,
+}
+
+impl Symmetry {
+    /// Of a body in D dimensions.
+    ///
+    /// # Errors
+    /// For a rounded segment, which any rotation about its axis leaves as it is.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+    /// use protomer_kernel::shape::builders::by_name;
+    /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
+    /// assert_eq!(Symmetry::of(&cube)?.rotations().len(), 24);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn of<const D: usize>(body: &HardBody<D>) -> Result<Self> {
+        let rotations = match (body.is_round(), D) {
+            (true, _) => vec![Rotation::identity()],
+            (false, 2) => in_plane(&corners(body)),
+            (false, _) => in_space(&corners(body))?,
+        };
+        let smallest = rotations
+            .iter()
+            .map(|rotation| rotation.angle())
+            .filter(|angle| *angle > SAME)
+            .fold(2.0 * PI, f64::min);
+        Ok(Self {
+            dimension: D,
+            rotations,
+            is_round: body.is_round(),
+            half_angle_rad: 0.5 * smallest,
+        })
+    }
+
+    /// The rotations.
+    pub fn rotations(&self) -> &[Rotation] {
+        &self.rotations
+    }
+
+    /// Degrees of freedom of an orientation: 0, 1 or 3.
+    pub fn degrees_of_freedom(&self) -> usize {
+        match (self.is_round, self.dimension) {
+            (true, _) => 0,
+            (false, 2) => 1,
+            (false, _) => 3,
+        }
+    }
+
+    /// Whether two orientations look alike.
+    pub fn are_alike(&self, first: &Rotation, second: &Rotation) -> bool {
+        self.is_round || self.potential(first, second) < SAME * SAME
+    }
+
+    /// The potential u of an orientation about a wanted one; from 0 to 4.
+    pub fn potential(&self, wanted: &Rotation, orientation: &Rotation) -> f64 {
+        if self.is_round {
+            return 0.0;
+        }
+        let difference = wanted.inverse() * orientation;
+        let mut cosine: f64 = 0.0;
+        for rotation in &self.rotations {
+            cosine = cosine.max(difference.coords.dot(&rotation.coords).abs());
+        }
+        4.0 * (1.0 - cosine * cosine).max(0.0)
+    }
+
+    /// Of half the angle, up to which orientations count.
+    fn largest_squared_sine(&self) -> f64 {
+        (0.5 * self.half_angle_rad).sin().powi(2).min(0.5)
+    }
+
+    /// The least strength, kT, at which orientations between two wanted ones count for nothing.
+    pub fn least_strength_kt(&self) -> f64 {
+        if self.is_round {
+            return 0.0;
+        }
+        BEYOND_KT / (4.0 * self.largest_squared_sine())
+    }
+
+    /// The integral of exp(-strength u) over all orientations, 1 for a strength of zero. Exact to
+    /// rounding from [`least_strength_kt`](Self::least_strength_kt) on; without symmetry, for any.
+    ///
+    /// An orientation at the angle ω has the density (1 - cos ω)/π in space, 1/π in a plane.
+    pub fn integral(&self, strength_kt: f64) -> f64 {
+        if self.is_round {
+            return 1.0;
+        }
+        // exp(-81) and less is left out.
+        let end = self
+            .half_angle_rad
+            .min(18.0 / strength_kt.max(1e-300).sqrt());
+        let (nodes, weights) = gauss_legendre(64);
+        let mut integral = 0.0;
+        for (node, weight) in nodes.iter().zip(&weights) {
+            let angle = 0.5 * end * (node + 1.0);
+            let density = match self.dimension {
+                2 => 1.0,
+                _ => 2.0 * (0.5 * angle).sin().powi(2),
+            };
+            let energy = strength_kt * 4.0 * (0.5 * angle).sin().powi(2);
+            integral += 0.5 * end * weight * density / PI * (-energy).exp();
+        }
+        self.rotations.len() as f64 * integral
+    }
+
+    /// An orientation about a wanted one with the density exp(-strength u).
+    ///
+    /// The sines of half the angle along the axes are normal, but for the factor 1/√(1 - s²) of the
+    /// measure, which a rejection makes exact.
+    pub(crate) fn sample(
+        &self,
+        wanted: &Rotation,
+        strength_kt: f64,
+        rng: &mut CounterRng,
+    ) -> Rotation {
+        if self.is_round {
+            return *wanted;
+        }
+        let width = (8.0 * strength_kt).recip().sqrt();
+        let most = self.largest_squared_sine();
+        loop {
+            let mut sines = Vec3::zeros();
+            for axis in if self.dimension == 2 { 2..3 } else { 0..3 } {
+                sines[axis] = width * normal(rng);
+            }
+            let squared = sines.norm_squared();
+            let is_inside = squared < most;
+            if is_inside && rng.uniform() * ((1.0 - squared) / (1.0 - most)).sqrt() < 1.0 {
+                let [x, y, z] = sines.into();
+                let turn = nalgebra::Quaternion::new((1.0 - squared).sqrt(), x, y, z);
+                return wanted * Rotation::new_normalize(turn);
+            }
+        }
+    }
+}
+
+/// A normal number of variance one (Box and Muller, Ann. Math. Stat. 29, 610 (1958)).
+pub(crate) fn normal(rng: &mut CounterRng) -> f64 {
+    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
+    radius * (2.0 * PI * rng.uniform()).cos()
+}
+
+fn corners<const D: usize>(body: &HardBody<D>) -> Vec<Vec3> {
+    let corner = |corner: &[f64; D]| {
+        let mut vector = Vec3::zeros();
+        for (axis, x) in corner.iter().enumerate() {
+            vector[axis] = *x;
+        }
+        vector
+    };
+    body.corners.iter().map(corner).collect()
+}
+
+/// Whether a rotation takes each corner to a corner.
+fn maps_onto_itself(rotation: &Rotation, corners: &[Vec3], size: f64) -> bool {
+    let is_corner = |place: Vec3| {
+        let is_near = |corner: &Vec3| (corner - place).norm() < SAME * size;
+        corners.iter().any(is_near)
+    };
+    corners.iter().all(|corner| is_corner(rotation * corner))
+}
+
+fn in_plane(corners: &[Vec3]) -> Vec<Rotation> {
+    let size = corners.iter().map(Vec3::norm).fold(0.0, f64::max);
+    let angle = |corner: &Vec3| corner.y.atan2(corner.x);
+    let turns = corners
+        .iter()
+        .map(|corner| Rotation::from_scaled_axis((angle(corner) - angle(&corners[0])) * Vec3::z()));
+    turns
+        .filter(|turn| maps_onto_itself(turn, corners, size))
+        .collect()
+}
+
+/// Two corners and the body's centre span a plane; a rotation is known by where it takes them.
+fn in_space(corners: &[Vec3]) -> Result<Vec<Rotation>> {
+    let size = corners.iter().map(Vec3::norm).fold(0.0, f64::max);
+    let first = corners[0];
+    let spans = |corner: &&Vec3| first.cross(corner).norm() > 1e-3 * size * size;
+    let Some(second) = corners.iter().find(spans) else {
+        return Err(Error::Axis);
+    };
+    let from = frame(&first, second);
+    let mut rotations = Vec::new();
+    for a in corners {
+        for b in corners {
+            let is_alike = (a.norm() - first.norm()).abs() < SAME * size
+                && (b.norm() - second.norm()).abs() < SAME * size
+                && (a.dot(b) - first.dot(second)).abs() < SAME * size * size;
+            if !is_alike {
+                continue;
+            }
+            let matrix = frame(a, b) * from.transpose();
+            let rotation =
+                Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+            if maps_onto_itself(&rotation, corners, size) {
+                rotations.push(rotation);
+            }
+        }
+    }
+    Ok(rotations)
+}
+
+/// An orthonormal frame from two vectors.
+pub(crate) fn frame(first: &Vec3, second: &Vec3) -> Matrix3<f64> {
+    let x = first.normalize();
+    let z = first.cross(second).normalize();
+    Matrix3::from_columns(&[x, z.cross(&x), z])
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::Purpose;
+    use protomer_kernel::shape::{Shape, builders::by_name};
+
+    fn of<const D: usize>(name: &str) -> Symmetry {
+        Symmetry::of(&HardBody::<D>::new(&by_name(name).unwrap(), 0.0).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn groups_have_their_orders() {
+        for (name, order) in [
+            ("tetrahedron", 12),
+            ("truncated-tetrahedron:0.667", 12),
+            ("octahedron", 24),
+            ("icosahedron", 60),
+            ("dodecahedron", 60),
+            ("cuboid:1,2,3", 4),
+            ("cuboid:1,1,3", 8),
+            ("prism:6,1", 12),
+        ] {
+            assert_eq!(of::<3>(name).rotations().len(), order, "{name}");
+        }
+        assert_eq!(of::<2>("polygon:7").rotations().len(), 7);
+        let scalene = Shape::flat(&[[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]]).unwrap();
+        let scalene = HardBody::<2>::new(&scalene, 0.0).unwrap();
+        assert_eq!(Symmetry::of(&scalene).unwrap().rotations().len(), 1);
+        let rod = Shape::solid(&[Vec3::zeros(), Vec3::z()]).unwrap();
+        let rod = HardBody::<3>::new(&rod, 0.5).unwrap();
+        assert_eq!(Symmetry::of(&rod), Err(Error::Axis));
+    }
+
+    #[test]
+    fn integrals_of_cubes_are_those_of_an_independent_program() {
+        let cube = of::<3>("cube");
+        for (strength, expected) in [
+            (100.0, 0.001_695_757_302_695_938_8),
+            (500.0, 0.000_151_444_775_103_044_47),
+            (2000.0, 1.892_526_840_865_926_4e-5),
+        ] {
+            let found = cube.integral(strength);
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found}");
+        }
+    }
+
+    /// The mean of exp(-strength u) over random orientations, which knows nothing of the angle.
+    #[test]
+    fn integrals_are_means_over_random_orientations() {
+        let mut rng = CounterRng::for_purpose(3, 0, 0, Purpose::HardBodyStart);
+        let wanted = rng.rotation();
+        let prism = of::<3>("prism:3,1");
+        let strength = prism.least_strength_kt();
+        let (samples, mut sum, mut squares) = (2_000_000, 0.0, 0.0);
+        for _ in 0..samples {
+            let energy = strength * prism.potential(&wanted, &rng.rotation());
+            sum += (-energy).exp();
+            squares += (-2.0 * energy).exp();
+        }
+        let mean = sum / f64::from(samples);
+        let error = (squares / f64::from(samples) - mean * mean).sqrt() / f64::from(samples).sqrt();
+        let exact = prism.integral(strength);
+        assert!(error < 0.05 * exact, "{error}");
+        assert!((mean - exact).abs() < 4.0 * error, "{mean} {error} {exact}");
+    }
+
+    #[test]
+    fn sampled_orientations_have_the_mean_energy_of_the_integral() {
+        for symmetry in [of::<3>("cube"), of::<2>("polygon:5")] {
+            let strength = symmetry.least_strength_kt();
+            let mut rng = CounterRng::for_purpose(5, 0, 0, Purpose::HardBodyStart);
+            let wanted = Rotation::from_scaled_axis(Vec3::z());
+            let samples = 40_000;
+            let mut sum = 0.0;
+            for _ in 0..samples {
+                let orientation = symmetry.sample(&wanted, strength, &mut rng);
+                sum += symmetry.potential(&wanted, &orientation);
+            }
+            let step = 1e-4 * strength;
+            let slope = symmetry.integral(strength + step) / symmetry.integral(strength - step);
+            let exact = -slope.ln() / (2.0 * step);
+            let freedom = symmetry.degrees_of_freedom() as f64;
+            let error = exact * (2.0 / freedom / f64::from(samples)).sqrt();
+            let mean = sum / f64::from(samples);
+            assert!((mean - exact).abs() < 4.0 * error, "{mean} {exact} {error}");
+        }
+    }
+}

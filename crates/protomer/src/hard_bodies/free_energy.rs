@@ -1,0 +1,600 @@
+//! The free energy of a crystal of hard bodies, in its directory.
+//!
+//! ```text
+//! DIR/  run.toml  run.json  log.csv  points.csv  crystal.gsd  checkpoint.bin
+//! ```
+
+use super::run::mean_and_error;
+use super::start::{BodyShape, cell_text, unit_cell};
+use super::trajectory::Trajectory;
+use anyhow::{Context, Error, Result, bail};
+use protomer_common::answer::Answer;
+use protomer_common::output_file::write_once;
+use protomer_hpmc::body::HardBody;
+use protomer_hpmc::crystal::Crystal;
+use protomer_hpmc::frenkel_ladd::{
+    Estimate, FreeEnergy, Measurement, Plan, Walker, WalkerState, share,
+};
+use protomer_kernel::statistics::summarize;
+use protomer_results::{
+    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Row, Run,
+    Settings, Turn, Work, drive, log, settings,
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+const LOG: &str = "log.csv";
+const POINTS: &str = "points.csv";
+const CRYSTAL: &str = "crystal.gsd";
+/// Sweeps that a row of the log is the mean of.
+const SWEEPS_PER_ROW: u64 = 50;
+/// Rows that a point of the integral is given at once.
+const ROWS_AT_ONCE: u64 = 4;
+/// Parts of so many rows in a round, of 15 points.
+const PARTS_PER_ROUND: usize = 30;
+const POINTS_OF_THE_RULE: u64 = 15;
+/// Equilibration sweeps between two looks at the clock.
+const EQUILIBRATION_AT_ONCE: u64 = 500;
+/// A point with fewer independent samples is called slow.
+const FEW_SAMPLES: f64 = 50.0;
+
+/// The directory of a free energy.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::FreeEnergy,
+    settings: "run.toml",
+    results: &["run.json", LOG, POINTS, CRYSTAL, CHECKPOINT, "report.html"],
+    is_result: |_| false,
+};
+
+/// Settings. Lengths are in the unit of the shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FreeEnergySettings {
+    /// File or name of the shape.
+    pub shape: String,
+    /// Radius of the ball, or disk, that rounds it.
+    pub rounding_radius: f64,
+    /// Name of the crystal, or file of its unit cell.
+    pub crystal: String,
+    /// How every body is turned first: degrees in a plane, a quaternion in space; empty for not at all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turn: Vec<f64>,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// The part of the box that they fill.
+    pub packing_fraction: f64,
+    /// Sweeps at each point in which steps are tuned and nothing is measured.
+    pub equilibration: u64,
+    /// Sweeps after that, per point on average.
+    pub sweeps: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for FreeEnergySettings {
+    fn default() -> Self {
+        Self {
+            shape: String::new(),
+            rounding_radius: 0.0,
+            crystal: String::new(),
+            turn: Vec::new(),
+            bodies: 216,
+            packing_fraction: 0.6,
+            equilibration: 2000,
+            sweeps: 20_000,
+            seed: 1,
+        }
+    }
+}
+
+impl Settings for FreeEnergySettings {
+    /// More sweeps continue a run.
+    fn essential(&self) -> Self {
+        Self {
+            sweeps: 0,
+            ..self.clone()
+        }
+    }
+}
+
+/// One row of the log: a mean over some sweeps at a point of the integral.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExtentRow {
+    /// Number of the point, from the weakest springs.
+    pub point: usize,
+    /// Sweeps done at this point.
+    pub sweep: u64,
+    /// f, the energy of the springs per body over their strength, squared length.
+    pub extent: f64,
+}
+
+impl Row for ExtentRow {
+    fn columns() -> Vec<&'static str> {
+        vec!["point", "sweep", "extent"]
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        vec![
+            self.point.to_string(),
+            self.sweep.to_string(),
+            self.extent.to_string(),
+        ]
+    }
+
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        let [point, sweep, extent] = cells else {
+            return None;
+        };
+        Some(Self {
+            point: point.parse().ok()?,
+            sweep: sweep.parse().ok()?,
+            extent: extent.parse().ok()?,
+        })
+    }
+}
+
+/// A point of the integral over the strength of the springs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointResult {
+    /// λ, kT per squared length.
+    pub strength_kt_per_area: f64,
+    /// Weight of the extent in the integral.
+    pub weight: f64,
+    /// f, squared length.
+    pub extent: f64,
+    /// Its standard error.
+    pub extent_error: f64,
+    /// What it adds to the integral, kT per body.
+    pub contribution_kt: f64,
+    /// Its standard error.
+    pub contribution_error_kt: f64,
+    /// Sweeps measured.
+    pub sweeps: u64,
+    /// Integrated autocorrelation time of the extent, at least half of the sweeps of a row.
+    pub correlation_time_sweeps: f64,
+    /// Samples that would be as good if they were independent.
+    pub independent_samples: f64,
+}
+
+/// A free energy of a crystal. Lengths are in the unit of the shape, energies in kT per body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FreeEnergyResult {
+    /// The file or the name.
+    pub shape: String,
+    /// The crystal.
+    pub crystal: String,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Bodies.
+    pub bodies: usize,
+    /// The part of the box that they fill.
+    pub packing_fraction: f64,
+    /// Bodies per volume.
+    pub number_density: f64,
+    /// Edges of the box.
+    pub box_edges: Vec<f64>,
+    /// Proper rotations that leave the shape as it is.
+    pub symmetry_order: usize,
+    /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
+    pub free_energy_per_body_kt: f64,
+    /// Its standard error.
+    pub free_energy_per_body_error_kt: f64,
+    /// The same less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
+    pub excess_free_energy_per_body_kt: f64,
+    /// Its standard error.
+    pub excess_free_energy_per_body_error_kt: f64,
+    /// The terms of the free energy.
+    pub terms: FreeEnergy,
+    /// Each point of the integral.
+    pub points: Vec<PointResult>,
+    /// Points with few independent samples, whose errors are uncertain.
+    pub slow_points: Vec<usize>,
+}
+
+impl Answer for FreeEnergyResult {
+    fn text(&self) -> String {
+        let terms = &self.terms;
+        let mut lines = vec![
+            format!(
+                "{} bodies ({}), {}, packing fraction {}, number density {:.6}",
+                self.bodies, self.shape, self.crystal, self.packing_fraction, self.number_density
+            ),
+            format!(
+                "free energy {:.5} ± {:.5} kT per body (thermal wavelength 1)",
+                self.free_energy_per_body_kt, self.free_energy_per_body_error_kt
+            ),
+            format!(
+                "excess over an ideal gas {:.5} ± {:.5} kT per body",
+                self.excess_free_energy_per_body_kt, self.excess_free_energy_per_body_error_kt
+            ),
+            format!("centre of mass      {:10.5}", terms.centre_of_mass_kt),
+            format!("strongest springs   {:10.5}", terms.springs_kt),
+            format!("orientations        {:10.5}", terms.orientations_kt),
+            format!(
+                "overlaps with them  {:10.5} ± {:.5}",
+                terms.overlaps_kt, terms.overlaps_error_kt
+            ),
+            format!(
+                "weaker springs      {:10.5} ± {:.5}",
+                -terms.integral_kt, terms.integral_error_kt
+            ),
+            format!(
+                "a coarser rule differs by {:.5} ± {:.5}",
+                terms.rules_difference_kt, terms.rules_difference_error_kt
+            ),
+        ];
+        for number in &self.slow_points {
+            let point = &self.points[*number];
+            lines.push(format!(
+                "slow: springs of {:.4} have {:.0} independent samples in {} sweeps",
+                point.strength_kt_per_area, point.independent_samples, point.sweeps
+            ));
+        }
+        lines.join("\n")
+    }
+}
+
+/// Computes or continues the free energy of a crystal in a directory.
+///
+/// # Errors
+/// For invalid settings or bodies that overlap in the crystal, a directory that holds other work, and
+/// a file that cannot be written.
+///
+/// ```
+/// use protomer::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+/// use protomer_results::Execution;
+/// let settings = FreeEnergySettings {
+///     shape: "rod:1".into(),
+///     crystal: "row".into(),
+///     bodies: 8,
+///     packing_fraction: 0.5,
+///     equilibration: 100,
+///     sweeps: 800,
+///     ..FreeEnergySettings::default()
+/// };
+/// # let folder = tempfile::tempdir()?;
+/// let directory = folder.path().join("rods");
+/// let end = run_free_energy(&settings, &directory, &Execution::default())?;
+/// let result = end.finished().unwrap();
+/// assert!((result.free_energy_per_body_kt + 0.84051).abs() < 0.1);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn run_free_energy(
+    settings: &FreeEnergySettings,
+    path: &Path,
+    execution: &Execution,
+) -> Result<End<FreeEnergyResult>> {
+    if settings.sweeps == 0 {
+        bail!("sweeps is 0; give the sweeps per point of the integral");
+    }
+    let shape = BodyShape::read(&settings.shape)?;
+    match shape.dimension() {
+        1 => in_dimension::<1>(settings, &shape, path, execution),
+        2 => in_dimension::<2>(settings, &shape, path, execution),
+        _ => in_dimension::<3>(settings, &shape, path, execution),
+    }
+}
+
+fn in_dimension<const D: usize>(
+    settings: &FreeEnergySettings,
+    shape: &BodyShape,
+    path: &Path,
+    execution: &Execution,
+) -> Result<End<FreeEnergyResult>> {
+    let body = shape
+        .body::<D>(settings.rounding_radius)
+        .with_context(|| settings.shape.clone())?;
+    let text = cell_text(&settings.crystal)?;
+    let cell = unit_cell::<D>(&settings.crystal, text.as_deref(), &settings.turn)?;
+    let crystal = Crystal::new(&cell, &body, settings.bodies, settings.packing_fraction)?;
+    let input_sha256 = shape.sha256(text.as_deref());
+    let run = FreeEnergyRun {
+        settings,
+        identity: settings::identity(settings, &input_sha256)?,
+        input_sha256,
+        measurement: Measurement::new(&body, &crystal, settings.seed)?,
+        body: &body,
+        crystal: &crystal,
+    };
+    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    execution.progress.begin(run.length(), "sweeps");
+    drive(&run, path, execution)
+}
+
+/// A free energy whose settings have been checked.
+struct FreeEnergyRun<'a, const D: usize> {
+    settings: &'a FreeEnergySettings,
+    identity: String,
+    input_sha256: String,
+    measurement: Measurement<'a, D>,
+    body: &'a HardBody<D>,
+    crystal: &'a Crystal<D>,
+}
+
+/// Bodies on springs at each point, with the open log.
+struct Open<const D: usize> {
+    plan: Plan,
+    walkers: Vec<Walker<D>>,
+    /// The extents at each point.
+    series: Vec<Vec<f64>>,
+    log: Log,
+}
+
+/// A state from which a run continues bit for bit.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Saved {
+    /// The part of the log that belongs to this state.
+    log: LogMark,
+    plan: Plan,
+    walkers: Vec<WalkerState>,
+}
+
+impl<const D: usize> Open<D> {
+    fn estimates(&self) -> Vec<Estimate> {
+        let estimate = |series: &Vec<f64>| {
+            let (mean, error) = mean_and_error(series);
+            let error = error.unwrap_or(mean);
+            Estimate { mean, error }
+        };
+        self.series.iter().map(estimate).collect()
+    }
+
+    /// Rows that each point is given in the next round.
+    fn rows(&self) -> Vec<u64> {
+        let points = self.walkers.len();
+        let parts = match self.series.iter().any(Vec::is_empty) {
+            true => vec![PARTS_PER_ROUND / points; points],
+            false => {
+                let mut measured = Vec::new();
+                for (series, estimate) in self.series.iter().zip(self.estimates()) {
+                    measured.push((series.len() as u64, estimate.error));
+                }
+                share(&self.plan, &measured, PARTS_PER_ROUND)
+            }
+        };
+        let rows = |parts: &usize| *parts as u64 * ROWS_AT_ONCE;
+        parts.iter().map(rows).collect()
+    }
+}
+
+impl<const D: usize> FreeEnergyRun<'_, D> {
+    fn point(&self, open: &Open<D>, number: usize, estimate: &Estimate) -> PointResult {
+        let (point, series) = (&open.plan.points[number], &open.series[number]);
+        let summary = summarize(series);
+        PointResult {
+            strength_kt_per_area: point.strength,
+            weight: point.weight,
+            extent: estimate.mean,
+            extent_error: estimate.error,
+            contribution_kt: point.weight * estimate.mean,
+            contribution_error_kt: point.weight * estimate.error,
+            sweeps: series.len() as u64 * SWEEPS_PER_ROW,
+            correlation_time_sweeps: summary.autocorrelation_time * SWEEPS_PER_ROW as f64,
+            independent_samples: summary.effective_samples,
+        }
+    }
+
+    fn write_crystal(&self, open: &Open<D>, path: &Path) -> Result<()> {
+        let system = self.crystal.system(self.body, &[])?;
+        let mut trajectory = Trajectory::open(path, &system, 0)?;
+        trajectory.append(0, &system)?;
+        if let Some(weakest) = open.walkers.first() {
+            trajectory.append(weakest.sweeps(), weakest.system())?;
+        }
+        trajectory.sync()?;
+        Ok(())
+    }
+}
+
+impl<const D: usize> Run for FreeEnergyRun<'_, D> {
+    type State = Open<D>;
+    type Checkpoint = Saved;
+    type Answer = FreeEnergyResult;
+    type Error = Error;
+
+    const CHECKPOINT_KIND: &'static str = "free energy checkpoint";
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::FreeEnergy,
+            verb: "free-energy",
+            identity: self.identity.clone(),
+            input_sha256: self.input_sha256.clone(),
+        }
+    }
+
+    /// Whole rounds.
+    fn length(&self) -> u64 {
+        let round = PARTS_PER_ROUND as u64 * ROWS_AT_ONCE * SWEEPS_PER_ROW;
+        let production = POINTS_OF_THE_RULE * self.settings.sweeps;
+        POINTS_OF_THE_RULE * self.settings.equilibration + production.div_ceil(round) * round
+    }
+
+    fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open<D>> {
+        let (mark, plan, states) = match saved {
+            Some(saved) => (saved.log, saved.plan, saved.walkers),
+            None => (LogMark::default(), self.measurement.plan()?, Vec::new()),
+        };
+        let mut walkers = Vec::new();
+        for (number, point) in plan.points.iter().enumerate() {
+            let stream = number as u32;
+            let (strength, turning) = (point.strength, plan.turning);
+            walkers.push(match states.get(number) {
+                Some(state) => self.measurement.resume(stream, strength, turning, state)?,
+                None => self.measurement.start(stream, strength, turning)?,
+            });
+        }
+        let path = directory.join(LOG);
+        let mut log = Log::open::<ExtentRow>(&path, &mark)?;
+        log.sync()?;
+        let mut series = vec![Vec::new(); walkers.len()];
+        for row in log::read::<ExtentRow>(&path)? {
+            if let Some(series) = series.get_mut(row.point) {
+                series.push(row.extent);
+            }
+        }
+        Ok(Open {
+            plan,
+            walkers,
+            series,
+            log,
+        })
+    }
+
+    fn done(&self, open: &Open<D>) -> u64 {
+        open.walkers.iter().map(Walker::sweeps).sum()
+    }
+
+    /// A part of the equilibration, or a round of measurements, on all threads.
+    fn advance(&self, open: &mut Open<D>, _turn: &Turn<'_>) -> Result<()> {
+        let equilibrated = open.walkers.iter().map(Walker::sweeps).min().unwrap_or(0);
+        let left = self.settings.equilibration.saturating_sub(equilibrated);
+        if left > 0 {
+            open.walkers.par_iter_mut().for_each(|walker| {
+                walker.refresh();
+                walker.run(left.min(EQUILIBRATION_AT_ONCE), true);
+            });
+            return Ok(());
+        }
+        let rows = open.rows();
+        let measure = |(walker, rows): (&mut Walker<D>, &u64)| {
+            walker.refresh();
+            let row = |_| walker.run(SWEEPS_PER_ROW, false);
+            (0..*rows).map(row).collect::<Vec<f64>>()
+        };
+        let measured: Vec<Vec<f64>> = open
+            .walkers
+            .par_iter_mut()
+            .zip(&rows)
+            .map(measure)
+            .collect();
+        for (point, extents) in measured.into_iter().enumerate() {
+            for extent in extents {
+                open.series[point].push(extent);
+                let done = open.series[point].len() as u64 * SWEEPS_PER_ROW;
+                open.log.append(&ExtentRow {
+                    point,
+                    sweep: self.settings.equilibration + done,
+                    extent,
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&self, open: &mut Open<D>) -> Result<Saved> {
+        Ok(Saved {
+            log: open.log.sync()?,
+            plan: open.plan.clone(),
+            walkers: open.walkers.iter().map(Walker::state).collect(),
+        })
+    }
+
+    fn answer(&self, open: &mut Open<D>, directory: &Path) -> Result<FreeEnergyResult> {
+        let estimates = open.estimates();
+        let terms = self.measurement.free_energy(&open.plan, &estimates);
+        let (mut points, mut slow_points) = (Vec::new(), Vec::new());
+        for (number, estimate) in estimates.iter().enumerate() {
+            let point = self.point(open, number, estimate);
+            if point.independent_samples < FEW_SAMPLES {
+                slow_points.push(number);
+            }
+            points.push(point);
+        }
+        let mut table = String::from(
+            "strength_kt_per_area,weight,extent,extent_error,contribution_kt,\
+             contribution_error_kt,sweeps,correlation_time_sweeps,independent_samples\n",
+        );
+        for point in &points {
+            table.push_str(&format!(
+                "{},{},{},{},{},{},{},{},{}\n",
+                point.strength_kt_per_area,
+                point.weight,
+                point.extent,
+                point.extent_error,
+                point.contribution_kt,
+                point.contribution_error_kt,
+                point.sweeps,
+                point.correlation_time_sweeps,
+                point.independent_samples
+            ));
+        }
+        write_once(&directory.join(POINTS), table.as_bytes(), true)?;
+        self.write_crystal(open, &directory.join(CRYSTAL))?;
+        let density = self.settings.packing_fraction / self.body.volume;
+        Ok(FreeEnergyResult {
+            shape: self.settings.shape.clone(),
+            crystal: self.settings.crystal.clone(),
+            dimension: D,
+            bodies: self.settings.bodies,
+            packing_fraction: self.settings.packing_fraction,
+            number_density: density,
+            box_edges: self.crystal.edges.to_vec(),
+            symmetry_order: self.measurement.symmetry().rotations().len(),
+            free_energy_per_body_kt: terms.total_kt,
+            free_energy_per_body_error_kt: terms.error_kt,
+            excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
+            excess_free_energy_per_body_error_kt: terms.error_kt,
+            terms,
+            points,
+            slow_points,
+        })
+    }
+
+    fn details(&self, open: &mut Open<D>, directory: &Path) -> Result<Value> {
+        if open.series.iter().any(Vec::is_empty) {
+            return Ok(Value::Null);
+        }
+        Ok(serde_json::to_value(self.answer(open, directory)?)?)
+    }
+
+    fn check(&self, directory: &Path, saved: &Saved) -> Result<()> {
+        Ok(log::check(&directory.join(LOG), &saved.log)?)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_free_energy_that_stops_and_goes_on_writes_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let short = FreeEnergySettings {
+            shape: "polygon:4".into(),
+            crystal: "square".into(),
+            turn: vec![45.0],
+            bodies: 36,
+            packing_fraction: 0.85,
+            equilibration: 100,
+            sweeps: 400,
+            ..FreeEnergySettings::default()
+        };
+        let long = FreeEnergySettings {
+            sweeps: 800,
+            ..short.clone()
+        };
+        let run = |settings: &FreeEnergySettings, name: &str| {
+            let path = folder.path().join(name);
+            let end = run_free_energy(settings, &path, &Execution::default()).unwrap();
+            end.finished().unwrap()
+        };
+        run(&short, "parts");
+        let (in_parts, at_once) = (run(&long, "parts"), run(&long, "whole"));
+        assert_eq!(in_parts, at_once);
+        assert_eq!(in_parts.symmetry_order, 4);
+        for file in [LOG, POINTS, CRYSTAL, CHECKPOINT] {
+            let read = |name: &str| std::fs::read(folder.path().join(name).join(file)).unwrap();
+            assert!(read("parts") == read("whole"), "{file}");
+        }
+        let terms = &in_parts.terms;
+        let sum =
+            terms.centre_of_mass_kt + terms.springs_kt + terms.orientations_kt + terms.overlaps_kt
+                - terms.integral_kt;
+        assert!((sum - in_parts.free_energy_per_body_kt).abs() < 1e-12);
+    }
+}

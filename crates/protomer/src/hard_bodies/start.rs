@@ -1,0 +1,195 @@
+//! Bodies and starts from what a user gives: names and files.
+
+use crate::shapes::read_shape;
+use anyhow::{Context, Result, bail};
+use protomer_common::input::InputFile;
+use protomer_hpmc::body::HardBody;
+use protomer_hpmc::crystal::{Site, UnitCell};
+use protomer_io::atomic::sha256_hex;
+use protomer_kernel::shape::Shape;
+use protomer_kernel::{Rotation, Vec3};
+use std::path::Path;
+
+/// The start that is no crystal.
+pub const FLUID: &str = "fluid";
+
+/// The shape of bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum BodyShape {
+    /// A rod of this length, on a line.
+    Rod(f64),
+    /// In a plane or in space.
+    Shape(Shape),
+}
+
+impl BodyShape {
+    /// From a file or a name; `rod:LENGTH` lives on a line.
+    pub(super) fn read(file_or_name: &str) -> Result<Self> {
+        let Some(length) = file_or_name.strip_prefix("rod:") else {
+            return Ok(Self::Shape(read_shape(file_or_name)?));
+        };
+        match length.trim().parse() {
+            Ok(length) if length > 0.0 => Ok(Self::Rod(length)),
+            _ => bail!("'{file_or_name}' has no length; write a positive number, such as rod:1"),
+        }
+    }
+
+    /// 1, 2 or 3.
+    pub(super) fn dimension(&self) -> usize {
+        match self {
+            Self::Rod(_) => 1,
+            Self::Shape(shape) => shape.dimension(),
+        }
+    }
+
+    /// The body, rounded.
+    pub(super) fn body<const D: usize>(&self, rounding_radius: f64) -> Result<HardBody<D>> {
+        Ok(match self {
+            Self::Rod(length) => HardBody::ball(0.5 * length + rounding_radius)?,
+            Self::Shape(shape) => HardBody::new(shape, rounding_radius)?,
+        })
+    }
+
+    pub(super) fn sha256(&self, cell_text: Option<&str>) -> String {
+        let mut text = match self {
+            Self::Rod(length) => format!("rod {length}"),
+            Self::Shape(shape) => format!("{shape:?}"),
+        };
+        text.push_str(cell_text.unwrap_or_default());
+        sha256_hex(text.as_bytes())
+    }
+}
+
+/// The text of the file of a unit cell; `None` for a name.
+pub(super) fn cell_text(file_or_name: &str) -> Result<Option<String>> {
+    let path = Path::new(file_or_name);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let file = InputFile::read(path)?;
+    Ok(Some(String::from_utf8_lossy(&file.bytes).into_owned()))
+}
+
+/// The unit cell of a file or a name, with every body turned first: by degrees in a plane, by a
+/// quaternion w, x, y, z in space.
+pub(super) fn unit_cell<const D: usize>(
+    file_or_name: &str,
+    text: Option<&str>,
+    turn: &[f64],
+) -> Result<UnitCell<D>> {
+    let cell = match text {
+        Some(text) => parse_cell(file_or_name, text)?,
+        None => UnitCell::by_name(file_or_name)
+            .context("a start is 'fluid', the name of a crystal, or the file of a unit cell")?,
+    };
+    if turn.is_empty() {
+        return Ok(cell);
+    }
+    match rotation::<D>(turn) {
+        Some(rotation) => Ok(cell.with_bodies_turned(&rotation)),
+        None => bail!(
+            "--turn has {} numbers; {}",
+            turn.len(),
+            numbers_of_a_turn::<D>()
+        ),
+    }
+}
+
+fn numbers_of_a_turn<const D: usize>() -> &'static str {
+    match D {
+        1 => "rods on a line do not turn",
+        2 => "give one angle in degrees",
+        _ => "give a quaternion, four numbers with the scalar first, not all zero",
+    }
+}
+
+fn rotation<const D: usize>(numbers: &[f64]) -> Option<Rotation> {
+    match (D, numbers) {
+        (2, [degrees]) => Some(Rotation::from_scaled_axis(degrees.to_radians() * Vec3::z())),
+        (3, [w, x, y, z]) => {
+            let quaternion = nalgebra::Quaternion::new(*w, *x, *y, *z);
+            let norm = quaternion.norm();
+            (norm > 0.0 && norm.is_finite()).then(|| Rotation::new_normalize(quaternion))
+        }
+        _ => None,
+    }
+}
+
+/// A unit cell: a line `cell` with its edges, and a line `site` for each body, with its place in parts of
+/// the edges and, if it is turned, an angle in degrees (plane) or a quaternion (space).
+fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
+    let mut edges = None;
+    let mut sites = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        let mut words = line.split([' ', '\t', ',']).filter(|word| !word.is_empty());
+        let Some(kind) = words.next() else { continue };
+        let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
+        let parsed = numbers.and_then(|numbers| {
+            let (own, turn) = numbers.split_at_checked(D)?;
+            let own: [f64; D] = own.try_into().ok()?;
+            match (kind, turn) {
+                ("cell", []) if edges.is_none() => edges = Some(own),
+                ("site", _) => sites.push(Site {
+                    place: own,
+                    rotation: match turn {
+                        [] => Rotation::identity(),
+                        turn => rotation::<D>(turn)?,
+                    },
+                }),
+                _ => return None,
+            }
+            Some(())
+        });
+        if parsed.is_none() {
+            bail!(
+                "{name}:{}: '{line}' is not understood; write 'cell' and {D} edges once, and for each \
+                 body 'site', {D} parts of the edges and, if it is turned, its {}",
+                number + 1,
+                if D == 2 {
+                    "angle in degrees"
+                } else {
+                    "quaternion (scalar first)"
+                }
+            );
+        }
+    }
+    match (edges, sites.is_empty()) {
+        (Some(edges), false) => Ok(UnitCell { edges, sites }),
+        (None, _) => {
+            bail!("{name}: the edges of the cell are missing; write 'cell' and {D} numbers")
+        }
+        (_, true) => bail!("{name}: there is no body; write 'site' and {D} parts of the edges"),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_read_and_errors_name_the_line() {
+        let text = "# two bodies\ncell 1 1, 2\nsite 0 0 0\nsite 0.5 0.5 0.5 1 0 0 1 # turned\n";
+        let cell = parse_cell::<3>("file", text).unwrap();
+        assert_eq!((cell.edges, cell.sites.len()), ([1.0, 1.0, 2.0], 2));
+        let angle = cell.sites[1].rotation.angle();
+        assert!(
+            (angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12,
+            "{angle}"
+        );
+        for text in [
+            "cell 1 1 1\nsite 0 0",
+            "cell 1 1 1\ncell 1 1 1",
+            "cell 1 1 1\nsite 0 0 0 0 0 0 0",
+            "cell 1 1 1\natom 0 0 0",
+        ] {
+            let words = parse_cell::<3>("file", text).unwrap_err().to_string();
+            assert!(words.starts_with("file:2: "), "{words}");
+        }
+        assert!(parse_cell::<2>("file", "site 0 0").is_err());
+        assert!(parse_cell::<2>("file", "cell 1 1").is_err());
+        assert!(unit_cell::<2>("square", None, &[45.0]).is_ok());
+        assert!(unit_cell::<3>("fcc", None, &[45.0]).is_err());
+    }
+}
