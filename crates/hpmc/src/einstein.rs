@@ -222,7 +222,8 @@ impl<const D: usize> EinsteinCrystal<'_, D> {
         EinsteinTerms {
             centre_of_mass_kt: -(cell.ln() + 0.5 * dimension * bodies.ln()) / bodies,
             springs_kt: -springs * (PI / self.strength).ln(),
-            orientations_kt: -self.symmetry.integral(self.strength * self.turning).ln(),
+            // Without orientations this is zero, not minus zero.
+            orientations_kt: 0.0 - self.symmetry.integral(self.strength * self.turning).ln(),
         }
     }
 

@@ -123,7 +123,11 @@ pub struct State {
 }
 
 impl Settings {
-    fn check(&self, depletants: &[Depletant]) -> Result<()> {
+    /// Checks what does not depend on the bodies.
+    ///
+    /// # Errors
+    /// For impossible numbers, and for what cannot be simulated together.
+    pub fn check(&self, depletants: &[Depletant]) -> Result<()> {
         if let Some(pressure) = &self.pressure {
             let value = pressure.kt_per_volume;
             require("the pressure", value, "positive", value > 0.0)?;

@@ -288,6 +288,15 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let body = shape
             .body(settings.rounding_radius)
             .with_context(|| settings.shape.clone())?;
+        let engine = simulation::Settings {
+            seed: settings.seed,
+            equilibration_sweeps: settings.equilibration,
+            insertions: settings.insertions,
+            points: settings.resolved_points(),
+            pressure: settings.pressure,
+            gravity: settings.gravity,
+        };
+        engine.check(&settings.depletants)?;
         let text = cell_text(&settings.start)?;
         let start = start(settings, &body, text.as_deref())?;
         let input_sha256 = shape.sha256(text.as_deref());
@@ -297,14 +306,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             input_sha256,
             body,
             start,
-            engine: simulation::Settings {
-                seed: settings.seed,
-                equilibration_sweeps: settings.equilibration,
-                insertions: settings.insertions,
-                points: settings.resolved_points(),
-                pressure: settings.pressure,
-                gravity: settings.gravity,
-            },
+            engine,
         })
     }
 
