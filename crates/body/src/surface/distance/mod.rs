@@ -17,7 +17,7 @@ mod index;
 mod project;
 
 use super::arrangement::{Arc, Arrangement};
-use super::implicit::ImplicitSolid;
+use super::implicit::{Ball, ImplicitSolid};
 use index::{Builder, FeatureIndex, Kind, Nearby};
 use protomer_kernel::Vec3;
 
@@ -264,26 +264,50 @@ impl SesSolid {
         }
         self.deepest(point, &exposed)
     }
+
+    /// The signed distance, and the nearest accessible point if it is within reach.
+    fn signed_distance_and_probe(&self, point: &Vec3) -> (f64, Option<Vec3>) {
+        let nearby = self.index.nearby(point);
+        let Some((atom, depth)) = self.deepest(point, nearby.atoms) else {
+            return (self.largest_value(), Some(*point));
+        };
+        if depth <= 0.0 {
+            let value = (self.probe_radius - depth).min(self.largest_value());
+            return (value, Some(*point));
+        }
+        if depth >= self.reach() {
+            return (-BAND_ANGSTROM, None);
+        }
+        if let Some(onto) = self.on_face(point, atom) {
+            return (self.probe_radius - depth, Some(onto));
+        }
+        match self.nearest_edge_within_reach(point, &nearby) {
+            Some(nearest) => (self.probe_radius - nearest.distance, Some(nearest.point)),
+            None => (-BAND_ANGSTROM, None),
+        }
+    }
 }
 
 impl ImplicitSolid for SesSolid {
     fn signed_distance(&self, point: &Vec3) -> f64 {
-        let nearby = self.index.nearby(point);
-        let Some((atom, depth)) = self.deepest(point, nearby.atoms) else {
-            return self.largest_value();
-        };
-        if depth <= 0.0 {
-            return (self.probe_radius - depth).min(self.largest_value());
-        }
-        if depth >= self.reach() {
-            return -BAND_ANGSTROM;
-        }
-        if self.on_face(point, atom).is_some() {
-            return self.probe_radius - depth;
-        }
-        match self.nearest_edge_within_reach(point, &nearby) {
-            Some(nearest) => self.probe_radius - nearest.distance,
-            None => -BAND_ANGSTROM,
+        self.signed_distance_and_probe(point).0
+    }
+
+    /// The empty ball is the probe at the nearest accessible point.
+    fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
+        let (value, centre) = self.signed_distance_and_probe(point);
+        (value, centre.map(|centre| (centre, self.probe_radius)))
+    }
+
+    /// The atoms are inside.
+    fn add_inner_balls(&self, point: &Vec3, reach_angstrom: f64, balls: &mut Vec<Ball>) {
+        for &atom in self.index.nearby(point).atoms {
+            let centre = self.centres[atom as usize];
+            let radius = self.radii[atom as usize] - self.probe_radius;
+            let limit = radius + reach_angstrom;
+            if (point - centre).norm_squared() < limit * limit {
+                balls.push((centre, radius));
+            }
         }
     }
 
@@ -291,11 +315,15 @@ impl ImplicitSolid for SesSolid {
         project::project(self, point)
     }
 
+    fn pull(&self, point: &Vec3) -> (Vec3, Vec3) {
+        project::pull(self, point)
+    }
+
     fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
 
-    fn cover(&self) -> Vec<(Vec3, f64)> {
+    fn cover(&self) -> Vec<Ball> {
         self.cover.clone()
     }
 }

@@ -28,6 +28,14 @@ const SMALLEST_SHARE: f64 = 0.02;
 /// Splitting halves edges: this many passes shorten them a thousandfold.
 const SPLIT_PASSES: usize = 10;
 
+/// How well relaxed vertices lie on the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Onto {
+    /// As far as one step takes them.
+    About,
+    Exactly,
+}
+
 /// A mesh on its way to a density.
 pub(super) struct Remesher<'a> {
     pub(super) mesh: HalfEdgeMesh,
@@ -208,10 +216,10 @@ impl<'a> Remesher<'a> {
 
     /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the
     /// surface.
-    pub(super) fn relax(&mut self) {
+    pub(super) fn relax(&mut self, onto: Onto) {
         for vertex in 0..self.mesh.positions.len() as u32 {
             if let Some(pull) = self.pull(vertex) {
-                self.move_along_surface(vertex, pull);
+                self.move_along_surface(vertex, pull, onto);
             }
         }
     }
@@ -237,11 +245,15 @@ impl<'a> Remesher<'a> {
 
     /// Moves a vertex by a displacement, or half of it, or none, and onto the surface: as far as
     /// the triangles at it stay in shape.
-    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3) {
+    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3, onto: Onto) {
         let here = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
         for fraction in [1.0, 0.5, 0.0] {
-            let (projected, normal) = self.solid.project(&(here + displacement * fraction));
+            let place = here + displacement * fraction;
+            let (projected, normal) = match onto {
+                Onto::About => self.solid.pull(&place),
+                Onto::Exactly => self.solid.project(&place),
+            };
             let is_near =
                 projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
             if is_near && self.move_keeps_shape(vertex, &projected) {
