@@ -128,6 +128,22 @@ fn has_plain_boundary(nodes: u32, table: &[Cycles]) -> bool {
     table[cube].count == 1
 }
 
+/// The node with this bit.
+pub(super) fn node(bit: usize) -> [i32; 3] {
+    let bit = bit as i32;
+    [bit / 9, bit / 3 % 3, bit % 3]
+}
+
+/// The lower ends of the crossed edges along an axis, on edges of the cube or on its faces too.
+pub(super) fn crossed(nodes: u32, axis: usize, with_faces: bool) -> u32 {
+    let edges = if with_faces {
+        ON_EDGES[axis] | IN_FACES[axis]
+    } else {
+        ON_EDGES[axis]
+    };
+    (nodes ^ nodes >> STEP[axis]) & edges
+}
+
 /// The number of crossed edges of the cells of a cube, and the sum of their middles in cells from
 /// the lowest node.
 pub(super) fn crossings(nodes: u32) -> (f64, Vec3) {
@@ -153,7 +169,7 @@ mod tests {
     use std::collections::{HashMap, HashSet};
 
     fn node(bit: u32) -> [u32; 3] {
-        [bit / 9, bit / 3 % 3, bit % 3]
+        super::node(bit as usize).map(|x| x as u32)
     }
 
     type Edge = ([u32; 3], usize);

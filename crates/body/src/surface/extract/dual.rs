@@ -235,24 +235,39 @@ impl March<'_> {
             let crossings = (count, sum);
             self.dual.tiles.push(Tile { cell, crossings });
             let is_beside = beside_cells >> cube & 1 == 1;
-            for cell in 0..8 {
-                let inside = cube::corners(nodes, cube::first_node(cell));
-                if inside == 0 || inside == 255 {
-                    continue;
+            for axis in 0..3 {
+                for low in bits(u64::from(cube::crossed(nodes, axis, is_beside))) {
+                    let is_low_inside = nodes >> low & 1 == 1;
+                    self.enter_around(block, cube, (low, axis, is_low_inside), tile);
                 }
-                let local = cell_in_block(cube, cell);
-                for edge in 0..EDGES {
-                    let (low, axis) = (lower_corner(edge), edge / 4);
-                    let is_low_inside = inside >> low & 1 == 1;
-                    if is_low_inside == (inside >> (low | 1 << axis) & 1 == 1) {
-                        continue;
-                    }
-                    let is_on_cube_edge = (low ^ cell) & !(1 << axis) == 0;
-                    if is_on_cube_edge || is_beside {
-                        let crossing = (edge, is_low_inside);
-                        self.enter(block, local, crossing, tile, is_on_cube_edge);
-                    }
-                }
+            }
+        }
+    }
+
+    /// Enters the tile of a cube into the quadrangle of an edge from its node `low`, for each of the
+    /// cube's cells around the edge. An edge that is not on one of the cube has a quadrangle only if
+    /// a neighbour has made it.
+    fn enter_around(
+        &mut self,
+        block: usize,
+        cube: usize,
+        (low, axis, is_low_inside): (usize, usize, bool),
+        tile: u32,
+    ) {
+        let node = cube::node(low);
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let is_on_cube_edge = (node[u] | node[v]) & 1 == 0;
+        for place in 0..4 {
+            // The cell has the edge at this place; its lowest node is that far before the edge's.
+            let mut cell = node;
+            cell[u] -= place & 1;
+            cell[v] -= place >> 1;
+            let is_in_cube = cell.iter().all(|x| (0..2).contains(x));
+            if is_in_cube {
+                let first = cell_in_block(cube, 0);
+                let local = [0, 1, 2].map(|axis| first[axis] + cell[axis]);
+                let edge = 4 * axis + place as usize;
+                self.enter(block, local, (edge, is_low_inside), tile, is_on_cube_edge);
             }
         }
     }

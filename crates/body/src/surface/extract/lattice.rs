@@ -15,6 +15,8 @@ pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
 /// protein of 50 000 atoms has about 40 000 regions.
 const MOST_LOOKS: f64 = 1e9;
 const MOST_REGIONS: usize = 4_000_000;
+/// The eight nodes of a block that are on none of its faces.
+const INNER: u64 = 0x0000_0660_0660_0000;
 /// A ball settles the nodes whose squared distance from its centre is within this factor of its
 /// squared radius, so that rounding settles nothing wrongly.
 const WELL_WITHIN: f64 = 1.0 - 1e-9;
@@ -143,7 +145,14 @@ impl<'a> SparseLattice<'a> {
             signs.settle(self.nodes_in_ball(first, ball), true);
         }
         while signs.settled != u64::MAX {
-            let node = (!signs.settled).trailing_zeros() as usize;
+            let left = !signs.settled;
+            // The inner nodes first: a ball about one of them settles more.
+            let next = if left & INNER == 0 {
+                left
+            } else {
+                left & INNER
+            };
+            let node = next.trailing_zeros() as usize;
             let here = node_at(node).map(f64::from);
             let place = [0, 1, 2].map(|axis| first[axis] + here[axis]);
             let (value, empty) = solid.signed_distance_and_empty_ball(&self.point(place));

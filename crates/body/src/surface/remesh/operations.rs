@@ -27,6 +27,8 @@ const SMALLEST_AREA: f64 = 5e-5;
 const SMALLEST_SHARE: f64 = 0.02;
 /// Splitting halves edges: this many passes shorten them a thousandfold.
 const SPLIT_PASSES: usize = 10;
+/// When less than one in so many half-edges was split, the rest can wait for the next round.
+const FEW: u32 = 200;
 
 /// How well relaxed vertices lie on the surface.
 #[derive(Debug, Clone, Copy)]
@@ -79,7 +81,7 @@ impl<'a> Remesher<'a> {
         self.mesh
     }
 
-    /// Splits edges that are too long, in passes, until there are none.
+    /// Splits edges that are too long, in passes, until there are next to none.
     pub(super) fn split_long_edges(&mut self) {
         for _ in 0..SPLIT_PASSES {
             let mut splits = 0;
@@ -92,6 +94,9 @@ impl<'a> Remesher<'a> {
                 break;
             }
             self.flip_towards_six();
+            if splits * FEW < self.mesh.half_edge_bound() {
+                break;
+            }
         }
     }
 
