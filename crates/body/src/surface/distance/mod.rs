@@ -25,9 +25,9 @@ use protomer_kernel::Vec3;
 /// keeps the value it has there; outside it is followed to the accessible surface if that is
 /// farther.
 const BAND_ANGSTROM: f64 = 0.8;
-/// Edge of the index cells in units of the largest reach of an atom, which then is listed in some
-/// hundred cells.
-const CELL_EDGE_PER_REACH: f64 = 0.35;
+/// Edge of the index cells in units of the largest reach of an atom, which then is listed in a few
+/// dozen cells; the lists are sorted by distance, so that long ones cost little more than short ones.
+const CELL_EDGE_PER_REACH: f64 = 0.6;
 
 /// This near its axis all points of a circle are equally near, Å.
 const ON_AXIS_ANGSTROM: f64 = 1e-12;
