@@ -1,11 +1,13 @@
-//! Time for the accessible surface, the signed distance and the exact measures of a protein-like
-//! body.
+//! Time for the accessible surface, the signed distance, the exact measures and the whole surface of
+//! a protein-like body.
 //!
 //! `cargo bench -p protomer-body --bench surface`; the argument of the environment variable
 //! `PROTOMER_XYZR` (rows of x y z radius) replaces the synthetic globule of 1000 atoms.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use protomer_body::surface::{Arrangement, ImplicitSolid, Measure, SesSolid};
+use protomer_body::surface::{
+    Arrangement, ImplicitSolid, Measure, MeshSettings, SesSolid, solvent_excluded_surface,
+};
 use protomer_kernel::Vec3;
 use std::hint::black_box;
 
@@ -72,6 +74,10 @@ fn surface(criterion: &mut Criterion) {
     });
     group.bench_function("measure", |b| {
         b.iter(|| Measure::new(black_box(&accessible)))
+    });
+    group.bench_function("whole", |b| {
+        let settings = MeshSettings::default();
+        b.iter(|| solvent_excluded_surface(black_box(&centres), &radii, 1.4, &settings))
     });
     let points: Vec<Vec3> = near_surface(&solid, &accessible);
     let mut next = 0;

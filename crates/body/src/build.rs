@@ -5,7 +5,7 @@ use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
-use crate::surface::{FilledCavities, MeshSettings, Surface, solvent_excluded_surface};
+use crate::surface::{Deviation, FilledCavities, MeshSettings, Surface, solvent_excluded_surface};
 use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
@@ -66,6 +66,8 @@ pub struct BuiltBody {
     pub body: Body,
     /// What was selected from the structure; `None` for bare points.
     pub selection: Option<SelectionReport>,
+    /// How far the body's mesh is from the exact surface.
+    pub deviation: Deviation,
     /// Warnings for the user.
     pub warnings: Vec<String>,
 }
@@ -130,13 +132,11 @@ pub fn build_body_of_selection(
         list_charges(&mut report, &sites);
     }
     let described = describe_settings(settings);
-    let (body, mut warnings) = finish(name, source, sites, described, &settings.surface)?;
-    warnings.splice(0..0, selection_warnings(&report));
-    Ok(BuiltBody {
-        body,
-        selection: Some(report),
-        warnings,
-    })
+    let mut built = finish(name, source, sites, described, &settings.surface)?;
+    let warnings = selection_warnings(&report);
+    built.warnings.splice(0..0, warnings);
+    built.selection = Some(report);
+    Ok(built)
 }
 
 /// Makes a body from bare points that have charges and radii of their own. Points with a radius of
@@ -164,12 +164,7 @@ pub fn build_body_of_points(
     let sites = sites_of_points(points)?;
     let mut described = surface.describe();
     described.insert("charges".into(), "from the file".into());
-    let (body, warnings) = finish(name, source, sites, described, surface)?;
-    Ok(BuiltBody {
-        body,
-        selection: None,
-        warnings,
-    })
+    finish(name, source, sites, described, surface)
 }
 
 /// Refuses an empty name of a body.
@@ -249,7 +244,7 @@ fn finish(
     sites: ChargedSites,
     mut settings: BTreeMap<String, String>,
     surface_settings: &SurfaceSettings,
-) -> Result<(Body, Vec<String>)> {
+) -> Result<BuiltBody> {
     let whole = surface_of_sites(&sites.sites, surface_settings)?;
     let interior_radius = surface_settings.interior_radius_angstrom;
     let (surface, cavities) = if surface_settings.keep_cavities {
@@ -268,6 +263,7 @@ fn finish(
             "the surface has {pieces} separate pieces; they move as one rigid body"
         ));
     }
+    let deviation = surface.deviation();
     let mass_properties = surface.mesh.mass_properties()?;
     let body = Body {
         name: name.into(),
@@ -282,7 +278,12 @@ fn finish(
             settings,
         },
     };
-    Ok((body, warnings))
+    Ok(BuiltBody {
+        body,
+        selection: None,
+        deviation,
+        warnings,
+    })
 }
 
 /// Adds the charges of the residues listed in the report, now that the pH is known.

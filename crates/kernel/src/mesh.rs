@@ -159,8 +159,9 @@ impl TriangleMesh {
     pub fn topology(&self) -> Result<Topology> {
         self.check_coordinates()?;
         self.check_triangles()?;
-        let neighbours = self.edge_neighbours()?;
-        self.check_vertex_fans()?;
+        let fans = Fans::new(self);
+        let neighbours = self.edge_neighbours(&fans)?;
+        self.check_vertex_fans(&fans)?;
         let (component_of, components) = label_components(&neighbours);
         let mut volumes = vec![0.0; components];
         for (corners, component) in self.all_corners().zip(component_of) {
@@ -189,7 +190,7 @@ impl TriangleMesh {
     pub fn shells(&self) -> Result<Vec<TriangleMesh>> {
         self.check_coordinates()?;
         self.check_triangles()?;
-        let (component_of, components) = label_components(&self.edge_neighbours()?);
+        let (component_of, components) = label_components(&self.edge_neighbours(&Fans::new(self))?);
         let mut shells = vec![TriangleMesh::default(); components];
         let mut renumbered: HashMap<(usize, u32), u32> = HashMap::new();
         for (triangle, component) in self.triangles.iter().zip(component_of) {
@@ -239,12 +240,13 @@ impl TriangleMesh {
     }
 
     /// For each triangle the triangles across its three edges.
-    fn edge_neighbours(&self) -> Result<Vec<[u32; 3]>> {
-        let mut triangle_of: HashMap<(u32, u32), u32> =
-            HashMap::with_capacity(self.triangles.len() * 3);
-        for (triangle, corners) in self.triangles.iter().enumerate() {
+    fn edge_neighbours(&self, fans: &Fans) -> Result<Vec<[u32; 3]>> {
+        for (triangle, corners) in (0..).zip(&self.triangles) {
             for (from, to) in edges(corners) {
-                if triangle_of.insert((from, to), triangle as u32).is_some() {
+                if fans
+                    .edge(from, to)
+                    .is_some_and(|edge| edge.triangle != triangle)
+                {
                     return bad_mesh(format!(
                         "edge {from}-{to} is used twice in the same direction"
                     ));
@@ -256,8 +258,8 @@ impl TriangleMesh {
         for corners in &self.triangles {
             let mut across = [0; 3];
             for (across, (from, to)) in across.iter_mut().zip(edges(corners)) {
-                match triangle_of.get(&(to, from)) {
-                    Some(other) => *across = *other,
+                match fans.edge(to, from) {
+                    Some(other) => *across = other.triangle,
                     None => {
                         return bad_mesh(format!(
                             "edge {from}-{to} has a triangle on one side only"
@@ -271,27 +273,87 @@ impl TriangleMesh {
     }
 
     /// Every vertex must be used, and its triangles must form a single closed fan.
-    fn check_vertex_fans(&self) -> Result<()> {
-        let mut next_around: HashMap<(u32, u32), u32> =
-            HashMap::with_capacity(self.triangles.len() * 3);
-        let mut first: Vec<Option<u32>> = vec![None; self.vertices.len()];
-        let mut valence = vec![0_usize; self.vertices.len()];
-        for [a, b, c] in &self.triangles {
-            for (centre, from, to) in [(a, b, c), (b, c, a), (c, a, b)] {
-                next_around.insert((*centre, *from), *to);
-                first[*centre as usize].get_or_insert(*from);
-                valence[*centre as usize] += 1;
-            }
-        }
-        for (vertex, first) in first.iter().enumerate() {
-            let Some(first) = *first else {
+    fn check_vertex_fans(&self, fans: &Fans) -> Result<()> {
+        for vertex in 0..self.vertices.len() as u32 {
+            let fan = fans.of(vertex);
+            if fan.is_empty() {
                 return bad_mesh(format!("vertex {vertex} belongs to no triangle"));
-            };
-            if fan_length(&next_around, vertex as u32, first) != valence[vertex] {
+            }
+            if fans.turn(vertex) != fan.len() {
                 return bad_mesh(format!("vertex {vertex} joins two fans of triangles"));
             }
         }
         Ok(())
+    }
+}
+
+/// The edges that leave each vertex.
+struct Fans {
+    /// Those of vertex v are `leaving[start[v]..start[v + 1]]`, by the vertex they lead to and then
+    /// by triangle.
+    start: Vec<u32>,
+    leaving: Vec<Leaving>,
+}
+
+/// An edge of a triangle, seen from its start.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Leaving {
+    to: u32,
+    triangle: u32,
+    /// The third corner.
+    apex: u32,
+}
+
+impl Fans {
+    /// Of a mesh whose triangles name vertices that are there.
+    fn new(mesh: &TriangleMesh) -> Self {
+        let mut start = vec![0; mesh.vertices.len() + 1];
+        for vertex in mesh.triangles.as_flattened() {
+            start[*vertex as usize + 1] += 1;
+        }
+        for vertex in 0..mesh.vertices.len() {
+            start[vertex + 1] += start[vertex];
+        }
+        let mut filled = start.clone();
+        let mut leaving = vec![Leaving::default(); 3 * mesh.triangles.len()];
+        for (triangle, &[a, b, c]) in (0..).zip(&mesh.triangles) {
+            for (from, to, apex) in [(a, b, c), (b, c, a), (c, a, b)] {
+                let place = &mut filled[from as usize];
+                leaving[*place as usize] = Leaving { to, triangle, apex };
+                *place += 1;
+            }
+        }
+        for ends in start.windows(2) {
+            leaving[ends[0] as usize..ends[1] as usize].sort_unstable();
+        }
+        Self { start, leaving }
+    }
+
+    fn of(&self, vertex: u32) -> &[Leaving] {
+        let [first, end] = [vertex, vertex + 1].map(|v| self.start[v as usize] as usize);
+        &self.leaving[first..end]
+    }
+
+    /// The edge between two vertices in this direction, of the first triangle that has it.
+    fn edge(&self, from: u32, to: u32) -> Option<&Leaving> {
+        let fan = self.of(from);
+        let place = fan.partition_point(|edge| edge.to < to);
+        fan.get(place).filter(|edge| edge.to == to)
+    }
+
+    /// How many triangles around a vertex follow one another from its first edge.
+    fn turn(&self, vertex: u32) -> usize {
+        let mut length = 0;
+        let mut here = self.of(vertex).first();
+        let first = here.map(|edge| edge.to);
+        while let Some(edge) = here {
+            length += 1;
+            if Some(edge.apex) == first {
+                break;
+            }
+            here = self.edge(vertex, edge.apex);
+        }
+        length
     }
 }
 
@@ -305,20 +367,6 @@ fn signed_tetrahedron(corners: &[Vec3; 3], origin: &Vec3) -> f64 {
 /// The directed edges of a triangle.
 fn edges([a, b, c]: &[u32; 3]) -> [(u32, u32); 3] {
     [(*a, *b), (*b, *c), (*c, *a)]
-}
-
-/// How many triangles around a vertex follow one another from the first.
-fn fan_length(next_around: &HashMap<(u32, u32), u32>, vertex: u32, first: u32) -> usize {
-    let mut length = 0;
-    let mut current = first;
-    while let Some(next) = next_around.get(&(vertex, current)) {
-        length += 1;
-        current = *next;
-        if current == first {
-            break;
-        }
-    }
-    length
 }
 
 /// The component of each triangle, numbered in the order of first appearance, and how many there

@@ -2,6 +2,9 @@
 
 use protomer_kernel::Vec3;
 
+/// A ball: centre and radius, Å.
+pub type Ball = (Vec3, f64);
+
 /// A solid given by a signed function: negative inside, positive outside, zero on its surface,
 /// 1-Lipschitz.
 pub trait ImplicitSolid: Sync {
@@ -10,9 +13,22 @@ pub trait ImplicitSolid: Sync {
     /// The point of the surface nearest to `point` (exact for points near the surface) and the
     /// outward unit normal there.
     fn project(&self, point: &Vec3) -> (Vec3, Vec3);
+    /// A point near the surface for `point`, and the outward unit normal about there: the first step
+    /// of a projection, for vertices that will move again.
+    fn pull(&self, point: &Vec3) -> (Vec3, Vec3) {
+        self.project(point)
+    }
     /// An axis-aligned box that holds the surface: lowest and highest corner, Å.
     fn bounds(&self) -> (Vec3, Vec3);
     /// Balls whose union holds the surface (centres and radii, Å): the surface is only looked for
     /// near them.
-    fn cover(&self) -> Vec<(Vec3, f64)>;
+    fn cover(&self) -> Vec<Ball>;
+    /// The signed distance at a point, and a ball that has no point inside the solid, if one is
+    /// found on the way: it need not hold the point itself. It saves evaluations.
+    fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
+        (self.signed_distance(point), None)
+    }
+    /// Adds balls that lie inside the solid and may reach within `reach_angstrom` of `point`, as
+    /// many as are found at once. They save evaluations.
+    fn add_inner_balls(&self, _point: &Vec3, _reach_angstrom: f64, _balls: &mut Vec<Ball>) {}
 }

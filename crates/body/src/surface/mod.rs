@@ -16,6 +16,7 @@
 //! | `remesh` | the same surface at a requested vertex density |
 //! | `calibrate` | the exact area and volume for flat triangles |
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
+//! | [`deviation`] | how far a mesh lies from the surface that it stands for |
 //! | `interior` | whether a cavity is an enclosed interior that other bodies may enter |
 //! | [`ses`] | atoms in, mesh and exact measures out |
 //!
@@ -26,6 +27,7 @@
 
 pub mod arrangement;
 mod calibrate;
+pub mod deviation;
 pub mod distance;
 mod extract;
 pub mod frame;
@@ -40,6 +42,7 @@ pub(crate) mod test_support;
 
 pub use arrangement::Arrangement;
 pub use calibrate::Target;
+pub use deviation::Deviation;
 pub use distance::SesSolid;
 pub use implicit::ImplicitSolid;
 pub use interior::ball_fits_inside;

@@ -2,6 +2,7 @@
 //! much it misses that.
 
 use super::calibrate::Target;
+use super::deviation::Deviation;
 use super::interior::ball_fits_inside;
 use super::mesher::{MeshSettings, Meshed, calibrated_shells, mesh_in_full};
 use super::{Arrangement, Measure, SesSolid, SurfaceMeasure};
@@ -53,6 +54,11 @@ impl Surface {
     /// Volume of the mesh over the exact volume, less one.
     pub fn relative_volume_error(&self) -> f64 {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
+    }
+
+    /// How far the mesh is from the exact surface.
+    pub fn deviation(&self) -> Deviation {
+        Deviation::of(&self.mesh, &self.solid)
     }
 
     /// The surface without the walls of its cavities, calibrated to the exact area and volume of
@@ -123,6 +129,11 @@ impl Surface {
             ..self
         };
         Ok((surface, cavities))
+    }
+
+    #[cfg(test)]
+    pub(crate) fn solid(&self) -> &SesSolid {
+        &self.solid
     }
 
     /// Exact areas and volumes of the outer shells and of the cavities that are kept. The mesh may

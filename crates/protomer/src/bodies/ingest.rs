@@ -45,6 +45,9 @@ pub struct FileOutcome {
     /// The size and charge of the body.
     #[serde(flatten)]
     pub measures: Option<BodyMeasures>,
+    /// How far the mesh is from the exact surface.
+    #[serde(flatten)]
+    pub distance: Option<MeshDistance>,
     /// Atoms left out, by reason.
     pub skipped: BTreeMap<&'static str, usize>,
     /// Warnings.
@@ -53,6 +56,15 @@ pub struct FileOutcome {
     pub selection: Option<SelectionReport>,
     /// The reason for the failure.
     pub error: Option<String>,
+}
+
+/// Distance of a mesh from the surface that it stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct MeshDistance {
+    /// Root mean square over the mesh, Å.
+    pub mesh_rms_distance_angstrom: f64,
+    /// The largest one found, Å.
+    pub mesh_largest_distance_angstrom: f64,
 }
 
 /// Summary numbers of a body.
@@ -116,6 +128,7 @@ impl Answer for Ingested {
             "net charge (e)",
             "area (Å²)",
             "volume (Å³)",
+            "mesh off by (Å)",
             "skipped",
         ])];
         rows.extend(self.files.iter().map(FileOutcome::cells));
@@ -126,7 +139,7 @@ impl Answer for Ingested {
 impl FileOutcome {
     fn cells(&self) -> Vec<String> {
         let mut cells = vec![self.file.clone(), self.status.into()];
-        let Some(body) = &self.measures else {
+        let (Some(body), Some(distance)) = (&self.measures, &self.distance) else {
             return cells;
         };
         let mut skipped = Vec::new();
@@ -139,6 +152,10 @@ impl FileOutcome {
             format!("{:+.2}", body.net_charge_e),
             format!("{:.0}", body.mesh_area_angstrom2),
             format!("{:.0}", body.mesh_volume_angstrom3),
+            format!(
+                "{:.3} rms, {:.2} at most",
+                distance.mesh_rms_distance_angstrom, distance.mesh_largest_distance_angstrom
+            ),
             skipped.join(", "),
         ]);
         cells
@@ -242,6 +259,10 @@ fn ingest_file(
         status: "ok",
         body: Some(path),
         measures: Some(BodyMeasures::of(&built.body)),
+        distance: Some(MeshDistance {
+            mesh_rms_distance_angstrom: built.deviation.rms_angstrom,
+            mesh_largest_distance_angstrom: built.deviation.largest_angstrom,
+        }),
         skipped,
         warnings: built.warnings,
         selection: built.selection,
@@ -338,6 +359,7 @@ impl FileOutcome {
             status: "failed",
             body: None,
             measures: None,
+            distance: None,
             skipped: BTreeMap::new(),
             warnings: Vec::new(),
             selection: None,

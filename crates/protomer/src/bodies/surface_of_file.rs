@@ -36,6 +36,10 @@ pub struct SurfaceReport {
     pub mesh_area_angstrom2: f64,
     /// Volume inside the mesh, Å³.
     pub mesh_volume_angstrom3: f64,
+    /// Root mean square of the mesh's distance from the exact surface, Å.
+    pub mesh_rms_distance_angstrom: f64,
+    /// The largest distance of the mesh from the exact surface, Å.
+    pub mesh_largest_distance_angstrom: f64,
     /// Mesh vertices.
     pub vertices: usize,
     /// Mesh triangles.
@@ -54,6 +58,7 @@ impl Answer for SurfaceReport {
             "{} atoms\n\
              exact:  area {:.3} Å², volume {:.3} Å³ (relative error about {:.0e})\n\
              mesh:   area {:.3} Å² ({:+.2} %), volume {:.3} Å³ ({:+.3} %)\n\
+             {:8}{:.3} Å from the exact surface (root mean square), {:.2} Å at most\n\
              {} vertices, {} triangles, {} components, {} of them cavities, genus {}",
             self.atoms,
             self.ses_area_angstrom2,
@@ -63,6 +68,9 @@ impl Answer for SurfaceReport {
             100.0 * (self.mesh_area_angstrom2 / self.ses_area_angstrom2 - 1.0),
             self.mesh_volume_angstrom3,
             100.0 * (self.mesh_volume_angstrom3 / self.ses_volume_angstrom3 - 1.0),
+            "",
+            self.mesh_rms_distance_angstrom,
+            self.mesh_largest_distance_angstrom,
             self.vertices,
             self.triangles,
             self.components,
@@ -119,6 +127,7 @@ pub fn surface_of_file(
     } else {
         surface.fill_cavities(settings.interior_radius_angstrom)?.0
     };
+    let deviation = surface.deviation();
     let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
     let report = SurfaceReport {
         file: file.name,
@@ -133,6 +142,8 @@ pub fn surface_of_file(
         relative_error_estimate: exact.area_error_estimate_angstrom2 / exact.ses_area_angstrom2(),
         mesh_area_angstrom2: mesh.area_angstrom2(),
         mesh_volume_angstrom3: mesh.volume_angstrom3(),
+        mesh_rms_distance_angstrom: deviation.rms_angstrom,
+        mesh_largest_distance_angstrom: deviation.largest_angstrom,
         vertices: mesh.vertices.len(),
         triangles: mesh.triangles.len(),
         components: topology.components,

@@ -1,95 +1,315 @@
-//! Which features matter near a point: a hashed grid of small cells with lists of feature numbers.
+//! Which features matter near a point: a grid of small cells with lists of feature numbers, kept in
+//! chunks of 4 x 4 x 4 cells found by a hash.
 
 use protomer_kernel::Vec3;
 
-/// An open-addressed table from cells to lists; only cells near a feature exist.
+/// Cells along a chunk's edge, and in a chunk.
+const CHUNK: i32 = 4;
+const CELLS: usize = (CHUNK * CHUNK * CHUNK) as usize;
+/// More than the rounding of a bound, Å.
+const ROUNDING_ANGSTROM: f64 = 1e-5;
+/// Lists of a cell, one for each [`Kind`].
+const KINDS: usize = 3;
+
+/// An open-addressed table from chunks to their cells' lists; only chunks near an atom exist.
 #[derive(Debug, Clone)]
 pub(super) struct FeatureIndex {
     cell_edge: f64,
-    /// Cell and list number; `u32::MAX` marks an empty slot. The length is a power of two.
-    slots: Vec<([i64; 3], u32)>,
+    table: ChunkTable,
     /// For list l of kind k, entries `starts[3 l + k] .. starts[3 l + k + 1]`.
     starts: Vec<u32>,
-    entries: Vec<u32>,
+    entries: Vec<Entry>,
 }
 
-/// The lists of one cell.
+/// A feature in a list.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Entry {
+    /// It is at least this far from the middle of the cell, Å; for atoms, their expanded sphere,
+    /// negative inside.
+    bound: f32,
+    pub(super) number: u32,
+}
+
+/// The lists of one cell, nearest first, seen from a point in it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Nearby<'a> {
-    pub(super) atoms: &'a [u32],
-    pub(super) arcs: &'a [u32],
-    pub(super) vertices: &'a [u32],
+    pub(super) atoms: &'a [Entry],
+    pub(super) arcs: &'a [Entry],
+    pub(super) vertices: &'a [Entry],
+    /// Distance of the point from the middle of the cell, Å, and what rounding of the bounds may add.
+    pub(super) from_middle: f64,
 }
 
-/// The three kinds of feature, in the order of their lists.
-#[derive(Debug, Clone, Copy)]
+impl Entry {
+    /// An entry of which nothing is known.
+    pub(super) fn unknown(number: u32) -> Self {
+        Self {
+            bound: f32::NEG_INFINITY,
+            number,
+        }
+    }
+
+    /// Orders entries by bound and then by number.
+    fn key(&self) -> u64 {
+        let bits = self.bound.to_bits();
+        // Negative numbers are in reverse order, and after the others.
+        let ordered = if bits >> 31 == 1 {
+            !bits
+        } else {
+            bits | 1 << 31
+        };
+        u64::from(ordered) << 32 | u64::from(self.number)
+    }
+
+    /// Whether the feature, and so all that follow in its list, is at least this far from a point
+    /// `from_middle` from the middle of the cell.
+    pub(super) fn is_beyond(&self, distance: f64, from_middle: f64) -> bool {
+        f64::from(self.bound) - from_middle >= distance
+    }
+}
+
+/// The kinds of feature, in the order of their lists.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Atom = 0,
     Arc = 1,
     Vertex = 2,
 }
 
-/// Collects (cell, feature) pairs and sorts them into a [`FeatureIndex`].
-pub(super) struct Builder {
-    cell_edge: f64,
-    slots: Vec<([i64; 3], u32)>,
-    lists: u32,
-    pairs: Vec<(u32, u32)>,
+/// A feature and the ball about it in whose cells it may be listed.
+pub(super) struct Feature {
+    pub(super) kind: Kind,
+    pub(super) number: u32,
+    pub(super) centre: Vec3,
+    pub(super) radius: f64,
+    /// For an atom, the radius of its expanded ball, in which depth is measured, Å.
+    pub(super) depth_radius: f64,
 }
 
-const EMPTY: u32 = u32::MAX;
-
-impl Builder {
-    pub(super) fn new(cell_edge: f64) -> Self {
+impl FeatureIndex {
+    /// Lists the features of each cell: the atoms that may be the ones in whose balls a point of the
+    /// cell lies deepest, and, in cells with points of depth 0 to `reach`, the arcs and vertices that
+    /// may be within `reach` of it; `distance` is a lower bound of that of an arc from a point. Atoms
+    /// come first among `features`.
+    pub(super) fn new(
+        cell_edge: f64,
+        features: &[Feature],
+        reach: f64,
+        distance: impl Fn(u32, &Vec3) -> f64,
+    ) -> Self {
+        let half_diagonal = 0.5 * 3.0_f64.sqrt() * cell_edge * (1.0 + 1e-9);
+        let mut grid = Grid {
+            cell_edge,
+            table: ChunkTable::new(),
+        };
+        // The greatest depth of each cell's middle.
+        let mut deepest: Vec<f64> = Vec::new();
+        let atoms = features.iter().take_while(|f| f.kind == Kind::Atom);
+        for atom in atoms {
+            grid.add_chunks(atom);
+            deepest.resize(grid.table.chunks * CELLS, f64::NEG_INFINITY);
+            grid.for_each_cell(atom, |cell, middle| {
+                let depth = atom.depth_radius - (middle - atom.centre).norm();
+                deepest[cell] = deepest[cell].max(depth);
+            });
+        }
+        // A lower bound of the distance from the middle of a cell, if that shows that the feature may
+        // matter there; depths and distances change by the way at most.
+        let bound = |feature: &Feature, cell: usize, middle: &Vec3| {
+            let from_centre = || (middle - feature.centre).norm();
+            let (bound, limit) = match feature.kind {
+                Kind::Atom => {
+                    let limit = 2.0 * half_diagonal - deepest[cell];
+                    (from_centre() - feature.depth_radius, limit)
+                }
+                _ if deepest[cell] < -half_diagonal || deepest[cell] > reach + half_diagonal => {
+                    return None;
+                }
+                Kind::Arc => (distance(feature.number, middle), reach + half_diagonal),
+                Kind::Vertex => (from_centre(), reach + half_diagonal),
+            };
+            (bound <= limit).then_some(bound as f32)
+        };
+        let mut pairs: Vec<(u32, Entry)> = Vec::new();
+        for feature in features {
+            grid.for_each_cell(feature, |cell, middle| {
+                if let Some(bound) = bound(feature, cell, &middle) {
+                    let list = KINDS * cell + feature.kind as usize;
+                    let number = feature.number;
+                    pairs.push((list as u32, Entry { bound, number }));
+                }
+            });
+        }
+        let mut starts = vec![0_u32; KINDS * deepest.len() + 1];
+        for (list, _) in &pairs {
+            starts[*list as usize + 1] += 1;
+        }
+        for list in 1..starts.len() {
+            starts[list] += starts[list - 1];
+        }
+        let mut filled = starts.clone();
+        let mut entries = vec![Entry::default(); pairs.len()];
+        for (list, feature) in pairs {
+            let place = &mut filled[list as usize];
+            entries[*place as usize] = feature;
+            *place += 1;
+        }
+        for ends in starts.windows(2) {
+            let list = &mut entries[ends[0] as usize..ends[1] as usize];
+            list.sort_unstable_by_key(Entry::key);
+        }
         Self {
             cell_edge,
-            slots: vec![([0; 3], EMPTY); 64],
-            lists: 0,
-            pairs: Vec::new(),
+            table: grid.table,
+            starts,
+            entries,
         }
     }
 
-    /// Enters a feature into every cell within `reach` of the ball (centre, radius) that holds it,
-    /// unless `is_far` says of a cell, given by the ball about it, that no point of it is within
-    /// reach.
-    pub(super) fn insert(
-        &mut self,
-        (kind, feature): (Kind, u32),
-        (centre, radius): (&Vec3, f64),
-        reach: f64,
-        is_far: impl Fn(&Vec3, f64) -> bool,
+    /// The features that matter at `point` (and some others).
+    pub(super) fn nearby(&self, point: &Vec3) -> Nearby<'_> {
+        let cell = [point.x, point.y, point.z].map(|x| cell_number(x, self.cell_edge));
+        let Some(chunk) = self.table.get(&cell.map(|x| x.div_euclid(CHUNK))) else {
+            return Nearby::default();
+        };
+        let middle = cell.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
+        let from_middle = (point - Vec3::from(middle)).norm() + ROUNDING_ANGSTROM;
+        let first = KINDS * (chunk as usize * CELLS + cell_in_chunk(cell));
+        let [a, b, c, d] = [0, 1, 2, 3].map(|kind| self.starts[first + kind] as usize);
+        Nearby {
+            atoms: &self.entries[a..b],
+            arcs: &self.entries[b..c],
+            vertices: &self.entries[c..d],
+            from_middle,
+        }
+    }
+}
+
+/// Cells of one size, some of which exist.
+struct Grid {
+    cell_edge: f64,
+    table: ChunkTable,
+}
+
+impl Grid {
+    /// Makes the chunks that the ball of a feature may reach.
+    fn add_chunks(&mut self, feature: &Feature) {
+        let [low, high] = self.cells_about(feature).map(chunk_of);
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    self.table.add([x, y, z]);
+                }
+            }
+        }
+    }
+
+    /// Visits the number and the middle of each cell that the ball of a feature reaches.
+    fn for_each_cell(&self, feature: &Feature, mut visit: impl FnMut(usize, Vec3)) {
+        let [low, high] = self.cells_about(feature);
+        let [first, last] = [chunk_of(low), chunk_of(high)];
+        for x in first[0]..=last[0] {
+            for y in first[1]..=last[1] {
+                for z in first[2]..=last[2] {
+                    let Some(chunk) = self.table.get(&[x, y, z]) else {
+                        continue;
+                    };
+                    let least = [x, y, z].map(|x| x.saturating_mul(CHUNK));
+                    let greatest = least.map(|x| x.saturating_add(CHUNK - 1));
+                    let from = [0, 1, 2].map(|axis| least[axis].max(low[axis]));
+                    let to = [0, 1, 2].map(|axis| greatest[axis].min(high[axis]));
+                    self.for_each_cell_between(feature, from, to, |cell, middle| {
+                        visit(chunk as usize * CELLS + cell_in_chunk(cell), middle);
+                    });
+                }
+            }
+        }
+    }
+
+    fn for_each_cell_between(
+        &self,
+        feature: &Feature,
+        from: [i32; 3],
+        to: [i32; 3],
+        mut visit: impl FnMut([i32; 3], Vec3),
     ) {
-        let edge = self.cell_edge;
-        let limit = radius + reach;
-        let half_diagonal = 0.5 * 3.0_f64.sqrt() * edge * (1.0 + 1e-9);
-        let gap = |n: i64, x: f64| gap(n, x, edge);
-        let span = |x: f64, half: f64| cell_number(x - half, edge)..=cell_number(x + half, edge);
-        for x in span(centre.x, limit) {
-            let square = limit * limit - gap(x, centre.x).powi(2);
-            for y in span(centre.y, square.max(0.0).sqrt()) {
-                let square = square - gap(y, centre.y).powi(2);
-                for z in span(centre.z, square.max(0.0).sqrt()) {
-                    let middle = Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5) * edge;
-                    if !is_far(&middle, half_diagonal) {
-                        let list = self.list([x, y, z]);
-                        self.pairs.push((3 * list + kind as u32, feature));
+        let (edge, centre) = (self.cell_edge, feature.centre);
+        let square = feature.radius * feature.radius;
+        let middle = |n: i32| (f64::from(n) + 0.5) * edge;
+        for x in from[0]..=to[0] {
+            let square = square - gap(x, centre.x, edge).powi(2);
+            for y in from[1]..=to[1] {
+                let square = square - gap(y, centre.y, edge).powi(2);
+                for z in from[2]..=to[2] {
+                    if gap(z, centre.z, edge).powi(2) <= square {
+                        visit([x, y, z], Vec3::new(middle(x), middle(y), middle(z)));
                     }
                 }
             }
         }
     }
 
-    /// The list of a cell, a new one if it has none yet.
-    fn list(&mut self, cell: [i64; 3]) -> u32 {
-        if 2 * self.lists as usize >= self.slots.len() {
+    /// The lowest and the highest cell of the box about a feature's ball.
+    fn cells_about(&self, feature: &Feature) -> [[i32; 3]; 2] {
+        [-1.0, 1.0].map(|side| {
+            let corner = feature.centre.add_scalar(side * feature.radius);
+            [corner.x, corner.y, corner.z].map(|x| cell_number(x, self.cell_edge))
+        })
+    }
+}
+
+fn chunk_of(cell: [i32; 3]) -> [i32; 3] {
+    cell.map(|x| x.div_euclid(CHUNK))
+}
+
+fn cell_in_chunk(cell: [i32; 3]) -> usize {
+    let [x, y, z] = cell.map(|x| x.rem_euclid(CHUNK));
+    ((x * CHUNK + y) * CHUNK + z) as usize
+}
+
+fn cell_number(x: f64, edge: f64) -> i32 {
+    (x / edge).floor() as i32
+}
+
+/// How far a coordinate lies outside the cells numbered `n` along an axis.
+fn gap(n: i32, x: f64, edge: f64) -> f64 {
+    let (below, above) = (f64::from(n) * edge - x, x - (f64::from(n) + 1.0) * edge);
+    below.max(above).max(0.0)
+}
+
+/// The numbers of chunks by their place, in an open-addressed table.
+#[derive(Debug, Clone)]
+struct ChunkTable {
+    /// Place and number; [`EMPTY`] marks an empty slot. The length is a power of two.
+    slots: Vec<([i32; 3], u32)>,
+    chunks: usize,
+}
+
+const EMPTY: u32 = u32::MAX;
+
+impl ChunkTable {
+    fn new() -> Self {
+        Self {
+            slots: vec![([0; 3], EMPTY); 64],
+            chunks: 0,
+        }
+    }
+
+    fn get(&self, place: &[i32; 3]) -> Option<u32> {
+        let number = self.slots[self.find(place)].1;
+        (number != EMPTY).then_some(number)
+    }
+
+    /// Adds a chunk, if it is not there yet.
+    fn add(&mut self, place: [i32; 3]) {
+        if 2 * self.chunks >= self.slots.len() {
             self.grow();
         }
-        let slot = find(&self.slots, &cell);
+        let slot = self.find(&place);
         if self.slots[slot].1 == EMPTY {
-            self.slots[slot] = (cell, self.lists);
-            self.lists += 1;
+            self.slots[slot] = (place, self.chunks as u32);
+            self.chunks += 1;
         }
-        self.slots[slot].1
     }
 
     fn grow(&mut self) {
@@ -97,85 +317,28 @@ impl Builder {
         self.slots = vec![([0; 3], EMPTY); 2 * old.len()];
         for entry in old {
             if entry.1 != EMPTY {
-                let slot = find(&self.slots, &entry.0);
+                let slot = self.find(&entry.0);
                 self.slots[slot] = entry;
             }
         }
     }
 
-    pub(super) fn finish(self) -> FeatureIndex {
-        let mut starts = vec![0_u32; 3 * self.lists as usize + 1];
-        for (list, _) in &self.pairs {
-            starts[*list as usize + 1] += 1;
+    /// The slot that holds `place`, or the empty slot where it belongs.
+    fn find(&self, place: &[i32; 3]) -> usize {
+        let mask = self.slots.len() - 1;
+        let mut slot = hash(place) as usize & mask;
+        while self.slots[slot].1 != EMPTY && self.slots[slot].0 != *place {
+            slot = (slot + 1) & mask;
         }
-        for list in 1..starts.len() {
-            starts[list] += starts[list - 1];
-        }
-        let mut filled = starts.clone();
-        let mut entries = vec![0; self.pairs.len()];
-        for (list, feature) in self.pairs {
-            entries[filled[list as usize] as usize] = feature;
-            filled[list as usize] += 1;
-        }
-        FeatureIndex {
-            cell_edge: self.cell_edge,
-            slots: self.slots,
-            starts,
-            entries,
-        }
+        slot
     }
 }
 
-impl FeatureIndex {
-    /// The features within their reach of `point` (and some that are a little farther).
-    pub(super) fn nearby(&self, point: &Vec3) -> Nearby<'_> {
-        let slot = find(&self.slots, &cell_of(point, self.cell_edge));
-        let list = self.slots[slot].1;
-        if list == EMPTY {
-            return Nearby::default();
-        }
-        let first = 3 * list as usize;
-        let [a, b, c, d] = [0, 1, 2, 3].map(|kind| self.starts[first + kind] as usize);
-        Nearby {
-            atoms: &self.entries[a..b],
-            arcs: &self.entries[b..c],
-            vertices: &self.entries[c..d],
-        }
-    }
-}
-
-fn cell_of(point: &Vec3, edge: f64) -> [i64; 3] {
-    [point.x, point.y, point.z].map(|x| cell_number(x, edge))
-}
-
-fn cell_number(x: f64, edge: f64) -> i64 {
-    (x / edge).floor() as i64
-}
-
-/// How far a coordinate lies outside the cells numbered `n` along an axis.
-fn gap(n: i64, x: f64, edge: f64) -> f64 {
-    let (below, above) = (n as f64 * edge - x, x - (n + 1) as f64 * edge);
-    below.max(above).max(0.0)
-}
-
-/// The slot that holds `cell`, or the empty slot where it belongs.
-fn find(slots: &[([i64; 3], u32)], cell: &[i64; 3]) -> usize {
-    let mask = slots.len() - 1;
-    let mut slot = hash(cell) as usize & mask;
-    while slots[slot].1 != EMPTY && slots[slot].0 != *cell {
-        slot = (slot + 1) & mask;
-    }
-    slot
-}
-
-fn hash(cell: &[i64; 3]) -> u64 {
-    let mixed = (cell[0] as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15)
-        ^ (cell[1] as u64)
-            .wrapping_mul(0xc2b2_ae3d_27d4_eb4f)
-            .rotate_left(21)
-        ^ (cell[2] as u64)
-            .wrapping_mul(0x1656_67b1_9e37_79f9)
-            .rotate_left(42);
+fn hash(place: &[i32; 3]) -> u64 {
+    let [x, y, z] = place.map(|x| u64::from(x as u32));
+    let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(21)
+        ^ z.wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(42);
     let folded = mixed ^ (mixed >> 32);
     folded.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 20
 }

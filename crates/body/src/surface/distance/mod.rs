@@ -17,17 +17,17 @@ mod index;
 mod project;
 
 use super::arrangement::{Arc, Arrangement};
-use super::implicit::ImplicitSolid;
-use index::{Builder, FeatureIndex, Kind, Nearby};
+use super::implicit::{Ball, ImplicitSolid};
+use index::{Entry, Feature, FeatureIndex, Kind, Nearby};
 use protomer_kernel::Vec3;
 
 /// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
 /// keeps the value it has there; outside it is followed to the accessible surface if that is
 /// farther.
-const BAND_ANGSTROM: f64 = 1.0;
-/// Edge of the index cells in units of the largest reach of an atom, which then is listed in some
-/// hundred cells.
-const CELL_EDGE_PER_REACH: f64 = 0.35;
+const BAND_ANGSTROM: f64 = 0.8;
+/// Edge of the index cells in units of the largest reach of an atom, which then is listed in a few
+/// dozen cells; the lists are sorted by distance, so that long ones cost little more than short ones.
+const CELL_EDGE_PER_REACH: f64 = 0.6;
 
 /// This near its axis all points of a circle are equally near, Å.
 const ON_AXIS_ANGSTROM: f64 = 1e-12;
@@ -105,7 +105,7 @@ impl SesSolid {
             vertices,
             cover,
             bounds,
-            index: Builder::new(1.0).finish(),
+            index: FeatureIndex::new(1.0, &[], 0.0, |_, _| 0.0),
         };
         solid.index = solid.build_index(accessible.members());
         solid
@@ -116,27 +116,45 @@ impl SesSolid {
         for &atom in members {
             largest = largest.max(self.radii[atom as usize]);
         }
-        let mut builder = Builder::new(CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM));
-        let near_all = |_: &Vec3, _: f64| false;
-        for &atom in members {
-            let ball = (&self.centres[atom as usize], self.radii[atom as usize]);
-            let reach = self.largest_value() - self.probe_radius;
-            builder.insert((Kind::Atom, atom), ball, reach, near_all);
-        }
         let reach = self.reach();
-        for (number, arc) in self.arcs.iter().enumerate() {
+        let beyond = self.largest_value() - self.probe_radius;
+        let mut features = Vec::with_capacity(members.len() + self.arcs.len());
+        for &number in members {
+            features.push(Feature {
+                kind: Kind::Atom,
+                number,
+                centre: self.centres[number as usize],
+                radius: self.radii[number as usize] + beyond,
+                depth_radius: self.radii[number as usize],
+            });
+        }
+        for (number, arc) in (0..).zip(&self.arcs) {
             let (centre, radius) = arc.ball();
-            let is_far = |middle: &Vec3, half_diagonal: f64| {
-                arc.distance_from_circle(middle) > reach + half_diagonal
-            };
-            let feature = (Kind::Arc, number as u32);
-            builder.insert(feature, (&centre, radius), reach, is_far);
+            features.push(Feature {
+                kind: Kind::Arc,
+                number,
+                centre,
+                radius: radius + reach,
+                depth_radius: 0.0,
+            });
         }
-        for (number, vertex) in self.vertices.iter().enumerate() {
-            let feature = (Kind::Vertex, number as u32);
-            builder.insert(feature, (vertex, 0.0), reach, near_all);
+        for (number, vertex) in (0..).zip(&self.vertices) {
+            features.push(Feature {
+                kind: Kind::Vertex,
+                number,
+                centre: *vertex,
+                radius: reach,
+                depth_radius: 0.0,
+            });
         }
-        builder.finish()
+        let distance = |arc: u32, point: &Vec3| {
+            let arc = &self.arcs[arc as usize];
+            let (centre, radius) = arc.ball();
+            let from_ball = (point - centre).norm() - radius;
+            arc.distance_from_circle(point).max(from_ball)
+        };
+        let cell_edge = CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM);
+        FeatureIndex::new(cell_edge, &features, reach, distance)
     }
 
     /// Distances up to this are found exactly, Å.
@@ -150,14 +168,24 @@ impl SesSolid {
     }
 
     /// The ball in which `point` lies deepest, and how deep, Å (negative outside all balls).
-    fn deepest(&self, point: &Vec3, atoms: &[u32]) -> Option<(u32, f64)> {
+    fn deepest(&self, point: &Vec3, atoms: &[Entry], from_middle: f64) -> Option<(u32, f64)> {
         let mut best = None;
         let mut depth = f64::NEG_INFINITY;
-        for &atom in atoms {
-            let this = self.radii[atom as usize] - (point - self.centres[atom as usize]).norm();
-            if this > depth {
-                depth = this;
-                best = Some(atom);
+        for entry in atoms {
+            if entry.is_beyond(-depth, from_middle) {
+                break;
+            }
+            let atom = entry.number;
+            let radius = self.radii[atom as usize];
+            let square = (point - self.centres[atom as usize]).norm_squared();
+            // Deeper means nearer to the centre than this; most atoms need no root.
+            let nearer_than = radius - depth;
+            if nearer_than > 0.0 && square < nearer_than * nearer_than {
+                let this = radius - square.sqrt();
+                if this > depth {
+                    depth = this;
+                    best = Some(atom);
+                }
             }
         }
         best.map(|atom| (atom, depth))
@@ -185,29 +213,37 @@ impl SesSolid {
         inside.then(|| self.centres[atom] + onto)
     }
 
-    /// The nearest point on the arcs and vertices listed, nearer than `limit`.
+    /// The nearest point on the arcs and vertices listed, nearer than `limit`, to a point this far from
+    /// the middle of the cell that they are listed for.
     fn nearest_edge(
         &self,
         point: &Vec3,
-        arcs: impl Iterator<Item = u32>,
-        vertices: impl Iterator<Item = u32>,
-        limit: f64,
+        arcs: impl Iterator<Item = Entry>,
+        vertices: impl Iterator<Item = Entry>,
+        (limit, from_middle): (f64, f64),
     ) -> Option<Nearest> {
         let mut best = limit * limit;
+        let mut distance = limit;
         let mut nearest_vertex = None;
-        for vertex in vertices {
+        for entry in vertices {
+            if entry.is_beyond(distance, from_middle) {
+                break;
+            }
+            let vertex = entry.number;
             let square = (point - self.vertices[vertex as usize]).norm_squared();
             if square < best {
-                best = square;
+                (best, distance) = (square, square.sqrt());
                 nearest_vertex = Some(vertex);
             }
         }
         let mut nearest_arc = None;
-        for arc in arcs {
-            if let Some(square) = self.arcs[arc as usize].distance_squared(point)
-                && square < best
-            {
-                best = square;
+        for entry in arcs {
+            if entry.is_beyond(distance, from_middle) {
+                break;
+            }
+            let arc = entry.number;
+            if let Some(square) = self.arcs[arc as usize].distance_squared_below(point, best) {
+                (best, distance) = (square, square.sqrt());
                 nearest_arc = Some(arc);
             }
         }
@@ -219,21 +255,22 @@ impl SesSolid {
         };
         Some(Nearest {
             point: nearest,
-            distance: best.sqrt(),
+            distance,
         })
     }
 
     /// The nearest point on the arcs and vertices near `point`, if it is within reach.
     fn nearest_edge_within_reach(&self, point: &Vec3, nearby: &Nearby) -> Option<Nearest> {
         let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
-        self.nearest_edge(point, arcs, vertices, self.reach())
+        let limit = (self.reach(), nearby.from_middle);
+        self.nearest_edge(point, arcs, vertices, limit)
     }
 
     /// The nearest point of the accessible surface from a point inside it; searches everything if
     /// nothing is near.
     fn nearest_accessible(&self, point: &Vec3) -> Option<Nearest> {
         let nearby = self.index.nearby(point);
-        if let Some((atom, depth)) = self.deepest(point, nearby.atoms)
+        if let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle)
             && let Some(onto) = self.on_face(point, atom)
         {
             return Some(Nearest {
@@ -245,45 +282,72 @@ impl SesSolid {
         if near.is_some() {
             return near;
         }
-        let (arcs, vertices) = (0..self.arcs.len() as u32, 0..self.vertices.len() as u32);
-        self.nearest_edge(point, arcs, vertices, f64::INFINITY)
+        let arcs = (0..self.arcs.len() as u32).map(Entry::unknown);
+        let vertices = (0..self.vertices.len() as u32).map(Entry::unknown);
+        self.nearest_edge(point, arcs, vertices, (f64::INFINITY, 0.0))
     }
 
     /// How deep `point` lies within the accessible solid, at least, and in which ball; searches
     /// everything if nothing is near.
     fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
-        let near = self.deepest(point, self.index.nearby(point).atoms);
+        let nearby = self.index.nearby(point);
+        let near = self.deepest(point, nearby.atoms, nearby.from_middle);
         if near.is_some() {
             return near;
         }
         let mut exposed = Vec::new();
         for (atom, is_exposed) in self.exposed.iter().enumerate() {
             if *is_exposed {
-                exposed.push(atom as u32);
+                exposed.push(Entry::unknown(atom as u32));
             }
         }
-        self.deepest(point, &exposed)
+        self.deepest(point, &exposed, 0.0)
+    }
+
+    /// The signed distance, and the nearest accessible point if it is within reach.
+    fn signed_distance_and_probe(&self, point: &Vec3) -> (f64, Option<Vec3>) {
+        let nearby = self.index.nearby(point);
+        let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle) else {
+            return (self.largest_value(), Some(*point));
+        };
+        if depth <= 0.0 {
+            let value = (self.probe_radius - depth).min(self.largest_value());
+            return (value, Some(*point));
+        }
+        if depth >= self.reach() {
+            return (-BAND_ANGSTROM, None);
+        }
+        if let Some(onto) = self.on_face(point, atom) {
+            return (self.probe_radius - depth, Some(onto));
+        }
+        match self.nearest_edge_within_reach(point, &nearby) {
+            Some(nearest) => (self.probe_radius - nearest.distance, Some(nearest.point)),
+            None => (-BAND_ANGSTROM, None),
+        }
     }
 }
 
 impl ImplicitSolid for SesSolid {
     fn signed_distance(&self, point: &Vec3) -> f64 {
-        let nearby = self.index.nearby(point);
-        let Some((atom, depth)) = self.deepest(point, nearby.atoms) else {
-            return self.largest_value();
-        };
-        if depth <= 0.0 {
-            return (self.probe_radius - depth).min(self.largest_value());
-        }
-        if depth >= self.reach() {
-            return -BAND_ANGSTROM;
-        }
-        if self.on_face(point, atom).is_some() {
-            return self.probe_radius - depth;
-        }
-        match self.nearest_edge_within_reach(point, &nearby) {
-            Some(nearest) => self.probe_radius - nearest.distance,
-            None => -BAND_ANGSTROM,
+        self.signed_distance_and_probe(point).0
+    }
+
+    /// The empty ball is the probe at the nearest accessible point.
+    fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
+        let (value, centre) = self.signed_distance_and_probe(point);
+        (value, centre.map(|centre| (centre, self.probe_radius)))
+    }
+
+    /// The atoms are inside.
+    fn add_inner_balls(&self, point: &Vec3, reach_angstrom: f64, balls: &mut Vec<Ball>) {
+        for entry in self.index.nearby(point).atoms {
+            let atom = entry.number;
+            let centre = self.centres[atom as usize];
+            let radius = self.radii[atom as usize] - self.probe_radius;
+            let limit = radius + reach_angstrom;
+            if (point - centre).norm_squared() < limit * limit {
+                balls.push((centre, radius));
+            }
         }
     }
 
@@ -291,11 +355,15 @@ impl ImplicitSolid for SesSolid {
         project::project(self, point)
     }
 
+    fn pull(&self, point: &Vec3) -> (Vec3, Vec3) {
+        project::pull(self, point)
+    }
+
     fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds
     }
 
-    fn cover(&self) -> Vec<(Vec3, f64)> {
+    fn cover(&self) -> Vec<Ball> {
         self.cover.clone()
     }
 }
@@ -315,16 +383,23 @@ impl CompactArc {
         }
     }
 
-    /// Square of the distance from `point` to the nearest point of the circle if that lies on the
-    /// arc.
-    fn distance_squared(&self, point: &Vec3) -> Option<f64> {
+    /// Square of the distance from `point` to the nearest point of the circle, if that lies on the
+    /// arc and the square is below `limit`.
+    fn distance_squared_below(&self, point: &Vec3, limit: f64) -> Option<f64> {
         let offset = point - self.centre;
         let along = offset.dot(&self.axis);
-        let square = offset.norm_squared();
-        let out = (square - along * along).max(0.0).sqrt();
-        let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
+        let height = along * along;
+        if height >= limit {
+            return None;
+        }
+        let out = (offset.norm_squared() - height).max(0.0).sqrt();
         let gap = out - self.radius;
-        on_arc.then_some(along * along + gap * gap)
+        let square = height + gap * gap;
+        if square >= limit {
+            return None;
+        }
+        let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
+        on_arc.then_some(square)
     }
 
     /// The nearest point of the circle.

@@ -50,6 +50,18 @@ pub(super) fn project(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
     (place, normal)
 }
 
+/// The first step of [`project`]: exact from inside the solid, and from outside unless a second probe
+/// reaches over the point.
+pub(super) fn pull(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
+    if let (value, Some(centre)) = solid.signed_distance_and_probe(point)
+        && value < solid.probe_radius
+        && let Some(normal) = (centre - point).try_normalize(1e-8)
+    {
+        return (centre - normal * solid.probe_radius, normal);
+    }
+    project(solid, point)
+}
+
 /// `point` itself if a probe centred there would touch an atom, otherwise a point of an atom in its
 /// direction.
 fn onto_accessible_solid(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {

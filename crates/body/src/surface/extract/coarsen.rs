@@ -86,6 +86,9 @@ impl Patches {
                 if !corners[..i].contains(&corners[i]) {
                     sum[corners[i] as usize] += 2;
                 }
+                if quad.corners[i] == quad.corners[(i + 1) % 4] {
+                    continue; // no edge: a cube's tile that is there twice
+                }
                 let (a, b) = (corners[i], corners[(i + 1) % 4]);
                 sum[a as usize] -= 1;
                 if a != b {
@@ -99,11 +102,15 @@ impl Patches {
 
 /// A forest over the vertices: neighbours in the same coarse cell are in the same tree.
 fn united(dual: &Dual, width: i32) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..dual.cells.len() as u32).collect();
+    let mut parent: Vec<u32> = (0..dual.tiles.len() as u32).collect();
     if width == 1 {
         return parent;
     }
-    let coarse_cell = |vertex: u32| dual.cells[vertex as usize].map(|x| x.div_euclid(width));
+    let coarse_cell = |vertex: u32| {
+        dual.tiles[vertex as usize]
+            .cell
+            .map(|x| x.div_euclid(width))
+    };
     for quad in &dual.quads {
         for i in 0..4 {
             let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);

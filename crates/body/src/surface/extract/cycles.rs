@@ -73,7 +73,7 @@ fn cycles(mask: usize) -> Cycles {
 
 /// The pairs of crossed edges that are linked on a face of the cell: those at both ends of each run
 /// of outside corners.
-fn links(mask: usize, face: usize) -> Vec<[usize; 2]> {
+pub(super) fn links(mask: usize, face: usize) -> Vec<[usize; 2]> {
     let (axis, side) = (face % 3, face / 3);
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| side << axis | i << u | j << v);

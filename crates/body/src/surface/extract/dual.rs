@@ -1,37 +1,49 @@
 //! The quadrangles dual to the crossed edges of the lattice.
 //!
-//! Every sheet in a cell is a vertex, every crossed edge a quadrangle of the sheets in the four
-//! cells around it (dual marching cubes: Nielson, IEEE Visualization 2004, 489).
+//! Every sheet in a cell is a tile of the surface, every crossed edge a quadrangle of the tiles in
+//! the four cells around it (dual marching cubes: Nielson, IEEE Visualization 2004, 489). In a
+//! plain [`cube`] all sheets are one tile, so that only the crossed edges on the edges of such cubes
+//! have three tiles around them or more: others need no quadrangle.
 
-use super::cycles::{self, Cycles, NOT_CROSSED, lower_corner};
-use super::lattice::{BLOCK, Block, Cell, Mixer, NODES, SparseLattice, node_index};
+use super::cube;
+use super::cycles::{self, Cycles, EDGES, NOT_CROSSED, lower_corner};
+use super::lattice::{BLOCK, Cell, Mixer, NODES, SparseLattice, bits, node_at, node_index};
 use protomer_kernel::Vec3;
-use std::hash::{Hash, Hasher};
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hash, Hasher};
 
-/// A crossing keeps at least this fraction of its edge away from both ends, so that the smallest
-/// shells keep a size; the vertices are projected to the surface later.
-const CLEARANCE: f64 = 0.2;
-/// Crossings are displaced by up to this fraction of their edge, in a way fixed to the lattice.
-/// Where node values are only bounds, crossings would otherwise repeat from cell to cell, and
-/// rounding would decide between shapes that are equal.
+/// Crossings lie in the middle of their edge, displaced by up to this fraction of it, in a way fixed
+/// to the lattice: rounding would otherwise decide between shapes that are equal. The vertices are
+/// projected to the surface later.
 const DISPLACEMENT: f64 = 0.05;
 /// Nodes along the edge of a block with the first nodes of the blocks after it.
 const RIM: i32 = BLOCK + 1;
-const RIM_NODES: usize = (RIM * RIM * RIM) as usize;
+/// Cubes of a block.
+const CUBES: usize = 8;
+/// Edges of cells on the edges of the cubes of a block.
+const CUBE_EDGES: usize = 48;
 pub(super) const NOTHING: u32 = u32::MAX;
 
 /// A closed surface of quadrangles.
 #[derive(Default)]
 pub(super) struct Dual {
-    /// The cell of each vertex.
-    pub(super) cells: Vec<Cell>,
-    /// The quadrangles.
+    pub(super) tiles: Vec<Tile>,
     pub(super) quads: Vec<Quad>,
+}
+
+/// A vertex of the dual: a disk of the surface in a cell or a plain cube.
+pub(super) struct Tile {
+    /// The cell, or the lowest of the cube.
+    pub(super) cell: Cell,
+    /// Number of crossed edges at the tile, and the sum of the places of their crossings, about, in
+    /// cells.
+    pub(super) crossings: (f64, Vec3),
 }
 
 /// The quadrangle dual to a crossed edge.
 pub(super) struct Quad {
-    /// The vertices around the edge, counter-clockwise seen from outside.
+    /// The tiles around the edge, counter-clockwise seen from outside; a cube's tile may be there
+    /// twice.
     pub(super) corners: [u32; 4],
     /// The outside end of the edge.
     pub(super) outside: Cell,
@@ -41,158 +53,376 @@ pub(super) struct Quad {
 
 /// The quadrangles of a lattice.
 pub(super) fn quadrangles(lattice: &SparseLattice) -> Dual {
-    let slot_of_block = vec![NOTHING; lattice.blocks.len()];
     let mut march = March {
         lattice,
         table: cycles::table(),
-        slot_of_block,
-        slots: Vec::new(),
+        blocks: Vec::new(),
+        block_at: vec![[NOTHING; NODES]; lattice.regions.len()],
+        other_quads: HashMap::default(),
         dual: Dual::default(),
     };
-    for block in &lattice.blocks {
-        march.block(block);
+    march.find_blocks();
+    march.mark_beside_cells();
+    for block in 0..march.blocks.len() {
+        march.tile_cells(block);
+    }
+    for block in 0..march.blocks.len() {
+        march.tile_cubes(block);
     }
     march.dual
 }
 
-/// One pass over all blocks.
+/// Passes over all blocks.
 struct March<'a> {
     lattice: &'a SparseLattice<'a>,
     table: Vec<Cycles>,
-    /// Where in `slots` the quadrangles of a block's edges are, for blocks that have any.
-    slot_of_block: Vec<u32>,
-    /// The quadrangle of each edge of a block, by lower node and axis.
-    slots: Vec<[u32; 3 * NODES]>,
+    blocks: Vec<Block>,
+    /// Where in `blocks` the blocks of each region are.
+    block_at: Vec<[u32; NODES]>,
+    /// The quadrangles of crossed edges that are not on edges of cubes.
+    other_quads: HashMap<(Cell, usize), u32, BuildHasherDefault<Mixer>>,
     dual: Dual,
 }
 
+/// A block whose cells the surface crosses.
+struct Block {
+    place: Cell,
+    rim: Rim,
+    /// Cubes that are one tile, as bits, and those that are tiled by their cells.
+    plain: u8,
+    cellwise: u8,
+    /// Cubes with a neighbour that is tiled by its cells.
+    beside_cells: u8,
+    /// The quadrangles of edges on the edges of cubes.
+    quads: [u32; CUBE_EDGES],
+}
+
+/// The inside nodes of a block and of the seven blocks after it that its cells need: rows along z,
+/// as bits.
+struct Rim([u8; (RIM * RIM) as usize]);
+
+/// Where a quadrangle is kept.
+enum Slot {
+    /// Of a block, by number.
+    OnCubeEdge(u32, usize),
+    Other(Cell, usize),
+}
+
 impl March<'_> {
-    fn block(&mut self, block: &Block) {
-        let blocks: [u32; 8] = std::array::from_fn(|after| {
-            let place = at_corner(block.place, after);
-            self.lattice.index(&place).unwrap_or(NOTHING)
+    /// Finds the blocks with cells that the surface crosses, and how their cubes are tiled.
+    fn find_blocks(&mut self) {
+        for (number, region) in self.lattice.regions.iter().enumerate() {
+            let after = Neighbours::of(region.place, self.lattice);
+            for block in bits(region.kept) {
+                let words = after.words(node_at(block));
+                let Some(rim) = Rim::of(words) else {
+                    continue;
+                };
+                let (mut plain, mut cellwise) = (0, 0);
+                for cube in 0..CUBES {
+                    let nodes = rim.cube(cube);
+                    if nodes == 0 || nodes == cube::ALL {
+                        continue;
+                    }
+                    let is_plain = cube::is_plain(nodes, &self.table);
+                    let kind = if is_plain { &mut plain } else { &mut cellwise };
+                    *kind |= 1 << cube;
+                }
+                self.block_at[number][block] = self.blocks.len() as u32;
+                let [x, y, z] = node_at(block);
+                self.blocks.push(Block {
+                    place: [
+                        region.place[0] * BLOCK + x,
+                        region.place[1] * BLOCK + y,
+                        region.place[2] * BLOCK + z,
+                    ],
+                    rim,
+                    plain,
+                    cellwise,
+                    beside_cells: 0,
+                    quads: [NOTHING; CUBE_EDGES],
+                });
+            }
+        }
+    }
+
+    /// The block at a place, if the surface crosses it.
+    fn block(&self, place: Cell) -> Option<u32> {
+        let region = self.lattice.index(&place.map(|x| x.div_euclid(BLOCK)))?;
+        let block = self.block_at[region as usize][node_index(place.map(|x| x.rem_euclid(BLOCK)))];
+        (block != NOTHING).then_some(block)
+    }
+
+    /// Marks the cubes that share a face with one that is tiled by its cells.
+    fn mark_beside_cells(&mut self) {
+        for block in 0..self.blocks.len() {
+            let Block {
+                place, cellwise, ..
+            } = self.blocks[block];
+            for cube in bits(u64::from(cellwise)) {
+                for axis in 0..3 {
+                    self.blocks[block].beside_cells |= 1 << (cube ^ 1 << axis);
+                    let is_second = cube >> axis & 1 == 1;
+                    let mut beyond = place;
+                    beyond[axis] += if is_second { 1 } else { -1 };
+                    if let Some(beyond) = self.block(beyond) {
+                        self.blocks[beyond as usize].beside_cells |= 1 << (cube ^ 1 << axis);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Makes the tiles of the cubes that are tiled by their cells, and enters them into the
+    /// quadrangles of all their edges.
+    fn tile_cells(&mut self, block: usize) {
+        for cube in bits(u64::from(self.blocks[block].cellwise)) {
+            let nodes = self.blocks[block].rim.cube(cube);
+            for cell in 0..8 {
+                let inside = cube::corners(nodes, cube::first_node(cell));
+                let cycles = self.table[inside];
+                if cycles.count == 0 {
+                    continue;
+                }
+                let local = cell_in_block(cube, cell);
+                let first = self.dual.tiles.len() as u32;
+                self.add_tiles(block, local, &cycles);
+                for (edge, &cycle) in cycles.of_edge.iter().enumerate() {
+                    if cycle == NOT_CROSSED {
+                        continue;
+                    }
+                    let is_low_inside = inside >> lower_corner(edge) & 1 == 1;
+                    let tile = first + u32::from(cycle);
+                    self.enter(block, local, (edge, is_low_inside), tile, true);
+                }
+            }
+        }
+    }
+
+    /// One tile for each sheet in a cell.
+    fn add_tiles(&mut self, block: usize, local: Cell, cycles: &Cycles) {
+        let cell = global(self.blocks[block].place, local);
+        for sheet in 0..cycles.count {
+            let (mut count, mut sum) = (0.0, Vec3::zeros());
+            for edge in 0..EDGES {
+                if cycles.of_edge[edge] == sheet {
+                    let mut middle = at_corner(cell, lower_corner(edge)).map(f64::from);
+                    middle[edge / 4] += 0.5;
+                    count += 1.0;
+                    sum += Vec3::from(middle);
+                }
+            }
+            let crossings = (count, sum);
+            self.dual.tiles.push(Tile { cell, crossings });
+        }
+    }
+
+    /// Makes the tiles of plain cubes, and enters them into the quadrangles of their edges and of
+    /// those crossed edges of their cells that have one.
+    fn tile_cubes(&mut self, block: usize) {
+        let Block {
+            place,
+            plain,
+            beside_cells,
+            ..
+        } = self.blocks[block];
+        for cube in bits(u64::from(plain)) {
+            let nodes = self.blocks[block].rim.cube(cube);
+            let tile = self.dual.tiles.len() as u32;
+            let cell = global(place, cell_in_block(cube, 0));
+            let (count, sum) = cube::crossings(nodes);
+            let sum = sum + Vec3::from(cell.map(f64::from)) * count;
+            let crossings = (count, sum);
+            self.dual.tiles.push(Tile { cell, crossings });
+            let is_beside = beside_cells >> cube & 1 == 1;
+            for axis in 0..3 {
+                for low in bits(u64::from(cube::crossed(nodes, axis, is_beside))) {
+                    let is_low_inside = nodes >> low & 1 == 1;
+                    self.enter_around(block, cube, (low, axis, is_low_inside), tile);
+                }
+            }
+        }
+    }
+
+    /// Enters the tile of a cube into the quadrangle of an edge from its node `low`, for each of the
+    /// cube's cells around the edge. An edge that is not on one of the cube has a quadrangle only if
+    /// a neighbour has made it.
+    fn enter_around(
+        &mut self,
+        block: usize,
+        cube: usize,
+        (low, axis, is_low_inside): (usize, usize, bool),
+        tile: u32,
+    ) {
+        let node = cube::node(low);
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let is_on_cube_edge = (node[u] | node[v]) & 1 == 0;
+        for place in 0..4 {
+            // The cell has the edge at this place; its lowest node is that far before the edge's.
+            let mut cell = node;
+            cell[u] -= place & 1;
+            cell[v] -= place >> 1;
+            let is_in_cube = cell.iter().all(|x| (0..2).contains(x));
+            if is_in_cube {
+                let first = cell_in_block(cube, 0);
+                let local = [0, 1, 2].map(|axis| first[axis] + cell[axis]);
+                let edge = 4 * axis + place as usize;
+                self.enter(block, local, (edge, is_low_inside), tile, is_on_cube_edge);
+            }
+        }
+    }
+
+    /// Enters a tile of a cell into the quadrangle of one of its edges. Without `may_make` only if
+    /// there is one.
+    fn enter(
+        &mut self,
+        block: usize,
+        local: Cell,
+        (edge, is_low_inside): (usize, bool),
+        tile: u32,
+        may_make: bool,
+    ) {
+        let node = at_corner(local, lower_corner(edge));
+        let Some(slot) = self.slot(block, node, edge / 4) else {
+            return;
+        };
+        let known = match &slot {
+            Slot::OnCubeEdge(block, slot) => self.blocks[*block as usize].quads[*slot],
+            Slot::Other(node, axis) => *self.other_quads.get(&(*node, *axis)).unwrap_or(&NOTHING),
+        };
+        let quad = match known {
+            NOTHING if !may_make => return,
+            NOTHING => {
+                let node = global(self.blocks[block].place, node);
+                self.make_quad(slot, node, edge / 4, is_low_inside)
+            }
+            known => known,
+        };
+        // The cells around an edge, counter-clockwise seen from its upper end, have it at these
+        // places.
+        let place = [0, 1, 3, 2][edge % 4];
+        let turned = if is_low_inside { place } else { 3 - place };
+        self.dual.quads[quad as usize].corners[turned] = tile;
+    }
+
+    /// Where the quadrangle of the edge from `node` along `axis` is kept.
+    fn slot(&self, block: usize, node: Cell, axis: usize) -> Option<Slot> {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let place = self.blocks[block].place;
+        if (node[u] | node[v]) & 1 == 1 {
+            return Some(Slot::Other(global(place, node), axis));
+        }
+        let after = node.map(|x| x / BLOCK);
+        let block = if after == [0; 3] {
+            block as u32
+        } else {
+            self.block([0, 1, 2].map(|axis| place[axis] + after[axis]))?
+        };
+        let node = node.map(|x| (x % BLOCK) as usize);
+        let slot = 16 * axis + 4 * node[axis] + node[u] + node[v] / 2;
+        Some(Slot::OnCubeEdge(block, slot))
+    }
+
+    fn make_quad(&mut self, slot: Slot, node: Cell, axis: usize, is_low_inside: bool) -> u32 {
+        let number = self.dual.quads.len() as u32;
+        match slot {
+            Slot::OnCubeEdge(block, slot) => self.blocks[block as usize].quads[slot] = number,
+            Slot::Other(node, axis) => {
+                self.other_quads.insert((node, axis), number);
+            }
+        }
+        let mut crossing = node.map(f64::from);
+        crossing[axis] += 0.5 + DISPLACEMENT * noise(&node, axis);
+        let mut outside = node;
+        outside[axis] += i32::from(is_low_inside);
+        self.dual.quads.push(Quad {
+            corners: [NOTHING; 4],
+            outside,
+            point: self.lattice.point(crossing),
         });
-        if block.side.is_some() && self.are_on_side(&blocks, block.side) {
-            return;
-        }
-        let rim = Rim::of(block.place, blocks, self.lattice);
-        for i in 0..NODES as i32 {
-            self.cell(&rim, [i / (BLOCK * BLOCK), i / BLOCK % BLOCK, i % BLOCK]);
-        }
-    }
-
-    /// Whether all of these blocks that are there lie on one side of the surface.
-    fn are_on_side(&self, blocks: &[u32; 8], side: Option<bool>) -> bool {
-        for &index in blocks {
-            if let Some(block) = self.lattice.blocks.get(index as usize)
-                && block.side != side
-            {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// Makes the vertices of a cell and enters them into the quadrangles of its edges.
-    fn cell(&mut self, rim: &Rim, cell: Cell) {
-        let mut values = [0.0; 8];
-        let mut mask = 0;
-        for (corner, value) in values.iter_mut().enumerate() {
-            *value = rim.value(at_corner(cell, corner));
-            mask |= usize::from(*value < 0.0) << corner;
-        }
-        // A node that is not there belongs to a block whose cells the surface does not cross.
-        if mask == 0 || mask == 255 || values.iter().any(|value| value.is_nan()) {
-            return;
-        }
-        let cycles = self.table[mask];
-        let first = self.dual.cells.len() as u32;
-        for _ in 0..cycles.count {
-            self.dual.cells.push(rim.global(cell));
-        }
-        for (edge, &cycle) in cycles.of_edge.iter().enumerate() {
-            if cycle == NOT_CROSSED {
-                continue;
-            }
-            let (axis, low) = (edge / 4, lower_corner(edge));
-            let ends = [values[low], values[low | 1 << axis]];
-            let quad = self.quad(rim, at_corner(cell, low), axis, ends);
-            // The cells around an edge, counter-clockwise seen from its upper end, have it at these
-            // places.
-            let place = [0, 1, 3, 2][edge % 4];
-            let turned = if values[low] < 0.0 { place } else { 3 - place };
-            quad.corners[turned] = first + u32::from(cycle);
-        }
-    }
-
-    /// The quadrangle of the edge from `node` along `axis`, made when first asked for.
-    fn quad(&mut self, rim: &Rim, node: Cell, axis: usize, [low, high]: [f64; 2]) -> &mut Quad {
-        let (block, local) = rim.locate(node);
-        let slot = &mut self.slot_of_block[block as usize];
-        if *slot == NOTHING {
-            *slot = self.slots.len() as u32;
-            self.slots.push([NOTHING; 3 * NODES]);
-        }
-        let quad = &mut self.slots[*slot as usize][3 * local + axis];
-        if *quad == NOTHING {
-            *quad = self.dual.quads.len() as u32;
-            let mut outside = rim.global(node);
-            let mut crossing = outside.map(f64::from);
-            let fraction = low / (low - high) + DISPLACEMENT * noise(&outside, axis);
-            crossing[axis] += CLEARANCE + (1.0 - 2.0 * CLEARANCE) * fraction.clamp(0.0, 1.0);
-            outside[axis] += i32::from(low < 0.0);
-            let point = self.lattice.point(crossing);
-            self.dual.quads.push(Quad {
-                corners: [NOTHING; 4],
-                outside,
-                point,
-            });
-        }
-        &mut self.dual.quads[*quad as usize]
+        number
     }
 }
 
-/// A block's node values with those of the seven blocks after it that its cells need.
-struct Rim {
-    place: Cell,
-    /// Indices of the block and the seven after it, by the axes along which they come after it.
-    blocks: [u32; 8],
-    /// Node values; not a number in a block that is not there.
-    values: [f64; RIM_NODES],
+/// A region and the seven after it, by the axes along which they come after it.
+struct Neighbours<'a> {
+    lattice: &'a SparseLattice<'a>,
+    regions: [Option<u32>; 8],
+}
+
+impl<'a> Neighbours<'a> {
+    fn of(place: Cell, lattice: &'a SparseLattice) -> Self {
+        let regions = std::array::from_fn(|after| lattice.index(&at_corner(place, after)));
+        Self { lattice, regions }
+    }
+
+    /// The inside nodes of a block and of the seven after it.
+    fn words(&self, block: Cell) -> [Option<u64>; 8] {
+        std::array::from_fn(|after| {
+            let block = at_corner(block, after);
+            let mut beyond = 0;
+            for (axis, x) in block.into_iter().enumerate() {
+                beyond |= usize::from(x == BLOCK) << axis;
+            }
+            let region = &self.lattice.regions[self.regions[beyond]? as usize];
+            let block = node_index(block.map(|x| x % BLOCK));
+            (region.kept >> block & 1 == 1).then_some(region.inside[block])
+        })
+    }
 }
 
 impl Rim {
-    fn of(place: Cell, blocks: [u32; 8], lattice: &SparseLattice) -> Self {
-        let mut rim = Self {
-            place,
-            blocks,
-            values: [f64::NAN; RIM_NODES],
-        };
-        for i in 0..RIM_NODES as i32 {
-            let (index, local) = rim.locate([i / (RIM * RIM), i / RIM % RIM, i % RIM]);
-            if let Some(block) = lattice.blocks.get(index as usize) {
-                rim.values[i as usize] = block.values[local];
+    /// The rows of a block, given with the seven after it; `None` if all nodes are on one side. The
+    /// nodes of a block that is not there are on the side of their neighbours in this block, since
+    /// no cell with a corner there is crossed.
+    fn of(words: [Option<u64>; 8]) -> Option<Self> {
+        let own = words[0]?;
+        let is_uniform = own == 0 || own == u64::MAX;
+        if is_uniform && words.iter().flatten().all(|word| *word == own) {
+            return None;
+        }
+        let mut rows = [0; (RIM * RIM) as usize];
+        for x in 0..RIM {
+            for y in 0..RIM {
+                let after = usize::from(x == BLOCK) | usize::from(y == BLOCK) << 1;
+                let start = |x: i32, y: i32| node_index([x, y, 0]);
+                let here = start(x % BLOCK, y % BLOCK);
+                let nearest = start(x.min(BLOCK - 1), y.min(BLOCK - 1));
+                let row = match words[after] {
+                    Some(word) => word >> here & 0b1111,
+                    None => own >> nearest & 0b1111,
+                };
+                let last = match words[after | 4] {
+                    Some(word) => word >> here & 1,
+                    None => own >> (nearest + 3) & 1,
+                };
+                rows[(x * RIM + y) as usize] = (row | last << BLOCK) as u8;
             }
         }
-        rim
+        Some(Self(rows))
     }
 
-    fn value(&self, [x, y, z]: Cell) -> f64 {
-        self.values[((x * RIM + y) * RIM + z) as usize]
-    }
-
-    /// Index of the block that a node belongs to, and of the node in it.
-    fn locate(&self, node: Cell) -> (u32, usize) {
-        let mut after = 0;
-        for (axis, x) in node.into_iter().enumerate() {
-            after |= usize::from(x == BLOCK) << axis;
+    /// The nodes of the cube that comes second along the axes in the bits of `cube`.
+    fn cube(&self, cube: usize) -> u32 {
+        let [x, y, z] = at_corner([0; 3], cube).map(|x| 2 * x as usize);
+        let mut nodes = 0;
+        for i in 0..3 {
+            for j in 0..3 {
+                let row = self.0[(x + i) * RIM as usize + y + j] >> z & 0b111;
+                nodes |= u32::from(row) << (9 * i + 3 * j);
+            }
         }
-        (self.blocks[after], node_index(node.map(|x| x % BLOCK)))
+        nodes
     }
+}
 
-    fn global(&self, node: Cell) -> Cell {
-        [0, 1, 2].map(|axis| self.place[axis] * BLOCK + node[axis])
-    }
+/// A cell of a cube of a block, in cells from the first of the block.
+fn cell_in_block(cube: usize, cell: usize) -> Cell {
+    at_corner(at_corner([0; 3], cube).map(|x| 2 * x), cell)
+}
+
+fn global(block: Cell, local: Cell) -> Cell {
+    [0, 1, 2].map(|axis| block[axis] * BLOCK + local[axis])
 }
 
 /// The corner of a cell, or the block, that comes after along the axes in the bits of `corner`.

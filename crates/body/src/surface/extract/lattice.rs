@@ -1,44 +1,48 @@
-//! Node values of a cubic lattice, kept only in blocks near the surface.
+//! Signs at the nodes of a cubic lattice, kept only near the surface.
 
 use crate::surface::frame::Frame;
-use crate::surface::implicit::ImplicitSolid;
+use crate::surface::implicit::{Ball, ImplicitSolid};
 use crate::{BodyError, Result};
 use protomer_kernel::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
-/// Nodes along a block's edge.
+/// Nodes along a block's edge, and blocks along a region's.
 pub(super) const BLOCK: i32 = 4;
-/// Nodes of a block.
+/// Nodes of a block, and blocks of a region: as many as a word has bits.
 pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
-/// At most this many blocks are looked at, and this many kept; a protein of 50 000 atoms keeps
-/// about 1 000 000.
-const MOST_CANDIDATES: usize = 30_000_000;
-const MOST_BLOCKS: usize = 4_000_000;
+/// At most this many blocks are looked at by the balls of the cover, and this many regions kept; a
+/// protein of 50 000 atoms has about 40 000 regions.
+const MOST_LOOKS: f64 = 1e9;
+const MOST_REGIONS: usize = 4_000_000;
+/// The eight nodes of a block that are on none of its faces.
+const INNER: u64 = 0x0000_0660_0660_0000;
+/// A ball settles the nodes whose squared distance from its centre is within this factor of its
+/// squared radius, so that rounding settles nothing wrongly.
+const WELL_WITHIN: f64 = 1.0 - 1e-9;
 
-/// Lattice coordinates of a node or a block. A cell has those of its lowest node.
+/// Lattice coordinates of a node, a block or a region. A cell has those of its lowest node.
 pub(super) type Cell = [i32; 3];
 
 /// A cubic lattice near a surface.
 pub(super) struct SparseLattice<'a> {
     frame: &'a Frame,
     spacing: f64,
-    /// The blocks that hold a corner of a cell that the surface crosses, and some others near the
-    /// surface.
-    pub(super) blocks: Vec<Block>,
-    /// Where in `blocks` a block is.
+    /// Regions with blocks near the surface.
+    pub(super) regions: Vec<Region>,
+    /// Where in `regions` a region is.
     index_of: HashMap<Cell, u32, BuildHasherDefault<Mixer>>,
 }
 
-/// The node values of one block.
-pub(super) struct Block {
-    /// Coordinates, in blocks.
+/// 4 x 4 x 4 blocks of 4 x 4 x 4 nodes. Blocks are numbered as nodes are ([`node_index`]).
+pub(super) struct Region {
+    /// Coordinates, in regions.
     pub(super) place: Cell,
-    /// Node values, Å; negative is inside. A node whose sign is fixed by the value of a point
-    /// nearby holds that value.
-    pub(super) values: [f64; NODES],
-    /// Whether all nodes are inside, or all outside; `None` if there are both.
-    pub(super) side: Option<bool>,
+    /// The blocks that are kept, as bits: those that hold a corner of a cell that the surface
+    /// crosses, and some others near the surface.
+    pub(super) kept: u64,
+    /// The inside nodes of each block, as bits.
+    pub(super) inside: [u64; NODES],
 }
 
 impl<'a> SparseLattice<'a> {
@@ -51,22 +55,34 @@ impl<'a> SparseLattice<'a> {
         let mut lattice = Self {
             frame,
             spacing,
-            blocks: Vec::new(),
+            regions: Vec::new(),
             index_of: HashMap::default(),
         };
-        for place in lattice.candidates(&solid.cover())? {
-            if let Some(block) = lattice.fill(solid, place) {
-                lattice.index_of.insert(place, lattice.blocks.len() as u32);
-                lattice.blocks.push(block);
-                if lattice.blocks.len() > MOST_BLOCKS {
-                    return Err(too_large(spacing));
+        let mut balls = Vec::new();
+        for (place, candidates) in lattice.candidates(&solid.cover())? {
+            let mut region = Region {
+                place,
+                kept: 0,
+                inside: [0; NODES],
+            };
+            for block in bits(candidates) {
+                let [x, y, z] = place.map(|x| x * BLOCK);
+                let [i, j, k] = node_at(block);
+                let filled = lattice.fill(solid, [x + i, y + j, z + k], &mut balls);
+                if let Some(inside) = filled {
+                    region.kept |= 1 << block;
+                    region.inside[block] = inside;
                 }
+            }
+            if region.kept != 0 {
+                lattice.index_of.insert(place, lattice.regions.len() as u32);
+                lattice.regions.push(region);
             }
         }
         Ok(lattice)
     }
 
-    /// Where in `blocks` the block at `place` is.
+    /// Where in `regions` the region at `place` is.
     pub(super) fn index(&self, place: &Cell) -> Option<u32> {
         self.index_of.get(place).copied()
     }
@@ -76,134 +92,178 @@ impl<'a> SparseLattice<'a> {
         self.frame.to_input(&(Vec3::from(cells) * self.spacing))
     }
 
-    /// The blocks within the diagonal of a cell of the cover, sorted, so that the mesh does not
-    /// depend on a hash.
-    fn candidates(&self, cover: &[(Vec3, f64)]) -> Result<Vec<Cell>> {
+    /// The blocks within the diagonal of a cell of the cover, by region; the regions are sorted, so
+    /// that the mesh does not depend on a hash.
+    fn candidates(&self, cover: &[Ball]) -> Result<Vec<(Cell, u64)>> {
         let edge = self.spacing * f64::from(BLOCK);
-        let mut seen: HashSet<Cell, BuildHasherDefault<Mixer>> = HashSet::default();
-        let mut work = 0.0;
+        let mut found: HashMap<Cell, u64, BuildHasherDefault<Mixer>> = HashMap::default();
+        let mut looks = 0.0;
         for (centre, radius) in cover {
             let centre = self.frame.to_lattice(centre) / edge;
             let reach = (radius + 1.8 * self.spacing) / edge;
             let extent = centre.amax() + reach;
-            work += (2.0 * reach + 1.0).powi(3);
-            if !(extent.is_finite() && extent < 1e8 && work < 4.0 * MOST_CANDIDATES as f64) {
+            looks += (2.0 * reach + 1.0).powi(3);
+            if !(extent.is_finite() && extent < 1e8 && looks < MOST_LOOKS) {
                 return Err(too_large(self.spacing));
             }
-            insert_blocks_near(&mut seen, &centre, reach);
-            if seen.len() > MOST_CANDIDATES {
+            add_blocks_near(&mut found, &centre, reach);
+            if found.len() > MOST_REGIONS {
                 return Err(too_large(self.spacing));
             }
         }
-        let mut candidates: Vec<Cell> = seen.into_iter().collect();
+        let mut candidates: Vec<(Cell, u64)> = found.into_iter().collect();
         candidates.sort_unstable();
         Ok(candidates)
     }
 
-    /// The node values of a block, or `None` if the distance at its centre shows that no cell with
+    /// The inside nodes of a block, or `None` if the distance at its centre shows that no cell with
     /// a corner here crosses the surface: |f(centre)| > radius of the block's nodes about it +
     /// diagonal of a cell, for a 1-Lipschitz f.
-    fn fill(&self, solid: &dyn ImplicitSolid, place: Cell) -> Option<Block> {
+    ///
+    /// The value at a node settles the nodes nearer to it than the surface is; so do the balls known
+    /// to be inside or outside. What is left is evaluated. `balls` is scratch.
+    fn fill(&self, solid: &dyn ImplicitSolid, place: Cell, balls: &mut Vec<Ball>) -> Option<u64> {
         let first = place.map(|x| f64::from(x * BLOCK));
         let half = 0.5 * f64::from(BLOCK - 1);
-        let value = solid.signed_distance(&self.point(first.map(|x| x + half)));
+        let centre = self.point(first.map(|x| x + half));
+        let (value, empty) = solid.signed_distance_and_empty_ball(&centre);
         let diagonal = 3f64.sqrt() * self.spacing;
         if value.abs() > (half + 1.0) * diagonal {
             return None;
         }
-        let mut block = Block {
-            place,
-            values: [value; NODES],
-            side: Some(value < 0.0),
-        };
-        if value.abs() <= half * diagonal * (1.0 + 1e-9) {
-            for octant in 0..8 {
-                let corner = [0, 1, 2].map(|axis| (octant >> axis & 1) * (BLOCK / 2));
-                self.fill_octant(solid, first, corner, &mut block.values);
-            }
-            block.side = common_side(&block.values);
+        if value.abs() > half * diagonal * (1.0 + 1e-9) {
+            return Some(if value < 0.0 { u64::MAX } else { 0 });
         }
-        Some(block)
-    }
-
-    /// Fills 2 x 2 x 2 nodes of a block; a value is computed only where no value nearby already
-    /// fixes its sign.
-    fn fill_octant(
-        &self,
-        solid: &dyn ImplicitSolid,
-        first: [f64; 3],
-        corner: Cell,
-        values: &mut [f64; NODES],
-    ) {
-        let value_at = |cells: [f64; 3]| {
-            let place = [0, 1, 2].map(|axis| first[axis] + cells[axis]);
-            solid.signed_distance(&self.point(place))
-        };
-        let centre = corner.map(|x| f64::from(x) + 0.5);
-        let mut known = [(centre, value_at(centre)); 9];
-        let mut count = 1;
-        for i in 0..8 {
-            let node = [0, 1, 2].map(|axis| corner[axis] + (i >> axis & 1));
-            let here = node.map(f64::from);
-            let value = match self.fixed_value(&known[..count], here) {
-                Some(value) => value,
-                None => {
-                    let value = value_at(here);
-                    known[count] = (here, value);
-                    count += 1;
-                    value
-                }
+        let mut signs = Signs::default();
+        signs.settle(self.nodes_in([half; 3], value), value < 0.0);
+        if let Some(ball) = empty {
+            signs.settle(self.nodes_in_ball(first, &ball), false);
+        }
+        balls.clear();
+        solid.add_inner_balls(&centre, half * diagonal, balls);
+        for ball in balls.iter() {
+            signs.settle(self.nodes_in_ball(first, ball), true);
+        }
+        while signs.settled != u64::MAX {
+            let left = !signs.settled;
+            // The inner nodes first: a ball about one of them settles more.
+            let next = if left & INNER == 0 {
+                left
+            } else {
+                left & INNER
             };
-            values[node_index(node)] = value;
+            let node = next.trailing_zeros() as usize;
+            let here = node_at(node).map(f64::from);
+            let place = [0, 1, 2].map(|axis| first[axis] + here[axis]);
+            let (value, empty) = solid.signed_distance_and_empty_ball(&self.point(place));
+            signs.settle(1 << node | self.nodes_in(here, value), value < 0.0);
+            if let Some(ball) = empty {
+                signs.settle(self.nodes_in_ball(first, &ball), false);
+            }
         }
+        Some(signs.inside)
     }
 
-    /// The first of the known values, each at its place, that fixes the sign at `here`: it is larger
-    /// than the distance, for a 1-Lipschitz function.
-    fn fixed_value(&self, known: &[([f64; 3], f64)], here: [f64; 3]) -> Option<f64> {
-        for (there, value) in known {
-            let mut square = 0.0;
-            for axis in 0..3 {
-                square += (here[axis] - there[axis]).powi(2);
-            }
-            if value * value > square * self.spacing * self.spacing * (1.0 + 1e-9) {
-                return Some(*value);
-            }
-        }
-        None
+    /// The nodes of a block with the first node `first` that lie in a ball.
+    fn nodes_in_ball(&self, first: [f64; 3], (centre, radius): &Ball) -> u64 {
+        let centre = self.frame.to_lattice(centre) / self.spacing;
+        let centre = [0, 1, 2].map(|axis| centre[axis] - first[axis]);
+        self.nodes_in(centre, *radius)
+    }
+
+    /// The nodes of a block within `radius` Å of a point given in cells from its first node.
+    fn nodes_in(&self, centre: [f64; 3], radius: f64) -> u64 {
+        let radius = radius / self.spacing;
+        ball_bits(centre, radius * radius * WELL_WITHIN, |node, centre| {
+            node - centre
+        })
     }
 }
 
-/// Whether all values are inside (true) or all outside (false); `None` if there are both.
-fn common_side(values: &[f64]) -> Option<bool> {
-    let is_inside = values.first().is_some_and(|value| *value < 0.0);
-    let is_common = values.iter().all(|value| (*value < 0.0) == is_inside);
-    is_common.then_some(is_inside)
+/// What is known of the nodes of a block, as bits.
+#[derive(Default)]
+struct Signs {
+    settled: u64,
+    inside: u64,
 }
 
-/// Inserts the blocks within `reach` of a point, both in units of a block's edge.
-fn insert_blocks_near(
-    seen: &mut HashSet<Cell, BuildHasherDefault<Mixer>>,
+impl Signs {
+    /// Settles those of `nodes` that are not settled yet.
+    fn settle(&mut self, nodes: u64, is_inside: bool) {
+        if is_inside {
+            self.inside |= nodes & !self.settled;
+        }
+        self.settled |= nodes;
+    }
+}
+
+/// The bits of those of 4 x 4 x 4 things whose squared distance from `centre` is less than
+/// `square`; `gap` is the distance of the i-th from a coordinate along an axis.
+fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u64 {
+    let [x, y, z]: [[f64; 4]; 3] = centre.map(|c| [0.0, 1.0, 2.0, 3.0].map(|i| gap(i, c).powi(2)));
+    let mut bits = 0;
+    for (i, x) in x.into_iter().enumerate() {
+        for (j, y) in y.into_iter().enumerate() {
+            let left = square - x - y;
+            if left > 0.0 {
+                for (k, z) in z.into_iter().enumerate() {
+                    bits |= u64::from(z < left) << (16 * i + 4 * j + k);
+                }
+            }
+        }
+    }
+    bits
+}
+
+/// Adds the blocks within `reach` of a point, both in units of a block's edge, to those of each
+/// region.
+fn add_blocks_near(
+    found: &mut HashMap<Cell, u64, BuildHasherDefault<Mixer>>,
     centre: &Vec3,
     reach: f64,
 ) {
-    let [low, high] = [-reach, reach].map(|r| centre.map(|x| (x + r).floor() as i32));
+    let size = f64::from(BLOCK);
+    let [low, high] = [-reach, reach].map(|r| centre.map(|x| ((x + r) / size).floor() as i32));
     for x in low.x..=high.x {
         for y in low.y..=high.y {
             for z in low.z..=high.z {
-                let block = Vec3::new(f64::from(x), f64::from(y), f64::from(z));
-                let nearest = block.zip_map(centre, |corner, c| c - c.clamp(corner, corner + 1.0));
-                if nearest.norm_squared() <= reach * reach {
-                    seen.insert([x, y, z]);
+                let region = [x, y, z];
+                let from_first =
+                    [0, 1, 2].map(|axis| centre[axis] - f64::from(region[axis]) * size);
+                let square = reach * reach * (1.0 + 1e-12);
+                let blocks = ball_bits(from_first, square, |block, c| {
+                    c - c.clamp(block, block + 1.0)
+                });
+                if blocks != 0 {
+                    *found.entry(region).or_insert(0) |= blocks;
                 }
             }
         }
     }
 }
 
-/// Index of a node in its block, counted from the block's first node.
+/// Index of a node in its block, counted from the block's first node; also of a block in its region.
 pub(super) fn node_index(node: Cell) -> usize {
     ((node[0] * BLOCK + node[1]) * BLOCK + node[2]) as usize
+}
+
+/// The node with this index.
+pub(super) fn node_at(index: usize) -> Cell {
+    let index = index as i32;
+    [
+        index / (BLOCK * BLOCK),
+        index / BLOCK % BLOCK,
+        index % BLOCK,
+    ]
+}
+
+/// The numbers of the bits that are set, in ascending order.
+pub(super) fn bits(mut word: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = word.trailing_zeros() as usize;
+        word &= word.wrapping_sub(1);
+        (bit < NODES).then_some(bit)
+    })
 }
 
 /// A fast hash of lattice coordinates, which nobody chooses to collide: multiply and rotate.
@@ -272,11 +332,12 @@ mod tests {
         for spacing in [0.6, 0.31] {
             let lattice = SparseLattice::around(&Pair, &frame, spacing).unwrap();
             let kept = |node: Cell| {
-                let index = lattice.index_of.get(&node.map(|x| x.div_euclid(BLOCK)))?;
-                Some(
-                    lattice.blocks[*index as usize].values
-                        [node_index(node.map(|x| x.rem_euclid(BLOCK)))],
-                )
+                let block = node.map(|x| x.div_euclid(BLOCK));
+                let index = lattice.index(&block.map(|x| x.div_euclid(BLOCK)))?;
+                let region = &lattice.regions[index as usize];
+                let block = node_index(block.map(|x| x.rem_euclid(BLOCK)));
+                let bit = node_index(node.map(|x| x.rem_euclid(BLOCK)));
+                (region.kept >> block & 1 == 1).then_some(region.inside[block] >> bit & 1 == 1)
             };
             let inside =
                 |node: Cell| Pair.signed_distance(&lattice.point(node.map(f64::from))) < 0.0;
@@ -289,8 +350,8 @@ mod tests {
                     i / side % side - reach,
                     i % side - reach,
                 ];
-                if let Some(value) = kept(cell) {
-                    assert_eq!(value < 0.0, inside(cell));
+                if let Some(is_inside) = kept(cell) {
+                    assert_eq!(is_inside, inside(cell));
                 }
                 let corners: [Cell; 8] = std::array::from_fn(|corner| {
                     [0, 1, 2].map(|a| cell[a] + (corner >> a & 1) as i32)

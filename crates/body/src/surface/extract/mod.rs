@@ -13,6 +13,7 @@
 //! with a fraction of the vertices.
 
 mod coarsen;
+mod cube;
 mod cycles;
 mod dual;
 mod lattice;
@@ -36,9 +37,11 @@ pub fn extract(
     edge_angstrom: f64,
 ) -> Result<TriangleMesh> {
     let lattice = lattice::SparseLattice::around(solid, frame, spacing_angstrom)?;
-    let width = (edge_angstrom / spacing_angstrom).round().clamp(1.0, 16.0);
-    Ok(polygons::triangulate(
-        &dual::quadrangles(&lattice),
-        width as i32,
-    ))
+    // In cells; plain cubes have two along an edge.
+    let width = 2.0
+        * (0.5 * edge_angstrom / spacing_angstrom)
+            .round()
+            .clamp(1.0, 8.0);
+    let dual = dual::quadrangles(&lattice);
+    Ok(polygons::triangulate(&lattice, &dual, width as i32))
 }

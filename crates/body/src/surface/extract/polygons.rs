@@ -5,7 +5,7 @@
 
 use super::coarsen::{EdgeCounts, Patches};
 use super::dual::{Dual, NOTHING, Quad};
-use super::lattice::Cell;
+use super::lattice::{Cell, SparseLattice};
 use protomer_kernel::{TriangleMesh, Vec3};
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ const FEWEST_CORNERS: u32 = 3;
 
 /// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is
 /// not closed.
-pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
+pub(super) fn triangulate(lattice: &SparseLattice, dual: &Dual, width: i32) -> TriangleMesh {
     for quad in &dual.quads {
         if quad.corners.contains(&NOTHING) {
             return TriangleMesh::default();
@@ -24,7 +24,7 @@ pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
     loop {
         let (edges, is_settled) = count_edges(dual, &mut patches);
         if is_settled {
-            return Builder::new(dual, &patches, edges).mesh();
+            return Builder::new(lattice, dual, &patches, edges).mesh();
         }
     }
 }
@@ -32,8 +32,8 @@ pub(super) fn triangulate(dual: &Dual, width: i32) -> TriangleMesh {
 /// The edges of all polygons; takes patches apart that have two common edges, or too few corners.
 /// True if there were none.
 fn count_edges(dual: &Dual, patches: &mut Patches) -> (EdgeCounts, bool) {
-    let mut edges = EdgeCounts::new(dual.cells.len());
-    let mut corners = vec![0; dual.cells.len()];
+    let mut edges = EdgeCounts::new(dual.tiles.len());
+    let mut corners = vec![0; dual.tiles.len()];
     let mut wrong = Vec::new();
     for quad in &dual.quads {
         let (polygon, count) = polygon(quad, patches);
@@ -76,6 +76,7 @@ enum Diagonal {
 
 /// Numbers the vertices and cuts the polygons into triangles.
 struct Builder<'a> {
+    lattice: &'a SparseLattice<'a>,
     dual: &'a Dual,
     patches: &'a Patches,
     edges: EdgeCounts,
@@ -89,9 +90,15 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(dual: &'a Dual, patches: &'a Patches, edges: EdgeCounts) -> Self {
-        let (number, middle) = (vec![NOTHING; dual.cells.len()], HashMap::new());
+    fn new(
+        lattice: &'a SparseLattice<'a>,
+        dual: &'a Dual,
+        patches: &'a Patches,
+        edges: EdgeCounts,
+    ) -> Self {
+        let (number, middle) = (vec![NOTHING; dual.tiles.len()], HashMap::new());
         Self {
+            lattice,
             dual,
             patches,
             edges,
@@ -112,24 +119,22 @@ impl<'a> Builder<'a> {
 
     /// Puts the vertex of every patch at the mean of the crossings around its tiles.
     fn place_vertices(&mut self) {
-        let mut weight = Vec::new();
-        for vertex in 0..self.dual.cells.len() as u32 {
+        let mut sums: Vec<(f64, Vec3)> = Vec::new();
+        for (vertex, tile) in (0..).zip(&self.dual.tiles) {
             let number = &mut self.number[self.patches.of(vertex) as usize];
             if *number == NOTHING {
-                *number = weight.len() as u32;
-                weight.push(0.0);
+                *number = sums.len() as u32;
+                sums.push((0.0, Vec3::zeros()));
             }
+            let (count, sum) = &mut sums[*number as usize];
+            *count += tile.crossings.0;
+            *sum += tile.crossings.1;
         }
-        self.mesh.vertices = vec![Vec3::zeros(); weight.len()];
-        for quad in &self.dual.quads {
-            for vertex in quad.corners {
-                let number = self.number[self.patches.of(vertex) as usize] as usize;
-                self.mesh.vertices[number] += quad.point;
-                weight[number] += 1.0;
-            }
-        }
-        for (vertex, weight) in self.mesh.vertices.iter_mut().zip(weight) {
-            *vertex /= weight;
+        self.mesh.vertices.reserve_exact(sums.len());
+        for (count, sum) in sums {
+            self.mesh
+                .vertices
+                .push(self.lattice.point((sum / count).into()));
         }
     }
 

@@ -12,11 +12,11 @@ pub(crate) use half_edge::HalfEdgeMesh;
 
 use super::implicit::ImplicitSolid;
 use crate::Result;
-use operations::Remesher;
+use operations::{Onto, Remesher};
 use protomer_kernel::TriangleMesh;
 
 /// Rounds of split, collapse, flip and relax.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 3;
 
 /// The same surface at `density_per_angstrom2` vertices per Å², with at least `fewest_vertices` on
 /// every shell.
@@ -43,16 +43,16 @@ pub(crate) fn remesh(
     // The first mesh is many times finer than the last: renumber what is left.
     let mut remesher = start(coarse.into_mesh().to_mesh())?;
     for _ in 0..ROUNDS {
-        remesher.relax();
+        remesher.relax(Onto::About);
         remesher.grade_lengths();
         remesher.adjust_lengths();
         remesher.split_long_edges();
         remesher.collapse_short_edges();
         remesher.flip_towards_six();
     }
-    remesher.relax();
+    remesher.relax(Onto::About);
     remesher.flip_towards_equal_angles();
-    remesher.relax();
+    remesher.relax(Onto::Exactly);
     remesher.remove_slivers();
     Ok(remesher.into_mesh())
 }

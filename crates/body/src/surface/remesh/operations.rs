@@ -27,6 +27,16 @@ const SMALLEST_AREA: f64 = 5e-5;
 const SMALLEST_SHARE: f64 = 0.02;
 /// Splitting halves edges: this many passes shorten them a thousandfold.
 const SPLIT_PASSES: usize = 10;
+/// When less than one in so many half-edges was split, the rest can wait for the next round.
+const FEW: u32 = 200;
+
+/// How well relaxed vertices lie on the surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Onto {
+    /// As far as one step takes them.
+    About,
+    Exactly,
+}
 
 /// A mesh on its way to a density.
 pub(super) struct Remesher<'a> {
@@ -71,7 +81,7 @@ impl<'a> Remesher<'a> {
         self.mesh
     }
 
-    /// Splits edges that are too long, in passes, until there are none.
+    /// Splits edges that are too long, in passes, until there are next to none.
     pub(super) fn split_long_edges(&mut self) {
         for _ in 0..SPLIT_PASSES {
             let mut splits = 0;
@@ -84,6 +94,9 @@ impl<'a> Remesher<'a> {
                 break;
             }
             self.flip_towards_six();
+            if splits * FEW < self.mesh.half_edge_bound() {
+                break;
+            }
         }
     }
 
@@ -208,10 +221,10 @@ impl<'a> Remesher<'a> {
 
     /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the
     /// surface.
-    pub(super) fn relax(&mut self) {
+    pub(super) fn relax(&mut self, onto: Onto) {
         for vertex in 0..self.mesh.positions.len() as u32 {
             if let Some(pull) = self.pull(vertex) {
-                self.move_along_surface(vertex, pull);
+                self.move_along_surface(vertex, pull, onto);
             }
         }
     }
@@ -237,11 +250,15 @@ impl<'a> Remesher<'a> {
 
     /// Moves a vertex by a displacement, or half of it, or none, and onto the surface: as far as
     /// the triangles at it stay in shape.
-    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3) {
+    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3, onto: Onto) {
         let here = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
         for fraction in [1.0, 0.5, 0.0] {
-            let (projected, normal) = self.solid.project(&(here + displacement * fraction));
+            let place = here + displacement * fraction;
+            let (projected, normal) = match onto {
+                Onto::About => self.solid.pull(&place),
+                Onto::Exactly => self.solid.project(&place),
+            };
             let is_near =
                 projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
             if is_near && self.move_keeps_shape(vertex, &projected) {

@@ -5,6 +5,8 @@ use super::operations::Remesher;
 /// Bounds of the factor by which curvature grades the edge lengths.
 const FINEST: f64 = 0.5;
 const COARSEST: f64 = 1.3;
+/// Power of the ratio of vertex numbers by which lengths are corrected; 1/2 would do without lag.
+const OVERSHOOT: f64 = 0.75;
 
 impl Remesher<'_> {
     /// Edge lengths from the areas of the shells: a vertex of an equilateral mesh of edge L has the
@@ -38,14 +40,15 @@ impl Remesher<'_> {
         targets
     }
 
-    /// Corrects the target lengths by the vertex numbers reached so far: N ∝ 1/L².
+    /// Corrects the target lengths by the vertex numbers reached so far: N ∝ 1/L², and as splits and
+    /// collapses leave alone what is nearly right, by somewhat more.
     pub(super) fn adjust_lengths(&mut self) {
         let mut counts = vec![0.0; self.mesh.shells];
         for vertex in self.mesh.vertices() {
             counts[self.mesh.shell[vertex as usize] as usize] += 1.0;
         }
         for (shell, (_, wanted)) in self.vertex_targets().into_iter().enumerate() {
-            self.length[shell] *= (counts[shell] / wanted).sqrt().clamp(0.8, 1.25);
+            self.length[shell] *= (counts[shell] / wanted).powf(OVERSHOOT).clamp(0.8, 1.25);
         }
     }
 

@@ -1,0 +1,271 @@
+//! Cubes of 2 x 2 x 2 cells: where the surface runs through one as a single plain disk, the cube
+//! does the work of its eight cells.
+//!
+//! The nodes of a cube are 27 bits, node (x, y, z) the bit 9 x + 3 y + z. A cube is plain if the
+//! surface crosses none of its 12 edges twice and runs through each of its 6 faces in one curve at
+//! most, so that its boundary there is that of the sheet of a single cell of twice the size, and if
+//! what it bounds is one disk: V - E + F = 1 for the crossed edges of the cells, the lines between
+//! them on the faces of the cells, and the sheets in the cells.
+
+use super::cycles::Cycles;
+use protomer_kernel::Vec3;
+
+/// Nodes of a cube.
+pub(super) const ALL: u32 = (1 << 27) - 1;
+/// By how many bits a node comes after its neighbour along each axis.
+const STEP: [u32; 3] = [9, 3, 1];
+/// The lower ends of the edges of cells along each axis: on edges of the cube, inside its faces,
+/// and in its interior.
+const ON_EDGES: [u32; 3] = edges(0);
+const IN_FACES: [u32; 3] = edges(1);
+const INSIDE: [u32; 3] = edges(2);
+/// The nodes of the second and of the third layer along each axis.
+const SECOND: [u32; 3] = layers(1);
+const THIRD: [u32; 3] = layers(2);
+/// The corners of a cell, as bits from its lowest node.
+const CELL: u32 = 0b11_0110_0001_1011;
+
+/// Lower ends of the edges along each axis that lie in the middle of the cube along so many others.
+const fn edges(middles: u32) -> [u32; 3] {
+    let mut found = [0; 3];
+    let mut axis = 0;
+    while axis < 3 {
+        let mut bit = 0;
+        while bit < 27 {
+            let node = [bit / 9, bit / 3 % 3, bit % 3];
+            let (u, v) = (node[(axis + 1) % 3], node[(axis + 2) % 3]);
+            if node[axis] < 2 && (u % 2) + (v % 2) == middles {
+                found[axis] |= 1 << bit;
+            }
+            bit += 1;
+        }
+        axis += 1;
+    }
+    found
+}
+
+const fn layers(layer: u32) -> [u32; 3] {
+    let mut found = [0; 3];
+    let mut bit = 0;
+    while bit < 27 {
+        let node = [bit / 9, bit / 3 % 3, bit % 3];
+        let mut axis = 0;
+        while axis < 3 {
+            if node[axis] == layer {
+                found[axis] |= 1 << bit;
+            }
+            axis += 1;
+        }
+        bit += 1;
+    }
+    found
+}
+
+/// The inside corners of the cell whose lowest node is `first`, in the numbering of [`Cycles`].
+pub(super) fn corners(nodes: u32, first: u32) -> usize {
+    let cell = nodes >> first;
+    let pick = |bit: u32, corner: u32| (cell >> bit & 1) << corner;
+    let low = pick(0, 0) | pick(9, 1) | pick(3, 2) | pick(12, 3);
+    let high = pick(1, 4) | pick(10, 5) | pick(4, 6) | pick(13, 7);
+    (low | high) as usize
+}
+
+/// The lowest node of the cell that comes second along the axes in the bits of `cell`.
+pub(super) fn first_node(cell: usize) -> u32 {
+    let cell = cell as u32;
+    (cell & 1) * STEP[0] + (cell >> 1 & 1) * STEP[1] + (cell >> 2 & 1) * STEP[2]
+}
+
+/// Whether the surface is one plain disk in a cube with nodes on both sides.
+pub(super) fn is_plain(nodes: u32, table: &[Cycles]) -> bool {
+    has_plain_boundary(nodes, table) && {
+        let mut sheets = 0;
+        for cell in 0..8 {
+            let first = first_node(cell);
+            let inside = nodes >> first & CELL;
+            if inside != 0 && inside != CELL {
+                sheets += u32::from(table[corners(nodes, first)].count);
+            }
+        }
+        // An edge of a cell lies on two of the cells' faces in the cube, three or four, and every
+        // line on a face ends at two: V - E + F = F - (edges in faces) / 2 - (edges inside).
+        let (mut in_faces, mut inside) = (0, 0);
+        for axis in 0..3 {
+            let crossed = nodes ^ nodes >> STEP[axis];
+            in_faces += (crossed & IN_FACES[axis]).count_ones();
+            inside += (crossed & INSIDE[axis]).count_ones();
+        }
+        2 * sheets == 2 + in_faces + 2 * inside
+    }
+}
+
+/// Whether each edge of a cube is crossed once at most, each face holds one curve at most, and
+/// these curves close into one.
+fn has_plain_boundary(nodes: u32, table: &[Cycles]) -> bool {
+    for (axis, step) in STEP.into_iter().enumerate() {
+        let crossed = nodes ^ nodes >> step;
+        let first = ON_EDGES[axis] & !SECOND[axis];
+        if crossed & crossed >> step & first != 0 {
+            return false;
+        }
+        let (u, v) = (STEP[(axis + 1) % 3], STEP[(axis + 2) % 3]);
+        for side in [0, 2 * step] {
+            let face = nodes >> side;
+            let at = |bit: u32| face >> bit & 1;
+            let middle = at(u + v);
+            let sides = at(u) + at(v) + at(2 * u + v) + at(u + 2 * v);
+            let is_alone = sides == if middle == 1 { 0 } else { 4 };
+            let [a, b, c, d] = [at(0), at(2 * u), at(2 * v), at(2 * (u + v))];
+            if is_alone || (a == d && b == c && a != b) {
+                return false;
+            }
+        }
+    }
+    let mut cube = 0;
+    for corner in 0..8 {
+        cube |= ((nodes >> (2 * first_node(corner)) & 1) as usize) << corner;
+    }
+    table[cube].count == 1
+}
+
+/// The node with this bit.
+pub(super) fn node(bit: usize) -> [i32; 3] {
+    let bit = bit as i32;
+    [bit / 9, bit / 3 % 3, bit % 3]
+}
+
+/// The lower ends of the crossed edges along an axis, on edges of the cube or on its faces too.
+pub(super) fn crossed(nodes: u32, axis: usize, with_faces: bool) -> u32 {
+    let edges = if with_faces {
+        ON_EDGES[axis] | IN_FACES[axis]
+    } else {
+        ON_EDGES[axis]
+    };
+    (nodes ^ nodes >> STEP[axis]) & edges
+}
+
+/// The number of crossed edges of the cells of a cube, and the sum of their middles in cells from
+/// the lowest node.
+pub(super) fn crossings(nodes: u32) -> (f64, Vec3) {
+    let (mut count, mut sum) = (0, [0; 3]);
+    for along in 0..3 {
+        let edges = ON_EDGES[along] | IN_FACES[along] | INSIDE[along];
+        let crossed = (nodes ^ nodes >> STEP[along]) & edges;
+        let number = crossed.count_ones();
+        count += number;
+        for axis in 0..3 {
+            sum[axis] += 2 * (crossed & SECOND[axis]).count_ones();
+            sum[axis] += 4 * (crossed & THIRD[axis]).count_ones();
+        }
+        sum[along] += number;
+    }
+    (f64::from(count), Vec3::from(sum.map(f64::from)) * 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cycles::{links, lower_corner, table};
+    use super::*;
+    use std::collections::{HashMap, HashSet};
+
+    fn node(bit: u32) -> [u32; 3] {
+        super::node(bit as usize).map(|x| x as u32)
+    }
+
+    type Edge = ([u32; 3], usize);
+
+    /// The slow twin: the sheets of all cells, joined along the lines on the faces of the cells that
+    /// they have in common; crossed edges, lines and sheets counted one by one.
+    fn is_one_disk(nodes: u32) -> bool {
+        let table = table();
+        let mut edges: HashSet<Edge> = HashSet::new();
+        let mut lines: HashMap<[Edge; 2], Vec<usize>> = HashMap::new();
+        let mut sheets = 0;
+        for cell in 0..8 {
+            let first = node(first_node(cell));
+            let inside = corners(nodes, first_node(cell));
+            let place = |edge: usize| {
+                let low = lower_corner(edge) as u32;
+                let from = [0, 1, 2].map(|axis| first[axis] + (low >> axis & 1));
+                (from, edge / 4)
+            };
+            for [a, b] in (0..6).flat_map(|face| links(inside, face)) {
+                let mut line = [place(a), place(b)];
+                line.sort_unstable();
+                edges.extend(line);
+                let sheet = sheets + usize::from(table[inside].of_edge[a]);
+                lines.entry(line).or_default().push(sheet);
+            }
+            sheets += usize::from(table[inside].count);
+        }
+        let mut parent: Vec<usize> = (0..sheets).collect();
+        for members in lines.values() {
+            let (from, to) = (parent[members[0]], parent[members[members.len() - 1]]);
+            for parent in &mut parent {
+                if *parent == from {
+                    *parent = to;
+                }
+            }
+        }
+        let is_connected = parent.iter().all(|p| *p == parent[0]);
+        let euler = edges.len() as i64 - lines.len() as i64 + sheets as i64;
+        is_connected && euler == 1
+    }
+
+    #[test]
+    fn what_counts_as_plain_is_one_disk_with_one_crossing_on_each_crossed_edge() {
+        let table = table();
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            state >> 33
+        };
+        let (mut plain, mut others) = (0, 0);
+        for _ in 0..20_000 {
+            // Half-spaces with some nodes turned over, so that both kinds are common.
+            let mut draw = || next() as f64 / (1_u64 << 30) as f64 - 1.0;
+            let (direction, offset) = ([draw(), draw(), draw()], draw());
+            let mut nodes = 0;
+            for bit in 0..27 {
+                let here = node(bit).map(|x| f64::from(x) - 1.0);
+                let height: f64 = (0..3).map(|axis| here[axis] * direction[axis]).sum();
+                nodes |= u32::from(height < offset) << bit;
+            }
+            for _ in 0..next() % 4 {
+                nodes ^= 1 << (next() % 27);
+            }
+            if nodes == 0 || nodes == ALL {
+                continue;
+            }
+            if is_plain(nodes, &table) {
+                plain += 1;
+                assert!(is_one_disk(nodes), "{nodes:b}");
+                // Its polygons need three corners.
+                let crossed: u32 = (0..3)
+                    .map(|axis| ((nodes ^ nodes >> STEP[axis]) & ON_EDGES[axis]).count_ones())
+                    .sum();
+                assert!(crossed >= 3, "{nodes:b}");
+            } else {
+                others += 1;
+            }
+            let (mut count, mut sum) = (0.0, Vec3::zeros());
+            for axis in 0..3 {
+                for bit in 0..27 {
+                    let here = node(bit);
+                    if here[axis] < 2 && (nodes >> bit ^ nodes >> (bit + STEP[axis])) & 1 == 1 {
+                        let mut middle = here.map(f64::from);
+                        middle[axis] += 0.5;
+                        count += 1.0;
+                        sum += Vec3::from(middle);
+                    }
+                }
+            }
+            let found = crossings(nodes);
+            assert_eq!(found.0, count);
+            assert!((found.1 - sum).norm() < 1e-12);
+        }
+        assert!(plain > 3000 && others > 3000, "{plain} {others}");
+    }
+}
