@@ -7,7 +7,7 @@ use super::shell::{Occupied, occupied};
 use crate::charged_sphere::ChargedSphere;
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
-use crate::poisson_boltzmann::{SolveSettings, solve};
+use crate::poisson_boltzmann::{SolveSettings, solve_within};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
 use protomer_body::surface::{ImplicitSolid, SesSolid};
@@ -29,15 +29,19 @@ pub enum Channel {
     Potential,
     /// Kyte-Doolittle index averaged over nearby residues, -4.5 to 4.5; 0 off the shell.
     Hydropathy,
+    /// The edge of the voxels, Å, in every occupied voxel: the size of a structure that was scaled to
+    /// the grid.
+    Spacing,
 }
 
 impl Channel {
     /// All channels.
-    pub const ALL: [Channel; 4] = [
+    pub const ALL: [Channel; 5] = [
         Channel::Shape,
         Channel::Solid,
         Channel::Potential,
         Channel::Hydropathy,
+        Channel::Spacing,
     ];
 
     /// The name in settings and files.
@@ -47,6 +51,7 @@ impl Channel {
             Channel::Solid => "solid",
             Channel::Potential => "potential",
             Channel::Hydropathy => "hydropathy",
+            Channel::Spacing => "spacing",
         }
     }
 }
@@ -168,7 +173,7 @@ pub fn bounds(atoms: &[VoxelAtom]) -> (Vec3, Vec3) {
 ///
 /// # Errors
 /// [`FieldError::BadInput`] for no channels, no atoms with a radius, and atoms that reach off the
-/// lattice; else as [`solve`].
+/// lattice; else as [`solve`](crate::solve).
 pub fn voxelise(
     atoms: &[VoxelAtom],
     hydropathy: &[Option<f64>],
@@ -202,6 +207,7 @@ pub fn voxelise(
                 let indices: Vec<f64> = shell.par_iter().map(at_voxel).collect();
                 scatter(&index, &shell, &indices)
             }
+            Channel::Spacing => vec![lattice.spacing_angstrom() as f32; index.len()],
         };
         values.push(of_channel);
     }
@@ -255,7 +261,7 @@ fn potentials(
             places.par_iter().map(potential_at).collect()
         }
         PotentialModel::PoissonBoltzmann => {
-            let solved = solve(spheres, &settings.dielectric, &settings.solve)?;
+            let solved = solve_within(solid, spheres, &settings.dielectric, &settings.solve)?;
             at_surface(&solved, solid, &places)
         }
     })
