@@ -9,6 +9,7 @@
 //! the solvent that the spheres displace. It is a good approximation far away, where it gives
 //! boundary values, and the cheap alternative near the solute.
 
+use crate::charge_tree::{ChargeTree, FARTHER, bounds};
 use crate::charged_sphere::ChargedSphere;
 use crate::dielectric::DielectricModel;
 use crate::grid::{Grid, ScalarField, set_points};
@@ -32,8 +33,22 @@ use protomer_kernel::Vec3;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Superposition {
-    sources: PointCharges,
+    direct: PointCharges,
+    tree: ChargeTree,
     kappa: f64,
+}
+
+/// What stands for the sum at the places of a box.
+pub(crate) struct Seen {
+    charges: PointCharges,
+    kappa: f64,
+}
+
+impl Seen {
+    /// The potential at a place of the box, kT/e.
+    pub fn at(&self, place: &Vec3) -> f64 {
+        self.charges.screened(place, self.kappa)
+    }
 }
 
 impl Superposition {
@@ -73,14 +88,32 @@ impl Superposition {
             }
         }
         Self {
-            sources: PointCharges::new(&sources),
+            direct: PointCharges::new(&sources),
+            tree: ChargeTree::new(&sources),
             kappa,
         }
     }
 
+    /// What stands for the sum at the places of a box between two corners: far atoms in clusters,
+    /// with the error of `charge_tree`.
+    pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> Seen {
+        Seen {
+            charges: PointCharges::new(&self.tree.seen_from(low, high, FARTHER)),
+            kappa: self.kappa,
+        }
+    }
+
+    /// The distance of the nearest charge from a plane perpendicular to an axis, Å; 0 if there are
+    /// charges on both sides, and infinite without charges.
+    pub(crate) fn distance_from_plane(&self, axis: usize, place: f64) -> f64 {
+        let places = self.tree.sources().iter().map(|source| &source.place);
+        let (low, high) = bounds(places);
+        (low[axis] - place).max(place - high[axis]).max(0.0)
+    }
+
     /// The potential at a place, kT/e; inside a sphere it is that at its surface.
     pub fn at(&self, place: &Vec3) -> f64 {
-        self.sources.screened(place, self.kappa)
+        self.direct.screened(place, self.kappa)
     }
 
     /// The potential on a grid, kT/e.

@@ -103,6 +103,24 @@ impl Grid {
         self.point(index % nx, index / nx % ny, index / (nx * ny))
     }
 
+    /// All points, in blocks of at most `edge` points along each axis.
+    pub(crate) fn blocks(&self, edge: usize) -> Vec<Block> {
+        let [nx, ny, nz] = self.shape;
+        let mut blocks = Vec::new();
+        for k in (0..nz).step_by(edge) {
+            for j in (0..ny).step_by(edge) {
+                for i in (0..nx).step_by(edge) {
+                    let end = [(i + edge).min(nx), (j + edge).min(ny), (k + edge).min(nz)];
+                    blocks.push(Block {
+                        first: [i, j, k],
+                        end,
+                    });
+                }
+            }
+        }
+        blocks
+    }
+
     /// The distance between neighbours along each axis in a list of values.
     pub fn strides(&self) -> [usize; 3] {
         [1, self.shape[0], self.shape[0] * self.shape[1]]
@@ -159,6 +177,29 @@ impl Grid {
             weights[n] = x[di] * y[dj] * z[dk];
         }
         Stencil { points, weights }
+    }
+}
+
+/// Points of a grid that lie together.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Block {
+    first: [usize; 3],
+    /// One past the last point along each axis.
+    end: [usize; 3],
+}
+
+impl Block {
+    /// Coordinates of the points, x fastest.
+    pub fn points(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
+        let Self { first, end } = *self;
+        let rows = (first[2]..end[2]).flat_map(move |k| (first[1]..end[1]).map(move |j| (j, k)));
+        rows.flat_map(move |(j, k)| (first[0]..end[0]).map(move |i| [i, j, k]))
+    }
+
+    /// The lowest and the highest corner of the box between the points and those that follow, Å.
+    pub fn corners(&self, grid: &Grid) -> (Vec3, Vec3) {
+        let ([i, j, k], [next_i, next_j, next_k]) = (self.first, self.end);
+        (grid.point(i, j, k), grid.point(next_i, next_j, next_k))
     }
 }
 

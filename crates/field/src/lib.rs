@@ -11,6 +11,10 @@
 //! | [`surface`] | what separates the solute from the solvent |
 //! | `dielectric` | permittivities and ions inside and outside the surface |
 //! | `point_charges` | sums over charges, in vectors |
+//! | `edge_charges` | potential, slope and flux of charges at edges of a grid |
+//! | `vectorised` | methods compiled for several instruction sets |
+//! | `charge_tree` | far charges in clusters |
+//! | `chebyshev` | polynomials between a few points |
 //! | [`debye_huckel`] | screened charges in a uniform solvent |
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
 //! | [`effective_charges`] | charges in salt water that stand for those inside a body |
@@ -19,15 +23,19 @@
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
 //! says so.
 
+mod charge_tree;
 mod charged_sphere;
+mod chebyshev;
 pub mod debye_huckel;
 mod dielectric;
+mod edge_charges;
 pub mod effective_charges;
 mod error;
 mod grid;
 mod point_charges;
 pub mod poisson_boltzmann;
 pub mod surface;
+mod vectorised;
 pub mod voxels;
 
 pub use charged_sphere::ChargedSphere;

@@ -26,13 +26,15 @@
 //! the potential outside a Born ion at 0.5 Å, to no order of the spacing.
 
 use super::operator::Operator;
-use crate::grid::Grid;
+use crate::charge_tree::{ChargeTree, FAR, FARTHER};
+use crate::edge_charges::{EdgeCharges, EdgePlace};
+use crate::grid::{Block, Grid};
 use crate::point_charges::PointCharges;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Faces are moved by this much, in spacings, so that none passes through a charge that lies on the
+/// Edges are moved by this much, in spacings, so that no face passes through a charge that lies on the
 /// grid.
 const ASIDE: f64 = 1e-7;
 
@@ -45,32 +47,45 @@ struct Crossing {
     permittivity: f64,
     /// t.
     part: f64,
-    /// Γ.
-    place: Vec3,
     /// The middle of the edge.
     middle: Vec3,
     /// From the inner to the outer end along the axis, 1 or -1.
     direction: f64,
 }
 
+/// Points along the edge of a block, whose places see far charges as the same clusters.
+pub(super) const BLOCK: usize = 8;
+
 /// b of the charges, in units of permittivity times potential, with ε_in and ε_out.
 pub(super) fn at_surface(
     grid: &Grid,
     operator: &Operator,
     inside: &[bool],
-    coulomb: &PointCharges,
+    coulomb: &ChargeTree,
     permittivities: [f64; 2],
 ) -> Vec<f64> {
     let [inner, _] = permittivities;
-    let crossings = crossings(grid, operator, inside, permittivities);
-    let sources: Vec<[f64; 2]> = crossings
-        .par_iter()
-        .map(|crossing| crossing.sources(coulomb, inner, grid.spacing_angstrom))
-        .collect();
+    let h = grid.spacing_angstrom;
+    let sources_of_block = |block: &Block| {
+        let crossings = crossings(block, grid, operator, inside, permittivities);
+        let mut sources = Vec::with_capacity(2 * crossings.len());
+        if !crossings.is_empty() {
+            let (low, high) = block.corners(grid);
+            let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
+            let seen = EdgeCharges::new(seen, low);
+            for crossing in crossings {
+                let [to_inside, to_outside] = crossing.sources(&seen, inner, h);
+                sources.push((crossing.inside, to_inside));
+                sources.push((crossing.outside, to_outside));
+            }
+        }
+        sources
+    };
+    let blocks = grid.blocks(BLOCK);
+    let of_blocks: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(sources_of_block).collect();
     let mut right = vec![0.0; grid.len()];
-    for (crossing, [to_inside, to_outside]) in crossings.iter().zip(sources) {
-        right[crossing.inside] += to_inside;
-        right[crossing.outside] += to_outside;
+    for (at, source) in of_blocks.into_iter().flatten() {
+        right[at] += source;
     }
     add_charges_outside(&mut right, grid, inside, coulomb, inner);
     right
@@ -78,14 +93,18 @@ pub(super) fn at_surface(
 
 impl Crossing {
     /// b_i and b_j.
-    fn sources(&self, coulomb: &PointCharges, inner: f64, h: f64) -> [f64; 2] {
-        let (value, gradient) = coulomb.coulomb_with_gradient(&self.place);
-        let slope = h * self.direction * gradient[self.axis];
+    fn sources(&self, coulomb: &EdgeCharges, inner: f64, h: f64) -> [f64; 2] {
+        let at_edge = coulomb.at(&EdgePlace {
+            middle: self.middle + Vec3::repeat(ASIDE * h),
+            axis: self.axis,
+            length: h,
+            offset: (self.part - 0.5) * h * self.direction,
+        });
+        let slope = h * self.direction * at_edge.slope;
         // ε φ_i, E and G.
-        let extended = self.permittivity * (value - self.part * slope);
+        let extended = self.permittivity * (at_edge.value - self.part * slope);
         let at_crossing = -inner * slope;
-        let face = self.middle + Vec3::repeat(ASIDE * h);
-        let through_face = inner / h * self.direction * coulomb.flux(&face, self.axis, h);
+        let through_face = inner / h * self.direction * at_edge.flux;
         if self.part > 0.5 {
             [
                 at_crossing - extended,
@@ -103,11 +122,12 @@ fn add_charges_outside(
     right: &mut [f64],
     grid: &Grid,
     inside: &[bool],
-    coulomb: &PointCharges,
+    coulomb: &ChargeTree,
     inner: f64,
 ) {
     let h = grid.spacing_angstrom;
-    for (place, strength) in coulomb.sources() {
+    for source in coulomb.sources() {
+        let (place, strength) = (source.place, source.strength);
         let mut nearest = [0; 3];
         for axis in 0..3 {
             let along = (place[axis] - grid.origin_angstrom[axis]) / h - ASIDE;
@@ -126,56 +146,72 @@ pub(super) fn add_ions(
     grid: &Grid,
     operator: &Operator,
     inside: &[bool],
-    coulomb: &PointCharges,
+    coulomb: &ChargeTree,
 ) {
-    operator.inner_rows(right, |row, start| {
-        for (offset, b) in row.iter_mut().enumerate() {
-            let at = start + offset;
-            let mass = f64::from(operator.mass[at]);
-            if inside[at] && mass > 0.0 {
-                *b -= mass * coulomb.coulomb(&grid.point_at(at));
-            }
-        }
-    });
+    let with_ions = |at: usize| inside[at] && operator.mass[at] > 0.0;
+    for (at, potential) in at_points(grid, coulomb, with_ions) {
+        right[at] -= f64::from(operator.mass[at]) * potential;
+    }
 }
 
-/// All edges that cross the surface, in the order of their points.
+/// Σ s_i / r_i at some points of a grid.
+pub(super) fn at_points(
+    grid: &Grid,
+    coulomb: &ChargeTree,
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Vec<(usize, f64)> {
+    let of_block = |block: &Block| {
+        let mut found = Vec::new();
+        for [i, j, k] in block.points() {
+            let at = grid.index(i, j, k);
+            if wanted(at) {
+                found.push((at, 0.0));
+            }
+        }
+        if !found.is_empty() {
+            let (low, high) = block.corners(grid);
+            let seen = PointCharges::new(&coulomb.seen_from(&low, &high, FARTHER));
+            for (at, value) in &mut found {
+                *value = seen.coulomb(&grid.point_at(*at));
+            }
+        }
+        found
+    };
+    let blocks = grid.blocks(BLOCK);
+    let of_blocks: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(of_block).collect();
+    of_blocks.into_iter().flatten().collect()
+}
+
+/// The edges from the points of a block that cross the surface.
 fn crossings(
+    block: &Block,
     grid: &Grid,
     operator: &Operator,
     inside: &[bool],
     permittivities: [f64; 2],
 ) -> Vec<Crossing> {
     let strides = grid.strides();
-    let [nx, ny, nz] = grid.shape;
-    let crossings_of_plane = |k: usize| {
-        let mut found = Vec::new();
-        for j in 1..ny - 1 {
-            for i in 1..nx - 1 {
-                let at = grid.index(i, j, k);
-                for (axis, stride) in strides.iter().enumerate() {
-                    if inside[at] != inside[at + stride] {
-                        let permittivity = f64::from(operator.edges[axis][at]);
-                        let starts_inside = inside[at];
-                        let edge = Edge {
-                            grid,
-                            at,
-                            axis,
-                            permittivity,
-                            starts_inside,
-                        };
-                        found.push(edge.crossing(permittivities));
-                    }
-                }
+    let mut found = Vec::new();
+    for at in block.points() {
+        let on_face = (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == grid.shape[axis]);
+        if on_face {
+            continue;
+        }
+        let at = grid.index(at[0], at[1], at[2]);
+        for (axis, stride) in strides.iter().enumerate() {
+            if inside[at] != inside[at + stride] {
+                let edge = Edge {
+                    grid,
+                    at,
+                    axis,
+                    permittivity: f64::from(operator.edges[axis][at]),
+                    starts_inside: inside[at],
+                };
+                found.push(edge.crossing(permittivities));
             }
         }
-        found
-    };
-    let planes: Vec<Vec<Crossing>> = (1..nz - 1)
-        .into_par_iter()
-        .map(crossings_of_plane)
-        .collect();
-    planes.into_iter().flatten().collect()
+    }
+    found
 }
 
 /// An edge from a point to the next along an axis.
@@ -197,10 +233,10 @@ impl Edge<'_> {
             ((1.0 / self.permittivity - 1.0 / outer) / contrast).clamp(0.0, 1.0)
         };
         let next = self.at + self.grid.strides()[self.axis];
-        let (inside, outside, along, direction) = if self.starts_inside {
-            (self.at, next, part, 1.0)
+        let (inside, outside, direction) = if self.starts_inside {
+            (self.at, next, 1.0)
         } else {
-            (next, self.at, 1.0 - part, -1.0)
+            (next, self.at, -1.0)
         };
         let start = self.grid.point_at(self.at);
         let step = Vec3::ith(self.axis, self.grid.spacing_angstrom);
@@ -210,7 +246,6 @@ impl Edge<'_> {
             axis: self.axis,
             permittivity: self.permittivity,
             part,
-            place: start + step * along,
             middle: start + step * 0.5,
             direction,
         }
@@ -258,7 +293,7 @@ mod tests {
                     });
                 }
                 charges.retain(|charge| charge.place.norm() < 0.98 * radius);
-                let coulomb = PointCharges::new(&charges);
+                let coulomb = ChargeTree::new(&charges);
                 let right = at_surface(&grid, &operator, &map.inside, &coulomb, [2.0, 80.0]);
                 let seen =
                     right.iter().sum::<f64>() * spacing / (4.0 * PI * 2.0) / charges.len() as f64;

@@ -17,6 +17,7 @@
 //! | `dielectric_map` | permittivities and accessibility on a grid |
 //! | `ion_gap` | how far a point is from what ions cannot enter |
 //! | `coulomb_source` | the Coulomb potential inside as sources at the surface |
+//! | `faces` | the potential on the faces of a grid |
 //! | `operator` | -∇·ε∇φ + k φ on a grid |
 //! | `multigrid`, `transfer` | an approximate inverse of the operator |
 //! | `conjugate_gradient` | the solution |
@@ -27,6 +28,7 @@ mod conjugate_gradient;
 mod coulomb_source;
 mod dielectric_map;
 mod error_estimate;
+mod faces;
 mod ion_gap;
 mod multigrid;
 mod operator;
@@ -38,11 +40,12 @@ pub use error_estimate::error_estimate_kt;
 pub use potential::Potential;
 pub use settings::{BoundaryCondition, SolveSettings, grid_around};
 
+use crate::charge_tree::ChargeTree;
 use crate::charged_sphere::{ChargedSphere, bounds};
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
-use crate::grid::{Grid, ScalarField, set_points};
-use crate::point_charges::{PointCharges, Source};
+use crate::grid::{Grid, ScalarField};
+use crate::point_charges::Source;
 use crate::surface::surface_of;
 use crate::{FieldError, Result};
 use dielectric_map::DielectricMap;
@@ -83,12 +86,25 @@ pub fn solve(
     check_dielectric(dielectric)?;
     check_spheres(spheres)?;
     let solid = surface_of(spheres, dielectric.surface, dielectric.probe_angstrom)?;
-    check_charges(spheres, &*solid)?;
+    solve_within(&*solid, spheres, dielectric, settings)
+}
+
+/// As [`solve`], with the surface of these spheres.
+pub(crate) fn solve_within(
+    solid: &dyn ImplicitSolid,
+    spheres: &[ChargedSphere],
+    dielectric: &DielectricModel,
+    settings: &SolveSettings,
+) -> Result<Potential> {
+    settings.check()?;
+    check_dielectric(dielectric)?;
+    check_spheres(spheres)?;
+    check_charges(spheres, solid)?;
     let grid = grid_around(spheres, settings)?;
     let problem = Problem {
         spheres,
         dielectric,
-        solid: &*solid,
+        solid,
         relative_tolerance: settings.relative_tolerance,
     };
     match settings.boundary {
@@ -98,15 +114,16 @@ pub fn solve(
                 ..*dielectric
             };
             let atoms = Superposition::new(spheres, &without_shell);
-            problem.solve_on(grid, |place| atoms.at(place))
+            problem.solve_on(grid, faces::superposed(&grid, &atoms))
         }
         BoundaryCondition::CoarseGrid => {
             let (low, high) = bounds(spheres);
             let mean_half_extent = 0.25 * (high - low).sum() / 1.5;
             let solute = Superposition::of_solute(spheres, dielectric, mean_half_extent);
             let coarse_grid = coarse_grid_around(spheres, settings)?;
-            let coarse = problem.solve_on(coarse_grid, |place| solute.at(place))?;
-            problem.solve_on(grid, |place| coarse.reduced_at(place).unwrap_or(0.0))
+            let coarse = problem.solve_on(coarse_grid, faces::superposed(&coarse_grid, &solute))?;
+            let on_faces = |place: &Vec3| coarse.reduced_at(place).unwrap_or(0.0);
+            problem.solve_on(grid, faces::point_by_point(&grid, on_faces))
         }
     }
 }
@@ -178,8 +195,8 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// The potential on a grid, given that on its faces.
-    fn solve_on(&self, grid: Grid, on_faces: impl Fn(&Vec3) -> f64 + Sync) -> Result<Potential> {
+    /// The potential on a grid, given that on its faces, and zero at other points.
+    fn solve_on(&self, grid: Grid, mut values: Vec<f64>) -> Result<Potential> {
         let inner = self.dielectric.inner_permittivity;
         let outer = self.dielectric.electrolyte.relative_permittivity();
         let (operator, inside) = self.operator_on(&grid);
@@ -187,7 +204,6 @@ impl Problem<'_> {
         let mut right =
             coulomb_source::at_surface(&grid, &operator, &inside, &coulomb, [inner, outer]);
         coulomb_source::add_ions(&mut right, &grid, &operator, &inside, &coulomb);
-        let mut values = values_on_faces(&grid, on_faces);
         let iterations = solve_with_faces(&operator, right, &mut values, self.relative_tolerance)?;
         let reduced = ScalarField { grid, values };
         Ok(Potential::new(
@@ -224,7 +240,7 @@ impl Problem<'_> {
     }
 
     /// The sources l q/ε_in of the Coulomb potential inside.
-    fn coulomb_inside(&self) -> PointCharges {
+    fn coulomb_inside(&self) -> ChargeTree {
         let bjerrum = self.dielectric.electrolyte.vacuum_bjerrum_length_angstrom();
         let per_charge = bjerrum / self.dielectric.inner_permittivity;
         let mut sources = Vec::new();
@@ -237,21 +253,8 @@ impl Problem<'_> {
                 });
             }
         }
-        PointCharges::new(&sources)
+        ChargeTree::new(&sources)
     }
-}
-
-/// Zero at inner points, the given potential on the faces.
-fn values_on_faces(grid: &Grid, on_faces: impl Fn(&Vec3) -> f64 + Sync) -> Vec<f64> {
-    let mut values = vec![0.0; grid.len()];
-    set_points(grid.shape, &mut values, |at, value| {
-        let [i, j, k] = at;
-        let on_face = (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == grid.shape[axis]);
-        if on_face {
-            *value = on_faces(&grid.point(i, j, k));
-        }
-    });
-    values
 }
 
 /// Solves for the inner points with the values on the faces as they are. Returns the iterations

@@ -1,7 +1,9 @@
 //! A solved potential, anywhere in space.
 
+use super::coulomb_source::at_points;
+use crate::charge_tree::ChargeTree;
 use crate::charged_sphere::ChargedSphere;
-use crate::grid::{Grid, ScalarField, set_points};
+use crate::grid::{Grid, ScalarField};
 use crate::point_charges::PointCharges;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
@@ -25,6 +27,7 @@ pub struct Potential {
     inside: Vec<bool>,
     /// The Coulomb potential inside.
     coulomb: PointCharges,
+    tree: ChargeTree,
     /// Half the sum of charge times reaction field, kT.
     pub solvation_energy_kt: f64,
     /// Iterations of the solver.
@@ -35,14 +38,15 @@ impl Potential {
     pub(super) fn new(
         reduced: ScalarField,
         inside: Vec<bool>,
-        coulomb: PointCharges,
+        tree: ChargeTree,
         spheres: &[ChargedSphere],
         iterations: usize,
     ) -> Self {
         let mut potential = Self {
             reduced,
             inside,
-            coulomb,
+            coulomb: PointCharges::new(tree.sources()),
+            tree,
             solvation_energy_kt: 0.0,
             iterations,
         };
@@ -113,15 +117,12 @@ impl Potential {
         Some(corners.interpolate(|point| self.reduced.values[point]))
     }
 
-    /// The potential at all points of the grid, kT/e.
+    /// The potential at all points of the grid, kT/e: inside, with the error of `charge_tree`.
     pub fn field(&self) -> ScalarField {
-        let grid = self.reduced.grid;
-        let mut values = self.reduced.values.clone();
-        set_points(grid.shape, &mut values, |[i, j, k], value| {
-            if self.inside[grid.index(i, j, k)] {
-                *value += self.coulomb.coulomb(&grid.point(i, j, k));
-            }
-        });
-        ScalarField { grid, values }
+        let mut field = self.reduced.clone();
+        for (point, coulomb) in at_points(&field.grid, &self.tree, |point| self.inside[point]) {
+            field.values[point] += coulomb;
+        }
+        field
     }
 }

@@ -7,7 +7,7 @@ use super::shell::{Occupied, occupied};
 use crate::charged_sphere::ChargedSphere;
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
-use crate::poisson_boltzmann::{SolveSettings, solve};
+use crate::poisson_boltzmann::{SolveSettings, solve_within};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
 use protomer_body::surface::{ImplicitSolid, SesSolid};
@@ -168,7 +168,7 @@ pub fn bounds(atoms: &[VoxelAtom]) -> (Vec3, Vec3) {
 ///
 /// # Errors
 /// [`FieldError::BadInput`] for no channels, no atoms with a radius, and atoms that reach off the
-/// lattice; else as [`solve`].
+/// lattice; else as [`solve`](crate::solve).
 pub fn voxelise(
     atoms: &[VoxelAtom],
     hydropathy: &[Option<f64>],
@@ -255,7 +255,7 @@ fn potentials(
             places.par_iter().map(potential_at).collect()
         }
         PotentialModel::PoissonBoltzmann => {
-            let solved = solve(spheres, &settings.dielectric, &settings.solve)?;
+            let solved = solve_within(solid, spheres, &settings.dielectric, &settings.solve)?;
             at_surface(&solved, solid, &places)
         }
     })

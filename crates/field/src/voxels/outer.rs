@@ -52,11 +52,8 @@ impl OuterPoints {
         let value_outside = |point: &usize| {
             let place = grid.point_at(*point);
             let is_outside = solid.signed_distance(&place) > OUTSIDE_ANGSTROM;
-            if is_outside {
-                potential.at(&place)
-            } else {
-                None
-            }
+            let is_known = is_outside && !potential.inside()[*point];
+            is_known.then(|| potential.at_outer_point(*point))
         };
         let values = points.par_iter().map(value_outside).collect();
         Self { points, values }

@@ -1,0 +1,38 @@
+//! Methods compiled for several instruction sets.
+//!
+//! The vector instructions do the same operations in the same order as the portable code, so every
+//! machine finds the same bits.
+
+/// A method that is compiled once for each instruction set and chosen at run time.
+macro_rules! vectorised {
+    ($(#[$doc:meta])* $name:ident, $any:ident, $avx512:ident, $avx2:ident, ($($argument:ident: $type:ty),*) -> $out:ty) => {
+        $(#[$doc])*
+        pub fn $name(&self, $($argument: $type),*) -> $out {
+            #[cfg(target_arch = "x86_64")]
+            {
+                if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+                    // SAFETY: the processor has the features that the function is compiled for.
+                    return unsafe { self.$avx512($($argument),*) };
+                }
+                if is_x86_feature_detected!("avx2") {
+                    // SAFETY: the processor has the feature that the function is compiled for.
+                    return unsafe { self.$avx2($($argument),*) };
+                }
+            }
+            self.$any($($argument),*)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx512f,avx512dq")]
+        fn $avx512(&self, $($argument: $type),*) -> $out {
+            self.$any($($argument),*)
+        }
+
+        #[cfg(target_arch = "x86_64")]
+        #[target_feature(enable = "avx2")]
+        fn $avx2(&self, $($argument: $type),*) -> $out {
+            self.$any($($argument),*)
+        }
+    };
+}
+pub(crate) use vectorised;
