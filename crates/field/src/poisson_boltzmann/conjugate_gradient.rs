@@ -13,19 +13,19 @@ const PIECE: usize = 1 << 14;
 /// Partial sums within a piece.
 const LANES: usize = 8;
 
-/// Solves A x = b on the inner points, from the x given. Returns the iterations made.
+/// Solves A x = b on the inner points, from the x given, whose values on the faces stay as they are.
+/// Returns the iterations made.
 pub(super) fn solve(
     a: &Operator,
-    b: &[f64],
+    b: Vec<f64>,
     x: &mut [f64],
     relative_tolerance: f64,
 ) -> Result<usize> {
     let mut preconditioner = Multigrid::new(a);
-    let mut r = residual(a, b, x);
-    let mut z = vec![0.0; b.len()];
     let mut p = vec![0.0; b.len()];
     let mut ap = vec![0.0; b.len()];
-    let start = dot(b, b).max(dot(&r, &r));
+    let mut r = residual(a, b, x, &mut ap);
+    let start = dot(&r, &r);
     if start == 0.0 {
         return Ok(0);
     }
@@ -35,14 +35,14 @@ pub(super) fn solve(
         if rr <= relative_tolerance * relative_tolerance * start {
             return Ok(iteration);
         }
-        preconditioner.apply(&r, &mut z);
+        let z = preconditioner.apply(&r);
         let before = rz;
-        rz = dot(&r, &z);
+        rz = dot(&r, z);
         let beta = if iteration == 0 { 0.0 } else { rz / before };
         // p = z + β p.
         p.par_iter_mut()
-            .zip(&z)
-            .for_each(|(p, z)| *p = z + beta * *p);
+            .zip(z)
+            .for_each(|(p, z)| *p = f64::from(*z) + beta * *p);
         a.apply(&p, &mut ap);
         let step = rz / dot(&p, &ap);
         add_scaled(x, step, &p);
@@ -54,16 +54,12 @@ pub(super) fn solve(
     })
 }
 
-/// b - A x on the inner points, zero on the faces.
-fn residual(a: &Operator, b: &[f64], x: &[f64]) -> Vec<f64> {
-    let mut residual = vec![0.0; b.len()];
-    a.apply(x, &mut residual);
-    a.inner_rows(&mut residual, |row, start| {
-        for (value, b) in row.iter_mut().zip(&b[start..]) {
-            *value = b - *value;
-        }
-    });
-    residual
+/// b - A x on the inner points, zero on the faces; `ax` is overwritten.
+fn residual(a: &Operator, mut b: Vec<f64>, x: &[f64], ax: &mut [f64]) -> Vec<f64> {
+    a.apply(x, ax);
+    add_scaled(&mut b, -1.0, ax);
+    a.clear_faces(&mut b);
+    b
 }
 
 /// x += factor · y.
@@ -72,24 +68,24 @@ fn add_scaled(x: &mut [f64], factor: f64, y: &[f64]) {
 }
 
 /// a · b.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+fn dot<T: Copy + Into<f64> + Sync>(a: &[f64], b: &[T]) -> f64 {
     let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE));
     let sums: Vec<f64> = pieces.map(|(a, b)| dot_of_piece(a, b)).collect();
     sums.iter().sum()
 }
 
-fn dot_of_piece(a: &[f64], b: &[f64]) -> f64 {
+fn dot_of_piece<T: Copy + Into<f64>>(a: &[f64], b: &[T]) -> f64 {
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (b_chunks, b_rest) = b.as_chunks::<LANES>();
     let mut lanes = [0.0; LANES];
     for (a, b) in a_chunks.iter().zip(b_chunks) {
         for lane in 0..LANES {
-            lanes[lane] += a[lane] * b[lane];
+            lanes[lane] += a[lane] * b[lane].into();
         }
     }
     let mut rest = 0.0;
     for (a, b) in a_rest.iter().zip(b_rest) {
-        rest += a * b;
+        rest += a * (*b).into();
     }
     lanes.iter().sum::<f64>() + rest
 }

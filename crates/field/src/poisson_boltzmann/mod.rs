@@ -204,7 +204,8 @@ impl Problem<'_> {
         let mut right =
             coulomb_source::at_surface(&grid, &operator, &inside, &coulomb, [inner, outer]);
         coulomb_source::add_ions(&mut right, &grid, &operator, &inside, &coulomb);
-        let iterations = solve_with_faces(&operator, right, &mut values, self.relative_tolerance)?;
+        let iterations =
+            conjugate_gradient::solve(&operator, right, &mut values, self.relative_tolerance)?;
         let reduced = ScalarField { grid, values };
         Ok(Potential::new(
             reduced,
@@ -255,29 +256,4 @@ impl Problem<'_> {
         }
         ChargeTree::new(&sources)
     }
-}
-
-/// Solves for the inner points with the values on the faces as they are. Returns the iterations
-/// made.
-fn solve_with_faces(
-    operator: &Operator,
-    mut right: Vec<f64>,
-    x: &mut [f64],
-    tolerance: f64,
-) -> Result<usize> {
-    // The faces move to the right-hand side, b - A (faces), and are zero in what is solved for.
-    let mut from_faces = vec![0.0; x.len()];
-    operator.apply(x, &mut from_faces);
-    operator.inner_rows(&mut right, |row, start| {
-        for (b, from_faces) in row.iter_mut().zip(&from_faces[start..]) {
-            *b -= from_faces;
-        }
-    });
-    drop(from_faces);
-    let mut inner = vec![0.0; x.len()];
-    let iterations = conjugate_gradient::solve(operator, &right, &mut inner, tolerance)?;
-    operator.inner_rows(x, |row, start| {
-        row.copy_from_slice(&inner[start..start + row.len()]);
-    });
-    Ok(iterations)
 }

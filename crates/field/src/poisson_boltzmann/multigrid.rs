@@ -5,9 +5,11 @@
 //! cycle is symmetric, as conjugate gradients require. Single precision is enough for a
 //! preconditioner.
 
-use super::operator::Operator;
+use super::operator::{Operator, Step};
 use super::transfer::{coarsen, prolong, restrict};
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::mem::swap;
 
 /// Degree of the smoothing polynomials.
 const SMOOTHING: usize = 3;
@@ -20,50 +22,47 @@ const COARSEST_ABOVE: f32 = 0.02;
 
 /// A hierarchy of grids.
 #[derive(Debug)]
-pub(super) struct Multigrid {
-    levels: Vec<Level>,
+pub(super) struct Multigrid<'a> {
+    levels: Vec<Level<'a>>,
 }
 
 #[derive(Debug)]
-struct Level {
-    operator: Operator,
+struct Level<'a> {
+    operator: Cow<'a, Operator>,
     x: Vec<f32>,
     right: Vec<f32>,
-    residual: Vec<f32>,
     direction: Vec<f32>,
+    /// The next x, or the residual.
+    other: Vec<f32>,
 }
 
-impl Multigrid {
-    pub fn new(finest: &Operator) -> Self {
-        let mut levels = vec![Level::new(finest.clone())];
+impl<'a> Multigrid<'a> {
+    pub fn new(finest: &'a Operator) -> Self {
+        let mut levels = vec![Level::new(Cow::Borrowed(finest))];
         while let Some(coarse) = coarsen(&levels[levels.len() - 1].operator) {
-            levels.push(Level::new(coarse));
+            levels.push(Level::new(Cow::Owned(coarse)));
         }
         Self { levels }
     }
 
-    /// out ≈ A⁻¹ r.
-    pub fn apply(&mut self, r: &[f64], out: &mut [f64]) {
+    /// A list that is approximately A⁻¹ r.
+    pub fn apply(&mut self, r: &[f64]) -> &[f32] {
         let right = self.levels[0].right.par_iter_mut();
         right.zip(r).for_each(|(right, r)| *right = *r as f32);
         self.cycle();
-        let solution = out.par_iter_mut().zip(&self.levels[0].x);
-        solution.for_each(|(out, x)| *out = f64::from(*x));
+        &self.levels[0].x
     }
 
     fn cycle(&mut self) {
         let last = self.levels.len() - 1;
         for depth in 0..last {
             let [fine, coarse] = self.level_and_next(depth);
-            fine.x.fill(0.0);
             fine.smooth(SMOOTHING, SMOOTHED_ABOVE, true);
             fine.find_residual();
             let shapes = [fine.operator.shape, coarse.operator.shape];
-            restrict(&fine.residual, &mut coarse.right, shapes);
+            restrict(&fine.other, &mut coarse.right, shapes);
         }
-        let coarsest = &mut self.levels[last];
-        coarsest.x.fill(0.0);
-        coarsest.smooth(COARSEST, COARSEST_ABOVE, true);
+        self.levels[last].smooth(COARSEST, COARSEST_ABOVE, true);
         for depth in (0..last).rev() {
             let [fine, coarse] = self.level_and_next(depth);
             let shapes = [fine.operator.shape, coarse.operator.shape];
@@ -73,19 +72,19 @@ impl Multigrid {
     }
 
     /// A level and the next coarser one.
-    fn level_and_next(&mut self, depth: usize) -> [&mut Level; 2] {
+    fn level_and_next(&mut self, depth: usize) -> [&mut Level<'a>; 2] {
         let (fine, coarse) = self.levels.split_at_mut(depth + 1);
         [&mut fine[depth], &mut coarse[0]]
     }
 }
 
-impl Level {
-    fn new(operator: Operator) -> Self {
+impl<'a> Level<'a> {
+    fn new(operator: Cow<'a, Operator>) -> Self {
         let zeros = vec![0.0; operator.len()];
         Self {
             x: zeros.clone(),
             right: zeros.clone(),
-            residual: zeros.clone(),
+            other: zeros.clone(),
             direction: zeros,
             operator,
         }
@@ -94,17 +93,10 @@ impl Level {
     /// The residual b - A x.
     fn find_residual(&mut self) {
         let Self {
-            operator,
-            x,
-            right,
-            residual,
-            ..
+            operator, x, right, ..
         } = self;
-        operator.inner_rows(residual, |row, start| {
-            operator.apply_row(x, row, start);
-            for (value, b) in row.iter_mut().zip(&right[start..]) {
-                *value = b - *value;
-            }
+        operator.inner_rows(&mut self.other, |row, start| {
+            operator.residual_row(x, right, row, start);
         });
     }
 
@@ -115,42 +107,58 @@ impl Level {
         let delta = 0.5 * (LARGEST_EIGENVALUE - above);
         let sigma = theta / delta;
         let mut rho = 1.0 / sigma;
-        for step in 0..degree {
-            if step == 0 && from_zero {
-                self.residual.copy_from_slice(&self.right);
-            } else {
-                self.find_residual();
-            }
-            if step == 0 {
-                self.advance(0.0, 1.0 / theta);
+        for turn in 0..degree {
+            if turn == 0 {
+                let step = Step {
+                    keep: 0.0,
+                    take: 1.0 / theta,
+                };
+                match from_zero {
+                    true => self.start(step),
+                    false => self.advance(step),
+                }
             } else {
                 let next = 1.0 / (2.0 * sigma - rho);
-                self.advance(next * rho, 2.0 * next / delta);
+                self.advance(Step {
+                    keep: next * rho,
+                    take: 2.0 * next / delta,
+                });
                 rho = next;
             }
         }
     }
 
-    /// d = keep · d + take · D⁻¹ r, then x += d.
-    fn advance(&mut self, keep: f32, take: f32) {
+    /// The step from zero.
+    fn start(&mut self, step: Step) {
         let Self {
             operator,
             x,
-            residual,
+            right,
             direction,
             ..
         } = self;
-        operator.inner_rows(direction, |row, start| {
-            let (residual, diagonal) = (&residual[start..], &operator.diagonal[start..]);
-            for ((value, r), d) in row.iter_mut().zip(residual).zip(diagonal) {
-                *value = keep * *value + take * r / d;
+        operator.inner_rows_of_two(direction, x, |direction, x, start| {
+            let (b, diagonal) = (&right[start..], &operator.diagonal[start..]);
+            for (((d, x), b), diagonal) in direction.iter_mut().zip(x).zip(b).zip(diagonal) {
+                *d = step.take * b / diagonal;
+                *x = *d;
             }
         });
-        operator.inner_rows(x, |row, start| {
-            for (value, d) in row.iter_mut().zip(&direction[start..]) {
-                *value += d;
-            }
+    }
+
+    /// One step, in one pass over the grid.
+    fn advance(&mut self, step: Step) {
+        let Self {
+            operator,
+            x,
+            right,
+            direction,
+            other,
+        } = self;
+        operator.inner_rows_of_two(direction, other, |direction, next, start| {
+            operator.step_row(x, right, step, direction, next, start);
         });
+        swap(x, other);
     }
 }
 
@@ -197,9 +205,10 @@ mod tests {
                     < 1e-9 * dot(&ax, &ax).sqrt() * dot(&y, &y).sqrt()
             );
             assert!(dot(&ax, &x) > 0.0);
-            let (mut mx, mut my) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-            cycle.apply(&x, &mut mx);
-            cycle.apply(&y, &mut my);
+            let [mx, my] = [&x, &y].map(|x| -> Vec<f64> {
+                let solved = cycle.apply(x).iter();
+                solved.map(|value| f64::from(*value)).collect()
+            });
             assert!(
                 (dot(&mx, &y) - dot(&x, &my)).abs()
                     < 1e-4 * dot(&mx, &mx).sqrt() * dot(&y, &y).sqrt()

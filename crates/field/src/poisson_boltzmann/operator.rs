@@ -4,6 +4,7 @@
 //! divided by the spacing. Points on the faces of the grid are given, not unknown: A ignores their rows, and their
 //! values are zero in what it is applied to. A is symmetric and positive definite.
 
+use crate::vectorised::vectorised;
 use rayon::prelude::*;
 use std::ops::{Mul, Sub};
 
@@ -71,33 +72,156 @@ impl Operator {
         });
     }
 
+    /// As [`inner_rows`](Self::inner_rows), for the same rows of two lists.
+    pub fn inner_rows_of_two<T: Send, U: Send>(
+        &self,
+        one: &mut [T],
+        two: &mut [U],
+        work: impl Fn(&mut [T], &mut [U], usize) + Sync,
+    ) {
+        let [nx, ny, nz] = self.shape;
+        let planes = one.par_chunks_mut(nx * ny).zip(two.par_chunks_mut(nx * ny));
+        let inner_planes = planes.enumerate().skip(1).take(nz - 2);
+        inner_planes.for_each(|(k, (one, two))| {
+            for j in 1..ny - 1 {
+                let row = j * nx + 1..(j + 1) * nx - 1;
+                work(&mut one[row.clone()], &mut two[row], (k * ny + j) * nx + 1);
+            }
+        });
+    }
+
+    /// Zero on the faces.
+    pub fn clear_faces<T: Copy + Default>(&self, values: &mut [T]) {
+        let [nx, ny, nz] = self.shape;
+        for (k, plane) in values.chunks_mut(nx * ny).enumerate() {
+            for (j, row) in plane.chunks_mut(nx).enumerate() {
+                if k == 0 || k + 1 == nz || j == 0 || j + 1 == ny {
+                    row.fill(T::default());
+                } else {
+                    row[0] = T::default();
+                    row[nx - 1] = T::default();
+                }
+            }
+        }
+    }
+
     /// out = A x on inner points.
-    pub fn apply<T: Number>(&self, x: &[T], out: &mut [T]) {
+    pub fn apply(&self, x: &[f64], out: &mut [f64]) {
         self.inner_rows(out, |row, start| self.apply_row(x, row, start));
     }
 
-    /// One row of A x.
+    vectorised!(
+        /// One row of A x.
+        apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
+        (x: &[f64], out: &mut [f64], start: usize) -> ()
+    );
+    vectorised!(
+        /// One row of the residual b - A x.
+        residual_row, residual_row_any, residual_row_avx512, residual_row_avx2,
+        (x: &[f32], b: &[f32], out: &mut [f32], start: usize) -> ()
+    );
+    vectorised!(
+        /// One row of a step d = keep · d + take · D⁻¹ (b - A x) and next = x + d.
+        step_row, step_row_any, step_row_avx512, step_row_avx2,
+        (x: &[f32], b: &[f32], step: Step, d: &mut [f32], next: &mut [f32], start: usize) -> ()
+    );
+
     #[inline(always)]
-    pub fn apply_row<T: Number>(&self, x: &[T], out: &mut [T], start: usize) {
-        let (n, [_, y, z]) = (out.len(), self.strides());
-        let [ex, ey, ez] = &self.edges;
-        // Equal lengths let the compiler drop the bounds checks and use vectors.
-        let diagonal = &self.diagonal[start..start + n];
-        let (east, west) = (&ex[start..start + n], &ex[start - 1..start - 1 + n]);
-        let (north, south) = (&ey[start..start + n], &ey[start - y..start - y + n]);
-        let (up, down) = (&ez[start..start + n], &ez[start - z..start - z + n]);
-        let here = &x[start..start + n];
-        let (xe, xw) = (&x[start + 1..start + 1 + n], &x[start - 1..start - 1 + n]);
-        let (xn, xs) = (&x[start + y..start + y + n], &x[start - y..start - y + n]);
-        let (xu, xd) = (&x[start + z..start + z + n], &x[start - z..start - z + n]);
-        for i in 0..n {
-            out[i] = T::from(diagonal[i]) * here[i]
-                - T::from(east[i]) * xe[i]
-                - T::from(west[i]) * xw[i]
-                - T::from(north[i]) * xn[i]
-                - T::from(south[i]) * xs[i]
-                - T::from(up[i]) * xu[i]
-                - T::from(down[i]) * xd[i];
+    fn apply_row_any(&self, x: &[f64], out: &mut [f64], start: usize) {
+        let row = Row::new(self, x, start, out.len());
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = row.product(i);
         }
+    }
+
+    #[inline(always)]
+    fn residual_row_any(&self, x: &[f32], b: &[f32], out: &mut [f32], start: usize) {
+        let row = Row::new(self, x, start, out.len());
+        let b = &b[start..start + out.len()];
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = b[i] - row.product(i);
+        }
+    }
+
+    #[inline(always)]
+    fn step_row_any(
+        &self,
+        x: &[f32],
+        b: &[f32],
+        step: Step,
+        d: &mut [f32],
+        next: &mut [f32],
+        start: usize,
+    ) {
+        let n = d.len();
+        let row = Row::new(self, x, start, n);
+        let (b, next) = (&b[start..start + n], &mut next[..n]);
+        for i in 0..n {
+            let residual = b[i] - row.product(i);
+            d[i] = step.keep * d[i] + step.take * residual / row.diagonal[i];
+            next[i] = row.here[i] + d[i];
+        }
+    }
+}
+
+/// Factors of a step of an iteration.
+#[derive(Debug, Clone, Copy)]
+pub struct Step {
+    pub keep: f32,
+    pub take: f32,
+}
+
+/// Coefficients and values around a row of points. Equal lengths let the compiler drop the bounds
+/// checks and use vectors.
+struct Row<'a, T> {
+    diagonal: &'a [f32],
+    /// Edges to the east, west, north, south, up and down.
+    edges: [&'a [f32]; 6],
+    here: &'a [T],
+    /// Values in these directions.
+    neighbours: [&'a [T]; 6],
+}
+
+impl<'a, T: Number> Row<'a, T> {
+    #[inline(always)]
+    fn new(operator: &'a Operator, x: &'a [T], start: usize, n: usize) -> Self {
+        let [_, y, z] = operator.strides();
+        let [ex, ey, ez] = &operator.edges;
+        let part = |edges: &'a [f32], first: usize| &edges[first..first + n];
+        let values = |first: usize| &x[first..first + n];
+        Self {
+            diagonal: part(&operator.diagonal, start),
+            edges: [
+                part(ex, start),
+                part(ex, start - 1),
+                part(ey, start),
+                part(ey, start - y),
+                part(ez, start),
+                part(ez, start - z),
+            ],
+            here: values(start),
+            neighbours: [
+                values(start + 1),
+                values(start - 1),
+                values(start + y),
+                values(start - y),
+                values(start + z),
+                values(start - z),
+            ],
+        }
+    }
+
+    /// (A x) at a point of the row.
+    #[inline(always)]
+    fn product(&self, i: usize) -> T {
+        let [east, west, north, south, up, down] = self.edges;
+        let [xe, xw, xn, xs, xu, xd] = self.neighbours;
+        T::from(self.diagonal[i]) * self.here[i]
+            - T::from(east[i]) * xe[i]
+            - T::from(west[i]) * xw[i]
+            - T::from(north[i]) * xn[i]
+            - T::from(south[i]) * xs[i]
+            - T::from(up[i]) * xu[i]
+            - T::from(down[i]) * xd[i]
     }
 }

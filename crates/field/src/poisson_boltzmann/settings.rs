@@ -51,7 +51,7 @@ impl Default for SolveSettings {
 }
 
 /// Bytes per grid point that a solve takes.
-const BYTES_PER_POINT: usize = 140;
+const BYTES_PER_POINT: usize = 90;
 /// The coarse grid is this many times larger along each axis,
 const COARSE_EXTENT: f64 = 2.0;
 /// and this many times coarser, up to a limit in Å.

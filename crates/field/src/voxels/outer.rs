@@ -34,38 +34,46 @@ pub fn at_surface(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Ve
     places.par_iter().map(value_at).collect()
 }
 
-/// Grid points near some places, and the potential at those that are outside the surface.
+/// The potential at the grid points near some places that are outside the surface; not a number at all
+/// others.
 struct OuterPoints {
-    /// Ascending.
-    points: Vec<usize>,
-    values: Vec<Option<f64>>,
+    values: Vec<f64>,
 }
 
 impl OuterPoints {
     fn new(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Vec3]) -> Self {
         let grid = potential.grid();
         // Neighbouring places share grid points, and each is evaluated once.
-        let around = |place: &Vec3| points_around(grid, place);
-        let mut points: Vec<usize> = places.par_iter().flat_map_iter(around).collect();
-        points.par_sort_unstable();
-        points.dedup();
-        let value_outside = |point: &usize| {
-            let place = grid.point_at(*point);
-            let is_outside = solid.signed_distance(&place) > OUTSIDE_ANGSTROM;
-            let is_known = is_outside && !potential.inside()[*point];
-            is_known.then(|| potential.at_outer_point(*point))
+        let mut wanted = vec![false; grid.len()];
+        for place in places {
+            for point in points_around(grid, place) {
+                wanted[point] = true;
+            }
+        }
+        let value_outside = |point: usize| {
+            let is_outside = !potential.inside()[point]
+                && solid.signed_distance(&grid.point_at(point)) > OUTSIDE_ANGSTROM;
+            match is_outside {
+                true => potential.at_outer_point(point),
+                false => f64::NAN,
+            }
         };
-        let values = points.par_iter().map(value_outside).collect();
-        Self { points, values }
+        let points = wanted.into_par_iter().enumerate();
+        let values = points.map(|(point, wanted)| match wanted {
+            true => value_outside(point),
+            false => f64::NAN,
+        });
+        Self {
+            values: values.collect(),
+        }
     }
 
     /// Offsets, in spacings, and potentials of the outer points around a place.
     fn near(&self, grid: &Grid, place: &Vec3) -> Vec<(Vec3, f64)> {
-        let mut near = Vec::new();
+        let mut near = Vec::with_capacity(64);
         for point in points_around(grid, place) {
-            if let Ok(at) = self.points.binary_search(&point)
-                && let Some(value) = self.values[at]
-            {
+            let value = self.values[point];
+            if !value.is_nan() {
                 let offset = (grid.point_at(point) - place) / grid.spacing_angstrom;
                 near.push((offset, value));
             }
