@@ -117,8 +117,16 @@ fn terminal_bar(flags: &Global) -> ProgressBar {
 
 fn style() -> Result<ProgressStyle, TemplateError> {
     let style =
-        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {elapsed}, {left} left")?;
-    Ok(style.with_key("left", left))
+        ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {rate}{elapsed}, {left} left")?;
+    Ok(style.with_key("left", left).with_key("rate", rate))
+}
+
+/// Units per second, where they are so fast that the number says something.
+fn rate(state: &ProgressState, out: &mut dyn fmt::Write) {
+    let rate = state.per_sec();
+    if rate >= 0.05 && state.pos() > 0 {
+        let _ = write!(out, "{rate:.1}/s ");
+    }
 }
 
 /// The time that is left; unknown before the first unit is done.

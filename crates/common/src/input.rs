@@ -79,10 +79,11 @@ impl InputFile {
     }
 }
 
-/// Expands folders: each stands for the structure files in it, sorted by name.
+/// Expands folders and lists: a folder stands for the structure files in it, sorted by name, and a
+/// file `NAME.txt` for those that it names ([`listed_in`]).
 ///
 /// # Errors
-/// If a path does not exist, or a folder holds no structure files.
+/// If a folder or a list cannot be read, or holds no structure files.
 ///
 /// ```
 /// use std::path::PathBuf;
@@ -93,6 +94,10 @@ impl InputFile {
 pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for input in inputs {
+        if input.extension().is_some_and(|ending| ending == "txt") && input.is_file() {
+            files.extend(listed_in(input)?);
+            continue;
+        }
         if !input.is_dir() {
             files.push(input.clone());
             continue;
@@ -118,6 +123,36 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
         }
         found.sort();
         files.extend(found);
+    }
+    Ok(files)
+}
+
+/// The files that a text file names, one a line, relative to its folder. Empty lines and those that
+/// begin with `#` are left out.
+///
+/// # Errors
+/// If the file cannot be read or names nothing.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let list = folder.path().join("files.txt");
+/// std::fs::write(&list, "# two\n1crn.pdb\n\nmore/5pti.cif.gz\n")?;
+/// let files = protomer_common::input::listed_in(&list)?;
+/// assert_eq!(files, [folder.path().join("1crn.pdb"), folder.path().join("more/5pti.cif.gz")]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn listed_in(list: &Path) -> Result<Vec<PathBuf>> {
+    let shown = list.display();
+    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {shown}"))?;
+    let folder = list.parent().unwrap_or(Path::new(""));
+    let mut files = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if !line.is_empty() && !line.starts_with('#') {
+            files.push(folder.join(line));
+        }
+    }
+    if files.is_empty() {
+        bail!("{shown} names no file; write one a line");
     }
     Ok(files)
 }

@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// How each file is converted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct IngestSettings {
     /// How bodies are made.
     pub body: BodySettings,
@@ -179,28 +179,42 @@ pub fn ingest_files(
     let jobs: Vec<(&PathBuf, String)> = files.iter().zip(names).collect();
     progress.begin(jobs.len() as u64, "files");
     let one = |(file, name): (&PathBuf, String)| {
-        let outcome = ingest_file(file, &name, folder, settings);
+        let outcome = ingest_one(file, &name, folder, settings);
         progress.advance(1);
-        outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
+        outcome
     };
     Ok(Ingested {
         files: jobs.into_par_iter().map(one).collect(),
     })
 }
 
+/// Converts one file; an error is its outcome.
+pub(super) fn ingest_one(
+    file: &Path,
+    name: &str,
+    folder: &Path,
+    settings: &IngestSettings,
+) -> FileOutcome {
+    let outcome = ingest_file(file, name, folder, settings);
+    outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
+}
+
 /// One name per file. Files with the same stem (1crn.pdb and 1crn.cif) keep their extensions
 /// to remain distinct.
-fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
+pub(super) fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
     if let Some(name) = &settings.name {
         return Ok(vec![name.clone()]);
     }
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
+    let mut sharing: BTreeMap<&str, usize> = BTreeMap::new();
+    for stem in &stems {
+        *sharing.entry(stem).or_default() += 1;
+    }
     let mut names = Vec::with_capacity(files.len());
     let mut seen = BTreeSet::new();
     for (file, stem) in files.iter().zip(&stems) {
-        let sharing = stems.iter().filter(|other| *other == stem);
-        let name = match sharing.count() {
-            1 => stem.clone(),
+        let name = match sharing.get(stem.as_str()) {
+            Some(1) => stem.clone(),
             _ => full_name(file),
         };
         if !seen.insert(name.clone()) {

@@ -4,4 +4,5 @@ pub mod body_file;
 pub mod fetch;
 pub mod ingest;
 pub mod own_body;
+pub mod stream;
 pub mod surface_of_file;

@@ -2,18 +2,20 @@
 
 use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
 use crate::front::Front;
-use crate::reply::Reply;
+use crate::reply::{Outcome, Reply};
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::bodies::ingest::{IngestSettings, Ingested, ingest_files};
+use protomer::bodies::stream::{StreamState, ingest_stream};
 use protomer_common::input;
+use protomer_results::Shard;
 use std::path::PathBuf;
 
 /// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,
 /// hydropathy.
 #[derive(Debug, Args)]
 pub struct IngestArgs {
-    /// Structure files, or folders that contain them.
+    /// Structure files, folders that contain them, or lists of them (NAME.txt, one file a line).
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     /// Folder for the bodies.
@@ -31,6 +33,21 @@ pub struct IngestArgs {
     /// Also write the mesh and the charges in these formats.
     #[arg(long, value_enum, value_delimiter = ',')]
     export: Vec<Export>,
+    /// For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output
+    /// folder instead of the answer, memory is bounded, and the same command continues.
+    #[arg(long, conflicts_with = "name", help_heading = "Many files")]
+    stream: bool,
+    /// With --stream: only a part of the files, such as 2/8, with tables of its own.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "stream", help_heading = "Many files")]
+    part: Shard,
+    /// With --stream: stop after this many minutes; the same command continues.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        requires = "stream",
+        help_heading = "Many files"
+    )]
+    time_limit: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -52,6 +69,9 @@ impl IngestArgs {
             exports: self.export.iter().map(|export| export.ending()).collect(),
             force: front.force(),
         };
+        if self.stream {
+            return self.run_stream(&files, &settings, front);
+        }
         let ingested = ingest_files(&files, &self.output, &settings, front.progress().as_ref())?;
         let (errors, warnings) = (errors(&ingested), warnings(&ingested));
         let some_failed = ingested.has_failures();
@@ -59,6 +79,23 @@ impl IngestArgs {
             .with_errors(errors)
             .with_repeated(warnings)
             .partial_if(some_failed))
+    }
+
+    fn run_stream(
+        &self,
+        files: &[PathBuf],
+        settings: &IngestSettings,
+        front: &Front,
+    ) -> Result<Reply> {
+        let what = "finishing the current files; the same command continues";
+        let execution = front.execution(what, self.time_limit)?;
+        let report = ingest_stream(files, &self.output, settings, self.part, &execution)?;
+        let (stopped, some_failed) = (report.state == StreamState::Stopped, report.failed > 0);
+        let reply = Reply::of(report);
+        Ok(match stopped {
+            true => reply.ending(Outcome::Stopped),
+            false => reply.partial_if(some_failed),
+        })
     }
 
     fn check_name(&self, files: usize) -> Result<()> {

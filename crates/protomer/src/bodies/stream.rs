@@ -1,0 +1,502 @@
+//! Converts very many structure files to body files: in bounded memory, with tables instead of an
+//! answer per file, in parts, and with continuation.
+//!
+//! Files are converted in blocks. After each block its rows are appended to two tables in the folder
+//! of the bodies, `ingest.csv` (a row per file) and `warnings.csv` (a row per warning or error), and
+//! `ingest.json` vouches for their lengths. A run that was killed anywhere cuts the tables back to that
+//! and converts the rest; a body that is already there is recognised by its bytes. So the folder equals
+//! that of an uninterrupted run byte for byte.
+
+use super::ingest::{BodyMeasures, FileOutcome, IngestSettings, body_names, ingest_one};
+use anyhow::{Context, Result, bail};
+use protomer_common::answer::Answer;
+use protomer_io::atomic::{sha256_hex, write_atomically};
+use protomer_results::lock::lock_file;
+use protomer_results::{Execution, Hold, Log, LogMark, ResultKind, Row, Shard};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Files of a block per thread: enough that threads rarely wait for the slowest.
+const FILES_PER_THREAD: usize = 16;
+
+/// How a stream ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StreamState {
+    /// All files are done.
+    Finished,
+    /// It was stopped on request; the same command continues it.
+    Stopped,
+}
+
+/// The result of a stream: numbers, and where the tables are.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StreamReport {
+    /// The table with a row per file.
+    pub table: PathBuf,
+    /// The table with a row per warning or error.
+    pub warnings_table: PathBuf,
+    /// How it ended.
+    pub state: StreamState,
+    /// Files, or those of the part.
+    pub files: usize,
+    /// Files that were converted in an earlier run.
+    pub taken_over: usize,
+    /// Files that were converted.
+    pub ok: usize,
+    /// Files that failed.
+    pub failed: usize,
+    /// Warnings.
+    pub warnings: usize,
+    /// Wall time, s.
+    pub seconds: f64,
+}
+
+impl Answer for StreamReport {
+    fn text(&self) -> String {
+        let done = self.ok + self.failed;
+        let rate = (done - self.taken_over) as f64 / self.seconds.max(1e-3);
+        let stopped = match self.state {
+            StreamState::Finished => String::new(),
+            StreamState::Stopped => format!("stopped: {done} of {} files done\n", self.files),
+        };
+        format!(
+            "{stopped}{} bodies, {} failed, {} warnings, {rate:.1} files per second\n{}\n{}",
+            self.ok,
+            self.failed,
+            self.warnings,
+            self.table.display(),
+            self.warnings_table.display()
+        )
+    }
+}
+
+/// What is done, as of the last block.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Done {
+    /// SHA-256 of the settings and the names of the files.
+    identity: String,
+    ok: usize,
+    failed: usize,
+    warnings: usize,
+    table: LogMark,
+    warnings_table: LogMark,
+}
+
+/// A file in `ingest.csv`.
+#[derive(Debug, Clone, PartialEq)]
+struct FileRow(Vec<String>);
+
+/// A warning or an error in `warnings.csv`.
+#[derive(Debug, Clone, PartialEq)]
+struct WarningRow([String; 3]);
+
+impl Row for FileRow {
+    fn columns() -> Vec<&'static str> {
+        vec![
+            "file",
+            "status",
+            "body",
+            "atoms",
+            "residues",
+            "net_charge_e",
+            "mesh_area_angstrom2",
+            "mesh_volume_angstrom3",
+            "radius_angstrom",
+            "warnings",
+        ]
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        self.0.clone()
+    }
+
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        (cells.len() == Self::columns().len()).then(|| Self(cells.to_vec()))
+    }
+}
+
+impl Row for WarningRow {
+    fn columns() -> Vec<&'static str> {
+        vec!["file", "kind", "message"]
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        self.0.to_vec()
+    }
+
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        Some(Self(cells.to_vec().try_into().ok()?))
+    }
+}
+
+impl FileRow {
+    fn of(outcome: &FileOutcome) -> Self {
+        let measures = |of: fn(&BodyMeasures) -> String| {
+            let measures = outcome.measures.as_ref();
+            measures.map(of).unwrap_or_default()
+        };
+        let body = outcome.body.as_ref();
+        Self(vec![
+            outcome.file.clone(),
+            outcome.status.to_owned(),
+            body.map(|body| body.display().to_string())
+                .unwrap_or_default(),
+            measures(|body| body.atoms.to_string()),
+            measures(|body| body.residues.to_string()),
+            measures(|body| body.net_charge_e.to_string()),
+            measures(|body| body.mesh_area_angstrom2.to_string()),
+            measures(|body| body.mesh_volume_angstrom3.to_string()),
+            measures(|body| body.radius_angstrom.to_string()),
+            outcome.warnings.len().to_string(),
+        ])
+    }
+}
+
+impl WarningRow {
+    fn of(file: &str, kind: &str, message: &str) -> Self {
+        // A row is a line.
+        Self([file, kind, message].map(|cell| cell.replace(['\n', '\r'], " ")))
+    }
+}
+
+/// Ingests every file of a part into `folder`. With `execution.start_anew` the tables begin anew.
+///
+/// # Errors
+/// If the folder cannot be written, is in use by another process or holds the tables of other files
+/// or settings, or two files would give the same body. An error in a single file is a row of the
+/// tables.
+///
+/// ```no_run
+/// use protomer::bodies::ingest::IngestSettings;
+/// use protomer::bodies::stream::ingest_stream;
+/// use protomer_common::answer::Answer;
+/// use protomer_results::{Execution, Shard};
+/// use std::path::{Path, PathBuf};
+/// let files = [PathBuf::from("5pti.cif.gz"), PathBuf::from("4e43.pdb.gz")];
+/// let (settings, execution) = (IngestSettings::default(), Execution::default());
+/// let report = ingest_stream(&files, Path::new("bodies"), &settings, Shard::WHOLE, &execution)?;
+/// println!("{}", report.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn ingest_stream(
+    files: &[PathBuf],
+    folder: &Path,
+    settings: &IngestSettings,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<StreamReport> {
+    ResultKind::VoxelSet.refuse_in(folder)?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    let mut jobs = Vec::new();
+    for (number, (file, name)) in files.iter().zip(body_names(files, settings)?).enumerate() {
+        if shard.has(number) {
+            jobs.push((file, name));
+        }
+    }
+    let paths = Paths::new(folder, shard);
+    let _held = lock_file(&paths.lock, Hold::Alone)?;
+    let stream = Stream {
+        jobs,
+        folder,
+        settings,
+        identity: identity(files, settings, shard),
+        paths,
+    };
+    stream.run(execution)
+}
+
+/// The files that a part writes beside the bodies.
+struct Paths {
+    table: PathBuf,
+    warnings_table: PathBuf,
+    done: PathBuf,
+    lock: PathBuf,
+}
+
+impl Paths {
+    fn new(folder: &Path, shard: Shard) -> Self {
+        let part = match shard.is_whole() {
+            true => String::new(),
+            false => format!("-{}-of-{}", shard.index, shard.of),
+        };
+        Self {
+            table: folder.join(format!("ingest{part}.csv")),
+            warnings_table: folder.join(format!("warnings{part}.csv")),
+            done: folder.join(format!("ingest{part}.json")),
+            lock: folder.join(format!(".ingest{part}.lock")),
+        }
+    }
+}
+
+/// SHA-256 of what decides the rows, and of the version that wrote them.
+fn identity(files: &[PathBuf], settings: &IngestSettings, shard: Shard) -> String {
+    let (body, exports) = (&settings.body, &settings.exports);
+    let version = env!("CARGO_PKG_VERSION");
+    let mut text = format!("{version}\n{body:?}\n{exports:?}\n{shard:?}\n");
+    for file in files {
+        text.push_str(&file.display().to_string());
+        text.push('\n');
+    }
+    sha256_hex(text.as_bytes())
+}
+
+struct Stream<'a> {
+    jobs: Vec<(&'a PathBuf, String)>,
+    folder: &'a Path,
+    settings: &'a IngestSettings,
+    identity: String,
+    paths: Paths,
+}
+
+impl Stream<'_> {
+    fn run(&self, execution: &Execution) -> Result<StreamReport> {
+        let start = Instant::now();
+        let mut done = self.begin(execution.start_anew)?;
+        let mut tables = Tables::open(&self.paths, &done)?;
+        let taken_over = done.ok + done.failed;
+        let progress = execution.progress.as_ref();
+        progress.begin(self.jobs.len() as u64, "structures");
+        progress.advance(taken_over as u64);
+        let block = FILES_PER_THREAD * rayon::current_num_threads();
+        let mut state = StreamState::Finished;
+        for jobs in self.jobs[taken_over..].chunks(block) {
+            if execution.interrupt.is_requested() {
+                state = StreamState::Stopped;
+                break;
+            }
+            let convert = |(file, name): &(&PathBuf, String)| {
+                let outcome = ingest_one(file, name, self.folder, self.settings);
+                progress.advance(1);
+                outcome
+            };
+            let outcomes: Vec<FileOutcome> = jobs.par_iter().map(convert).collect();
+            tables.append(&outcomes, &mut done)?;
+            self.save(&done)?;
+        }
+        Ok(StreamReport {
+            table: self.paths.table.clone(),
+            warnings_table: self.paths.warnings_table.clone(),
+            state,
+            files: self.jobs.len(),
+            taken_over,
+            ok: done.ok,
+            failed: done.failed,
+            warnings: done.warnings,
+            seconds: start.elapsed().as_secs_f64(),
+        })
+    }
+
+    /// What earlier runs have done.
+    fn begin(&self, start_anew: bool) -> Result<Done> {
+        let path = &self.paths.done;
+        if start_anew || !path.exists() {
+            return Ok(Done {
+                identity: self.identity.clone(),
+                ok: 0,
+                failed: 0,
+                warnings: 0,
+                table: LogMark::default(),
+                warnings_table: LogMark::default(),
+            });
+        }
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+        let done: Done = serde_json::from_str(&text)
+            .with_context(|| format!("{shown} is damaged; begin anew with --force"))?;
+        if done.identity != self.identity || done.ok + done.failed > self.jobs.len() {
+            bail!(
+                "{shown} belongs to other files or settings; choose another folder, or begin anew \
+                 with --force"
+            );
+        }
+        Ok(done)
+    }
+
+    fn save(&self, done: &Done) -> Result<()> {
+        let text = serde_json::to_string_pretty(done)?;
+        Ok(write_atomically(&self.paths.done, |file| {
+            file.write_all(text.as_bytes())
+        })?)
+    }
+}
+
+/// The two tables.
+struct Tables {
+    files: Log,
+    warnings: Log,
+}
+
+impl Tables {
+    fn open(paths: &Paths, done: &Done) -> Result<Self> {
+        Ok(Self {
+            files: Log::open::<FileRow>(&paths.table, &done.table)?,
+            warnings: Log::open::<WarningRow>(&paths.warnings_table, &done.warnings_table)?,
+        })
+    }
+
+    /// Appends the rows of a block and counts them.
+    fn append(&mut self, outcomes: &[FileOutcome], done: &mut Done) -> Result<()> {
+        for outcome in outcomes {
+            let file = &outcome.file;
+            self.files.append(&FileRow::of(outcome))?;
+            for warning in &outcome.warnings {
+                self.warnings
+                    .append(&WarningRow::of(file, "warning", warning))?;
+            }
+            if let Some(error) = &outcome.error {
+                self.warnings
+                    .append(&WarningRow::of(file, "error", error))?;
+            }
+            done.warnings += outcome.warnings.len();
+            match outcome.error {
+                None => done.ok += 1,
+                Some(_) => done.failed += 1,
+            }
+        }
+        done.table = self.files.sync()?;
+        done.warnings_table = self.warnings.sync()?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// A glycine somewhere; every seventh file holds none.
+    fn structures(folder: &Path, count: usize) -> Vec<PathBuf> {
+        let mut files = Vec::new();
+        for number in 0..count {
+            let mut text = String::new();
+            for (serial, (name, x)) in [("N", 0.0), ("CA", 1.46), ("C", 2.0), ("O", 1.4)]
+                .into_iter()
+                .enumerate()
+            {
+                let (y, z) = (serial as f64 * 0.7, number as f64 * 0.01);
+                text += &format!(
+                    "ATOM  {:>5}  {name:<3} GLY A   1    {x:>8.3}{y:>8.3}{z:>8.3}  1.00  0.00           {}\n",
+                    serial + 1,
+                    &name[..1]
+                );
+            }
+            let path = folder.join(format!("s{number:05}.pdb"));
+            let content = if number % 7 == 3 { "END\n" } else { &text };
+            std::fs::write(&path, content).unwrap();
+            files.push(path);
+        }
+        files
+    }
+
+    fn settings() -> IngestSettings {
+        let mut settings = IngestSettings::default();
+        settings.body.surface.density_per_angstrom2 = 0.2;
+        settings
+    }
+
+    /// The bytes of every file of a folder, but locks.
+    fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+        let mut contents = BTreeMap::new();
+        for entry in folder.read_dir().unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if !name.starts_with('.') {
+                let text = std::fs::read(&path).unwrap();
+                contents.insert(name, text);
+            }
+        }
+        contents
+    }
+
+    #[test]
+    fn a_stream_that_was_killed_and_continued_equals_one_that_was_not() {
+        let inputs = tempfile::tempdir().unwrap();
+        let files = structures(inputs.path(), 70);
+        let run = |folder: &Path, execution: &Execution| {
+            // One thread: blocks of 16 files.
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            pool.unwrap()
+                .install(|| ingest_stream(&files, folder, &settings(), Shard::WHOLE, execution))
+        };
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("bodies");
+        let report = run(&folder, &Execution::default()).unwrap();
+        assert_eq!((report.ok, report.failed), (60, 10));
+        let whole = contents(&folder);
+        assert_eq!(whole.len(), 60 + 3);
+        let rows = protomer_results::log::read::<FileRow>(&report.table).unwrap();
+        assert_eq!(rows.len(), 70);
+        let messages = protomer_results::log::read::<WarningRow>(&report.warnings_table).unwrap();
+        assert_eq!(messages.len(), report.warnings + report.failed);
+
+        // As a process killed in the first block leaves it: half a row, and a body without one.
+        std::fs::remove_dir_all(&folder).unwrap();
+        let stop = Execution::default();
+        stop.interrupt.request();
+        let stopped = run(&folder, &stop).unwrap();
+        assert_eq!((stopped.state, stopped.ok), (StreamState::Stopped, 0));
+        ingest_one(&files[0], "s00000", &folder, &settings());
+        std::fs::write(folder.join("ingest.csv"), "file,status\ns0000").unwrap();
+        assert_eq!(run(&folder, &Execution::default()).unwrap().ok, 60);
+        assert_eq!(contents(&folder), whole);
+
+        // The tables as they are after the third of five blocks, and more.
+        let mut done: Done = serde_json::from_slice(&whole["ingest.json"]).unwrap();
+        let cut = |name: &str, rows: usize| -> LogMark {
+            let text = String::from_utf8(whole[name].clone()).unwrap();
+            let lines: Vec<&str> = text.split_inclusive('\n').take(rows + 1).collect();
+            let text = lines.concat();
+            std::fs::write(folder.join(name), format!("{text}more, and half a ro")).unwrap();
+            LogMark {
+                bytes: text.len() as u64,
+                sha256: sha256_hex(text.as_bytes()),
+            }
+        };
+        let failed = (0..48).filter(|number| number % 7 == 3).count();
+        let told: usize = rows[..48]
+            .iter()
+            .map(|row| row.0[9].parse::<usize>().unwrap())
+            .sum();
+        done.table = cut("ingest.csv", 48);
+        done.warnings_table = cut("warnings.csv", told + failed);
+        (done.ok, done.failed, done.warnings) = (48 - failed, failed, told);
+        std::fs::write(
+            folder.join("ingest.json"),
+            serde_json::to_string_pretty(&done).unwrap(),
+        )
+        .unwrap();
+        for number in 48..70 {
+            let _ = std::fs::remove_file(folder.join(format!("s{number:05}.body")));
+        }
+        let continued = run(&folder, &Execution::default()).unwrap();
+        assert_eq!((continued.taken_over, continued.ok), (48, 60));
+        assert_eq!(contents(&folder), whole);
+    }
+
+    #[test]
+    fn parts_hold_all_files_and_other_settings_are_refused() {
+        let inputs = tempfile::tempdir().unwrap();
+        let files = structures(inputs.path(), 9);
+        let folder = inputs.path().join("bodies");
+        let mut rows = 0;
+        for index in 1..=2 {
+            let part = Shard { index, of: 2 };
+            let report =
+                ingest_stream(&files, &folder, &settings(), part, &Execution::default()).unwrap();
+            rows += report.files;
+        }
+        assert_eq!(rows, 9);
+        let mut other = settings();
+        other.body.surface.density_per_angstrom2 = 0.3;
+        let part = Shard { index: 1, of: 2 };
+        let refusal = ingest_stream(&files, &folder, &other, part, &Execution::default());
+        let refusal = format!("{:#}", refusal.unwrap_err());
+        assert!(refusal.contains("other files or settings"), "{refusal}");
+    }
+}
