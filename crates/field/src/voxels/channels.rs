@@ -29,15 +29,19 @@ pub enum Channel {
     Potential,
     /// Kyte-Doolittle index averaged over nearby residues, -4.5 to 4.5; 0 off the shell.
     Hydropathy,
+    /// The edge of the voxels, Å, in every occupied voxel: the size of a structure that was scaled to
+    /// the grid.
+    Spacing,
 }
 
 impl Channel {
     /// All channels.
-    pub const ALL: [Channel; 4] = [
+    pub const ALL: [Channel; 5] = [
         Channel::Shape,
         Channel::Solid,
         Channel::Potential,
         Channel::Hydropathy,
+        Channel::Spacing,
     ];
 
     /// The name in settings and files.
@@ -47,6 +51,7 @@ impl Channel {
             Channel::Solid => "solid",
             Channel::Potential => "potential",
             Channel::Hydropathy => "hydropathy",
+            Channel::Spacing => "spacing",
         }
     }
 }
@@ -202,6 +207,7 @@ pub fn voxelise(
                 let indices: Vec<f64> = shell.par_iter().map(at_voxel).collect();
                 scatter(&index, &shell, &indices)
             }
+            Channel::Spacing => vec![lattice.spacing_angstrom() as f32; index.len()],
         };
         values.push(of_channel);
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! atoms, residues --turned and centred--> surface --> occupied voxels --> channels
-//! channels: shape, solid, potential, hydropathy
+//! channels: shape, solid, potential, hydropathy, spacing
 //! ```
 //!
 //! | module | one idea |

@@ -16,6 +16,7 @@
 //! | [`relatives`] | relatives in different clusters |
 //! | [`row`] | a manifest entry with the hash of its file |
 //! | [`statistics`] | statistics of the channels in the training part |
+//! | [`mod@survey`] | how many structures will not fit, and what would take them |
 //! | [`mod@merge`] | merges several sets into one |
 
 pub mod identity;
@@ -30,6 +31,7 @@ pub mod set;
 pub mod settings;
 pub mod statistics;
 pub mod structure;
+pub mod survey;
 mod voxelize;
 pub mod work;
 

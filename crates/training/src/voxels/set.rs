@@ -110,6 +110,7 @@ fn meaning(channel: Channel) -> &'static str {
         Channel::Solid => "1 where the centre is inside the surface",
         Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
         Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
+        Channel::Spacing => "edge of the voxels of this sample, Å",
     }
 }
 

@@ -18,7 +18,7 @@ use protomer_field::{ChargedSphere, FieldError};
 use protomer_io::atomic::sha256_hex;
 use protomer_io::points::read_points;
 use protomer_io::zarr::as_stored;
-use protomer_kernel::Vec3;
+use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Why a structure is excluded.
@@ -111,12 +111,12 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
     let Content {
         sites, warnings, ..
     } = content;
-    let mut atoms = atoms_of(&sites);
-    let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
-    let rotation = settings
-        .orientation
-        .rotation(&positions, settings.seed, key_of(&entry.name));
-    let middle = pose(&mut atoms, &rotation);
+    let Posed {
+        atoms,
+        positions,
+        rotation,
+        middle,
+    } = Posed::new(entry, &sites, settings);
     let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
     let voxel_settings = settings.voxel_settings();
     let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
@@ -141,6 +141,47 @@ fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
         voxels,
         warnings,
     })
+}
+
+/// Atoms as they lie in the grid.
+struct Posed {
+    atoms: Vec<VoxelAtom>,
+    /// Their places in the file.
+    positions: Vec<Vec3>,
+    rotation: Rotation,
+    middle: Vec3,
+}
+
+impl Posed {
+    fn new(entry: &Entry, sites: &ChargedSites, settings: &VoxelizeSettings) -> Self {
+        let mut atoms = atoms_of(sites);
+        let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+        let key = key_of(&entry.name);
+        let rotation = settings
+            .orientation
+            .rotation(&positions, settings.seed, key);
+        let middle = pose(&mut atoms, &rotation);
+        Self {
+            atoms,
+            positions,
+            rotation,
+            middle,
+        }
+    }
+}
+
+/// The largest extent of a structure along an axis of the grid, Å; `None` if it cannot be used for
+/// another reason than its size.
+pub(super) fn extent_angstrom(entry: &Entry, settings: &VoxelizeSettings) -> Option<f64> {
+    let content = read(entry, settings).ok()?;
+    amino_acids_of(&content, settings).ok()?;
+    let (low, high) = bounds(&Posed::new(entry, &content.sites, settings).atoms);
+    Some((high - low).max())
+}
+
+/// Voxels along an edge that hold an extent, both in Å.
+pub(super) fn voxels_needed(extent: f64, spacing: f64) -> usize {
+    (extent / spacing).ceil() as usize + 1
 }
 
 /// The amino acids of a structure, if it has any and enough of them are complete.
@@ -284,7 +325,7 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
         // A margin, so that rounding does not push an atom off the lattice.
         Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
     };
-    let needed = (extent / spacing).ceil() as usize + 1;
+    let needed = voxels_needed(extent, spacing);
     if needed > settings.size {
         return Err(anyhow!(
             "{extent:.1} Å need {needed} voxels of {spacing} Å, the grid has {}",

@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// Version of the record format. Increase it with every change of the header or the arrays.
 pub const FORMAT: u32 = 2;
 const KIND: &str = "voxel sample";
-/// Upper limit for a record: 512³ voxels of four channels.
+/// Upper limit for a record: 512³ voxels of five channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
 
 /// Samples by their keys, on disk.

@@ -21,6 +21,8 @@ choices! {
         Potential,
         /// Kyte-Doolittle index of nearby residues.
         Hydropathy,
+        /// Edge of the voxels, Å: shows the size of structures scaled to the grid.
+        Spacing,
     }
 }
 

@@ -10,6 +10,7 @@ use clap::Args;
 use protomer_common::quantity;
 use protomer_results::Shard;
 use protomer_training::voxels::manifest::Manifest;
+use protomer_training::voxels::survey::survey;
 use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use std::path::PathBuf;
 
@@ -88,6 +89,9 @@ impl VoxelizeArgs {
         let manifest = Manifest::read(&self.manifest)?;
         let what = "finishing the current structures; the same command continues";
         let execution = front.execution(what, self.time_limit)?;
+        if !self.output.exists() {
+            front.warn(survey(&manifest, self.shard, &settings).note());
+        }
         let report = voxelize(&manifest, self.shard, &settings, &self.output, &execution)?;
         let notes = notes(&report);
         if report.state == State::Stopped {
