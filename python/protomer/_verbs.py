@@ -93,6 +93,9 @@ def ingest(
     interior_radius: float | str | None = None,
     offset: float | str | None = None,
     export: str | float | Sequence[str | float] | None = None,
+    stream: bool = False,
+    part: str | float | Sequence[str | float] | None = None,
+    time_limit: float | str | None = None,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
@@ -102,7 +105,7 @@ def ingest(
     Parameters
     ----------
     inputs
-        Structure files, or folders that contain them
+        Structure files, folders that contain them, or lists of them (NAME.txt, one file a line)
     output
         Folder for the bodies
     name
@@ -144,6 +147,13 @@ def ingest(
         Move the surface inward by this much, Å [default: 0]
     export
         Also write the mesh and the charges in these formats
+    stream
+        For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output folder
+        instead of the answer, memory is bounded, and the same command continues
+    part
+        With --stream: only a part of the files, such as 2/8, with tables of its own [default: 1/1]
+    time_limit
+        With --stream: stop after this many minutes; the same command continues
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -199,6 +209,9 @@ def ingest(
             "--interior-radius": interior_radius,
             "--offset": offset,
             "--export": export,
+            "--stream": stream,
+            "--part": part,
+            "--time-limit": time_limit,
             "--threads": threads,
             "--force": force,
         },
