@@ -16,7 +16,7 @@
 //! | [`contributions`] | what each residue, and each pair of residues, contributes to the energy |
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`hard`] | hard-body overlap, cheapest test first |
-//! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
+//! | [`moves`] | trial moves of one body, geometric cluster moves, moves that form and dissolve contacts, step sizes |
 //! | [`contact`] | contacts between surfaces |
 //! | [`observables`] | radius of gyration, native contacts, clusters |
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
