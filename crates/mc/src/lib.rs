@@ -23,6 +23,7 @@
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
 //! | [`exchange`] | a ladder of simulations that swap their states |
+//! | [`reweighting`] | one answer from the frames of several simulations (MBAR) |
 //! | [`scatter`] | bodies at random places |
 //! | [`scattering`] | what light and X-rays see: S(q), P(q), clusters, hydrodynamic radii |
 //! | [`checkpoint`] | the state from which a run continues bit for bit |
@@ -67,6 +68,7 @@ pub mod hard;
 pub mod moves;
 pub mod observables;
 pub mod pair;
+pub mod reweighting;
 pub mod scatter;
 pub mod scattering;
 pub mod settings;
