@@ -79,10 +79,9 @@ impl Group {
         let mut asked = 0;
         while let Some(&(body, way)) = members.get(asked) {
             asked += 1;
-            for other in 0..system.len() {
-                if is_member[other] || !touch(system, body, other, gap_angstrom) {
-                    continue;
-                }
+            let mut others: Vec<usize> = (0..system.len()).collect();
+            others.retain(|other| !is_member[*other] && touch(system, body, *other, gap_angstrom));
+            for other in others {
                 if rng.uniform() < p {
                     let here = system.pose(body).position;
                     let step = system.boundary();
