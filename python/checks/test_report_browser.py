@@ -109,6 +109,32 @@ def test_a_sweep_shows_its_bodies(chromium, sweep, width):
     page.close()
 
 
+def test_a_trajectory_of_bodies_plays(chromium, sweep):
+    page = visit(chromium, sweep)
+    assert page.evaluate("document.querySelector('.film').hidden")
+    scenes = page.evaluate("Array.from(document.querySelector('.scene').options, option => option.textContent)")
+    assert [name for name in scenes if name.startswith("film")] == ["film at 50 mM", "film at 200 mM"]
+    page.evaluate(f"(menu => {{ menu.value = {scenes.index('film at 50 mM')}; menu.onchange(); }})(document.querySelector('.scene'))")
+    page.pause()
+    frame = "document.querySelector('.mesh-view canvas').dataset.frame"
+    label = "document.querySelector('.film output').textContent"
+    assert (page.evaluate(frame), page.evaluate(label)) == ("0", "sweep 20")
+    (first,) = page.evaluate(PAINT)
+    assert first["share"] > 0.001, "bodies and the box are drawn"
+    page.evaluate("(slider => { slider.value = 1; slider.oninput(); })(document.querySelector('.film input'))")
+    page.pause()
+    (second,) = page.evaluate(PAINT)
+    assert page.evaluate(label) == "sweep 40" and second["sum"] != first["sum"]
+    page.evaluate("document.querySelector('.film button').click()")
+    seen = set()
+    for _ in range(20):
+        page.pause()
+        seen.add(page.evaluate(frame))
+    assert seen == {"0", "1"}, "it plays, and begins again"
+    is_clean(page, DESK)
+    page.close()
+
+
 def test_fingers_turn_and_zoom_the_bodies_and_leave_the_page_where_it_is(chromium, sweep):
     page = visit(chromium, sweep, PHONE)
     page.evaluate("document.querySelector('.mesh-view canvas').scrollIntoView({ block: 'center', behavior: 'instant' })")

@@ -57,6 +57,7 @@ __all__ = [
     "simulate",
     "sweep",
     "residues",
+    "reweight",
     "lattice",
     "report",
     "export",
@@ -2830,6 +2831,7 @@ def simulate(
     sweeps: int | str | None = None,
     equilibration: int | str | None = None,
     cluster_moves: int | str | None = None,
+    binding_moves: int | str | None = None,
     seed: int | str | None = None,
     contact_gap: float | str | None = None,
     log_every: int | str | None = None,
@@ -2882,6 +2884,9 @@ def simulate(
         Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
     cluster_moves
         Geometric cluster moves per sweep [default: 1]
+    binding_moves
+        Moves per sweep that form and dissolve contacts: bodies put beside others or far from them, turns
+        about contacts, groups, swaps [default: 0]
     seed
         Seed of the random numbers [default: 1]
     contact_gap
@@ -2963,6 +2968,7 @@ def simulate(
             "--sweeps": sweeps,
             "--equilibration": equilibration,
             "--cluster-moves": cluster_moves,
+            "--binding-moves": binding_moves,
             "--seed": seed,
             "--contact-gap": contact_gap,
             "--log-every": log_every,
@@ -3000,6 +3006,7 @@ def sweep(
     sweeps: int | str | None = None,
     equilibration: int | str | None = None,
     cluster_moves: int | str | None = None,
+    binding_moves: int | str | None = None,
     seed: int | str | None = None,
     contact_gap: float | str | None = None,
     log_every: int | str | None = None,
@@ -3059,6 +3066,9 @@ def sweep(
         Sweeps before production, in which step sizes are tuned and then frozen [default: 500]
     cluster_moves
         Geometric cluster moves per sweep [default: 1]
+    binding_moves
+        Moves per sweep that form and dissolve contacts: bodies put beside others or far from them, turns
+        about contacts, groups, swaps [default: 0]
     seed
         Seed of the random numbers [default: 1]
     contact_gap
@@ -3155,6 +3165,7 @@ def sweep(
             "--sweeps": sweeps,
             "--equilibration": equilibration,
             "--cluster-moves": cluster_moves,
+            "--binding-moves": binding_moves,
             "--seed": seed,
             "--contact-gap": contact_gap,
             "--log-every": log_every,
@@ -3316,6 +3327,98 @@ def residues(
             "--contacts": contacts,
             "--contact-strength": contact_strength,
             "--desolvation": desolvation,
+            "--no-cache": no_cache,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+    )
+
+
+def reweight(
+    input: Path | str,
+    *,
+    output: Path | str | None = None,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    concentration: str | float | Sequence[str | float] | None = None,
+    skip: float | str | None = None,
+    most_frames: int | str | None = None,
+    assembly: Path | str | Assembly | None = None,
+    memory_limit: int | str | None = None,
+    no_cache: bool = False,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Weight the frames of a sweep at all salts together into curves between the salts that were simulated, with
+    errors, and at other concentrations of bodies by mass action: where half of the contacts are left.
+
+    Parameters
+    ----------
+    input
+        Directory of a sweep over several salt concentrations
+    output
+        Directory for tables (CSV), JSON and figure
+    salt
+        Salt concentrations of the curves: a list or a range such as 10mM..300mM/30 [default: those of the
+        sweep and three between neighbours]
+    salt_molar
+        The same as numbers in mol/L, instead of `salt`
+    concentration
+        Concentrations of bodies, beside that of the sweep: a list such as 10uM,1mM
+    skip
+        Share of the frames at the beginning of each trajectory that is left out [default: 0.2]
+    most_frames
+        Frames of each trajectory that are used at most, evenly spread [default: 200]
+    assembly
+        Assembly file of the sweep, if it has moved
+    memory_limit
+        Memory limit for all tables of energies by levels, such as 500MB [default: 4GB]
+    no_cache
+        Do not read or write the cache of tables of energies by levels and of effective charges. The cache
+        folder is PROTOMER_CACHE_DIR (empty: no cache), or else protomer in XDG_CACHE_HOME or ~/.cache; it
+        holds at most 2 GB
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.reweight("stability", output="curves")  # doctest: +SKIP
+    >>> pm.reweight("stability", salt="50mM..200mM/20", concentration="1uM,100uM")  # doctest: +SKIP
+    """
+    return call(
+        Result,
+        ["reweight"],
+        [input],
+        {
+            "--output": output,
+            "--salt": salts("reweight", salt, salt_molar),
+            "--concentration": concentration,
+            "--skip": skip,
+            "--most-frames": most_frames,
+            "--assembly": assembly,
+            "--memory-limit": memory_limit,
             "--no-cache": no_cache,
             "--threads": threads,
             "--force": force,

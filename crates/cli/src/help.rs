@@ -18,6 +18,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
             "simulate",
             "sweep",
             "residues",
+            "reweight",
             "compare",
             "pair",
             "scattering",
@@ -132,6 +133,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "residues stability --salt 100mM --mutations",
             "residues ring.json --salt 100mM -o holds --script pymol",
+        ],
+    ),
+    (
+        "reweight",
+        [
+            "reweight stability -o curves",
+            "reweight stability --salt 50mM..200mM/20 --concentration 1uM,100uM",
         ],
     ),
     (

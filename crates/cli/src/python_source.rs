@@ -64,7 +64,7 @@ const SALT_MOLAR: &str = "salt_molar";
 /// Verbs that do not go without it.
 const SALT_IS_REQUIRED: [&str; 1] = ["potential"];
 /// Files that may also be objects: verb, argument, class.
-const OBJECTS: [(&str, &str, &str); 17] = [
+const OBJECTS: [(&str, &str, &str); 18] = [
     ("assemble ring", "bodies", "Body"),
     ("assemble fluid", "bodies", "Body"),
     ("candidates", "bodies", "Body"),
@@ -78,6 +78,7 @@ const OBJECTS: [(&str, &str, &str); 17] = [
     ("report", "assembly", "Assembly"),
     ("scattering", "input", "Assembly"),
     ("scattering", "assembly", "Assembly"),
+    ("reweight", "assembly", "Assembly"),
     ("inspect", "assembly", "Assembly"),
     ("simulate", "assembly", "Assembly"),
     ("sweep", "assembly", "Assembly"),

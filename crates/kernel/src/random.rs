@@ -81,6 +81,8 @@ pub enum Purpose {
     ContactVelocities = 0x71,
     /// The heat bath of contact dynamics.
     ContactBath = 0x72,
+    /// Moves that form and dissolve contacts of bodies.
+    BindingMove = 0x66,
     /// Trial moves of hard bodies.
     HardBodyMove = 0x63,
     /// The start of hard bodies: places, orientations, compression.

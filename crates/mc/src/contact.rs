@@ -38,6 +38,58 @@ impl SurfacePoints {
     }
 }
 
+impl SurfacePoints {
+    /// Which vertices of this surface come closer than `distance_angstrom` to a vertex of the
+    /// other: sets those marks. A mark stands for a lane of a group.
+    pub(crate) fn mark_within(
+        &self,
+        other: &SurfacePoints,
+        relative: &RelativePose,
+        distance_angstrom: f64,
+        marks: &mut Vec<bool>,
+    ) {
+        marks.resize(self.0.groups().len() * LANES, false);
+        let squared = distance_angstrom.powi(2);
+        for b in other.0.groups() {
+            let centre = relative.transform_point(&b.centre);
+            for (a, marks) in self.0.groups().iter().zip(marks.chunks_exact_mut(LANES)) {
+                let reach = a.radius_angstrom + b.radius_angstrom + distance_angstrom;
+                if (centre - a.centre).norm_squared() >= reach * reach {
+                    continue;
+                }
+                for (lane, mark) in marks.iter_mut().enumerate() {
+                    // Empty lanes have no charge.
+                    *mark |= a.charge_e[lane] != 0.0
+                        && (0..LANES).any(|of_b| {
+                            let moved = relative.transform_point(&point(b, of_b));
+                            (moved - point(a, lane)).norm_squared() < squared
+                        });
+                }
+            }
+        }
+    }
+
+    /// The vertex of a mark, Å.
+    pub(crate) fn of_mark(&self, mark: usize) -> Vec3 {
+        point(&self.0.groups()[mark / LANES], mark % LANES)
+    }
+
+    /// The distance of the nearest vertex from the origin, Å.
+    pub(crate) fn least_radius_angstrom(&self) -> f64 {
+        let mut least = f64::INFINITY;
+        for group in self.0.groups() {
+            for lane in 0..LANES {
+                least = least.min(point(group, lane).norm());
+            }
+        }
+        least
+    }
+}
+
+fn point(group: &ChargeGroup, lane: usize) -> Vec3 {
+    Vec3::new(group.x[lane], group.y[lane], group.z[lane])
+}
+
 /// Empty lanes repeat the first point, so they need no special treatment.
 fn groups_come_within(
     a: &ChargeGroup,
@@ -45,8 +97,6 @@ fn groups_come_within(
     relative: &RelativePose,
     distance: f64,
 ) -> bool {
-    let point =
-        |group: &ChargeGroup, lane: usize| Vec3::new(group.x[lane], group.y[lane], group.z[lane]);
     (0..LANES).any(|lane| {
         let moved = relative.transform_point(&point(b, lane));
         (0..LANES).any(|other| (point(a, other) - moved).norm_squared() < distance * distance)

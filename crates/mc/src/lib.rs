@@ -16,13 +16,14 @@
 //! | [`contributions`] | what each residue, and each pair of residues, contributes to the energy |
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`hard`] | hard-body overlap, cheapest test first |
-//! | [`moves`] | trial moves of one body, geometric cluster moves, step sizes |
+//! | [`moves`] | trial moves of one body, geometric cluster moves, moves that form and dissolve contacts, step sizes |
 //! | [`contact`] | contacts between surfaces |
 //! | [`observables`] | radius of gyration, native contacts, clusters |
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
 //! | [`exchange`] | a ladder of simulations that swap their states |
+//! | [`reweighting`] | one answer from the frames of several simulations (MBAR) |
 //! | [`scatter`] | bodies at random places |
 //! | [`scattering`] | what light and X-rays see: S(q), P(q), clusters, hydrodynamic radii |
 //! | [`checkpoint`] | the state from which a run continues bit for bit |
@@ -67,6 +68,7 @@ pub mod hard;
 pub mod moves;
 pub mod observables;
 pub mod pair;
+pub mod reweighting;
 pub mod scatter;
 pub mod scattering;
 pub mod settings;

@@ -58,7 +58,7 @@ pub fn contacts(system: &System, gap_angstrom: f64) -> Vec<(usize, usize)> {
         .collect()
 }
 
-fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
+pub(crate) fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
     let (first, second) = pair.types();
     let reach = first.hard_radius_angstrom() + second.hard_radius_angstrom() + gap_angstrom;
     pair.displacement.norm_squared() < reach * reach

@@ -80,11 +80,19 @@ pub struct Settings {
     pub rotation_fraction: f64,
     /// Geometric cluster moves in each sweep, in addition to one trial move per body.
     pub cluster_moves_per_sweep: u32,
+    /// Moves that form and dissolve contacts ([`BindingMove`](crate::moves::BindingMove)) in each
+    /// sweep, in addition to the others.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub binding_moves_per_sweep: u32,
     /// Largest distance between the axis of a cluster move and the seed body, Å; `None` for the
     /// diameter of the largest body.
     pub cluster_axis_reach_angstrom: Option<f64>,
     /// Two bodies are in contact if their surfaces are closer than this, vertex to vertex, Å.
     pub contact_gap_angstrom: f64,
+}
+
+fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 impl Settings {
@@ -98,6 +106,7 @@ impl Settings {
             target_acceptance: 0.4,
             rotation_fraction: 0.5,
             cluster_moves_per_sweep: 1,
+            binding_moves_per_sweep: 0,
             cluster_axis_reach_angstrom: None,
             contact_gap_angstrom: 5.0,
         }

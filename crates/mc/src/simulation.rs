@@ -2,18 +2,22 @@
 
 use crate::checkpoint::{Checkpoint, type_names};
 use crate::energy::levels::LevelReport;
-use crate::energy::{Effort, EnergyModel, PairEnergy};
+use crate::energy::{Effort, EnergyModel, PairEnergy, Pairs};
 use crate::hard::{HardBodies, overlapping_pairs};
+use crate::moves::binding::{self, Proposal};
 use crate::moves::step_sizes::Tuner;
-use crate::moves::{HalfTurn, Kind, StepSizes, cluster, single};
+use crate::moves::{BindingMove, HalfTurn, Kind, StepSizes, cluster, single};
 use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, survival};
 use crate::statistics::Statistics;
 use crate::system::{System, Trial};
 use crate::{McError, Result, Settings};
 use protomer_kernel::cells::{CellList, require_minimum_image};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::ops::ControlFlow;
+
+/// Closer to the threshold than this, energies of several bodies are found with [`Effort::Full`], kT.
+const MARGIN_KT: f64 = 0.01;
 
 /// How a call of [`Simulation::run_until`] ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,8 +30,8 @@ pub enum Outcome {
 
 /// A Monte Carlo simulation of one replica.
 ///
-/// A sweep is one trial move per body (of bodies drawn at random) and then the geometric cluster
-/// moves. Trial move s of a replica draws its random numbers from the stream (seed, replica, s), so
+/// A sweep is one trial move per body (of bodies drawn at random), then the geometric cluster
+/// moves, then those that form and dissolve contacts. Trial move s of a replica draws its random numbers from the stream (seed, replica, s), so
 /// nothing random needs to be saved.
 ///
 /// ```
@@ -175,7 +179,7 @@ impl Simulation {
     /// [`McError::NonFiniteEnergy`] names the pair.
     pub fn energy_at_kt(&self, poses: &[Pose], effort: Effort) -> Result<f64> {
         self.energy
-            .energy_elsewhere_kt(&self.system.with_poses(poses), effort)
+            .energy_elsewhere_kt(&self.system.with_poses(poses), Pairs::All, effort)
     }
 
     /// Puts all bodies at other poses, which must be free of overlaps.
@@ -237,6 +241,12 @@ impl Simulation {
         }
         for step in first_step + bodies..first_step + bodies + cluster_moves {
             self.cluster_move(step)
+                .map_err(|error| at_step(error, step))?;
+        }
+        let binding_moves = u64::from(self.settings.binding_moves_per_sweep);
+        let first_step = self.sweep * binding_moves;
+        for step in first_step..first_step + binding_moves {
+            self.binding_move(step)
                 .map_err(|error| at_step(error, step))?;
         }
         self.sweep += 1;
@@ -337,6 +347,87 @@ impl Simulation {
         self.statistics.cluster_moves += 1;
         self.statistics.cluster_bodies += members.len() as u64;
         Ok(())
+    }
+
+    /// One move that forms or dissolves contacts, of a random kind.
+    fn binding_move(&mut self, step: u64) -> Result<()> {
+        let (seed, replica) = (self.seed, self.replica);
+        let mut rng = CounterRng::for_purpose(seed, replica, step, Purpose::BindingMove);
+        let kinds = binding::available(&self.system);
+        let kind = kinds[rng.index(kinds.len())];
+        let accepted = self.binding_move_by(kind, &mut rng, |allowance_kt| allowance_kt)?;
+        self.statistics.binding.count(kind, accepted);
+        Ok(())
+    }
+
+    /// A move of this kind by a rule: what that makes of the allowance decides.
+    pub(crate) fn binding_move_by(
+        &mut self,
+        kind: BindingMove,
+        rng: &mut CounterRng,
+        rule: impl Fn(f64) -> f64,
+    ) -> Result<bool> {
+        let budget_kt = -rng.uniform().ln();
+        let gap_angstrom = self.settings.contact_gap_angstrom;
+        let Some(proposal) = binding::propose(kind, &self.system, gap_angstrom, rng) else {
+            return Ok(false);
+        };
+        let budget_kt = budget_kt + rule(proposal.allowance_kt);
+        match proposal.poses[..] {
+            [(body, pose)] => self.try_pose(body, pose, budget_kt),
+            _ => self.try_poses(&proposal, budget_kt),
+        }
+    }
+
+    /// Moves several bodies if they overlap nothing and the energy rises by less than the budget.
+    fn try_poses(&mut self, proposal: &Proposal, budget_kt: f64) -> Result<bool> {
+        let poses = &proposal.poses;
+        let boundary = self.system.boundary();
+        if poses
+            .iter()
+            .any(|(_, pose)| !boundary.contains(&pose.position))
+        {
+            return Ok(false);
+        }
+        let new = self.system.with_moved(poses);
+        let moved: Vec<usize> = poses.iter().map(|(body, _)| *body).collect();
+        if self.overlap_of_moved(&new, &moved, proposal.is_rigid) {
+            return Ok(false);
+        }
+        let rise_kt = |effort| -> Result<f64> {
+            let energy_kt = |system| {
+                self.energy
+                    .energy_elsewhere_kt(system, Pairs::With(&moved), effort)
+            };
+            Ok(energy_kt(&new)? - energy_kt(&self.system)?)
+        };
+        let mut rise = rise_kt(Effort::Quick)?;
+        if (rise - budget_kt).abs() < MARGIN_KT {
+            rise = rise_kt(Effort::Full)?;
+        }
+        if rise >= budget_kt {
+            return Ok(false);
+        }
+        self.move_bodies(poses);
+        self.energy.reset(&self.system)?;
+        Ok(true)
+    }
+
+    /// Whether a moved body overlaps another; bodies that move as one do not meet each other.
+    fn overlap_of_moved(&mut self, new: &System, moved: &[usize], is_rigid: bool) -> bool {
+        for &body in moved {
+            for other in 0..new.len() {
+                let has_moved = moved.binary_search(&other).is_ok();
+                let is_looked_at = match has_moved {
+                    true => !is_rigid && body < other,
+                    false => true,
+                };
+                if is_looked_at && self.hard.overlap(&new.pair(body, other)) {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// Moves these bodies to their new poses, which are already normalised, so that they equal,

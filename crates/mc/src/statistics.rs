@@ -1,6 +1,6 @@
 //! Counters of the moves.
 
-use crate::moves::{Acceptance, Kind};
+use crate::moves::{Acceptance, BindingMove, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Counts since the end of equilibration (or, during equilibration, since the start).
@@ -14,6 +14,39 @@ pub struct Statistics {
     pub cluster_moves: u64,
     /// Total number of bodies moved by these.
     pub cluster_bodies: u64,
+    /// Moves that form and dissolve contacts.
+    #[serde(default, skip_serializing_if = "BindingCounts::are_none")]
+    pub binding: BindingCounts,
+}
+
+/// Counts of the moves that form and dissolve contacts, by kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BindingCounts {
+    /// [`BindingMove::Relocation`].
+    pub relocation: Acceptance,
+    /// [`BindingMove::ContactTurn`].
+    pub contact_turn: Acceptance,
+    /// [`BindingMove::Group`].
+    pub group: Acceptance,
+    /// [`BindingMove::Swap`].
+    pub swap: Acceptance,
+}
+
+impl BindingCounts {
+    pub(crate) fn count(&mut self, kind: BindingMove, accepted: bool) {
+        let counts = match kind {
+            BindingMove::Relocation => &mut self.relocation,
+            BindingMove::ContactTurn => &mut self.contact_turn,
+            BindingMove::Group => &mut self.group,
+            BindingMove::Swap => &mut self.swap,
+        };
+        counts.count(accepted);
+    }
+
+    fn are_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Statistics {
@@ -24,6 +57,7 @@ impl Statistics {
             rotation: none,
             cluster_moves: 0,
             cluster_bodies: 0,
+            binding: BindingCounts::default(),
         }
     }
 

@@ -130,6 +130,15 @@ impl System {
         }
     }
 
+    /// The same bodies with some at other poses.
+    pub(crate) fn with_moved(&self, moved: &[(usize, Pose)]) -> Self {
+        let mut system = self.clone();
+        for (body, pose) in moved {
+            system.set_pose(*body, *pose);
+        }
+        system
+    }
+
     /// The space.
     pub fn boundary(&self) -> &Boundary {
         &self.boundary
@@ -221,6 +230,14 @@ pub struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
+    /// The pose of the partner's nearest image in the frame of this body of the pair.
+    pub(crate) fn partner_of(&self, body: usize) -> RelativePose {
+        match body == self.first {
+            true => self.relative(),
+            false => self.relative().inverse(),
+        }
+    }
+
     /// The types of the two bodies.
     pub fn types(&self) -> (&'a BodyType, &'a BodyType) {
         (

@@ -66,6 +66,7 @@ fn start(system: System, replica: u32) -> Simulation {
 fn start_with(system: System, interaction: Interaction, replica: u32) -> Simulation {
     let settings = protomer_mc::Settings {
         equilibration_sweeps: 60,
+        binding_moves_per_sweep: 2,
         ..settings(interaction, 2)
     };
     Simulation::new(system, settings, 99, replica).unwrap()

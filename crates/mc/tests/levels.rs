@@ -9,7 +9,7 @@ use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::levels::{Levels, Table};
-use protomer_mc::energy::{DirectSum, Effort, EnergyModel};
+use protomer_mc::energy::{DirectSum, Effort, EnergyModel, Pairs};
 use protomer_mc::scatter::scattered;
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
 use std::ops::ControlFlow;
@@ -167,7 +167,11 @@ fn energies_elsewhere_are_those_of_the_direct_sum() {
     let mut direct = DirectSum::new(yukawa);
     direct.reset(&other).unwrap();
     let expected_kt = direct.total_kt();
-    let found_kt = |effort| levels.energy_elsewhere_kt(&other, effort).unwrap();
+    let found_kt = |effort| {
+        levels
+            .energy_elsewhere_kt(&other, Pairs::All, effort)
+            .unwrap()
+    };
     assert!((found_kt(Effort::Quick) - expected_kt).abs() < 1e-3);
     assert!((found_kt(Effort::Full) - expected_kt).abs() < 1e-9);
     direct.reset(&system).unwrap();

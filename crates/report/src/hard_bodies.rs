@@ -327,6 +327,7 @@ fn bodies(path: &Path) -> Result<Section> {
             name: format!("after {} sweeps", frame.step),
             bodies: frame.poses.into_iter().map(|pose| (0, pose)).collect(),
             colouring: None,
+            film: None,
         }],
     };
     Ok(mesh_view::section(&shown, ""))

@@ -13,6 +13,7 @@
 //! | `scenes` | the bodies shown, and their positions |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
 //! | `residues` | what holds an assembly together |
+//! | `companions` | what other verbs left in the directory of a run |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -21,6 +22,7 @@
 //! The same directory gives the same bytes. The page loads nothing: it carries a policy that
 //! forbids the browser to do so.
 
+mod companions;
 mod data;
 mod figures;
 mod framework;

@@ -1,5 +1,6 @@
 "use strict";
-// Shows closed meshes in `root`: turned by drag or touch, zoomed by wheel or two fingers, coloured by a value per vertex.
+// Shows closed meshes in `root`: turned by drag or touch, zoomed by wheel or two fingers, coloured by a value per vertex; scenes
+// with frames are played.
 function viewMeshes(root, data) {
   const find = name => root.querySelector(name);
   const canvas = find("canvas"), sceneMenu = find(".scene"), colourMenu = find(".colouring"), legend = find(".legend");
@@ -89,7 +90,48 @@ function viewMeshes(root, data) {
     return { ...mesh, array, values, count: corners.length, type: mesh.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT };
   });
 
-  let turn = [1, 0, 0, 0, 1, 0, 0, 0, 1], zoom = 1, waiting = false;
+  // The edges of a box about the origin.
+  function edges(lengths) {
+    const points = [];
+    for (let axis = 0; axis < 3; axis++) {
+      for (const [a, b] of [[-1, -1], [-1, 1], [1, -1], [1, 1]]) {
+        for (const end of [-1, 1]) {
+          const sides = [];
+          [sides[axis], sides[(axis + 1) % 3], sides[(axis + 2) % 3]] = [end, a, b];
+          points.push(...sides.map((side, k) => 0.5 * side * lengths[k]));
+        }
+      }
+    }
+    return points;
+  }
+  const boxes = data.scenes.map(scene => {
+    if (!scene.box) return null;
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    buffer(gl.ARRAY_BUFFER, new Float32Array(edges(scene.box)));
+    attribute(0, 3, gl.FLOAT, false);
+    return array;
+  });
+  function outline(array) {
+    gl.bindVertexArray(array);
+    gl.vertexAttrib3f(1, 0, 0, 1);
+    gl.vertexAttrib1f(2, 0);
+    gl.uniform3f(low, 0, 0, 0);
+    gl.uniform3f(at, 0, 0, 0);
+    gl.uniform1f(span, 1);
+    gl.uniform4f(pose, 1, 0, 0, 0);
+    gl.uniform3f(plain, 0.55, 0.55, 0.55);
+    gl.drawArrays(gl.LINES, 0, 24);
+  }
+
+  const film = find(".film"), playing = film.querySelector("button"), place = film.querySelector("input");
+  const FRAME_MS = 80;
+  let turn = [1, 0, 0, 0, 1, 0, 0, 0, 1], zoom = 1, waiting = false, clock = null;
+
+  // The bodies of a scene, or of the frame of it that is shown.
+  const bodiesOf = scene => scene.frames
+    ? scene.bodies.map(([number], k) => [number, ...scene.frames[place.value][k]])
+    : scene.bodies;
 
   function draw() {
     waiting = false;
@@ -107,7 +149,8 @@ function viewMeshes(root, data) {
     gl.uniform3fv(centre, scene.centre);
     gl.uniformMatrix3fv(turnAt, false, turn);
     if (colouring) gl.uniform3fv(colours, colouring.colours.flatMap(rgb));
-    for (const [number, x, y, z, ...orientation] of scene.bodies) {
+    if (boxes[sceneMenu.value]) outline(boxes[sceneMenu.value]);
+    for (const [number, x, y, z, ...orientation] of bodiesOf(scene)) {
       const mesh = meshes[number];
       gl.bindVertexArray(mesh.array);
       if (colouring) {
@@ -131,6 +174,28 @@ function viewMeshes(root, data) {
     if (!waiting) window.requestAnimationFrame(draw);
     waiting = true;
   }
+
+  function show(frame) {
+    const labels = data.scenes[sceneMenu.value].labels;
+    place.value = frame % labels.length;
+    film.querySelector("output").textContent = labels[place.value];
+    canvas.dataset.frame = place.value;
+    redraw();
+  }
+  function pause() {
+    clearInterval(clock);
+    clock = null;
+    playing.textContent = "Play";
+  }
+  playing.onclick = () => {
+    if (clock !== null) return pause();
+    clock = setInterval(() => show(Number(place.value) + 1), FRAME_MS);
+    playing.textContent = "Pause";
+  };
+  place.oninput = () => {
+    pause();
+    show(Number(place.value));
+  };
 
   function explain() {
     const colouring = data.colourings[colourMenu.value], add = (tag, name, text) => {
@@ -205,7 +270,14 @@ function viewMeshes(root, data) {
   colourMenu.add(new Option("body", data.colourings.length));
   // A scene may have its own colours.
   sceneMenu.onchange = () => {
-    colourMenu.value = data.scenes[sceneMenu.value].colouring ?? colourMenu.value;
+    const scene = data.scenes[sceneMenu.value];
+    colourMenu.value = scene.colouring ?? colourMenu.value;
+    pause();
+    film.hidden = !scene.frames;
+    if (scene.frames) {
+      place.max = scene.frames.length - 1;
+      show(0);
+    }
     explain();
   };
   colourMenu.onchange = explain;

@@ -41,6 +41,17 @@ pub struct Scene {
     pub bodies: Vec<(usize, Pose)>,
     /// The colouring that is chosen with it; `None` for the one that is shown.
     pub colouring: Option<usize>,
+    /// How the bodies move.
+    pub film: Option<Film>,
+}
+
+/// Bodies that move.
+#[derive(Debug, Clone)]
+pub struct Film {
+    /// What is written beside each frame, and the pose of each body in it.
+    pub frames: Vec<(String, Vec<Pose>)>,
+    /// Edge lengths of the box about the origin, Å.
+    pub box_angstrom: Option<[f64; 3]>,
 }
 
 /// The data of the viewer.
@@ -170,7 +181,35 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     if let Some(colouring) = scene.colouring {
         json["colouring"] = colouring.into();
     }
+    if let Some(film) = &scene.film {
+        add_film(&mut json, film);
+    }
     json
+}
+
+/// Frames, what is written beside them, and a view that holds all of them.
+fn add_film(json: &mut Value, film: &Film) {
+    // Hundredths of an Å and thousandths of a quaternion are more than a screen shows.
+    let pose = |pose: &Pose| -> Vec<f64> {
+        let place = pose.position.iter().map(|x| (x * 1e2).round() / 1e2);
+        place.chain(pose.wxyz().map(thousandths)).collect()
+    };
+    let frame = |(_, poses): &(String, Vec<Pose>)| poses.iter().map(pose).collect::<Vec<_>>();
+    let labels = film.frames.iter().map(|(label, _)| label);
+    json["labels"] = json!(labels.collect::<Vec<_>>());
+    json["frames"] = json!(film.frames.iter().map(frame).collect::<Vec<_>>());
+    let positions = film.frames.iter().flat_map(|(_, poses)| poses);
+    let Bounds { low, high } = bounds(positions.map(|pose| &pose.position));
+    let (centre, width) = match film.box_angstrom {
+        Some(lengths) => {
+            json["box"] = json!(lengths.map(thousandths));
+            (Vec3::zeros(), Vec3::from(lengths))
+        }
+        None => (0.5 * (low + high), high - low),
+    };
+    let around_a_body = json["radius"].as_f64().unwrap_or(1.0);
+    json["centre"] = json!(rounded(&centre));
+    json["radius"] = thousandths((0.5 * width.norm()).max(around_a_body)).into();
 }
 
 struct Bounds {
@@ -212,6 +251,44 @@ mod tests {
         assert_eq!(
             [-9.0, -5.0, 0.0, 5.0, f64::NAN].map(|value| level(value, 5.0)),
             [1, 1, 128, 255, 0]
+        );
+    }
+
+    #[test]
+    fn a_film_has_all_its_frames_in_view() {
+        let at = |x: f64| Pose {
+            position: Vec3::new(x, 0.0, 0.0),
+            ..Pose::identity()
+        };
+        let mut scene = Scene {
+            name: "film".into(),
+            bodies: vec![(0, at(0.0))],
+            colouring: None,
+            film: Some(Film {
+                frames: vec![
+                    ("sweep 10".into(), vec![at(-3.0)]),
+                    ("sweep 20".into(), vec![at(5.0)]),
+                ],
+                box_angstrom: None,
+            }),
+        };
+        let json = scene_to_json(&scene, &[]);
+        assert_eq!(json["labels"], json!(["sweep 10", "sweep 20"]));
+        assert_eq!(
+            json["frames"][1],
+            json!([[5.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]])
+        );
+        assert_eq!(json["centre"], json!([1.0, 0.0, 0.0]));
+        assert_eq!(json["radius"], json!(4.0));
+        assert!(json["box"].is_null());
+        if let Some(film) = &mut scene.film {
+            film.box_angstrom = Some([30.0, 40.0, 120.0]);
+        }
+        let json = scene_to_json(&scene, &[]);
+        assert_eq!(json["box"], json!([30.0, 40.0, 120.0]));
+        assert_eq!(
+            (&json["centre"], &json["radius"]),
+            (&json!([0.0, 0.0, 0.0]), &json!(65.0))
         );
     }
 

@@ -3,7 +3,7 @@
 use super::html::{definitions, millimolar, paragraph, significant, significant_or_dash, table};
 use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
-use super::{data, figures, mesh_view, provenance, residues, traces};
+use super::{companions, data, figures, mesh_view, provenance, residues, traces};
 use anyhow::Result;
 use protomer::stability::run::{EnergyMode, RunSettings};
 use protomer::stability::sweep::replica_directory;
@@ -50,6 +50,7 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
     if let Some(held) = &held {
         sections.push(held.section()?);
     }
+    sections.extend(companions::sections(directory)?);
     sections.push(conditions(settings, result.as_ref(), &collected)?);
     sections.push(simulations_section(&simulations, settings));
     let seed = vec![("seed", settings.seed.to_string())];
@@ -196,6 +197,12 @@ fn conditions(
         "cluster moves per sweep",
         settings.cluster_moves_per_sweep.to_string(),
     ));
+    if settings.binding_moves_per_sweep > 0 {
+        rows.push((
+            "moves per sweep that form and dissolve contacts",
+            settings.binding_moves_per_sweep.to_string(),
+        ));
+    }
     let head = [
         "salt (mM)",
         "relative permittivity",

@@ -187,6 +187,7 @@ impl Surfaces {
                 name: format!("best pose{}", pose.name),
                 bodies: vec![(first, Pose::identity()), (second, pose.second)],
                 colouring: coloured.then_some(number),
+                film: None,
             });
             if coloured {
                 shown.colourings.push(Colouring {
@@ -217,6 +218,7 @@ impl Surfaces {
                 name: format!("{which} body, {}", surface.shown.name),
                 bodies: vec![(mesh, Pose::identity())],
                 colouring: None,
+                film: None,
             });
             shown.meshes.push(surface.shown);
         }

@@ -4,7 +4,7 @@
 //! shapes come from the trajectory.
 
 use super::html::millimolar;
-use super::mesh_view::{Colouring, Scene, Shown, ShownMesh};
+use super::mesh_view::{Colouring, Film, Scene, Shown, ShownMesh};
 use anyhow::{Context, Result, bail};
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::export::{assembly_of, gather};
@@ -24,8 +24,12 @@ use std::path::{Path, PathBuf};
 pub(crate) const MOST_VERTICES: usize = 400_000;
 /// Scenes with more bodies than this are slow to turn.
 const MOST_BODIES: usize = 256;
-/// Final states in the menu.
+/// Final states, and films, in the menu.
 const MOST_ENDS: usize = 8;
+/// Frames of a film.
+const MOST_FRAMES: usize = 200;
+/// Poses in all films, some megabytes of text.
+const MOST_POSES: usize = 60_000;
 /// Range of the hydropathy: residues with an atom within this distance of a point count, Å;
 /// the default of the voxel channel.
 const HYDROPATHY_REACH_ANGSTROM: f64 = 5.0;
@@ -94,6 +98,7 @@ pub fn collect(
             name: format!("body {}", shown.name),
             bodies: vec![(number, Pose::identity())],
             colouring: None,
+            film: None,
         });
     }
     let (states, unread) = states(collected.assembly.as_ref(), &trajectories, periodic_box);
@@ -142,6 +147,7 @@ fn states(
             name: "the start".into(),
             bodies: kinds.zip(assembly.poses.iter().copied()).collect(),
             colouring: None,
+            film: None,
         });
     }
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
@@ -151,17 +157,61 @@ fn states(
                 name: format!("the end at {} mM", millimolar(*salt)),
                 bodies,
                 colouring: None,
+                film: None,
             }),
             Err(error) => unread.push(format!("{error:#}")),
         }
     }
-    if let Some(lengths) = assembly.map_or(periodic_box, Assembly::box_angstrom) {
+    let box_angstrom = assembly.map_or(periodic_box, Assembly::box_angstrom);
+    if let Some(lengths) = box_angstrom {
         for scene in &mut scenes {
             let positions = scene.bodies.iter_mut().map(|(_, pose)| &mut pose.position);
             gather(&mut positions.collect::<Vec<_>>(), lengths);
         }
     }
+    match films(trajectories, step, box_angstrom) {
+        Ok(films) => scenes.extend(films),
+        Err(error) => unread.push(format!("{error:#}")),
+    }
     (scenes, unread)
+}
+
+/// A film of the trajectories whose final states are shown: bodies where they are in the box.
+fn films(
+    trajectories: &[(f64, PathBuf)],
+    step: usize,
+    box_angstrom: Option<[f64; 3]>,
+) -> Result<Vec<Scene>> {
+    let chosen = trajectories.iter().step_by(step);
+    let number = chosen.len();
+    let mut films = Vec::new();
+    for (salt, path) in chosen {
+        let mut reader = TrajectoryReader::open(path)?;
+        let total = reader.frames();
+        if total < 2 {
+            continue;
+        }
+        let first = reader.frame(0)?;
+        let bodies = first.poses.len().max(1);
+        let most = (MOST_POSES / (number * bodies)).clamp(2, MOST_FRAMES) as u64;
+        let kept = total.min(most);
+        let mut frames = Vec::new();
+        for place in 0..kept {
+            let frame = reader.frame(place * (total - 1) / (kept - 1))?;
+            frames.push((format!("sweep {}", frame.step), frame.poses));
+        }
+        let kinds = first.type_ids.into_iter().map(|kind| kind as usize);
+        films.push(Scene {
+            name: format!("film at {} mM", millimolar(*salt)),
+            bodies: kinds.zip(first.poses).collect(),
+            colouring: None,
+            film: Some(Film {
+                frames,
+                box_angstrom,
+            }),
+        });
+    }
+    Ok(films)
 }
 
 /// Colours bodies by the potentials at the first and the last salt concentration, and by

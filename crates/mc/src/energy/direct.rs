@@ -2,7 +2,8 @@
 
 use super::reach::{Reach, require_room};
 use super::{
-    Effort, EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt, sum_of_pairs,
+    Effort, EnergyModel, PairEnergy, Pairs, SitePotential, all_pairs, finite, pair_energy_kt,
+    sum_of_pairs,
 };
 use crate::Result;
 use crate::sparse_rows::PairTable;
@@ -115,8 +116,8 @@ impl<P: SitePotential> EnergyModel for DirectSum<P> {
         self.proposed.clear();
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, _: Effort) -> Result<f64> {
-        sum_of_pairs(system, |pair| {
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, _: Effort) -> Result<f64> {
+        sum_of_pairs(system, of, |pair| {
             direct_energy_kt(&self.potential, &self.reach, pair)
         })
     }

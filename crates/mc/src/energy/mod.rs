@@ -152,12 +152,12 @@ pub trait EnergyModel: Send {
     /// The energies of all pairs in range, ascending by (first, second).
     fn pairs(&self) -> Vec<PairEnergy>;
 
-    /// The energy of the bodies of the last [`reset`](EnergyModel::reset) at other poses, kT. A
-    /// function of the poses alone; the model remembers nothing of it.
+    /// The energy of these pairs of the bodies of the last [`reset`](EnergyModel::reset) at other
+    /// poses, kT. A function of the poses alone; the model remembers nothing of it.
     ///
     /// # Errors
     /// As [`reset`](EnergyModel::reset).
-    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64>;
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64>;
 
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
     fn total_kt(&self) -> f64 {
@@ -179,15 +179,38 @@ pub enum Effort {
     Full,
 }
 
-/// The sum of what `energy` says of the pairs of a system, kT.
+/// Which pairs of bodies count.
+#[derive(Debug, Clone, Copy)]
+pub enum Pairs<'a> {
+    /// All.
+    All,
+    /// Those with at least one of these bodies (ascending).
+    With(&'a [usize]),
+}
+
+impl Pairs<'_> {
+    fn count(&self, first: usize, second: usize) -> bool {
+        match self {
+            Pairs::All => true,
+            Pairs::With(bodies) => {
+                bodies.binary_search(&first).is_ok() || bodies.binary_search(&second).is_ok()
+            }
+        }
+    }
+}
+
+/// The sum of what `energy` says of these pairs of a system, kT.
 fn sum_of_pairs(
     system: &System,
+    of: Pairs<'_>,
     mut energy: impl FnMut(&Pair<'_>) -> Result<Option<f64>>,
 ) -> Result<f64> {
     let mut sum = 0.0;
     for first in 0..system.len() {
         for second in first + 1..system.len() {
-            sum += energy(&system.pair(first, second))?.unwrap_or(0.0);
+            if of.count(first, second) {
+                sum += energy(&system.pair(first, second))?.unwrap_or(0.0);
+            }
         }
     }
     Ok(sum)

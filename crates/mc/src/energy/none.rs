@@ -1,6 +1,6 @@
 //! Bodies without charges.
 
-use super::{Effort, EnergyModel, PairEnergy};
+use super::{Effort, EnergyModel, PairEnergy, Pairs};
 use crate::Result;
 use crate::system::{System, Trial};
 
@@ -33,7 +33,7 @@ impl EnergyModel for NoCharges {
 
     fn reject(&mut self) {}
 
-    fn energy_elsewhere_kt(&self, _: &System, _: Effort) -> Result<f64> {
+    fn energy_elsewhere_kt(&self, _: &System, _: Pairs<'_>, _: Effort) -> Result<f64> {
         Ok(0.0)
     }
 

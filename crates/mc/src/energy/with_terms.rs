@@ -6,7 +6,7 @@
 
 use super::reach::Reach;
 use super::terms::Terms;
-use super::{Effort, EnergyModel, PairEnergy, all_pairs, finite, levels, sum_of_pairs};
+use super::{Effort, EnergyModel, PairEnergy, Pairs, all_pairs, finite, levels, sum_of_pairs};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
@@ -192,9 +192,9 @@ impl EnergyModel for WithTerms {
         self.charges.memory_bytes()
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
-        let of_terms_kt = sum_of_pairs(system, |pair| self.energy_kt(pair))?;
-        Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, effort)?)
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+        let of_terms_kt = sum_of_pairs(system, of, |pair| self.energy_kt(pair))?;
+        Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, of, effort)?)
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {

@@ -14,6 +14,7 @@ mod source;
 pub use answer::{BodyRow, CurveRow, ScatteringReport, SizeRow, StateRow};
 pub use average::Estimate;
 pub use protomer_mc::scattering::experiment::Settings as ExperimentSettings;
+pub(crate) use source::Source;
 
 use anyhow::{Context, Result, bail};
 use average::{estimate, ratio};
@@ -22,9 +23,12 @@ use protomer_mc::scattering::experiment::{self, ClusterMeasure, Experiment, Meas
 use protomer_mc::{BodyType, System};
 use protomer_results::Progress;
 use rayon::prelude::*;
-use source::{Series, Source};
+use source::Series;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The folder in the directory of a run in which a report looks for the answer.
+pub const FOLDER: &str = "scattering";
 
 /// What to measure, and how.
 ///
@@ -78,7 +82,7 @@ impl Default for ScatteringSettings {
 }
 
 impl ScatteringSettings {
-    fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         if !(0.0..1.0).contains(&self.skip) {
             bail!(
                 "the share of frames to skip is {}; give one from 0 to below 1, such as 0.2",

@@ -14,25 +14,25 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The poses of one simulation.
-pub(super) struct Series {
-    pub(super) salt_molar: Option<f64>,
-    pub(super) frames: Vec<Vec<Pose>>,
+pub(crate) struct Series {
+    pub(crate) salt_molar: Option<f64>,
+    pub(crate) frames: Vec<Vec<Pose>>,
     /// Number of the first frame among those of all series.
     pub(super) first_number: u64,
 }
 
 /// Bodies and the states that they were in.
-pub(super) struct Source {
-    pub(super) assembly: Assembly,
+pub(crate) struct Source {
+    pub(crate) assembly: Assembly,
     /// A wall counts as open space.
     pub(super) boundary: Boundary,
     pub(super) contact_gap_angstrom: f64,
-    pub(super) series: Vec<Series>,
+    pub(crate) series: Vec<Series>,
     pub(super) is_run: bool,
 }
 
 impl Source {
-    pub(super) fn read(settings: &ScatteringSettings) -> Result<Self> {
+    pub(crate) fn read(settings: &ScatteringSettings) -> Result<Self> {
         let input = settings.input.as_path();
         if !input.is_dir() {
             return Self::of_assembly(settings);

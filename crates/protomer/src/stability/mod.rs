@@ -10,6 +10,7 @@ pub mod inspect;
 pub mod interaction;
 pub mod pair;
 pub mod residues;
+pub mod reweighting;
 pub mod run;
 pub mod sweep;
 pub mod terms;

@@ -5,5 +5,6 @@ pub mod compare;
 pub mod inspect;
 pub mod pair;
 pub mod residues;
+pub mod reweight;
 pub mod simulate;
 pub mod sweep;

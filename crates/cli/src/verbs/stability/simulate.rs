@@ -42,6 +42,10 @@ pub struct RunArgs {
     /// Geometric cluster moves per sweep [default: 1].
     #[arg(long)]
     pub cluster_moves: Option<u32>,
+    /// Moves per sweep that form and dissolve contacts: bodies put beside others or far from them,
+    /// turns about contacts, groups, swaps [default: 0].
+    #[arg(long)]
+    pub binding_moves: Option<u32>,
     /// Seed of the random numbers [default: 1].
     #[arg(long)]
     pub seed: Option<u64>,
@@ -79,6 +83,7 @@ impl RunArgs {
         override_with(&mut settings.sweeps, self.sweeps);
         override_with(&mut settings.equilibration_sweeps, self.equilibration);
         override_with(&mut settings.cluster_moves_per_sweep, self.cluster_moves);
+        override_with(&mut settings.binding_moves_per_sweep, self.binding_moves);
         override_with(&mut settings.seed, self.seed);
         override_with(&mut settings.contact_gap_angstrom, self.contact_gap);
         override_with(&mut settings.log_every, self.log_every);

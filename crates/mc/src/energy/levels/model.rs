@@ -7,7 +7,8 @@ use super::table::{Estimate, Table};
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
-    Effort, EnergyModel, PairEnergy, SitePotential, all_pairs, finite, pair_energy_kt, sum_of_pairs,
+    Effort, EnergyModel, PairEnergy, Pairs, SitePotential, all_pairs, finite, pair_energy_kt,
+    sum_of_pairs,
 };
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -575,8 +576,8 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     /// Quick energies are those of fine tables.
-    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
-        sum_of_pairs(system, |pair| match effort {
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+        sum_of_pairs(system, of, |pair| match effort {
             Effort::Quick => self.energy_alone_kt(pair).map(Some),
             Effort::Full => direct_energy_kt(&self.potential, &self.reach, pair),
         })

@@ -4,7 +4,7 @@
 use protomer_kernel::potential::Yukawa;
 use protomer_mc::Result;
 use protomer_mc::energy::levels::Levels;
-use protomer_mc::energy::{Effort, EnergyModel, PairEnergy};
+use protomer_mc::energy::{Effort, EnergyModel, PairEnergy, Pairs};
 use protomer_mc::system::{System, Trial};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -137,8 +137,8 @@ impl EnergyModel for Metered {
         self.kept(Levels::reject);
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, effort: Effort) -> Result<f64> {
-        self.inner.energy_elsewhere_kt(system, effort)
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+        self.inner.energy_elsewhere_kt(system, of, effort)
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {

@@ -302,6 +302,7 @@ impl Engine {
         Ok(Settings {
             equilibration_sweeps: run.equilibration_sweeps,
             cluster_moves_per_sweep: run.cluster_moves_per_sweep,
+            binding_moves_per_sweep: run.binding_moves_per_sweep,
             contact_gap_angstrom: run.contact_gap_angstrom,
             ..Settings::new(interaction)
         })

@@ -39,6 +39,9 @@ pub struct RunSettings {
     pub equilibration_sweeps: u64,
     /// Geometric cluster moves per sweep.
     pub cluster_moves_per_sweep: u32,
+    /// Moves that form and dissolve contacts, per sweep.
+    #[serde(skip_serializing_if = "is_none")]
+    pub binding_moves_per_sweep: u32,
     /// Sweeps between two exchanges of states between neighbouring salt concentrations; zero for
     /// none.
     #[serde(skip_serializing_if = "is_zero")]
@@ -113,6 +116,11 @@ impl Starts {
     fn is_default(&self) -> bool {
         *self == Starts::default()
     }
+}
+
+/// Runs of earlier versions had none and do not say so.
+fn is_none(moves: &u32) -> bool {
+    *moves == 0
 }
 
 fn is_zero(number: &u64) -> bool {
@@ -205,6 +213,7 @@ impl Default for RunSettings {
             sweeps: 2_000,
             equilibration_sweeps: 500,
             cluster_moves_per_sweep: 1,
+            binding_moves_per_sweep: 0,
             exchange_every: 0,
             starts: Starts::Assembly,
             seed: 1,
@@ -233,7 +242,7 @@ pub fn salt_label(salt_molar: f64) -> String {
 /// Upper limit for the number of runs, each of which has a folder.
 const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
 /// Runs stop between sweeps only, so a sweep must not be too long.
-const MOST_CLUSTER_MOVES: u32 = 100_000;
+const MOST_MOVES: u32 = 100_000;
 
 impl Settings for RunSettings {
     /// Excludes the number of sweeps: a run of 1000 sweeps can be continued to 2000.
@@ -390,11 +399,15 @@ impl RunSettings {
                 self.replicas
             );
         }
-        if self.cluster_moves_per_sweep > MOST_CLUSTER_MOVES {
-            bail!(
-                "cluster_moves_per_sweep is {}; a sweep this long cannot be stopped: ask for at most {MOST_CLUSTER_MOVES}",
-                self.cluster_moves_per_sweep
-            );
+        for (name, moves) in [
+            ("cluster_moves_per_sweep", self.cluster_moves_per_sweep),
+            ("binding_moves_per_sweep", self.binding_moves_per_sweep),
+        ] {
+            if moves > MOST_MOVES {
+                bail!(
+                    "{name} is {moves}; a sweep this long cannot be stopped: ask for at most {MOST_MOVES}"
+                );
+            }
         }
         for (name, value) in [
             ("replicas", u64::from(self.replicas)),

@@ -114,14 +114,19 @@ impl Answer for SweepPart {
     }
 }
 
-/// Whether this is the folder of the simulations at one salt concentration, of a ladder, or of the
-/// residues.
+/// Whether this is the folder of the simulations at one salt concentration, of a ladder, or of what
+/// other verbs make of them.
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_of_salt = name.starts_with("salt_") && name.ends_with('M');
     let is_ladder = name.starts_with("ladder_") && path.join("run.json").is_file();
-    let is_of_residues = name == crate::stability::residues::FOLDER && path.is_dir();
-    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder || is_of_residues
+    let companions = [
+        crate::stability::residues::FOLDER,
+        crate::stability::reweighting::FOLDER,
+        crate::scattering::FOLDER,
+    ];
+    let is_companion = companions.contains(&name.as_ref()) && path.is_dir();
+    (is_of_salt && path.join("replica_0").is_dir()) || is_ladder || is_companion
 }
 
 /// Runs or continues a sweep in a directory.

@@ -124,7 +124,8 @@ fn scaled(summary: &Summary, native: usize) -> Summary {
     }
 }
 
-fn with_interval(salt_molar: f64, [low, high]: [Option<f64>; 2]) -> String {
+/// A half salt with its interval, in words.
+pub(crate) fn with_interval(salt_molar: f64, [low, high]: [Option<f64>; 2]) -> String {
     let rounded = |salt: f64| {
         let digits = (2.0 - (1e3 * salt).log10().floor()).max(0.0) as usize;
         format!("{:.digits$}", 1e3 * salt)

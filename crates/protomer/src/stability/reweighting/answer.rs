@@ -1,0 +1,316 @@
+//! The answer: text, tables, figure.
+
+use super::equilibrated;
+use super::samples::Samples;
+use crate::stability::sweep::stability::with_interval;
+use anyhow::Result;
+use protomer_common::answer::{Answer, columns, heading};
+use protomer_io::csv::{Cell, Table};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use serde::Serialize;
+use std::path::Path;
+
+/// Above this energy of a body that touches none, mass action holds only roughly, kT. In the validation
+/// half of this shifts a fraction by 5 % at an eighth of the concentration.
+const LARGEST_ENERGY_APART_KT: f64 = 0.05;
+
+/// Curves over salt from all frames of a sweep.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReweightingResult {
+    /// Version of the program.
+    pub version: String,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Frames of all salts and replicas.
+    pub frames: usize,
+    /// Blocks of frames from which the errors come.
+    pub blocks: usize,
+    /// Salts that were simulated, mol/L, and the free energies there, kT, that of the first being
+    /// zero.
+    #[serde(rename = "simulated_salt_M")]
+    pub simulated_salt_molar: Vec<f64>,
+    /// -ln of the partition function at each of these.
+    #[serde(rename = "free_energy_kT")]
+    pub free_energy_kt: Vec<f64>,
+    /// Whether the starts of the sweep agree; null if all start alike.
+    pub equilibrated: Option<bool>,
+    /// Mean size of the energy of a body in frames in which none touch, kT, at the salt where it is
+    /// largest; null without such frames.
+    #[serde(rename = "energy_apart_kT")]
+    pub energy_apart_kt: Option<f64>,
+    /// The curves at the concentration of bodies of the sweep, and at others.
+    pub concentrations: Vec<ConcentrationCurve>,
+}
+
+/// The curves at one concentration of bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ConcentrationCurve {
+    /// Concentration of the bodies, mol/L; zero in open space.
+    #[serde(rename = "concentration_M")]
+    pub concentration_molar: f64,
+    /// Where half of the contacts are left; null if nowhere, on too few frames, or if the starts of
+    /// the sweep disagree.
+    pub half_salt: Option<HalfSaltEstimate>,
+    /// Where half of the bodies touch another.
+    pub half_bound_salt: Option<HalfSaltEstimate>,
+    /// Ascending by salt.
+    pub points: Vec<CurvePoint>,
+}
+
+/// A point of the curves.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Salt concentration, mol/L.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: f64,
+    /// Contacts over those of the assembly.
+    pub contacts_left: Estimate,
+    /// Fraction of the bodies that touch another.
+    pub bound_fraction: Estimate,
+    /// How many frames of equal weight would be as good.
+    pub effective_frames: f64,
+}
+
+/// A mean and its standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Mean.
+    pub mean: f64,
+    /// Standard error.
+    pub error: Option<f64>,
+}
+
+/// A half salt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HalfSaltEstimate {
+    /// mol/L.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: f64,
+    /// Of 95 %, mol/L; null if the curve leaves the salts of the sweep without some of the frames.
+    #[serde(rename = "interval_M")]
+    pub interval_molar: Option<[f64; 2]>,
+    /// How many frames of equal weight would be as good, near it.
+    pub effective_frames: f64,
+}
+
+impl ReweightingResult {
+    pub(super) fn new(
+        directory: &Path,
+        samples: &Samples,
+        free_energy_kt: Vec<f64>,
+        mut concentrations: Vec<ConcentrationCurve>,
+        bodies: usize,
+    ) -> Result<Self> {
+        let equilibrated = equilibrated(directory)?;
+        if equilibrated == Some(false) {
+            for curve in &mut concentrations {
+                (curve.half_salt, curve.half_bound_salt) = (None, None);
+            }
+        }
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION").into(),
+            bodies,
+            frames: samples.frames.len(),
+            blocks: samples.blocks,
+            simulated_salt_molar: samples.simulated_molar.clone(),
+            free_energy_kt,
+            equilibrated,
+            energy_apart_kt: samples.energy_apart_kt(bodies),
+            concentrations,
+        })
+    }
+
+    /// A row for each point of each curve.
+    pub(super) fn table(&self) -> Result<String> {
+        let mut table = Table::new(vec![
+            "concentration_M",
+            "salt_M",
+            "contacts_left",
+            "contacts_left_error",
+            "bound_fraction",
+            "bound_fraction_error",
+            "effective_frames",
+        ]);
+        for curve in &self.concentrations {
+            for point in &curve.points {
+                table.push(vec![
+                    Cell::from(curve.concentration_molar),
+                    point.salt_molar.into(),
+                    point.contacts_left.mean.into(),
+                    Cell::from(point.contacts_left.error),
+                    point.bound_fraction.mean.into(),
+                    Cell::from(point.bound_fraction.error),
+                    point.effective_frames.into(),
+                ])?;
+            }
+        }
+        Ok(table.to_csv()?)
+    }
+
+    pub(super) fn drawn(&self) -> Figure {
+        let has_salt = self.simulated_salt_molar.iter().all(|salt| *salt > 0.0);
+        let panel = |name: &str, of: fn(&CurvePoint) -> Estimate| Panel {
+            y: Axis::linear(name).with_range(0.0, 1.05),
+            series: self
+                .concentrations
+                .iter()
+                .map(|curve| series(curve, of))
+                .collect(),
+        };
+        Figure {
+            title: "Stability against salt, from all frames".into(),
+            caption: format!("{} bodies, {} frames", self.bodies, self.frames),
+            x: match has_salt {
+                true => Axis::log("salt (mM)"),
+                false => Axis::linear("salt (mM)"),
+            },
+            panels: vec![
+                panel("contacts left", |point| point.contacts_left),
+                panel("bodies that touch another", |point| point.bound_fraction),
+            ],
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        match self.equilibrated {
+            Some(false) => notes.push(
+                "not equilibrated: runs from the assembly and from the fluid disagree, so weights \
+                 say nothing of the half salt; run longer"
+                    .into(),
+            ),
+            None => notes.push(
+                "whether this is an equilibrium is not known, and weights suppose it: begin the sweep \
+                 with --starts both"
+                    .into(),
+            ),
+            Some(true) => {}
+        }
+        if self.concentrations.len() > 1 && self.equilibrated != Some(false) {
+            notes.push(match self.energy_apart_kt {
+                Some(energy_kt) if energy_kt <= LARGEST_ENERGY_APART_KT => format!(
+                    "other concentrations by mass action: a body that touches none has at most \
+                     {energy_kt:.3} kT, so clusters hardly feel each other"
+                ),
+                Some(energy_kt) => format!(
+                    "other concentrations are rough: a body that touches none has up to \
+                     {energy_kt:.2} kT, so clusters feel each other, most at the lowest salt, and \
+                     mass action leaves that out"
+                ),
+                None => {
+                    "other concentrations by mass action, which supposes that clusters do not feel \
+                         each other: no frame without contacts shows whether that is so"
+                        .into()
+                }
+            });
+        }
+        notes
+    }
+}
+
+impl Answer for ReweightingResult {
+    fn text(&self) -> String {
+        let mut lines = vec![format!(
+            "{} bodies, {} frames of {} salts in {} blocks",
+            self.bodies,
+            self.frames,
+            self.simulated_salt_molar.len(),
+            self.blocks
+        )];
+        // Half salts are all that is said of other concentrations, and there are none.
+        let told = match self.equilibrated {
+            Some(false) => 1,
+            _ => self.concentrations.len(),
+        };
+        for (number, curve) in self.concentrations.iter().take(told).enumerate() {
+            let concentration = 1e3 * curve.concentration_molar;
+            match (number, concentration > 0.0) {
+                (0, true) => {
+                    lines.push(format!("at {concentration:.4} mM of bodies, as simulated"))
+                }
+                (_, true) => lines.push(format!("at {concentration:.4} mM of bodies:")),
+                (_, false) => {}
+            }
+            // The other curves are in the table and the figure.
+            if number == 0 {
+                lines.push(columns(&curve.rows()));
+            }
+            if self.equilibrated != Some(false) {
+                lines.extend(curve.halves());
+            }
+        }
+        lines.extend(self.notes());
+        lines.join("\n")
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        Some(self.drawn())
+    }
+}
+
+impl ConcentrationCurve {
+    fn rows(&self) -> Vec<Vec<String>> {
+        let mut rows = vec![heading([
+            "salt (M)",
+            "contacts left",
+            "±",
+            "bound",
+            "±",
+            "effective frames",
+        ])];
+        let error = |estimate: Estimate| {
+            let error = estimate.error;
+            error.map_or("-".into(), |error| format!("{error:.3}"))
+        };
+        for point in &self.points {
+            rows.push(vec![
+                format!("{:.4}", point.salt_molar),
+                format!("{:.3}", point.contacts_left.mean),
+                error(point.contacts_left),
+                format!("{:.3}", point.bound_fraction.mean),
+                error(point.bound_fraction),
+                format!("{:.0}", point.effective_frames),
+            ]);
+        }
+        rows
+    }
+
+    fn halves(&self) -> Vec<String> {
+        let of = [
+            ("half of the contacts are left", self.half_salt),
+            ("half of the bodies touch another", self.half_bound_salt),
+        ];
+        let in_words = |(what, half): (&str, Option<HalfSaltEstimate>)| match half {
+            Some(half) => {
+                let interval = half.interval_molar.map(|ends| ends.map(Some));
+                let salt = with_interval(half.salt_molar, interval.unwrap_or([None, None]));
+                format!("{what} at {salt}")
+            }
+            None => format!("{what} at no salt of the sweep, or on too few frames to say where"),
+        };
+        of.into_iter().map(in_words).collect()
+    }
+}
+
+fn series(curve: &ConcentrationCurve, of: fn(&CurvePoint) -> Estimate) -> Series {
+    let mut points = Vec::new();
+    for point in &curve.points {
+        let estimate = of(point);
+        if estimate.mean.is_finite() {
+            points.push(Point {
+                x: 1e3 * point.salt_molar,
+                y: estimate.mean,
+                error: estimate.error,
+            });
+        }
+    }
+    Series {
+        name: match curve.concentration_molar > 0.0 {
+            true => format!("{:.3} mM of bodies", 1e3 * curve.concentration_molar),
+            false => "no box".into(),
+        },
+        points,
+        replicas: Vec::new(),
+        line: true,
+    }
+}
