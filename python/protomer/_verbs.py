@@ -177,6 +177,8 @@ def ingest(
         If an argument is invalid
     ProtomerError
         For any other error; all of them are of this class
+    StoppedError
+        If the time was over before the end; the same call continues it
     PartialError
         If some of the files failed; its attribute `result` holds the answer for all
 
@@ -986,6 +988,11 @@ def free_energy(
         For any other error; all of them are of this class
     StoppedError
         If the time was over before the end; the same call continues it
+
+    Examples
+    --------
+    >>> pm.free_energy(shape="cube", crystal="simple-cubic", bodies=64, packing_fraction=0.6, output="cubes")  # doctest: +SKIP
+    >>> pm.free_energy(shape="rod:1", crystal="row", bodies=32, packing_fraction=0.5, output="rods")  # doctest: +SKIP
     """
     return call(
         Result,

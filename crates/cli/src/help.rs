@@ -30,7 +30,10 @@ const GROUPS: [(&str, &[&str]); 8] = [
         &["voxelize", "merge", "train", "tune", "predict"],
     ),
     ("Lattices", &["lattice", "framework"]),
-    ("Hard shapes", &["shape", "hpmc", "md", "phase-diagram"]),
+    (
+        "Hard shapes",
+        &["shape", "hpmc", "free-energy", "md", "phase-diagram"],
+    ),
     ("Tools", &["report", "bench", "completions", "man", "help"]),
 ];
 
@@ -263,6 +266,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "hpmc run --shape cube --packing-fraction 0.3 -o cubes",
             "hpmc run --shape cube --packing-fraction 0.3 --depletants 0.1:20 -o depleted",
+        ],
+    ),
+    (
+        "free-energy",
+        [
+            "free-energy --shape cube --crystal simple-cubic --bodies 64 --packing-fraction 0.6 -o cubes",
+            "free-energy --shape rod:1 --crystal row --bodies 32 --packing-fraction 0.5 -o rods",
         ],
     ),
     (

@@ -62,7 +62,7 @@ fn rods_on_a_ring_have_their_exact_free_energy() {
     let row = UnitCell::by_name("row").unwrap();
     for (bodies, density) in [(8, 0.5), (32, 0.7)] {
         let crystal = Crystal::new(&row, &rod, bodies, density).unwrap();
-        let found = measure(&rod, &crystal, 1000);
+        let found = measure(&rod, &crystal, 4000);
         let n = bodies as f64;
         let factorial: f64 = (1..bodies).map(|k| (k as f64).ln()).sum();
         let length = n / density;
@@ -118,7 +118,7 @@ fn bodies_on_strong_springs_have_the_extent_of_an_einstein_crystal() {
     let (strength, turning) = (2000.0, 0.5);
     let mut walker = measurement.start(0, strength, turning).unwrap();
     walker.run(EQUILIBRATION, true);
-    let series: Vec<f64> = (0..1000).map(|_| walker.run(5, false)).collect();
+    let series: Vec<f64> = (0..4000).map(|_| walker.run(5, false)).collect();
     let found = summarize(&series);
     let symmetry = Symmetry::of(&cube).unwrap();
     let free_energy = |strength: f64| {

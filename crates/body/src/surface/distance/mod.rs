@@ -24,7 +24,7 @@ use protomer_kernel::Vec3;
 /// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
 /// keeps the value it has there; outside it is followed to the accessible surface if that is
 /// farther.
-const BAND_ANGSTROM: f64 = 0.8;
+const BAND_ANGSTROM: f64 = 1.0;
 /// Edge of the index cells in units of the largest reach of an atom, which then is listed in a few
 /// dozen cells; the lists are sorted by distance, so that long ones cost little more than short ones.
 const CELL_EDGE_PER_REACH: f64 = 0.6;
