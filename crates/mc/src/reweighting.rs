@@ -163,13 +163,13 @@ mod tests {
         for _ in 0..20_000 {
             let mut next = vec![0.0; counts.len()];
             for frame in 0..energies[0].len() {
+                let weights: Vec<f64> = energies.iter().map(|of| (-of[frame]).exp()).collect();
                 let mut density = 0.0;
-                for state in 0..counts.len() {
-                    density +=
-                        counts[state] as f64 * (-energies[state][frame]).exp() / parts[state];
+                for (state, weight) in weights.iter().enumerate() {
+                    density += counts[state] as f64 * weight / parts[state];
                 }
-                for state in 0..counts.len() {
-                    next[state] += (-energies[state][frame]).exp() / density;
+                for (next, weight) in next.iter_mut().zip(&weights) {
+                    *next += weight / density;
                 }
             }
             parts = next.iter().map(|part| part / next[0]).collect();
