@@ -85,14 +85,15 @@ mod earlier {
     use super::ResultKind;
     use std::path::Path;
 
-    /// Keys of `run.toml` and `settings.toml` that are unique to one kind, in the order to look for
-    /// them.
-    const KEYS: [(&str, &str, ResultKind); 5] = [
-        ("run.toml", "salt_M", ResultKind::Sweep),
-        ("run.toml", "sweep", ResultKind::LatticeSweep),
-        ("run.toml", "rows", ResultKind::LatticeRun),
-        ("settings.toml", "base", ResultKind::Search),
-        ("settings.toml", "training", ResultKind::Training),
+    /// Sets of keys of `run.toml` and `settings.toml` that are unique to one kind, in the order to
+    /// look for them. They must also tell these kinds from newer ones: work that has just begun has
+    /// settings, but no record yet.
+    const KEYS: [(&str, &[&str], ResultKind); 5] = [
+        ("run.toml", &["salt_M", "sweeps"], ResultKind::Sweep),
+        ("run.toml", &["sweep"], ResultKind::LatticeSweep),
+        ("run.toml", &["rows"], ResultKind::LatticeRun),
+        ("settings.toml", &["base"], ResultKind::Search),
+        ("settings.toml", &["training"], ResultKind::Training),
     ];
 
     /// Sets of files that are unique to one kind.
@@ -121,8 +122,8 @@ mod earlier {
     }
 
     fn kind_of_settings(file: &str, settings: &toml::Table) -> Option<ResultKind> {
-        for (of, key, kind) in KEYS {
-            if of == file && settings.contains_key(key) {
+        for (of, keys, kind) in KEYS {
+            if of == file && keys.iter().all(|key| settings.contains_key(*key)) {
                 return Some(kind);
             }
         }
@@ -141,7 +142,7 @@ mod tests {
     #[test]
     fn a_directory_says_what_it_holds_and_older_ones_are_recognised() {
         type Case<'a> = (&'a [(&'a str, &'a str)], Option<ResultKind>);
-        let cases: [Case; 9] = [
+        let cases: [Case; 10] = [
             (
                 &[("run.json", r#"{"kind": "lattice run"}"#)],
                 Some(ResultKind::LatticeRun),
@@ -159,9 +160,14 @@ mod tests {
                 Some(ResultKind::Sweep),
             ),
             (
-                &[("run.json", "{}"), ("run.toml", "salt_M = [0.1]")],
+                &[
+                    ("run.json", "{}"),
+                    ("run.toml", "salt_M = [0.1]\nsweeps = 7"),
+                ],
                 Some(ResultKind::Sweep),
             ),
+            // Two bodies, before the first record.
+            (&[("run.toml", "salt_M = [0.1]")], None),
             (
                 &[("run.toml", "rows = 3\n[sweep]\n")],
                 Some(ResultKind::LatticeSweep),
