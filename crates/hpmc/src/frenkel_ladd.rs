@@ -9,20 +9,23 @@
 //! ```
 //!
 //! f is about g/(2 (λ + c)) with g degrees of freedom per body and c = g/(2 f(0)), so the integral is taken
-//! over ln(λ + c) by the Gauss-Kronrod rule of 15 points. The Gauss rule of seven of them says how
+//! over ln(λ + c) by the Gauss-Kronrod rule of 21 points. The Gauss rule of ten of them says how
 //! well that does. Sweeps go to the points whose errors count most.
 
 use crate::body::HardBody;
 use crate::crystal::Crystal;
 use crate::depletants::Counting;
 use crate::einstein::{EinsteinCrystal, EinsteinTerms, Springs};
-use crate::quadrature::gauss_kronrod;
+use crate::quadrature::{KRONROD_NODES, gauss_kronrod};
 use crate::symmetry::Symmetry;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result};
 use protomer_kernel::Rotation;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
+
+/// Strengths of the springs at which a plan measures.
+pub const STRENGTHS: usize = KRONROD_NODES;
 
 /// Acceptance that steps are tuned to.
 const ACCEPTANCE: f64 = 0.3;
@@ -103,7 +106,7 @@ pub struct FreeEnergy {
     pub integral_kt: f64,
     /// Its standard error.
     pub integral_error_kt: f64,
-    /// The difference between the rule of 15 points and that of seven.
+    /// The difference between the rule of 21 points and that of ten.
     pub rules_difference_kt: f64,
     /// Its standard error: a smaller difference is noise.
     pub rules_difference_error_kt: f64,
@@ -448,5 +451,35 @@ impl<const D: usize> Walker<D> {
             steps: self.steps,
             counts: self.counts,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A chain of harmonic springs, like rods near their sites: ∫ f dλ = Σ_k ln[(λ₁ + ω_k)/ω_k]/(2N).
+    /// Its long waves make the integrand wide.
+    #[test]
+    fn the_rule_integrates_over_the_waves_of_a_long_chain() {
+        let (bodies, stiffness, strongest) = (100, 30.0, 20_000.0);
+        let mut waves = Vec::new();
+        for k in 1..bodies {
+            let half_phase = PI * f64::from(k) / f64::from(bodies);
+            waves.push(4.0 * stiffness * half_phase.sin().powi(2));
+        }
+        let per_body = |sum: f64| 0.5 * sum / f64::from(bodies);
+        let extent =
+            |strength: f64| per_body(waves.iter().map(|wave| 1.0 / (strength + wave)).sum());
+        let exact = per_body(waves.iter().map(|wave| (strongest / wave).ln_1p()).sum());
+        let shift = per_body(waves.len() as f64) / extent(0.0);
+        let (mut fine, mut coarse) = (0.0, 0.0);
+        for point in points(strongest, shift) {
+            fine += point.weight * extent(point.strength);
+            coarse += point.coarse_weight * extent(point.strength);
+        }
+        assert!((fine - exact).abs() < 5e-5, "{fine} {exact}");
+        assert!((coarse - exact).abs() > 1e-3, "the coarser rule is coarser");
     }
 }

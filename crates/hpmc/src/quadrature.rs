@@ -31,8 +31,11 @@ pub(crate) fn gauss_legendre(count: usize) -> (Vec<f64>, Vec<f64>) {
     (nodes, weights)
 }
 
-/// A node of the Gauss-Kronrod rule of 15 points, with its weight and that in the Gauss rule of seven
-/// of them. The difference of the two rules tells how far either can be off.
+/// Nodes of the Gauss-Kronrod rule.
+pub(crate) const KRONROD_NODES: usize = 21;
+
+/// A node of the Gauss-Kronrod rule, with its weight and that in the Gauss rule of ten of them. The
+/// difference of the two rules tells how far either can be off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct KronrodNode {
     pub place: f64,
@@ -41,39 +44,44 @@ pub(crate) struct KronrodNode {
 }
 
 /// The rule of Kronrod, Nodes and Weights of Quadrature Formulas (1965), as Piessens et al., QUADPACK
-/// (1983), print it: places, weights, weights of Gauss.
-const POSITIVE: [[f64; 3]; 8] = [
-    [0.991_455_371_120_812_6, 0.022_935_322_010_529_22, 0.0],
-    [
-        0.949_107_912_342_758_5,
-        0.063_092_092_629_978_56,
-        0.129_484_966_168_869_7,
-    ],
-    [0.864_864_423_359_769_1, 0.104_790_010_322_250_2, 0.0],
-    [
-        0.741_531_185_599_394_4,
-        0.140_653_259_715_525_9,
-        0.279_705_391_489_276_7,
-    ],
-    [0.586_087_235_467_691_1, 0.169_004_726_639_267_9, 0.0],
-    [
-        0.405_845_151_377_397_2,
-        0.190_350_578_064_785_4,
-        0.381_830_050_505_118_9,
-    ],
-    [0.207_784_955_007_898_5, 0.204_432_940_075_298_9, 0.0],
-    [0.0, 0.209_482_141_084_727_8, 0.417_959_183_673_469_4],
+/// (1983), print it: places and weights.
+const PLACES_AND_WEIGHTS: [(f64, f64); 11] = [
+    (0.995_657_163_025_808_1, 0.011_694_638_867_371_874),
+    (0.973_906_528_517_171_7, 0.032_558_162_307_964_725),
+    (0.930_157_491_355_708_2, 0.054_755_896_574_351_995),
+    (0.865_063_366_688_984_5, 0.075_039_674_810_919_96),
+    (0.780_817_726_586_416_9, 0.093_125_454_583_697_6),
+    (0.679_409_568_299_024_4, 0.109_387_158_802_297_64),
+    (0.562_757_134_668_604_7, 0.123_491_976_262_065_84),
+    (0.433_395_394_129_247_2, 0.134_709_217_311_473_34),
+    (0.294_392_862_701_460_2, 0.142_775_938_577_060_09),
+    (0.148_874_338_981_631_22, 0.147_739_104_901_338_49),
+    (0.0, 0.149_445_554_002_916_9),
+];
+
+/// Weights of Gauss of every second of these nodes, from the second on.
+const GAUSS_WEIGHTS: [f64; 5] = [
+    0.066_671_344_308_688_14,
+    0.149_451_349_150_580_6,
+    0.219_086_362_515_982_04,
+    0.269_266_719_309_996_35,
+    0.295_524_224_714_752_87,
 ];
 
 /// The nodes in rising order.
-pub(crate) fn gauss_kronrod() -> [KronrodNode; 15] {
+pub(crate) fn gauss_kronrod() -> [KronrodNode; KRONROD_NODES] {
+    const MIDDLE: usize = KRONROD_NODES / 2;
     std::array::from_fn(|number| {
-        let [place, weight, gauss_weight] = POSITIVE[number.min(14 - number)];
-        let sign = if number < 7 { -1.0 } else { 1.0 };
+        let row = number.min(KRONROD_NODES - 1 - number);
+        let (place, weight) = PLACES_AND_WEIGHTS[row];
         KronrodNode {
-            place: sign * place,
+            place: if number < MIDDLE { -place } else { place },
             weight,
-            gauss_weight,
+            gauss_weight: if row % 2 == 1 {
+                GAUSS_WEIGHTS[row / 2]
+            } else {
+                0.0
+            },
         }
     })
 }
@@ -107,14 +115,15 @@ mod tests {
                 .map(|node| weight(node) * node.place.powi(power))
                 .sum()
         };
-        for power in 0..23 {
+        for power in 0..32 {
             let found = sum(power, |node| node.weight);
             assert!((found - exact(power)).abs() < 1e-14, "{power}: {found}");
         }
-        for power in 0..14 {
+        for power in 0..20 {
             let found = sum(power, |node| node.gauss_weight);
             assert!((found - exact(power)).abs() < 1e-14, "{power}: {found}");
         }
-        assert!((sum(24, |node| node.weight) - exact(24)).abs() > 1e-12);
+        assert!((sum(34, |node| node.weight) - exact(34)).abs() > 1e-14);
+        assert!((sum(20, |node| node.gauss_weight) - exact(20)).abs() > 1e-12);
     }
 }

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// extend it.
 ///
 /// Springs hold the bodies and their orientations to the sites. With the strongest springs the free
-/// energy is exact; the difference to none is integrated over 15 strengths, and sweeps go to those whose
+/// energy is exact; the difference to none is integrated over 21 strengths, and sweeps go to those whose
 /// errors count most (Frenkel and Ladd).
 ///
 /// The free energy is A/(N kT) at this number of bodies, for a thermal wavelength of one in the unit of

@@ -13,8 +13,9 @@ use protomer_common::output_file::write_once;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::frenkel_ladd::{
-    Estimate, FreeEnergy, Measurement, Plan, Walker, WalkerState, share,
+    Estimate, FreeEnergy, Measurement, Plan, STRENGTHS, Walker, WalkerState, share,
 };
+use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::summarize;
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Row, Run,
@@ -32,9 +33,8 @@ const CRYSTAL: &str = "crystal.gsd";
 const SWEEPS_PER_ROW: u64 = 50;
 /// Rows that a point of the integral is given at once.
 const ROWS_AT_ONCE: u64 = 4;
-/// Parts of so many rows in a round, of 15 points.
-const PARTS_PER_ROUND: usize = 30;
-const POINTS_OF_THE_RULE: u64 = 15;
+/// Parts of so many rows in a round.
+const PARTS_PER_ROUND: usize = 2 * STRENGTHS;
 /// Equilibration sweeps between two looks at the clock.
 const EQUILIBRATION_AT_ONCE: u64 = 500;
 /// A point with fewer independent samples is called slow.
@@ -236,6 +236,34 @@ impl Answer for FreeEnergyResult {
     }
 }
 
+fn table_of(points: &[PointResult]) -> Result<String> {
+    let mut table = Table::new(vec![
+        "strength_kt_per_area",
+        "weight",
+        "extent",
+        "extent_error",
+        "contribution_kt",
+        "contribution_error_kt",
+        "sweeps",
+        "correlation_time_sweeps",
+        "independent_samples",
+    ]);
+    for point in points {
+        table.push(vec![
+            Cell::from(point.strength_kt_per_area),
+            point.weight.into(),
+            point.extent.into(),
+            point.extent_error.into(),
+            point.contribution_kt.into(),
+            point.contribution_error_kt.into(),
+            Cell::from(point.sweeps as usize),
+            point.correlation_time_sweeps.into(),
+            point.independent_samples.into(),
+        ])?;
+    }
+    Ok(table.to_csv()?)
+}
+
 /// Computes or continues the free energy of a crystal in a directory.
 ///
 /// # Errors
@@ -409,8 +437,9 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     /// Whole rounds.
     fn length(&self) -> u64 {
         let round = PARTS_PER_ROUND as u64 * ROWS_AT_ONCE * SWEEPS_PER_ROW;
-        let production = POINTS_OF_THE_RULE * self.settings.sweeps;
-        POINTS_OF_THE_RULE * self.settings.equilibration + production.div_ceil(round) * round
+        let points = STRENGTHS as u64;
+        let production = points * self.settings.sweeps;
+        points * self.settings.equilibration + production.div_ceil(round) * round
     }
 
     fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open<D>> {
@@ -504,24 +533,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             }
             points.push(point);
         }
-        let mut table = String::from(
-            "strength_kt_per_area,weight,extent,extent_error,contribution_kt,\
-             contribution_error_kt,sweeps,correlation_time_sweeps,independent_samples\n",
-        );
-        for point in &points {
-            table.push_str(&format!(
-                "{},{},{},{},{},{},{},{},{}\n",
-                point.strength_kt_per_area,
-                point.weight,
-                point.extent,
-                point.extent_error,
-                point.contribution_kt,
-                point.contribution_error_kt,
-                point.sweeps,
-                point.correlation_time_sweeps,
-                point.independent_samples
-            ));
-        }
+        let table = table_of(&points)?;
         write_once(&directory.join(POINTS), table.as_bytes(), true)?;
         self.write_crystal(open, &directory.join(CRYSTAL))?;
         let density = self.settings.packing_fraction / self.body.volume;
