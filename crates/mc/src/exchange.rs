@@ -10,7 +10,7 @@
 //! A state that is stuck on one rung relaxes while it visits others. The simulations themselves stay
 //! on their rungs, with their step sizes and their random numbers.
 
-use crate::energy::Effort;
+use crate::energy::{Effort, compared_kt};
 use crate::moves::Acceptance;
 use crate::{Checkpoint, McError, Result, Simulation};
 use protomer_kernel::Pose;
@@ -18,9 +18,6 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
-
-/// Closer to the threshold than this, energies are found with [`Effort::Full`], kT.
-const MARGIN_KT: f64 = 0.01;
 
 /// Simulations that exchange their states, neighbours next to each other.
 pub struct Ladder {
@@ -208,11 +205,8 @@ fn swap_maybe(pair: &mut [Simulation], rule: &impl Fn(f64) -> f64, budget_kt: f6
         return Ok(false);
     };
     let poses = [&*one, &*other].map(|rung| rung.system().poses().to_vec());
-    let mut rise = rule(rise_kt(one, other, &poses, Effort::Quick)?);
-    if (rise - budget_kt).abs() < MARGIN_KT {
-        rise = rule(rise_kt(one, other, &poses, Effort::Full)?);
-    }
-    let accepted = rise < budget_kt;
+    let rise = |effort| Ok(rule(rise_kt(one, other, &poses, effort)?));
+    let accepted = compared_kt(budget_kt, rise)? < budget_kt;
     if accepted {
         one.take_poses(&poses[1])?;
         other.take_poses(&poses[0])?;

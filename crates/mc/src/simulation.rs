@@ -2,7 +2,7 @@
 
 use crate::checkpoint::{Checkpoint, type_names};
 use crate::energy::levels::LevelReport;
-use crate::energy::{Effort, EnergyModel, PairEnergy, Pairs};
+use crate::energy::{Effort, EnergyModel, PairEnergy, Pairs, compared_kt};
 use crate::hard::{HardBodies, overlapping_pairs};
 use crate::moves::binding::{self, Proposal};
 use crate::moves::step_sizes::Tuner;
@@ -15,9 +15,6 @@ use protomer_kernel::cells::{CellList, require_minimum_image};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::ops::ControlFlow;
-
-/// Closer to the threshold than this, energies of several bodies are found with [`Effort::Full`], kT.
-const MARGIN_KT: f64 = 0.01;
 
 /// How a call of [`Simulation::run_until`] ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -401,11 +398,7 @@ impl Simulation {
             };
             Ok(energy_kt(&new)? - energy_kt(&self.system)?)
         };
-        let mut rise = rise_kt(Effort::Quick)?;
-        if (rise - budget_kt).abs() < MARGIN_KT {
-            rise = rise_kt(Effort::Full)?;
-        }
-        if rise >= budget_kt {
+        if compared_kt(budget_kt, rise_kt)? >= budget_kt {
             return Ok(false);
         }
         self.move_bodies(poses);

@@ -179,6 +179,22 @@ pub enum Effort {
     Full,
 }
 
+/// Closer to the threshold than this, a rise of the energy is found with [`Effort::Full`], kT.
+const MARGIN_KT: f64 = 0.01;
+
+/// A rise of the energy that is to be compared with a threshold, kT: quickly, and again with the direct
+/// sum where that could change the comparison.
+pub(crate) fn compared_kt(
+    threshold_kt: f64,
+    rise_kt: impl Fn(Effort) -> Result<f64>,
+) -> Result<f64> {
+    let quick = rise_kt(Effort::Quick)?;
+    match (quick - threshold_kt).abs() < MARGIN_KT {
+        true => rise_kt(Effort::Full),
+        false => Ok(quick),
+    }
+}
+
 /// Which pairs of bodies count.
 #[derive(Debug, Clone, Copy)]
 pub enum Pairs<'a> {
