@@ -7,7 +7,9 @@
 //! and converts the rest; a body that is already there is recognised by its bytes. So the folder equals
 //! that of an uninterrupted run byte for byte.
 
-use super::ingest::{BodyMeasures, FileOutcome, IngestSettings, body_names, ingest_one};
+use super::ingest::{
+    BodyMeasures, FileOutcome, IngestSettings, MeshDistance, body_names, ingest_one,
+};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_io::atomic::{sha256_hex, write_atomically};
@@ -105,6 +107,8 @@ impl Row for FileRow {
             "net_charge_e",
             "mesh_area_angstrom2",
             "mesh_volume_angstrom3",
+            "mesh_rms_distance_angstrom",
+            "mesh_largest_distance_angstrom",
             "radius_angstrom",
             "warnings",
         ]
@@ -139,6 +143,10 @@ impl FileRow {
             let measures = outcome.measures.as_ref();
             measures.map(of).unwrap_or_default()
         };
+        let distance = |of: fn(&MeshDistance) -> f64| {
+            let distance = outcome.distance.as_ref().map(of);
+            distance.map_or(String::new(), |angstrom| angstrom.to_string())
+        };
         let body = outcome.body.as_ref();
         Self(vec![
             outcome.file.clone(),
@@ -150,6 +158,8 @@ impl FileRow {
             measures(|body| body.net_charge_e.to_string()),
             measures(|body| body.mesh_area_angstrom2.to_string()),
             measures(|body| body.mesh_volume_angstrom3.to_string()),
+            distance(|mesh| mesh.mesh_rms_distance_angstrom),
+            distance(|mesh| mesh.mesh_largest_distance_angstrom),
             measures(|body| body.radius_angstrom.to_string()),
             outcome.warnings.len().to_string(),
         ])
@@ -461,7 +471,7 @@ mod tests {
         let failed = (0..48).filter(|number| number % 7 == 3).count();
         let told: usize = rows[..48]
             .iter()
-            .map(|row| row.0[9].parse::<usize>().unwrap())
+            .map(|row| row.0[11].parse::<usize>().unwrap())
             .sum();
         done.table = cut("ingest.csv", 48);
         done.warnings_table = cut("warnings.csv", told + failed);
