@@ -1,6 +1,6 @@
 //! Output files: existing ones with other content are replaced only on request.
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
 use std::path::Path;
 
@@ -24,6 +24,34 @@ pub fn write_once(path: &Path, content: &(impl AsRef<[u8]> + ?Sized), force: boo
     let bytes = content.as_ref();
     refuse_to_replace(path, bytes, force)?;
     Ok(write_atomically(path, |file| file.write_all(bytes))?)
+}
+
+/// Writes files into a folder, which is made if it is missing. Nothing is written if one of them may
+/// not be.
+///
+/// # Errors
+/// As [`write_once`], and if the folder cannot be made.
+///
+/// ```
+/// use protomer_common::output_file::write_folder;
+/// # let folder = tempfile::tempdir()?;
+/// let answer = folder.path().join("answer");
+/// write_folder(&answer, &[("a.csv", b"1\n".to_vec()), ("b.csv", b"2\n".to_vec())], false)?;
+/// let other = [("c.csv", b"3\n".to_vec()), ("a.csv", b"4\n".to_vec())];
+/// assert!(write_folder(&answer, &other, false).is_err());
+/// assert!(!answer.join("c.csv").exists());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn write_folder(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    for (name, content) in files {
+        refuse_to_replace(&folder.join(name), content, force)?;
+    }
+    for (name, content) in files {
+        write_once(&folder.join(name), content, force)?;
+    }
+    Ok(())
 }
 
 /// Refuses a file that exists with other content, unless `force` is set. Verbs that write several

@@ -18,7 +18,7 @@ pub(crate) use source::Source;
 
 use anyhow::{Context, Result, bail};
 use average::{estimate, ratio};
-use protomer_common::output_file::{refuse_to_replace, write_once};
+use protomer_common::output_file::write_folder;
 use protomer_mc::scattering::experiment::{self, ClusterMeasure, Experiment, Measured};
 use protomer_mc::{BodyType, System};
 use protomer_results::Progress;
@@ -301,13 +301,5 @@ fn write(report: &ScatteringReport, directory: &Path, force: bool) -> Result<()>
         ("scattering.svg", figure.to_svg()?.into_bytes()),
         ("scattering.png", figure.to_png()?),
     ];
-    std::fs::create_dir_all(directory)
-        .with_context(|| format!("cannot make the folder {}", directory.display()))?;
-    for (name, content) in &files {
-        refuse_to_replace(&directory.join(name), content, force)?;
-    }
-    for (name, content) in &files {
-        write_once(&directory.join(name), content, force)?;
-    }
-    Ok(())
+    write_folder(directory, &files, force)
 }

@@ -19,7 +19,7 @@ use crate::stability::energy_tables::EnergyTables;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
 use anyhow::{Context, Result, bail};
 use curves::{Curves, Target};
-use protomer_common::output_file::{refuse_to_replace, write_once};
+use protomer_common::output_file::write_folder;
 use protomer_results::{Progress, ResultKind, keys};
 use samples::Samples;
 use serde_json::Value;
@@ -228,13 +228,5 @@ fn write(
         ("reweighting.svg", figure.to_svg()?.into_bytes()),
         ("reweighting.png", figure.to_png()?),
     ];
-    std::fs::create_dir_all(directory)
-        .with_context(|| format!("cannot make the folder {}", directory.display()))?;
-    for (name, content) in &files {
-        refuse_to_replace(&directory.join(name), content, force)?;
-    }
-    for (name, content) in &files {
-        write_once(&directory.join(name), content, force)?;
-    }
-    Ok(())
+    write_folder(directory, &files, force)
 }

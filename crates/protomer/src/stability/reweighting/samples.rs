@@ -6,9 +6,9 @@ use crate::stability::run::{Engine, RunSettings, salt_label};
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::Pose;
+use protomer_mc::System;
 use protomer_mc::energy::{Effort, Pairs};
 use protomer_mc::observables::{cluster_sizes, contacts};
-use protomer_mc::{McError, System};
 use protomer_results::Progress;
 use rayon::prelude::*;
 
@@ -191,8 +191,7 @@ fn energies_kt(
     let mut energies = Vec::with_capacity(frames.len());
     for poses in frames {
         let system = engine.system_at(poses)?;
-        let energy_kt = model.energy_elsewhere_kt(&system, Pairs::All, Effort::Quick);
-        energies.push(energy_kt.map_err(|error: McError| error)?);
+        energies.push(model.energy_elsewhere_kt(&system, Pairs::All, Effort::Quick)?);
         progress.advance(1);
     }
     Ok(energies)
