@@ -5,10 +5,11 @@
 //! Biometrika 57, 97 (1970)) then accepts with probability min(1, exp(allowance - ΔU)). Which kind is
 //! tried does not depend on the state, so each kind may be looked at by itself.
 
+use super::proposal::Proposal;
 use super::{contact_turn, group, relocation, swap};
 use crate::system::System;
+use protomer_kernel::Boundary;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::{Boundary, Pose};
 
 /// The kinds of moves that form and dissolve contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,18 +22,6 @@ pub enum BindingMove {
     Group,
     /// Two bodies of different kinds change places: [`swap`].
     Swap,
-}
-
-/// What a move would do.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Proposal {
-    /// The bodies that move (ascending), with their new poses, as the system stores them.
-    pub poses: Vec<(usize, Pose)>,
-    /// ln(probability density of the way back / of the way there): the energy may rise by this much
-    /// and by -ln u, kT.
-    pub allowance_kt: f64,
-    /// Whether the bodies move as one, so that they cannot come to overlap each other.
-    pub is_rigid: bool,
 }
 
 /// The kinds that make sense for these bodies in this space.
@@ -61,16 +50,4 @@ pub fn propose(
         BindingMove::Group => group::propose(system, gap_angstrom, rng),
         BindingMove::Swap => swap::propose(system, gap_angstrom, rng),
     }
-}
-
-/// A size between these whose logarithm is uniform: it does not depend on the state, and no step
-/// needs tuning.
-pub(super) fn any_size(smallest: f64, largest: f64, rng: &mut CounterRng) -> f64 {
-    smallest * (largest.max(smallest) / smallest).powf(rng.uniform())
-}
-
-/// Another body than this one, each with the same probability.
-pub(super) fn another(body: usize, bodies: usize, rng: &mut CounterRng) -> usize {
-    let other = rng.index(bodies - 1);
-    other + usize::from(other >= body)
 }

@@ -1,6 +1,6 @@
 //! A body turns about a point where it touches another.
 
-use super::binding::{Proposal, any_size};
+use super::proposal::{Proposal, any_size};
 use crate::system::{System, Trial};
 use protomer_kernel::Pose;
 use protomer_kernel::random::CounterRng;

@@ -1,6 +1,6 @@
 //! Bodies in contact move as one.
 
-use super::binding::{Proposal, any_size};
+use super::proposal::{Proposal, any_size};
 use crate::observables::in_contact;
 use crate::system::System;
 use protomer_kernel::random::CounterRng;

@@ -7,6 +7,7 @@ mod binding_tests;
 pub mod cluster;
 pub mod contact_turn;
 pub mod group;
+pub mod proposal;
 pub mod relocation;
 pub mod single;
 pub mod step_sizes;

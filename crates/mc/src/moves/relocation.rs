@@ -1,6 +1,6 @@
 //! A body goes beside another, or anywhere: aggregation-volume bias.
 
-use super::binding::{Proposal, another};
+use super::proposal::{Proposal, another};
 use crate::system::{System, Trial};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};

@@ -1,6 +1,6 @@
 //! Two bodies of different kinds change places.
 
-use super::binding::Proposal;
+use super::proposal::Proposal;
 use crate::system::System;
 use protomer_kernel::random::CounterRng;
 
