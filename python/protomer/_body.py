@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _protomer
+from ._call import call
 from ._errors import PartialError
 from ._objects import Folder, digest_of
-from ._result import missing, new_axes
+from ._result import Result, missing, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -151,14 +152,13 @@ class Body(_protomer.Body):
         --------
         >>> pm.Body.from_structure("5pti.cif.gz", ph=7.4).volume_angstrom3     # doctest: +SKIP
         """
-        # The verbs return results, which hold assemblies of bodies.
-        from ._verbs import ingest
-
         if not Path(path).exists():
             raise missing(f"cannot read {path}: there is no such file", path)
         with tempfile.TemporaryDirectory() as folder:
             try:
-                files: Sequence[Any] = ingest(path, output=folder, **settings).files
+                # Not by the function of the verb, whose module knows bodies.
+                flags = {f"--{name.replace('_', '-')}": value for name, value in settings.items()}
+                files: Sequence[Any] = call(Result, ["ingest"], [path], {"--output": folder, **flags}, None).files
             except PartialError as error:
                 failed = [file["error"] for file in error.result.files if file["error"]]
                 raise _protomer.ProtomerError(failed[0]) from None

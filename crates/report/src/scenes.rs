@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::export::{assembly_of, gather};
 use protomer::stability::run::RunSettings;
-use protomer::stability::sweep::replica_directory;
+use protomer::stability::run::replica_directory;
 use protomer_body::Body;
 use protomer_field::voxels::hydropathy::HydropathyMap;
 use protomer_io::gsd::{Chunk, ChunkData, GsdFile, TrajectoryReader};

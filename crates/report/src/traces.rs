@@ -2,8 +2,8 @@
 
 use super::html::millimolar;
 use anyhow::Result;
+use protomer::stability::run::replica_directory;
 use protomer::stability::run::{LogRow, RunSettings};
-use protomer::stability::sweep::replica_directory;
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Series};
 use protomer_results::log;

@@ -2,8 +2,8 @@
 
 use super::ExportSettings;
 use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::replica_directory;
 use crate::stability::run::{RunSettings, salt_label};
-use crate::stability::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_results::{Record, ResultKind, keys};
 use std::path::{Path, PathBuf};

@@ -3,8 +3,8 @@
 use super::ScatteringSettings;
 use crate::assemblies::assembly_file::Assembly;
 use crate::export::assembly_of;
+use crate::stability::run::replica_directory;
 use crate::stability::run::{RunSettings, salt_label};
-use crate::stability::sweep::replica_directory;
 use anyhow::{Context, Result, bail};
 use protomer_io::gsd::TrajectoryReader;
 use protomer_kernel::{Boundary, Pose};

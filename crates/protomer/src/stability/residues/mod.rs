@@ -25,10 +25,9 @@ mod tables;
 
 pub use files::FOLDER;
 pub use maps::{contact_map, energy_map};
-pub use mutations::Change;
 pub use result::{
-    MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult, TermMeans,
-    WholeEnergy,
+    Change, MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult,
+    TermMeans, WholeEnergy,
 };
 pub use settings::{PoseSettings, ResiduesSettings};
 

@@ -4,7 +4,7 @@
 //! carry the weight, they do not, and no number is given.
 
 use super::frames::{AtSalt, Run, SweepAnswer};
-use super::result::{MutationAtSalt, MutationRow, ResidueName};
+use super::result::{Change, MutationAtSalt, MutationRow, ResidueName};
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::Result;
 use protomer_body::chemistry::AminoAcid;
@@ -17,7 +17,6 @@ use protomer_mc::contributions::{
     reweighted,
 };
 use protomer_mc::observables::{contacts, survival};
-use serde::{Deserialize, Serialize};
 
 /// With fewer effective frames there is no number.
 pub const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
@@ -25,20 +24,6 @@ pub const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
 const LEAST_AREA_ANGSTROM2: f64 = 10.0;
 /// The pH of bodies that do not state theirs.
 const USUAL_PH: f64 = 7.4;
-
-/// What happens to the charge of a residue.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Change {
-    /// A charged side chain becomes an uncharged one.
-    Neutralise,
-    /// A charged side chain becomes one of the opposite charge.
-    Invert,
-    /// An uncharged side chain becomes a lysine.
-    Positive,
-    /// An uncharged side chain becomes a glutamate.
-    Negative,
-}
 
 /// One exchange.
 struct Exchange {

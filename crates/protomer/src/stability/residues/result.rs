@@ -1,7 +1,6 @@
 //! The answer, as JSON has it.
 
 use super::frames::{AtSalt, Run, ShownSalt};
-use super::mutations::Change;
 use super::settings::ResiduesSettings;
 use crate::stability::interaction::ScreenedCoulomb;
 use protomer_body::chemistry::AminoAcid;
@@ -131,6 +130,20 @@ pub struct PairRow {
     pub touching: f64,
     /// How many such pairs touch on average.
     pub contacts: f64,
+}
+
+/// What happens to the charge of a residue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Change {
+    /// A charged side chain becomes an uncharged one.
+    Neutralise,
+    /// A charged side chain becomes one of the opposite charge.
+    Invert,
+    /// An uncharged side chain becomes a lysine.
+    Positive,
+    /// An uncharged side chain becomes a glutamate.
+    Negative,
 }
 
 /// The exchange of one charge, in all copies of a body.

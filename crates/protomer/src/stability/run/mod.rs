@@ -15,5 +15,6 @@ pub use ladder::{Exchanged, LadderRun, Rung};
 pub use log::LogRow;
 pub use replica::{AcceptedFractions, Replica};
 pub use settings::{
-    DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, Start, Starts, salt_label,
+    DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, Start, Starts, replica_directory,
+    salt_label,
 };

@@ -7,6 +7,7 @@ use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// Settings of a simulation or of each simulation of a sweep. They contain everything that can
 /// change a result, and nothing else: two runs with equal settings on equal input give equal
@@ -237,6 +238,13 @@ impl Default for RunSettings {
 /// ```
 pub fn salt_label(salt_molar: f64) -> String {
     format!("salt_{salt_molar:.6}M")
+}
+
+/// The directory of one simulation in that of its sweep.
+pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
+    directory
+        .join(salt_label(salt_molar))
+        .join(format!("replica_{replica}"))
 }
 
 /// Upper limit for the number of runs, each of which has a folder.

@@ -17,7 +17,8 @@ pub mod table;
 
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
-    AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung, salt_label,
+    AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung,
+    replica_directory,
 };
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
@@ -499,13 +500,6 @@ fn tasks(settings: &RunSettings) -> Vec<Task> {
         (0..settings.salt_molar.len()).map(simulation).collect()
     };
     (0..settings.replicas).flat_map(of_replica).collect()
-}
-
-/// The directory of one simulation.
-pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> PathBuf {
-    directory
-        .join(salt_label(salt_molar))
-        .join(format!("replica_{replica}"))
 }
 
 fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
