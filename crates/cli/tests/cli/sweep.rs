@@ -99,7 +99,7 @@ fn a_killed_sweep_with_exchange_goes_on_too() {
 /// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end. Bodies
 /// with few charges move about ten times as fast by direct sums as by levels: their runs are longer.
 fn is_killed_and_goes_on(energy: &str, sweeps: u32, milliseconds: &[u64]) {
-    let place = TemporaryFolder::new();
+    let place = TemporaryFolder::that_keeps_tables();
     let sweep = SWEEP.replace("--sweeps 1500", &format!("--sweeps {sweeps}"));
     is_ok(&place.run(&format!("{sweep} --energy {energy} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));

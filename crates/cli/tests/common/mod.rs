@@ -33,6 +33,7 @@ pub const CHARGES: [&[[f64; 4]]; 2] = [
 /// A folder that is removed at the end.
 pub struct TemporaryFolder {
     folder: tempfile::TempDir,
+    keeps_tables: bool,
 }
 
 impl TemporaryFolder {
@@ -40,6 +41,7 @@ impl TemporaryFolder {
     pub fn new() -> Self {
         let place = Self {
             folder: tempfile::tempdir().unwrap(),
+            keeps_tables: false,
         };
         std::fs::write(place.path("cube.off"), CUBE).unwrap();
         for (name, charges) in ["a", "b"].into_iter().zip(CHARGES) {
@@ -56,6 +58,14 @@ impl TemporaryFolder {
         place
     }
 
+    /// The same, with a cache in `cache`: processes find the energy tables of earlier ones.
+    pub fn that_keeps_tables() -> Self {
+        Self {
+            keeps_tables: true,
+            ..Self::new()
+        }
+    }
+
     /// A path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
@@ -64,6 +74,9 @@ impl TemporaryFolder {
     /// The program with these arguments, words separated by spaces.
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = program(arguments.split_whitespace());
+        if self.keeps_tables {
+            command.env("PROTOMER_CACHE_DIR", self.path("cache"));
+        }
         command
             .current_dir(self.folder.path())
             .stdin(Stdio::null())
