@@ -5,14 +5,24 @@
 #   bash test.sh python     the Python package, and checks against other programs, only
 set -euo pipefail
 cd "$(dirname "$0")"
+# Most of the time goes into compiling once: no records for a next time, no line numbers for a debugger.
+export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false
 
-rust_checks() {
+lints() {
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --locked -- -D warnings
     # The command line without networks and voxel sets, for those who do not need them.
     cargo clippy -p protomer-cli --no-default-features --locked -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
-    cargo test --workspace --locked
+}
+
+# Examples are compiled by clippy; nothing is gained by building them.
+rust_tests() {
+    cargo test --workspace --locked --lib --bins --tests "$@"
+}
+
+documentation_tests() {
+    cargo test --workspace --locked --doc
 }
 
 install_requirements() {
@@ -24,12 +34,14 @@ install_requirements() {
         -r python/checks/requirements.txt -r docs/requirements.txt
 }
 
-python_checks() {
-    install_requirements
+install_package() {
     # The package brings the command that the checks run. It shares the build of the Rust tests.
     CARGO_TARGET_DIR="$PWD/target" .venv/bin/python -m pip install --quiet --disable-pip-version-check \
         --config-settings=build-args=--profile=dev ./python
-    # The Rust checks have built target/doc; without them the site builds it.
+}
+
+python_tests() {
+    # The lints have built target/doc; without them the site builds it.
     if [ -e target/doc/protomer/index.html ]; then
         bash docs/site.sh --no-rust
     else
@@ -40,17 +52,43 @@ python_checks() {
     .venv/bin/python -m pytest -q -rs -n 2 python/checks
 }
 
+# Rust and Python tests each leave a processor idle now and then, so they run side by side.
+both_tests() {
+    local log=target/python-tests.log rust=0 python=0
+    # In a shell of its own: an error would not end a function that is followed by ||.
+    bash test.sh python-tests >"$log" 2>&1 &
+    { rust_tests && documentation_tests; } || rust=$?
+    wait "$!" || python=$?
+    cat "$log"
+    echo "test.sh: Rust tests $(verdict $rust), Python tests $(verdict $python)"
+    return $((rust | python))
+}
+
+verdict() {
+    if [ "$1" -eq 0 ]; then echo passed; else echo failed; fi
+}
+
 case "${1:-all}" in
-rust) rust_checks ;;
-python) python_checks ;;
+rust)
+    lints
+    rust_tests
+    documentation_tests
+    ;;
+python)
+    install_requirements
+    install_package
+    python_tests
+    ;;
+python-tests) python_tests ;;
 all)
     # Downloads come in while the compiler works.
     install_requirements &
     downloads=$!
-    # Not joined by &&: within such a list an error would not end the first function.
-    rust_checks
+    lints
+    rust_tests --no-run
     wait "$downloads"
-    python_checks
+    install_package
+    both_tests
     ;;
 *) echo "test.sh: '$1' is not one of: rust, python" >&2 && exit 2 ;;
 esac
