@@ -1,6 +1,7 @@
 //! The energy of two bodies from fine tables: with the near pairs of a list, or without a list, for
 //! poses that have nothing to do with each other.
 
+use super::field::Spots;
 use super::lanes::{BLOCK, vectorised};
 use super::list::List;
 use super::motion::Motion;
@@ -29,10 +30,19 @@ impl<P: SitePotential> Table<P> {
     ) -> Option<Estimate> {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
-        for block in other.blocks() {
-            let spots = self.field.locate(&motion.apply_block(block))?;
-            energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
-            variance += f64::from(self.field.fine_variance(&spots, &block[3]));
+        let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        for block in other.blocks().iter().map(Some).chain([None]) {
+            let mut next = None;
+            if let Some(block) = block {
+                let spots = self.field.locate(&motion.apply_block(block))?;
+                self.field.prefetch_fine(&spots);
+                next = Some((spots, &block[3]));
+            }
+            // While the series of the next points come, those before are added.
+            if let Some((spots, charge)) = std::mem::replace(&mut waiting, next) {
+                energy_kt += self.field.fine::<FUSED>(&spots, charge);
+                variance += f64::from(self.field.fine_variance(&spots, charge));
+            }
         }
         energy_kt += near.near_energy(self, pose);
         Some(Estimate {

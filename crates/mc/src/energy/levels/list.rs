@@ -4,6 +4,7 @@
 //! from the same points, so that most of their errors cancel in the difference.
 
 use super::expansion::Expansion;
+use super::field::Spots;
 use super::lanes::{BLOCK, vectorised};
 use super::motion::{Block, Motion};
 use super::table::Table;
@@ -166,9 +167,18 @@ impl List {
     ) -> Option<f64> {
         let motion = Motion::new(pose);
         let mut sum = [0.0_f32; BLOCK];
-        for block in points {
-            let spots = first.field.locate(&motion.apply_block(block))?;
-            first.field.add_coarse::<FUSED>(&spots, &block[3], &mut sum);
+        let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        for block in points.iter().map(Some).chain([None]) {
+            let mut next = None;
+            if let Some(block) = block {
+                let spots = first.field.locate(&motion.apply_block(block))?;
+                first.field.prefetch_coarse(&spots);
+                next = Some((spots, &block[3]));
+            }
+            // While the series of the next points come, those before are added.
+            if let Some((spots, charge)) = std::mem::replace(&mut waiting, next) {
+                first.field.add_coarse::<FUSED>(&spots, charge, &mut sum);
+            }
         }
         for near in near {
             let [x, y, z, charge] = near.at;

@@ -108,7 +108,11 @@ impl Sites {
     }
 
     #[inline(always)]
-    fn sum<P: SitePotential, const FUSED: bool>(&self, split: &Split<P>, [x, y, z]: [f32; 3]) -> f32 {
+    fn sum<P: SitePotential, const FUSED: bool>(
+        &self,
+        split: &Split<P>,
+        [x, y, z]: [f32; 3],
+    ) -> f32 {
         let mut sum = [0.0; BLOCK];
         for [sx, sy, sz, charge] in &self.blocks {
             for lane in 0..BLOCK {
