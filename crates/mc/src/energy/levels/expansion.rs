@@ -6,7 +6,7 @@
 //! elements of ΔR and the three of d: its cost does not depend on how many charges there are.
 
 use super::field::Field;
-use super::lanes::{BLOCK, has_wide_vectors, sum_of_lanes};
+use super::lanes::{BLOCK, sum_of_lanes, vectorised};
 use super::motion::{Motion, length};
 use super::series::Derivatives;
 
@@ -61,19 +61,13 @@ impl Expansion {
         Some(form)
     }
 
-    fn add(&mut self, field: &Field, reference: &Motion, points: &[[f32; 4]]) -> Option<()> {
-        #[cfg(target_arch = "x86_64")]
-        if has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.add_avx512(field, reference, points) };
-        }
-        self.add_all::<false>(field, reference, points)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn add_avx512(&mut self, field: &Field, reference: &Motion, points: &[[f32; 4]]) -> Option<()> {
-        self.add_all::<true>(field, reference, points)
+    vectorised! {
+        fn add[add_avx512, add_avx2, add_all](
+            self: &mut Self,
+            field: &Field,
+            reference: &Motion,
+            points: &[[f32; 4]]
+        ) -> Option<()>
     }
 
     #[inline(always)]

@@ -4,12 +4,12 @@
 //! edge; in the corners of a box, where the charges are farther away, the next box's cells serve. A
 //! cell's edge is at most half its distance from the charges, or the smallest edge. In a cell the
 //! potential is a Chebyshev series in three coordinates, from its values at 6³ Chebyshev points;
-//! decisions that need less use the first 4³ coefficients, in a short form (`packed`).
+//! decisions that need less use sixty of the first 4³ coefficients, in a short form (`packed`).
 
 use super::fine::{FINE, Fine};
-use super::lanes::BLOCK;
+use super::lanes::{BLOCK, prefetch};
 use super::motion::length;
-use super::packed::{COARSE, Head, Packed, pack};
+use super::packed::Packed;
 use super::sampler::{Sampler, Sites};
 use super::split::Split;
 use crate::charges::ChargeCloud;
@@ -43,7 +43,6 @@ pub(super) struct Field {
     pub distance: Vec<f32>,
     /// Mean square errors of each cell's coarse and fine series, (kT/e)².
     pub errors: Vec<[f32; 2]>,
-    pub heads: Vec<Head>,
     pub coarse: Vec<Packed>,
     pub fine: Vec<Fine>,
 }
@@ -121,11 +120,9 @@ impl Field {
 
     /// Adds the next cell: how far its centre is from the nearest charge, its errors, its series.
     pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Fine) {
-        let (head, coarse) = pack(&fine);
         self.distance.push(distance);
         self.errors.push(errors);
-        self.heads.push(head);
-        self.coarse.push(coarse);
+        self.coarse.push(Packed::new(&fine));
         self.fine.push(fine);
     }
 
@@ -161,7 +158,6 @@ impl Field {
             index: vec![COVERED; first as usize],
             distance: Vec::new(),
             errors: Vec::new(),
-            heads: Vec::new(),
             coarse: Vec::new(),
             fine: Vec::new(),
         }
@@ -256,6 +252,26 @@ impl Field {
         }
     }
 
+    /// Asks for the coarse series of these spots, which are far from the processor.
+    #[inline(always)]
+    pub fn prefetch_coarse(&self, spots: &Spots) {
+        for cell in spots.cell {
+            if let Some(series) = self.coarse.get(cell as usize) {
+                prefetch(series);
+            }
+        }
+    }
+
+    /// The same for the fine series.
+    #[inline(always)]
+    pub fn prefetch_fine(&self, spots: &Spots) {
+        for cell in spots.cell {
+            if let Some(series) = self.fine.get(cell as usize) {
+                prefetch(series);
+            }
+        }
+    }
+
     /// Where points lie in the cells of one box that hold the points of `within`; what is said of
     /// points beyond the box has no meaning.
     #[inline(always)]
@@ -336,13 +352,13 @@ impl Field {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let series = size_of::<Head>() + size_of::<Packed>() + size_of::<Fine>();
+        let series = size_of::<Packed>() + size_of::<Fine>();
         let cell = 4 * (1 + 2) + series;
         4 * self.index.len() + cell * self.distance.len()
     }
 }
 
-/// Mean squares of what a series leaves out: of the coarse one, all higher coefficients; of the fine
+/// Mean squares of what a series leaves out: of the coarse one, all other coefficients; of the fine
 /// one, no more than those it drops and the last ones along an axis, whose successors are smaller.
 /// Each factor T_n with n > 0 has the mean square 1/2.
 fn truncation_errors(series: &[f64]) -> [f32; 2] {
@@ -353,7 +369,7 @@ fn truncation_errors(series: &[f64]) -> [f32; 2] {
         let square = coefficient * coefficient * 0.5_f64.powi(halves);
         let highest = orders.into_iter().max().unwrap_or(0);
         let is_last = highest == FINE - 1 || !Fine::keeps(orders);
-        errors[0] += if highest >= COARSE { square } else { 0.0 };
+        errors[0] += if Packed::keeps(orders) { 0.0 } else { square };
         errors[1] += if is_last { square } else { 0.0 };
     }
     errors.map(|square| square as f32)

@@ -1,7 +1,8 @@
 //! The energy of two bodies from fine tables: with the near pairs of a list, or without a list, for
 //! poses that have nothing to do with each other.
 
-use super::lanes::BLOCK;
+use super::field::Spots;
+use super::lanes::{BLOCK, vectorised};
 use super::list::List;
 use super::motion::Motion;
 use super::table::{Estimate, Table};
@@ -9,31 +10,15 @@ use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
 
 impl<P: SitePotential> Table<P> {
-    /// The energy with another body at this pose: all of its charges in the fine table, the near
-    /// pairs of a list that serves here one by one. `None` where the table ends before.
-    pub(super) fn fine_energy(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        #[cfg(target_arch = "x86_64")]
-        if super::lanes::has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.fine_energy_avx512(other, near, pose) };
-        }
-        self.fine_sum::<false>(other, near, pose)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn fine_energy_avx512(
-        &self,
-        other: &Self,
-        near: &List,
-        pose: &RelativePose,
-    ) -> Option<Estimate> {
-        self.fine_sum::<true>(other, near, pose)
+    vectorised! {
+        /// The energy with another body at this pose: all of its charges in the fine table, the near
+        /// pairs of a list that serves here one by one. `None` where the table ends before.
+        pub(super) fn fine_energy[fine_avx512, fine_avx2, fine_sum](
+            self: &Self,
+            other: &Self,
+            near: &List,
+            pose: &RelativePose
+        ) -> Option<Estimate>
     }
 
     #[inline(always)]
@@ -45,10 +30,19 @@ impl<P: SitePotential> Table<P> {
     ) -> Option<Estimate> {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
-        for block in other.blocks() {
-            let spots = self.field.locate(&motion.apply_block(block))?;
-            energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
-            variance += f64::from(self.field.fine_variance(&spots, &block[3]));
+        let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        for block in other.blocks().iter().map(Some).chain([None]) {
+            let mut next = None;
+            if let Some(block) = block {
+                let spots = self.field.locate(&motion.apply_block(block))?;
+                self.field.prefetch_fine(&spots);
+                next = Some((spots, &block[3]));
+            }
+            // While the series of the next points come, those before are added.
+            if let Some((spots, charge)) = std::mem::replace(&mut waiting, next) {
+                energy_kt += self.field.fine::<FUSED>(&spots, charge);
+                variance += f64::from(self.field.fine_variance(&spots, charge));
+            }
         }
         energy_kt += near.near_energy(self, pose);
         Some(Estimate {
@@ -57,23 +51,16 @@ impl<P: SitePotential> Table<P> {
         })
     }
 
-    /// The energy with another body at a pose in the frame of this one, from the fine table and the
-    /// near pairs, kT; `None` where the table ends before the other body does.
-    ///
-    /// The error is that of the fine series, some 10⁻⁴ kT for two proteins in contact.
-    pub fn energy_alone_kt(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
-        #[cfg(target_arch = "x86_64")]
-        if super::lanes::has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.energy_alone_avx512(other, pose) };
-        }
-        self.sum_alone::<false>(other, pose)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn energy_alone_avx512(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
-        self.sum_alone::<true>(other, pose)
+    vectorised! {
+        /// The energy with another body at a pose in the frame of this one, from the fine table and
+        /// the near pairs, kT; `None` where the table ends before the other body does.
+        ///
+        /// The error is that of the fine series, some 10⁻⁴ kT for two proteins in contact.
+        pub fn energy_alone_kt[alone_avx512, alone_avx2, sum_alone](
+            self: &Self,
+            other: &Self,
+            pose: &RelativePose
+        ) -> Option<f64>
     }
 
     #[inline(always)]

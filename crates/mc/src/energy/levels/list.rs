@@ -4,7 +4,8 @@
 //! from the same points, so that most of their errors cancel in the difference.
 
 use super::expansion::Expansion;
-use super::lanes::BLOCK;
+use super::field::Spots;
+use super::lanes::{BLOCK, vectorised};
 use super::motion::{Block, Motion};
 use super::table::Table;
 use crate::energy::SitePotential;
@@ -139,27 +140,20 @@ impl List {
         near: &[Near],
         pose: &RelativePose,
     ) -> Option<f64> {
-        if points.is_empty() {
-            return Some(0.0);
+        match points {
+            [] => Some(0.0),
+            _ => self.sum_of_points(first, points, near, pose),
         }
-        #[cfg(target_arch = "x86_64")]
-        if super::lanes::has_wide_vectors() {
-            // SAFETY: the processor has the features the function is compiled for.
-            return unsafe { self.points_energy_avx512(first, points, near, pose) };
-        }
-        self.sum::<P, false>(first, points, near, pose)
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,fma")]
-    fn points_energy_avx512<P: SitePotential>(
-        &self,
-        first: &Table<P>,
-        points: &[Block],
-        near: &[Near],
-        pose: &RelativePose,
-    ) -> Option<f64> {
-        self.sum::<P, true>(first, points, near, pose)
+    vectorised! {
+        fn sum_of_points[sum_avx512, sum_avx2, sum]<P: SitePotential>(
+            self: &Self,
+            first: &Table<P>,
+            points: &[Block],
+            near: &[Near],
+            pose: &RelativePose
+        ) -> Option<f64>
     }
 
     /// The points' energy in the coarse table, and that of the near pairs.
@@ -173,9 +167,18 @@ impl List {
     ) -> Option<f64> {
         let motion = Motion::new(pose);
         let mut sum = [0.0_f32; BLOCK];
-        for block in points {
-            let spots = first.field.locate(&motion.apply_block(block))?;
-            first.field.add_coarse::<FUSED>(&spots, &block[3], &mut sum);
+        let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        for block in points.iter().map(Some).chain([None]) {
+            let mut next = None;
+            if let Some(block) = block {
+                let spots = first.field.locate(&motion.apply_block(block))?;
+                first.field.prefetch_coarse(&spots);
+                next = Some((spots, &block[3]));
+            }
+            // While the series of the next points come, those before are added.
+            if let Some((spots, charge)) = std::mem::replace(&mut waiting, next) {
+                first.field.add_coarse::<FUSED>(&spots, charge, &mut sum);
+            }
         }
         for near in near {
             let [x, y, z, charge] = near.at;

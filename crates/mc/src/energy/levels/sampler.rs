@@ -1,7 +1,7 @@
 //! The potential of many charges at the Chebyshev points of a cell, and the series through it.
 
 use super::fine::FINE;
-use super::lanes::BLOCK;
+use super::lanes::{BLOCK, vectorised};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
@@ -91,23 +91,28 @@ impl Sites {
         (values, self.nearest(centre.map(|x| x as f32)))
     }
 
-    fn potential<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the two features the function is compiled for.
-            return unsafe { self.potential_avx512(split, x) };
-        }
-        self.sum(split, x)
+    vectorised! {
+        fn potential[potential_avx512, potential_avx2, sum]<P: SitePotential>(
+            self: &Self,
+            split: &Split<P>,
+            x: [f32; 3]
+        ) -> f32
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512dq")]
-    fn potential_avx512<P: SitePotential>(&self, split: &Split<P>, x: [f32; 3]) -> f32 {
-        self.sum(split, x)
+    vectorised! {
+        /// How far the nearest charge is from a place, Å.
+        pub fn nearest[nearest_avx512, nearest_avx2, least_distance](
+            self: &Self,
+            x: [f32; 3]
+        ) -> f64
     }
 
     #[inline(always)]
-    fn sum<P: SitePotential>(&self, split: &Split<P>, [x, y, z]: [f32; 3]) -> f32 {
+    fn sum<P: SitePotential, const FUSED: bool>(
+        &self,
+        split: &Split<P>,
+        [x, y, z]: [f32; 3],
+    ) -> f32 {
         let mut sum = [0.0; BLOCK];
         for [sx, sy, sz, charge] in &self.blocks {
             for lane in 0..BLOCK {
@@ -118,8 +123,8 @@ impl Sites {
         sum.iter().sum()
     }
 
-    /// How far the nearest charge is from a place, Å.
-    pub fn nearest(&self, [x, y, z]: [f32; 3]) -> f64 {
+    #[inline(always)]
+    fn least_distance<const FUSED: bool>(&self, [x, y, z]: [f32; 3]) -> f64 {
         let mut least = [f32::INFINITY; BLOCK];
         for [sx, sy, sz, _] in &self.blocks {
             for lane in 0..BLOCK {

@@ -1,11 +1,11 @@
 //! Evaluates the series of a field's cells: coarse and fine potentials, and derivatives.
 //!
 //! A series in T_0 to T_3 along x, y and z has a row of 16 products of x and y for each order of z, a
-//! lane of a vector unit for each product.
+//! lane of a vector unit for each product; the last lane has none.
 
 use super::field::{Field, Spots};
 use super::lanes::{BLOCK, add, sum_of_lanes};
-use super::packed::{COARSE, Packed};
+use super::packed::{COARSE, HEAD, Packed};
 
 /// The potential at a place (kT/e) with its first and second derivatives (per Å and Å²).
 #[derive(Debug, Clone, Copy)]
@@ -29,10 +29,11 @@ impl Field {
         let mut first = [0.0; BLOCK];
         for point in 0..BLOCK {
             let cell = spots.cell[point] as usize;
-            let (Packed(rows), head) = (&self.coarse[cell], &self.heads[cell]);
+            let series = &self.coarse[cell];
+            let Packed(rows) = series;
             let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][point]);
-            first[point] = head.first;
-            let charge = charge[point] * head.unit;
+            first[point] = series.first();
+            let charge = charge[point] * series.unit();
             let (xx, yy, zz) = (x * x, y * y, z * z);
             let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
             for lane in 0..BLOCK {
@@ -57,8 +58,9 @@ impl Field {
     #[inline(always)]
     pub fn derivatives<const FUSED: bool>(&self, x: [f32; 3]) -> Option<Derivatives> {
         let (cell, edge, [x, y, z]) = self.cell_at(x)?;
-        let (Packed(rows), head) = (self.coarse.get(cell)?, self.heads.get(cell)?);
-        let of_z = chebyshev_derivatives(z).map(|order| order.map(|value| value * head.unit));
+        let series = self.coarse.get(cell)?;
+        let (Packed(rows), unit) = (series, series.unit());
+        let of_z = chebyshev_derivatives(z).map(|order| order.map(|value| value * unit));
         let mut along_z = [[0.0; BLOCK]; 3];
         for (row, z) in rows.iter().zip(0..) {
             for (sum, of_z) in along_z.iter_mut().zip(&of_z) {
@@ -87,7 +89,7 @@ impl Field {
         let [value, gx, gy, gz, second @ ..] = sums_of_lanes(&products);
         let scale = 2.0 / edge;
         Some(Derivatives {
-            value: head.first + value,
+            value: series.first() + value,
             gradient: [gx, gy, gz].map(|g| g * scale),
             second: second.map(|h| h * (scale * scale)),
         })
@@ -196,12 +198,12 @@ const fn along_x(of: [f32; 4]) -> [f32; BLOCK] {
     lanes
 }
 
-/// Lane 4 j + i has the value of j.
+/// Lane 4 j + i has the value of j; the last one zero, since it is not a coefficient's.
 const fn along_y(of: [f32; 4]) -> [f32; BLOCK] {
     let mut lanes = [0.0; BLOCK];
     let mut lane = 0;
     while lane < BLOCK {
-        lanes[lane] = of[lane / COARSE];
+        lanes[lane] = if lane == HEAD { 0.0 } else { of[lane / COARSE] };
         lane += 1;
     }
     lanes
