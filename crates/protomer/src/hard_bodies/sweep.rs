@@ -79,6 +79,10 @@ impl Settings for HardBodySweepSettings {
                     true => self.run.packing_fraction,
                     false => 0.0,
                 },
+                pressure: self.run.pressure.map(|kept| Pressure {
+                    kt_per_volume: 0.0,
+                    ..kept
+                }),
                 seed: 0,
                 ..self.run.essential()
             },
