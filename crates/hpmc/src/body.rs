@@ -2,10 +2,11 @@
 
 use crate::{Error, Result, error::require};
 use protomer_kernel::shape::Shape;
+use protomer_kernel::shape::exact::overlap_exactly;
 use protomer_kernel::shape::hull::Hull;
 use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
-use protomer_kernel::shape::separation::{Block, Pair, overlap_on_all_axes, pack, turn};
+use protomer_kernel::shape::separation::{Block, Pair, error_of_heights, pack, turn};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
 
@@ -23,8 +24,8 @@ pub struct HardBody<const D: usize> {
     /// Volume; in a plane, area.
     pub volume: f64,
     packed: Vec<Block<D>>,
-    normals: Vec<[f64; D]>,
-    edges: Vec<[f64; D]>,
+    /// The corners of each face; in a plane, of each edge.
+    faces: Vec<Vec<usize>>,
 }
 
 impl<const D: usize> HardBody<D> {
@@ -49,24 +50,18 @@ impl<const D: usize> HardBody<D> {
             });
         }
         let measures = Measures::of(shape, rounding_radius)?;
-        let (corners, normals, edges, inradius) = match Polytope::of(shape) {
-            Ok(polytope) => {
-                let edge = |[from, to]: &[usize; 2]| {
-                    coordinates(&(polytope.corners[*to] - polytope.corners[*from]))
-                };
-                (
-                    polytope.corners.iter().map(coordinates).collect(),
-                    polytope
-                        .faces
-                        .iter()
-                        .map(|face| coordinates(&face.normal))
-                        .collect(),
-                    polytope.edges.iter().map(edge).collect(),
-                    polytope.inradius(),
-                )
-            }
+        let (corners, faces, inradius) = match Polytope::of(shape) {
+            Ok(polytope) => (
+                polytope.corners.iter().map(coordinates).collect(),
+                polytope
+                    .faces
+                    .iter()
+                    .map(|face| face.corners.clone())
+                    .collect(),
+                polytope.inradius(),
+            ),
             // A point, a segment or a polygon in space, which only its rounding makes a body.
-            Err(_) => (thin_corners(shape), Vec::new(), Vec::new(), 0.0),
+            Err(_) => (thin_corners(shape), Vec::new(), 0.0),
         };
         let outer: f64 = corners.iter().map(norm).fold(0.0, f64::max);
         Ok(Self {
@@ -76,8 +71,7 @@ impl<const D: usize> HardBody<D> {
             inner_radius: inradius + rounding_radius,
             outer_radius: outer + rounding_radius,
             volume: measures.volume,
-            normals,
-            edges,
+            faces,
         })
     }
 
@@ -96,8 +90,7 @@ impl<const D: usize> HardBody<D> {
             inner_radius: radius,
             outer_radius: radius,
             volume,
-            normals: Vec::new(),
-            edges: Vec::new(),
+            faces: Vec::new(),
         })
     }
 
@@ -116,21 +109,18 @@ impl<const D: usize> HardBody<D> {
         turn(&matrix(rotation), &self.packed, corners);
     }
 
+    /// Bound on the rounding of heights in a pair; see [`Pair::error`].
+    pub(crate) fn error_of_heights(&self) -> f64 {
+        // Two bodies and the offset between their centres.
+        error_of_heights(4.0 * D as f64 * self.outer_radius)
+    }
+
     /// The last word on two bodies that touch to within rounding.
-    pub(crate) fn exact(&self, pair: &Pair<'_, D>, rotations: [&Rotation; 2]) -> bool {
-        if self.rounding_radius > 0.0 || self.normals.is_empty() {
+    pub(crate) fn exact(&self, pair: &Pair<'_, D>) -> bool {
+        if self.rounding_radius > 0.0 || self.faces.is_empty() {
             return true;
         }
-        let turned = |vectors: &[[f64; D]], rotation: &Rotation| -> Vec<[f64; D]> {
-            let matrix = matrix(rotation);
-            vectors
-                .iter()
-                .map(|vector| times(&matrix, vector))
-                .collect()
-        };
-        let normals = rotations.map(|rotation| turned(&self.normals, rotation));
-        let edges = rotations.map(|rotation| turned(&self.edges, rotation));
-        overlap_on_all_axes(pair, [&normals[0], &normals[1]], [&edges[0], &edges[1]])
+        overlap_exactly(pair, [&self.faces, &self.faces])
     }
 }
 
@@ -163,14 +153,6 @@ fn thin_corners<const D: usize>(shape: &Shape) -> Vec<[f64; D]> {
 
 pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
     protomer_kernel::shape::separation::dot(vector, vector).sqrt()
-}
-
-fn times<const D: usize>(matrix: &[[f64; D]; D], vector: &[f64; D]) -> [f64; D] {
-    let mut product = [0.0; D];
-    for (out, row) in product.iter_mut().zip(matrix) {
-        *out = protomer_kernel::shape::separation::dot(row, vector);
-    }
-    product
 }
 
 /// The first D rows and columns of a rotation matrix.

@@ -174,6 +174,7 @@ impl<const D: usize> System<D> {
             second: &origin,
             offset: *point,
             reach: self.body.rounding_radius + radius,
+            error: 0.0,
         };
         pair.overlap(&mut { *point }, || true)
     }

@@ -17,6 +17,7 @@
 //! | [`heights`] | bodies between walls |
 //! | [`depletants`] | implicit penetrable hard spheres, sampled exactly |
 //! | [`simulation`] | equilibration, production, samples |
+//! | [`static_free_volume`] | the free volume of depletants in a crystal that does not move |
 //! | [`symmetry`] | the rotations that leave a body as it is, and what holds its orientation |
 //! | [`einstein`] | bodies on springs, and their free energy |
 //! | [`frenkel_ladd`] | the free energy of a crystal, by springs of falling strength |
@@ -42,6 +43,7 @@ pub mod jet;
 mod quadrature;
 pub mod simulation;
 pub mod start;
+pub mod static_free_volume;
 pub mod symmetry;
 pub mod system;
 pub mod tangent;

@@ -377,9 +377,9 @@ impl<const D: usize> System<D> {
             second: self.corners_of(other.body as usize),
             offset: other.offset.map(|x| x * scale),
             reach: 2.0 * self.body.rounding_radius,
+            error: self.body.error_of_heights(),
         };
-        let rotations = [&trial.rotation, &self.rotations[other.body as usize]];
-        pair.overlap(&mut { other.offset }, || self.body.exact(&pair, rotations))
+        pair.overlap(&mut { other.offset }, || self.body.exact(&pair))
     }
 
     pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
@@ -419,7 +419,6 @@ impl<const D: usize> System<D> {
             near,
             corners,
             turned,
-            rotations,
             memory,
             ..
         } = self;
@@ -444,6 +443,7 @@ impl<const D: usize> System<D> {
         } else {
             &corners[trial.body * blocks..(trial.body + 1) * blocks]
         };
+        let error = body.error_of_heights();
         let pair_with = |other: &Near<D>| {
             let number = other.body as usize;
             Pair {
@@ -451,6 +451,7 @@ impl<const D: usize> System<D> {
                 second: &corners[number * blocks..(number + 1) * blocks],
                 offset: other.offset,
                 reach: 2.0 * body.rounding_radius,
+                error,
             }
         };
         let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
@@ -462,12 +463,10 @@ impl<const D: usize> System<D> {
         // The nearest is the likeliest to overlap.
         near.sort_unstable_by(|a, b| a.squared.total_cmp(&b.squared));
         for other in near.iter() {
-            let number = other.body as usize;
             let slot = &mut slots[place(other.body)];
             let pair = pair_with(other);
             let mut direction = other.offset;
-            let exact = || body.exact(&pair, [&trial.rotation, &rotations[number]]);
-            if pair.overlap(&mut direction, exact) {
+            if pair.overlap(&mut direction, || body.exact(&pair)) {
                 return true;
             }
             *slot = Slot {

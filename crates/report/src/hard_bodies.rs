@@ -8,16 +8,21 @@ use anyhow::{Context, Result, bail};
 use protomer::hard_bodies::free_energy::FreeEnergyResult;
 use protomer::hard_bodies::log::LogRow;
 use protomer::hard_bodies::run::HardBodyResult;
+use protomer::hard_bodies::sweep::EquationOfState;
+use protomer_common::answer::Answer;
 use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};
 use protomer_kernel::shape::{Shape, hull::Hull};
 use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::keys::read_json_if_present;
 use protomer_results::{Record, log};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
+/// The title of a sweep.
+const SWEEP: &str = "Equation of state";
 /// Rows of a log that are drawn.
 const MOST_ROWS: usize = 500;
 /// More bodies than this are slow to turn.
@@ -55,6 +60,43 @@ pub fn page_of_run(directory: &Path) -> Result<Page> {
         subtitle,
         html,
         "trajectory.gsd",
+        record.as_ref(),
+    )
+}
+
+/// The page of a sweep: the equation of state, and the bodies of its densest run.
+///
+/// # Errors
+/// If a file is damaged.
+pub fn page_of_sweep(directory: &Path) -> Result<Page> {
+    let record = Record::read(directory)?;
+    let equation: Option<EquationOfState> = read_json_if_present(&directory.join("equation.json"))?;
+    let (mut html, mut trajectory) = (String::new(), String::new());
+    if let Some(equation) = &equation {
+        let csv = data::of_file(directory, "equation.csv")?;
+        if let Some(figure) = equation.figure() {
+            html += &figures::drawn(&figure, &csv)?;
+        }
+        if let Some(task) = equation.settings.tasks(Path::new(""))?.pop() {
+            let path = task.directory().join("trajectory.gsd");
+            trajectory = path.display().to_string();
+        }
+    }
+    let subtitle = equation.as_ref().map(|equation| {
+        let run = &equation.settings.run;
+        format!(
+            "{} bodies ({}), {} states",
+            run.bodies,
+            run.shape,
+            equation.points.len()
+        )
+    });
+    page(
+        directory,
+        SWEEP,
+        subtitle,
+        html,
+        &trajectory,
         record.as_ref(),
     )
 }
@@ -103,7 +145,10 @@ fn page(
 ) -> Result<Page> {
     let mut problems: Vec<String> = provenance::unfinished(record).into_iter().collect();
     let mut sections = vec![Section::new("Results", results)];
-    match bodies(&directory.join(trajectory)) {
+    let trajectory = directory.join(trajectory);
+    match bodies(&trajectory) {
+        // A sweep may have been told to keep no trajectories.
+        _ if !trajectory.is_file() && kind == SWEEP => {}
         Ok(section) => sections.push(section),
         Err(error) => problems.push(format!("The bodies cannot be shown: {error:#}")),
     }

@@ -23,6 +23,8 @@ pub enum Kind {
     LatticeSweep(Box<LatticeSettings>),
     /// A run of hard bodies.
     HardBodies,
+    /// A sweep of runs of hard bodies.
+    HardBodySweep,
     /// The free energy of a crystal of hard bodies.
     FreeEnergy,
     /// The elastic constants of a network.
@@ -57,6 +59,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
             Kind::LatticeSweep(Box::new(read_toml(&settings("run.toml"))?))
         }
         Some(ResultKind::HardBodies) => Kind::HardBodies,
+        Some(ResultKind::HardBodySweep) => Kind::HardBodySweep,
         Some(ResultKind::FreeEnergy) => Kind::FreeEnergy,
         Some(ResultKind::ElasticConstants) => Kind::Framework,
         Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
@@ -74,7 +77,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
         Some(ResultKind::DynamicsRun | ResultKind::Other(_)) | None => {
             bail!(
                 "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
-             hpmc run, free-energy, lattice run, lattice sweep, framework, train, tune or voxelize command",
+             hpmc run, hpmc sweep, free-energy, lattice run, lattice sweep, framework, train, tune or voxelize command",
                 directory.display()
             )
         }

@@ -123,6 +123,7 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
         Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
         Kind::HardBodies => hard_bodies::page_of_run(directory),
+        Kind::HardBodySweep => hard_bodies::page_of_sweep(directory),
         Kind::FreeEnergy => hard_bodies::page_of_free_energy(directory),
         Kind::Framework => framework::page(directory),
         Kind::FrameworkTables => framework_tables::page(directory),

@@ -25,6 +25,8 @@ pub enum ResultKind {
     PairCondition,
     /// A run of many hard convex bodies.
     HardBodies,
+    /// Many runs of hard convex bodies.
+    HardBodySweep,
     /// The free energy of a crystal of hard bodies.
     FreeEnergy,
     /// A lattice of rigid squares followed through time.
@@ -65,6 +67,11 @@ const KINDS: &[(ResultKind, &str, &str)] = &[
         ResultKind::HardBodies,
         "hard bodies",
         "a run of hard bodies",
+    ),
+    (
+        ResultKind::HardBodySweep,
+        "hard bodies sweep",
+        "a sweep of hard bodies",
     ),
     (
         ResultKind::FreeEnergy,

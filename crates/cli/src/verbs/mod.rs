@@ -74,7 +74,7 @@ impl Verb {
             Verb::Md(args) => args.run(front),
             Verb::Hpmc(args) => args.run(front),
             Verb::FreeEnergy(args) => args.run(front),
-            Verb::PhaseDiagram(args) => args.run(),
+            Verb::PhaseDiagram(args) => args.run(front),
             Verb::Body(args) => args.run(front),
             Verb::Assemble(args) => args.run(front),
             Verb::Candidates(args) => args.run(front),

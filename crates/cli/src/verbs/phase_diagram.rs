@@ -1,9 +1,10 @@
 //! `protomer phase-diagram`: coexisting phases from free energies.
 
+use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer::hard_bodies::phases::{phases_of_mixtures, phases_of_tables};
+use protomer::hard_bodies::phases::{draw, phases_of_mixtures, phases_of_tables};
 use std::path::PathBuf;
 
 /// Print the phases that coexist: their packing fractions, pressure and chemical potential.
@@ -39,10 +40,14 @@ pub struct PhaseDiagramArgs {
     /// Table of the free energy of a phase; once per phase.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["size_ratio", "reservoir"])]
     branch: Vec<PathBuf>,
+    /// Figure to write, .svg or .png: packing fractions against the reservoir, with tie lines, critical and
+    /// triple points; one size ratio per figure.
+    #[arg(short, long, requires = "size_ratio")]
+    output: Option<PathBuf>,
 }
 
 impl PhaseDiagramArgs {
-    pub fn run(&self) -> Result<Reply> {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
         let phases = match (self.branch.is_empty(), self.size_ratio.is_empty()) {
             (false, _) => phases_of_tables(&self.branch)?,
             (true, false) => phases_of_mixtures(&self.size_ratio, &self.reservoir)?,
@@ -51,6 +56,9 @@ impl PhaseDiagramArgs {
                  for each phase"
             ),
         };
+        if let Some(path) = &self.output {
+            draw(&phases, path, front.force())?;
+        }
         Ok(Reply::data(phases))
     }
 }

@@ -9,6 +9,8 @@
 //! | [`closest`] | the closest points of two convex bodies |
 //! | [`remembered`] | the same for bodies that moved little since |
 //! | [`separation`] | whether two convex bodies overlap, fast |
+//! | [`exact`] | the same, exactly |
+//! | [`swept`] | bodies swept by a ball, and the volume that two of them share |
 //!
 //! Shapes have no unit of length of their own.
 //!
@@ -23,11 +25,14 @@
 
 pub mod builders;
 pub mod closest;
+pub mod exact;
+mod expansion;
 pub mod hull;
 pub mod measures;
 pub mod polytope;
 pub mod remembered;
 pub mod separation;
+pub mod swept;
 
 use crate::{KernelError, Result, Vec3};
 use hull::Hull;

@@ -4,8 +4,8 @@
 //! direction that did it last time: where bodies move little it does so again, and a test is one
 //! pass over the corners of each. Else a portal is sought in the difference of the bodies, through which
 //! a ray from its inside to the origin leaves (Snethen's method). The search stops as soon as a
-//! direction separates the bodies, or as soon as the origin is inside. Where it passes within rounding of
-//! the surface, all axes on which two polytopes can be separated have the last word.
+//! direction separates the bodies, or as soon as the origin is inside. Nearer to the surface than
+//! floating-point numbers can tell, exact arithmetic has the last word (see [`exact`](super::exact)).
 //!
 //! Bodies may be rounded: with radii whose sum is `reach`, they overlap if the distance of their
 //! cores is less than that. Then the walk of Gilbert, Johnson and Keerthi (see
@@ -24,6 +24,9 @@ pub type Block<const D: usize> = [[f64; LANES]; D];
 const MOST_STEPS: usize = 60;
 /// Nearer to the surface of the difference than this part of its size, the walk does not decide.
 const NEAR_SURFACE: f64 = 1e-7;
+/// The difference of two heights is known to this part of the sizes it is made of: three products and
+/// sums for each, and that of their difference.
+const OF_A_HEIGHT: f64 = 8.0 * f64::EPSILON;
 /// A step that shortens the squared distance by less than this part is none.
 const NO_GAIN: f64 = 1e-14;
 
@@ -144,10 +147,30 @@ pub struct Pair<'a, const D: usize> {
     pub offset: [f64; D],
     /// Sum of the rounding radii.
     pub reach: f64,
+    /// What a height along a direction may be wrong by, over the sum of its components: see
+    /// [`error_of_heights`].
+    pub error: f64,
+}
+
+/// A bound on the rounding error of differences of heights, for corners whose coordinates, with those of
+/// the offset, add up to no more than `size`.
+pub fn error_of_heights(size: f64) -> f64 {
+    OF_A_HEIGHT * size
 }
 
 impl<const D: usize> Pair<'_, D> {
-    /// Whether this direction, of any length, separates the bodies; touching bodies are not apart.
+    /// The largest rounding error of a difference of heights along a direction.
+    #[inline(always)]
+    fn doubt(&self, direction: &[f64; D]) -> f64 {
+        let mut sum = 0.0;
+        for x in direction {
+            sum += x.abs();
+        }
+        self.error * sum
+    }
+
+    /// Whether this direction, of any length, separates the bodies for certain; touching bodies are not
+    /// apart.
     #[inline(always)]
     pub fn is_separated_along(&self, direction: &[f64; D]) -> bool {
         let top = highest(self.first, direction);
@@ -155,21 +178,22 @@ impl<const D: usize> Pair<'_, D> {
         let bottom = dot(&self.offset, direction) - highest(self.second, &down);
         let gap = bottom - top;
         if self.reach == 0.0 {
-            return gap > 0.0;
+            return gap > self.doubt(direction);
         }
         gap > 0.0 && gap * gap > self.reach * self.reach * dot(direction, direction)
     }
 
-    /// Whether the bodies overlap. `direction` is where the search begins: the direction that separated
+    /// Whether the bodies overlap; those that touch do. `direction` is where the search begins: the direction that separated
     /// them last, or the offset; if they are apart, it separates them afterwards.
-    /// `exact` decides where cores without rounding touch to within rounding.
+    /// `exact` decides where cores that are not rounded touch, as far as numbers can tell.
     ///
     /// ```
-    /// use protomer_kernel::shape::separation::{Pair, pack};
+    /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
     /// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
+    /// let error = error_of_heights(4.0);
     /// let at = |x: f64| {
     ///     let offset = [x, 0.3];
-    ///     let pair = Pair { first: &square, second: &square, offset, reach: 0.0 };
+    ///     let pair = Pair { first: &square, second: &square, offset, reach: 0.0, error };
     ///     pair.overlap(&mut { offset }, || unreachable!())
     /// };
     /// assert!(at(0.99) && !at(1.01));
@@ -225,7 +249,7 @@ impl<const D: usize> Pair<'_, D> {
     fn beyond(&self, normal: &[f64; D], direction: &mut [f64; D]) -> Option<[f64; D]> {
         let down = normal.map(|x| -x);
         let corner = self.lowest(&down);
-        if dot(&corner, normal) < 0.0 {
+        if dot(&corner, normal) < -self.doubt(normal) {
             *direction = down;
             return None;
         }
@@ -642,36 +666,4 @@ fn on_triangle<const D: usize>(a: &[f64; D], b: &[f64; D], c: &[f64; D]) -> Face
         point,
         carriers: [true; 3],
     }
-}
-
-/// Whether two polytopes without rounding overlap, by every axis that can separate them: normals of
-/// faces, and in space cross products of edges (Gottschalk, Lin and Manocha, SIGGRAPH 96, 171).
-/// Slow; touching bodies overlap.
-pub fn overlap_on_all_axes<const D: usize>(
-    pair: &Pair<'_, D>,
-    normals: [&[[f64; D]]; 2],
-    edges: [&[[f64; D]]; 2],
-) -> bool {
-    let separates = |axis: &[f64; D]| {
-        pair.is_separated_along(axis) || pair.is_separated_along(&axis.map(|x| -x))
-    };
-    if normals[0].iter().chain(normals[1]).any(separates) {
-        return false;
-    }
-    for first in edges[0] {
-        for second in edges[1] {
-            let cross = in_space(first).cross(&in_space(second));
-            // Parallel edges have no axis of their own.
-            if cross.norm_squared() > 1e-18 {
-                let mut axis = [0.0; D];
-                for (number, x) in axis.iter_mut().enumerate() {
-                    *x = cross[number];
-                }
-                if separates(&axis) {
-                    return false;
-                }
-            }
-        }
-    }
-    true
 }

@@ -5,14 +5,19 @@
 //! | [`settings`] | the settings of a run |
 //! | [`start`] | bodies and starts from names and files |
 //! | [`run`] | one run in its directory |
+//! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
 //! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
 //! | [`phases`] | coexisting phases of spheres and depletants by free volume theory |
+//! | [`static_free_volume`] | free volumes of crystals that do not move |
 
 pub mod free_energy;
 pub mod log;
 pub mod phases;
 pub mod run;
 pub mod settings;
+mod spline;
 pub mod start;
+pub mod static_free_volume;
+pub mod sweep;
 pub mod trajectory;

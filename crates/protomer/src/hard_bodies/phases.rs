@@ -1,13 +1,16 @@
 //! Coexisting phases: of spheres among depletants by free volume theory, or of tables.
 
+use super::spline::Spline;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::InputFile;
+use protomer_common::output_file::write_once;
 use protomer_hpmc::free_volume_theory::{Mixture, PHASES};
 use protomer_hpmc::jet::Jet;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Samples of a table's spline.
 const SAMPLES: usize = 20_000;
@@ -108,6 +111,87 @@ impl Answer for Phases {
             ));
         }
         lines.join("\n")
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        let first = self.coexistences.first()?;
+        let (q, _) = first.size_ratio.zip(first.reservoir_packing_fraction)?;
+        Some(figure_of_mixture(self, q))
+    }
+}
+
+/// Packing fractions of coexisting phases against that of the depletants in the reservoir.
+fn figure_of_mixture(phases: &Phases, q: f64) -> Figure {
+    let is_here = |found: &&Coexistence| found.size_ratio == Some(q);
+    let series = |name: &str, points: Vec<Point>, line: bool| Series {
+        name: name.to_owned(),
+        points,
+        line,
+        ..Series::default()
+    };
+    let at = |x: f64, y: f64| Point { x, y, error: None };
+    let mut drawn = Vec::new();
+    for (found, name) in [
+        (&phases.metastable, "metastable gas and liquid"),
+        (&phases.coexistences, "coexistence"),
+    ] {
+        for tie in found.iter().filter(is_here) {
+            let y = tie.reservoir_packing_fraction.unwrap_or_default();
+            let ends = tie.packing_fractions.map(|x| at(x, y)).to_vec();
+            drawn.push(series(name, ends, true));
+        }
+    }
+    for point in phases
+        .critical_points
+        .iter()
+        .filter(|point| point.size_ratio == q)
+    {
+        let place = at(point.packing_fraction, point.reservoir_packing_fraction);
+        drawn.push(series("critical point", vec![place], false));
+    }
+    for point in phases
+        .triple_points
+        .iter()
+        .filter(|point| point.size_ratio == q)
+    {
+        let y = point.reservoir_packing_fraction;
+        let places = point.packing_fractions.map(|x| at(x, y)).to_vec();
+        drawn.push(series("triple point", places, true));
+    }
+    Figure {
+        title: format!("Spheres among depletants, size ratio {q}"),
+        caption: "lines join phases that coexist".into(),
+        x: Axis::linear("packing fraction of the spheres"),
+        panels: vec![Panel {
+            y: Axis::linear("packing fraction of the depletants in the reservoir"),
+            series: drawn,
+        }],
+    }
+}
+
+/// Draws a phase diagram of spheres among depletants, a PNG or SVG file.
+///
+/// # Errors
+/// Without a coexistence, for several size ratios, for another extension, or a file that exists with
+/// other content unless `force` is set.
+pub fn draw(phases: &Phases, output: &Path, force: bool) -> Result<()> {
+    let ratios = phases.coexistences.iter().map(|found| found.size_ratio);
+    let Some(figure) = phases.figure() else {
+        bail!("no phases coexist, so there is no diagram to draw; leave out --output");
+    };
+    if ratios
+        .clone()
+        .any(|ratio| Some(ratio) != ratios.clone().next())
+    {
+        bail!("a figure holds one size ratio; give one, or leave out --output");
+    }
+    match output.extension().and_then(|ending| ending.to_str()) {
+        Some("png") => write_once(output, &figure.to_png()?, force),
+        Some("svg") => write_once(output, &figure.to_svg()?, force),
+        _ => bail!(
+            "{} ends in neither .png nor .svg; choose one of them",
+            output.display()
+        ),
     }
 }
 
@@ -212,7 +296,7 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
     for path in paths {
         let file = InputFile::read(path)?;
         let text = String::from_utf8_lossy(&file.bytes);
-        splines.push(Spline::read(&file.name, &text)?);
+        splines.push(read_table(&file.name, &text)?);
         let stem = path.file_stem().context("a branch has no file name")?;
         names.push(stem.to_string_lossy().into_owned());
     }
@@ -245,99 +329,36 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
     })
 }
 
-/// A cubic spline through points, with ends of the third derivative of their neighbours (not a knot).
-#[derive(Debug, Clone)]
-struct Spline {
-    x: Vec<f64>,
-    y: Vec<f64>,
-    second: Vec<f64>,
-}
-
-impl Spline {
-    fn read(name: &str, text: &str) -> Result<Self> {
-        let (mut x, mut y) = (Vec::new(), Vec::new());
-        for (number, line) in text.lines().enumerate() {
-            let line = line.split('#').next().unwrap_or_default();
-            let cells = line.split([' ', '\t', ',']).filter(|cell| !cell.is_empty());
-            let numbers: Option<Vec<f64>> = cells.map(|cell| cell.parse().ok()).collect();
-            match numbers.as_deref() {
-                Some([]) => {}
-                Some([density, energy])
-                    if energy.is_finite() && x.last().is_none_or(|last| last < density) =>
-                {
-                    x.push(*density);
-                    y.push(*energy);
-                }
-                _ => bail!(
-                    "{name}:{}: '{}' is not a density above the last and a free energy; write two \
-                     numbers per line",
-                    number + 1,
-                    line.trim()
-                ),
+/// The spline of a table: two columns.
+fn read_table(name: &str, text: &str) -> Result<Spline> {
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (number, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default();
+        let cells = line.split([' ', '\t', ',']).filter(|cell| !cell.is_empty());
+        let numbers: Option<Vec<f64>> = cells.map(|cell| cell.parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([]) => {}
+            Some([density, energy])
+                if energy.is_finite() && x.last().is_none_or(|last| last < density) =>
+            {
+                x.push(*density);
+                y.push(*energy);
             }
+            _ => bail!(
+                "{name}:{}: '{}' is not a density above the last and a free energy; write two \
+                 numbers per line",
+                number + 1,
+                line.trim()
+            ),
         }
-        if x.len() < FEWEST_POINTS {
-            bail!(
-                "{name} has {} points; give at least {FEWEST_POINTS}",
-                x.len()
-            );
-        }
-        Ok(Self::through(x, y))
     }
-
-    fn through(x: Vec<f64>, y: Vec<f64>) -> Self {
-        let last = x.len() - 1;
-        let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        // Rows of the tridiagonal system for the second derivatives at the inner points, from which
-        // those at the ends are eliminated.
-        let (mut low, mut middle, mut high, mut right) = (
-            vec![0.0; last + 1],
-            vec![1.0; last + 1],
-            vec![0.0; last + 1],
-            vec![0.0; last + 1],
+    if x.len() < FEWEST_POINTS {
+        bail!(
+            "{name} has {} points; give at least {FEWEST_POINTS}",
+            x.len()
         );
-        for i in 1..last {
-            low[i] = h[i - 1];
-            middle[i] = 2.0 * (h[i - 1] + h[i]);
-            high[i] = h[i];
-            right[i] = 6.0 * ((y[i + 1] - y[i]) / h[i] - (y[i] - y[i - 1]) / h[i - 1]);
-        }
-        // second[0] = second[1] - (second[2] - second[1]) h[0] / h[1], and alike at the other end.
-        let (start, end) = (h[0] / h[1], h[last - 1] / h[last - 2]);
-        middle[1] += low[1] * (1.0 + start);
-        high[1] -= low[1] * start;
-        middle[last - 1] += high[last - 1] * (1.0 + end);
-        low[last - 1] -= high[last - 1] * end;
-        let mut second = vec![0.0; last + 1];
-        for i in 2..last {
-            let factor = low[i] / middle[i - 1];
-            middle[i] -= factor * high[i - 1];
-            right[i] -= factor * right[i - 1];
-        }
-        for i in (1..last).rev() {
-            let beyond = if i + 1 < last {
-                high[i] * second[i + 1]
-            } else {
-                0.0
-            };
-            second[i] = (right[i] - beyond) / middle[i];
-        }
-        second[0] = second[1] - (second[2] - second[1]) * start;
-        second[last] = second[last - 1] + (second[last - 1] - second[last - 2]) * end;
-        Self { x, y, second }
     }
-
-    fn at(&self, at: Jet) -> Jet {
-        let above = self.x.partition_point(|x| *x <= at.value);
-        let i = above.clamp(1, self.x.len() - 1) - 1;
-        let h = self.x[i + 1] - self.x[i];
-        let b = (at + -self.x[i]) * h.recip();
-        let a = -b + 1.0;
-        a * self.y[i]
-            + b * self.y[i + 1]
-            + ((a * a * a - a) * self.second[i] + (b * b * b - b) * self.second[i + 1])
-                * (h * h / 6.0)
-    }
+    Ok(Spline::through(x, y))
 }
 
 #[cfg(test)]
@@ -389,9 +410,9 @@ mod tests {
     #[test]
     fn wrong_lines_are_named() {
         for text in ["1 2\n1 3\n", "1 2\nx\n", "1 2\n2 nan\n"] {
-            let words = Spline::read("table", text).unwrap_err().to_string();
+            let words = read_table("table", text).unwrap_err().to_string();
             assert!(words.starts_with("table:2: "), "{words}");
         }
-        assert!(Spline::read("table", "1 2\n").is_err());
+        assert!(read_table("table", "1 2\n").is_err());
     }
 }

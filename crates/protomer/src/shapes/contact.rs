@@ -1,14 +1,15 @@
 //! The repulsion of pairs of convex shapes, listed in a JSON file.
 
+use super::places::{Orientation, for_each_pair, poses};
 use super::read_shape;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
 use protomer_common::answer::{Answer, columns, heading};
-use protomer_common::input::InputFile;
 use protomer_kernel::shape::polytope::Polytope;
-use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_md::pair::{Form, Placed};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+
+const EXAMPLE: &str = "{\"a\": \"cube\", \"b\": \"cube\", \"position\": [0, 0, 1.15]}";
 
 /// A pair as its file says it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -22,16 +23,6 @@ struct PairEntry {
     position: Vec<f64>,
     orientation_a: Option<Orientation>,
     orientation_b: Option<Orientation>,
-}
-
-/// How a body is turned.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(untagged)]
-enum Orientation {
-    /// In a plane, rad.
-    Angle(f64),
-    /// Scalar first.
-    Quaternion([f64; 4]),
 }
 
 /// What two bodies feel: energy in units of ε, lengths in the unit of the shapes. In a plane the
@@ -97,20 +88,8 @@ fn vector([x, y, z]: &[f64; 3]) -> String {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn contacts(path: &Path, form: Form) -> Result<Contacts> {
-    let file = InputFile::read(path)?;
-    let entries: Vec<PairEntry> = serde_json::from_slice(&file.bytes).with_context(|| {
-        format!(
-            "{} is not a list of pairs; write [{{\"a\": \"cube\", \"b\": \"cube\", \"position\": \
-             [0, 0, 1.15]}}, …]",
-            file.name
-        )
-    })?;
-    let mut found = Vec::with_capacity(entries.len());
-    for (number, entry) in entries.iter().enumerate() {
-        let contact = contact(entry, form);
-        found.push(contact.with_context(|| format!("{}: pair {}", file.name, number + 1))?);
-    }
-    Ok(Contacts(found))
+    let one = |entry: &PairEntry| contact(entry, form);
+    Ok(Contacts(for_each_pair(path, EXAMPLE, one)?))
 }
 
 fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
@@ -119,15 +98,8 @@ fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
     });
     let [a, b] = bodies;
     let (a, b) = (a?, b?);
-    let position = position(&entry.position, b.dimension)?;
-    let here = Pose {
-        position: Vec3::zeros(),
-        rotation: rotation(entry.orientation_a, a.dimension).context("orientation_a")?,
-    };
-    let there = Pose {
-        position,
-        rotation: rotation(entry.orientation_b, b.dimension).context("orientation_b")?,
-    };
+    let orientations = [entry.orientation_a, entry.orientation_b];
+    let [here, there] = poses(&entry.position, orientations, b.dimension)?;
     let pair = Placed {
         bodies: [&a, &b],
         poses: [&here, &there],
@@ -140,32 +112,6 @@ fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
         torque_a: forces.torques[0].into(),
         torque_b: forces.torques[1].into(),
     })
-}
-
-fn position(numbers: &[f64], dimension: usize) -> Result<Vec3> {
-    match (numbers, dimension) {
-        ([x, y], 2) => Ok(Vec3::new(*x, *y, 0.0)),
-        ([x, y, z], 3) => Ok(Vec3::new(*x, *y, *z)),
-        _ => bail!(
-            "the position has {} numbers; give {dimension}",
-            numbers.len()
-        ),
-    }
-}
-
-fn rotation(orientation: Option<Orientation>, dimension: usize) -> Result<Rotation> {
-    match (orientation, dimension) {
-        (None, _) => Ok(Rotation::identity()),
-        (Some(Orientation::Angle(angle_rad)), 2) => {
-            Ok(Rotation::from_scaled_axis(angle_rad * Vec3::z()))
-        }
-        (Some(Orientation::Quaternion(wxyz)), 3) if wxyz.iter().any(|part| *part != 0.0) => {
-            Ok(Pose::from_wxyz(Vec3::zeros(), wxyz).rotation)
-        }
-        (Some(Orientation::Quaternion(_)), 3) => bail!("a quaternion of zeros is no rotation"),
-        (_, 2) => bail!("give an angle in radians for a polygon"),
-        _ => bail!("give a quaternion, four numbers w x y z, for a polyhedron"),
-    }
 }
 
 #[cfg(test)]

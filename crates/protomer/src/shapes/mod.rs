@@ -1,6 +1,8 @@
 //! Convex shapes from files and names: what is known of them exactly, and what two of them feel.
 
 pub mod contact;
+pub mod overlap;
+mod places;
 
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;

@@ -1,6 +1,9 @@
 //! `protomer hpmc`: Monte Carlo of many hard convex bodies.
 
+mod free_volume;
 mod run;
+mod sweep;
+mod system;
 
 use crate::front::Front;
 use crate::reply::Reply;
@@ -17,13 +20,17 @@ pub struct HpmcArgs {
 
 #[derive(Debug, Subcommand)]
 enum HpmcVerb {
-    Run(run::RunArgs),
+    Run(Box<run::RunArgs>),
+    Sweep(Box<sweep::SweepArgs>),
+    FreeVolume(free_volume::FreeVolumeArgs),
 }
 
 impl HpmcArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         match &self.verb {
             HpmcVerb::Run(args) => args.run(front),
+            HpmcVerb::Sweep(args) => args.run(front),
+            HpmcVerb::FreeVolume(args) => args.run(),
         }
     }
 }

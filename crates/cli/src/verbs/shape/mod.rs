@@ -1,6 +1,7 @@
 //! `protomer shape`: what is known exactly of a convex shape, and what two shapes feel.
 
 mod contact;
+mod overlap_volume;
 
 use crate::front::Front;
 use crate::reply::Reply;
@@ -40,12 +41,14 @@ pub struct ShapeArgs {
 #[derive(Debug, Subcommand)]
 enum ShapeVerb {
     Contact(contact::ContactArgs),
+    OverlapVolume(overlap_volume::OverlapVolumeArgs),
 }
 
 impl ShapeArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         match (&self.verb, &self.shape) {
             (Some(ShapeVerb::Contact(args)), _) => args.run(),
+            (Some(ShapeVerb::OverlapVolume(args)), _) => args.run(),
             (None, Some(shape)) => {
                 let output = self.output.as_deref();
                 let report = measure_shape(shape, self.rounding, output, front.force())?;

@@ -1,0 +1,224 @@
+//! Bodies swept by a ball: the places where the centre of a ball would overlap a body, and the volume
+//! that two such regions share. Penetrable depletants of number density n in a reservoir give two bodies
+//! the energy -n kT times this volume (Asakura and Oosawa, J. Chem. Phys. 22, 1255 (1954)).
+//!
+//! A line meets a swept body, which is convex, in an interval. The shared volume is the integral over a
+//! plane of the length that the intervals of two bodies have in common, with lines along the line of
+//! centres. Polar coordinates about a point inside have the form
+//!
+//! V = ∫ dφ ∫₀^R(φ) s t(s, φ) ds,
+//!
+//! where the length t is a concave function that falls to zero at the rim R. It is smooth but for kinks,
+//! which the rule of integration finds.
+
+mod pieces;
+mod quadrature;
+
+use super::Shape;
+use super::closest::{ClosestPoints, closest_points};
+use crate::error::require;
+use crate::{Pose, Result, Vec3};
+use pieces::Pieces;
+use quadrature::integral;
+use std::f64::consts::PI;
+
+/// The wanted error of an overlap, as a part of it, and that of the integrals along rays.
+const ACCURACY: f64 = 1e-7;
+const ALONG_A_RAY: f64 = 1e-8;
+/// Angles that are first integrated between.
+const SECTORS: usize = 8;
+/// Halvings that find where a concave function ends.
+const HALVINGS: usize = 45;
+
+/// A convex body in its place, swept by a ball.
+///
+/// ```
+/// use protomer_kernel::shape::{builders::by_name, swept::Swept};
+/// use protomer_kernel::{Pose, Vec3};
+/// let cube = by_name("cube")?;
+/// let there = Pose { position: Vec3::new(1.05, 0.0, 0.0), ..Pose::identity() };
+/// let bodies = [Pose::identity(), there].map(|pose| Swept::new(&cube, 0.1, &pose));
+/// let [first, second] = bodies;
+/// let shared = first?.overlap(&second?);
+/// assert!((shared - 0.1956929).abs() < 1e-6);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Swept {
+    dimension: usize,
+    corners: Vec<Vec3>,
+    centre: Vec3,
+    pieces: Pieces,
+}
+
+impl Swept {
+    /// A shape about its centroid, in a pose, with all places at most a radius from it. In a plane, the
+    /// ball is a disk.
+    ///
+    /// # Errors
+    /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) for a negative radius.
+    pub fn new(shape: &Shape, radius: f64, pose: &Pose) -> Result<Self> {
+        let holds = radius >= 0.0;
+        require("the radius of the ball", radius, "zero or positive", holds)?;
+        let (corners, pieces) = Pieces::of(shape, radius, pose);
+        Ok(Self {
+            dimension: shape.dimension(),
+            centre: corners.iter().sum::<Vec3>() / corners.len() as f64,
+            corners,
+            pieces,
+        })
+    }
+
+    /// The corners of the body in its place.
+    pub fn corners(&self) -> &[Vec3] {
+        &self.corners
+    }
+
+    /// Whether a point is at most the radius away from the body.
+    pub fn holds(&self, point: &Vec3) -> bool {
+        let through = self.pieces.interval(point, &Vec3::x());
+        through.is_some_and(|[from, to]| from <= 0.0 && to >= 0.0)
+    }
+
+    /// The part of a line that is inside, as distances from its origin along a direction of length one.
+    pub fn interval(&self, origin: &Vec3, direction: &Vec3) -> Option<[f64; 2]> {
+        self.pieces.interval(origin, direction)
+    }
+
+    /// The volume (in a plane, the area) that is inside of both, to about 1e-8 of it.
+    pub fn overlap(&self, other: &Self) -> f64 {
+        let shared = Shared::of([self, other]);
+        match shared {
+            Some(shared) if self.dimension == 2 => shared.area(),
+            Some(shared) => shared.volume(),
+            None => 0.0,
+        }
+    }
+
+    /// The corners drawn together to the centre.
+    fn shrunk(&self, part: f64) -> Vec<Vec3> {
+        let drawn = |corner: &Vec3| self.centre + part * (corner - self.centre);
+        self.corners.iter().map(drawn).collect()
+    }
+}
+
+/// What two bodies share, seen along a line.
+struct Shared<'a> {
+    bodies: [&'a Swept; 2],
+    /// A point inside of both.
+    inside: Vec3,
+    along: Vec3,
+    across: [Vec3; 2],
+    /// Longer than any length across.
+    reach: f64,
+}
+
+impl<'a> Shared<'a> {
+    /// `None` if no point is inside of both.
+    fn of(bodies: [&'a Swept; 2]) -> Option<Self> {
+        let inside = between(bodies)?;
+        if !bodies.iter().all(|body| body.holds(&inside)) {
+            return None;
+        }
+        let along = (bodies[1].centre - bodies[0].centre)
+            .try_normalize(0.0)
+            .unwrap_or(Vec3::x());
+        let x = match bodies[0].dimension {
+            2 => Vec3::z().cross(&along),
+            _ => along.cross(&Vec3::ith(along.iamin(), 1.0)).normalize(),
+        };
+        let longest = |corner: &Vec3| (corner - inside).norm();
+        let reach = bodies[0].corners.iter().map(longest).fold(0.0, f64::max);
+        Some(Self {
+            bodies,
+            inside,
+            along,
+            across: [x, along.cross(&x)],
+            reach: reach + bodies[0].pieces.radius(),
+        })
+    }
+
+    /// The length of a line that is inside of both; negative if there is none.
+    fn length(&self, across: &Vec3) -> f64 {
+        let origin = self.inside + across;
+        let intervals = self
+            .bodies
+            .map(|body| body.pieces.interval(&origin, &self.along));
+        match intervals {
+            [Some(a), Some(b)] => a[1].min(b[1]) - a[0].max(b[0]),
+            _ => -1.0,
+        }
+    }
+
+    /// How far the lines that are inside of both reach in a direction.
+    fn rim(&self, direction: &Vec3) -> f64 {
+        let (mut within, mut beyond) = (0.0, self.reach);
+        for _ in 0..HALVINGS {
+            let middle = f64::midpoint(within, beyond);
+            match self.length(&(middle * direction)) > 0.0 {
+                true => within = middle,
+                false => beyond = middle,
+            }
+        }
+        within
+    }
+
+    /// The integral from the inside to the rim of the length times a power of the distance. With
+    /// s = R (1 - u²) it has no root at the rim.
+    fn on_ray(&self, direction: &Vec3, power: i32) -> f64 {
+        let rim = self.rim(direction);
+        let integrand = |u: f64| {
+            let distance = rim * (1.0 - u * u);
+            let length = self.length(&(distance * direction)).max(0.0);
+            2.0 * rim * u * distance.powi(power) * length
+        };
+        integral(integrand, &[0.0, 1.0], ALONG_A_RAY)
+    }
+
+    fn area(&self) -> f64 {
+        let x = self.across[0];
+        self.on_ray(&x, 0) + self.on_ray(&-x, 0)
+    }
+
+    fn volume(&self) -> f64 {
+        let ray = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            self.on_ray(&(cosine * self.across[0] + sine * self.across[1]), 1)
+        };
+        let bounds = |sector: usize| 2.0 * PI * sector as f64 / SECTORS as f64;
+        let sectors: Vec<f64> = (0..=SECTORS).map(bounds).collect();
+        integral(ray, &sectors, ACCURACY)
+    }
+}
+
+/// A point between two bodies, inside of both once they are swept, if there is any. Bodies that overlap
+/// are drawn together to their centres until they touch: they touch at a point of both.
+fn between(bodies: [&Swept; 2]) -> Option<Vec3> {
+    let apart = |part: f64| -> Option<ClosestPoints> {
+        closest_points(&bodies[0].shrunk(part), &bodies[1].shrunk(part))
+    };
+    let radii = bodies.map(|body| body.pieces.radius());
+    // The swept bodies share a part of the line between the closest points, if they share anything.
+    let middle = |points: ClosestPoints| {
+        let length = points.distance();
+        let shared = [(length - radii[1]).max(0.0), length.min(radii[0])];
+        let part = f64::midpoint(shared[0], shared[1]) / length;
+        points.on_first + part * (points.on_second - points.on_first)
+    };
+    if let Some(points) = apart(1.0) {
+        return Some(middle(points));
+    }
+    let Some(mut best) = apart(0.0) else {
+        // The centres are one point.
+        return Some(bodies[0].centre);
+    };
+    let (mut clear, mut touching) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let part = f64::midpoint(clear, touching);
+        match apart(part) {
+            Some(points) => (clear, best) = (part, points),
+            None => touching = part,
+        }
+    }
+    Some(0.5 * (best.on_first + best.on_second))
+}

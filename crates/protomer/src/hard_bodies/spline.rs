@@ -1,0 +1,97 @@
+//! A cubic spline through points.
+
+use protomer_hpmc::jet::Jet;
+
+/// A cubic spline through points, with ends of the third derivative of their neighbours (not a knot).
+#[derive(Debug, Clone)]
+pub(super) struct Spline {
+    pub(super) x: Vec<f64>,
+    y: Vec<f64>,
+    second: Vec<f64>,
+}
+
+impl Spline {
+    /// Through points whose abscissas ascend; four or more.
+    pub(super) fn through(x: Vec<f64>, y: Vec<f64>) -> Self {
+        let last = x.len() - 1;
+        let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        // Rows of the tridiagonal system for the second derivatives at the inner points, from which
+        // those at the ends are eliminated.
+        let (mut low, mut middle, mut high, mut right) = (
+            vec![0.0; last + 1],
+            vec![1.0; last + 1],
+            vec![0.0; last + 1],
+            vec![0.0; last + 1],
+        );
+        for i in 1..last {
+            low[i] = h[i - 1];
+            middle[i] = 2.0 * (h[i - 1] + h[i]);
+            high[i] = h[i];
+            right[i] = 6.0 * ((y[i + 1] - y[i]) / h[i] - (y[i] - y[i - 1]) / h[i - 1]);
+        }
+        // second[0] = second[1] - (second[2] - second[1]) h[0] / h[1], and alike at the other end.
+        let (start, end) = (h[0] / h[1], h[last - 1] / h[last - 2]);
+        middle[1] += low[1] * (1.0 + start);
+        high[1] -= low[1] * start;
+        middle[last - 1] += high[last - 1] * (1.0 + end);
+        low[last - 1] -= high[last - 1] * end;
+        let mut second = vec![0.0; last + 1];
+        for i in 2..last {
+            let factor = low[i] / middle[i - 1];
+            middle[i] -= factor * high[i - 1];
+            right[i] -= factor * right[i - 1];
+        }
+        for i in (1..last).rev() {
+            let beyond = if i + 1 < last {
+                high[i] * second[i + 1]
+            } else {
+                0.0
+            };
+            second[i] = (right[i] - beyond) / middle[i];
+        }
+        second[0] = second[1] - (second[2] - second[1]) * start;
+        second[last] = second[last - 1] + (second[last - 1] - second[last - 2]) * end;
+        Self { x, y, second }
+    }
+
+    /// The value with its derivatives.
+    pub(super) fn at(&self, at: Jet) -> Jet {
+        let above = self.x.partition_point(|x| *x <= at.value);
+        let i = above.clamp(1, self.x.len() - 1) - 1;
+        let h = self.x[i + 1] - self.x[i];
+        let b = (at + -self.x[i]) * h.recip();
+        let a = -b + 1.0;
+        a * self.y[i]
+            + b * self.y[i + 1]
+            + ((a * a * a - a) * self.second[i] + (b * b * b - b) * self.second[i + 1])
+                * (h * h / 6.0)
+    }
+
+    /// The integral from the first point to each point.
+    pub(super) fn integrals(&self) -> Vec<f64> {
+        let mut integrals = vec![0.0];
+        for i in 0..self.x.len() - 1 {
+            let h = self.x[i + 1] - self.x[i];
+            let trapezium = 0.5 * h * (self.y[i] + self.y[i + 1]);
+            let bent = h * h * h * (self.second[i] + self.second[i + 1]) / 24.0;
+            integrals.push(integrals[i] + trapezium - bent);
+        }
+        integrals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubic_functions_are_integrated_exactly() {
+        let x = vec![0.0, 0.1, 0.4, 0.5, 0.9];
+        let y = x.iter().map(|x| 1.0 - 2.0 * x + x * x * x).collect();
+        let spline = Spline::through(x, y);
+        for (x, found) in spline.x.iter().zip(spline.integrals()) {
+            let exact = x - x * x + 0.25 * x * x * x * x;
+            assert!((found - exact).abs() < 1e-14, "{x}: {found} {exact}");
+        }
+    }
+}

@@ -1,0 +1,732 @@
+//! Runs of hard bodies over packing fraction or pressure, once per seed: an equation of state.
+//!
+//! ```text
+//! DIR/  run.toml  run.json  equation.csv  equation.json  equation.svg  equation.png
+//! DIR/packing_0.3/seed_1/   a run directory each (pressure_2 for a pressure)
+//! ```
+//!
+//! Over packing fractions of a fluid, the excess free energy is the integral of the equation of state,
+//!
+//! f(φ) = ∫₀^φ (Z - 1)/φ' dφ',
+//!
+//! by a cubic spline through (Z - 1)/φ, which begins at B2 over the volume of a body. It is linear in the
+//! measured factors, so their errors propagate.
+
+use super::run::{HardBodyResult, run_hard_bodies};
+use super::settings::{HardBodySettings, Pressure};
+use super::spline::Spline;
+use super::start::{BodyShape, FLUID, cell_text};
+use anyhow::{Context, Error, Result, bail};
+use protomer_common::answer::{Answer, columns, heading};
+use protomer_io::atomic::write_atomically;
+use protomer_io::csv::{Cell, Table};
+use protomer_kernel::shape::measures::Measures;
+use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_results::{
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Work, conduct,
+    settings,
+};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+const TABLE: &str = "equation.csv";
+const JSON: &str = "equation.json";
+/// Upper limit for the number of runs, each of which has a folder.
+const MOST_RUNS: usize = 10_000;
+/// Fewer packing fractions do not carry a spline; the point at zero comes to them.
+const FEWEST_TO_INTEGRATE: usize = 3;
+
+/// The directory of a sweep.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::HardBodySweep,
+    settings: "run.toml",
+    results: &[
+        "run.json",
+        TABLE,
+        JSON,
+        "equation.svg",
+        "equation.png",
+        "report.html",
+    ],
+    is_result: is_condition,
+};
+
+/// The settings of a sweep: those of a run, and what is varied.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct HardBodySweepSettings {
+    /// Packing fractions; empty for a sweep over pressures.
+    pub packing_fractions: Vec<f64>,
+    /// Pressures, kT per volume, at which the box changes; empty for a sweep over packing fractions. The
+    /// packing fraction of the run is that of the start.
+    pub pressures_kt_per_volume: Vec<f64>,
+    /// Seeds of the runs at each condition.
+    pub seeds: Vec<u64>,
+    /// All else.
+    pub run: HardBodySettings,
+}
+
+impl Settings for HardBodySweepSettings {
+    /// More sweeps, conditions and seeds continue a sweep.
+    fn essential(&self) -> Self {
+        let over_pressure = !self.pressures_kt_per_volume.is_empty();
+        Self {
+            packing_fractions: Vec::new(),
+            pressures_kt_per_volume: Vec::new(),
+            seeds: Vec::new(),
+            run: HardBodySettings {
+                packing_fraction: match over_pressure {
+                    true => self.run.packing_fraction,
+                    false => 0.0,
+                },
+                pressure: self.run.pressure.map(|kept| Pressure {
+                    kt_per_volume: 0.0,
+                    ..kept
+                }),
+                seed: 0,
+                ..self.run.essential()
+            },
+        }
+    }
+}
+
+/// One run of a sweep.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Task {
+    /// Number of its condition.
+    condition: usize,
+    settings: HardBodySettings,
+    directory: PathBuf,
+}
+
+impl Task {
+    /// The directory of the run.
+    pub fn directory(&self) -> &Path {
+        &self.directory
+    }
+}
+
+impl HardBodySweepSettings {
+    /// The packing fractions or pressures, and the name of a folder for one.
+    fn conditions(&self) -> Result<(&[f64], &'static str)> {
+        let (packings, pressures) = (&self.packing_fractions, &self.pressures_kt_per_volume);
+        match (packings.is_empty(), pressures.is_empty()) {
+            (false, true) => Ok((packings, "packing")),
+            (true, false) => Ok((pressures, "pressure")),
+            _ => bail!("give packing fractions or pressures to sweep over, and not both"),
+        }
+    }
+
+    /// All runs, by seed first, so that an interrupted sweep covers all conditions early.
+    ///
+    /// # Errors
+    /// For no runs or too many, one that is listed twice, and invalid settings of one.
+    pub fn tasks(&self, directory: &Path) -> Result<Vec<Task>> {
+        let (values, name) = self.conditions()?;
+        if self.seeds.is_empty() {
+            bail!("there are no seeds; give at least one");
+        }
+        if values.len().saturating_mul(self.seeds.len()) > MOST_RUNS {
+            bail!(
+                "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
+                values.len(),
+                self.seeds.len()
+            );
+        }
+        let is_anisotropic = self.run.pressure.is_some_and(|kept| kept.is_anisotropic);
+        let mut tasks: Vec<Task> = Vec::new();
+        for seed in self.seeds.iter().copied() {
+            for (condition, value) in values.iter().copied().enumerate() {
+                let mut settings = HardBodySettings {
+                    seed,
+                    ..self.run.clone()
+                };
+                match name {
+                    "packing" => settings.packing_fraction = value,
+                    _ => {
+                        settings.pressure = Some(Pressure {
+                            kt_per_volume: value,
+                            is_anisotropic,
+                        });
+                    }
+                }
+                settings.check()?;
+                let folder = format!("{name}_{value}");
+                let directory = directory.join(folder).join(format!("seed_{seed}"));
+                if tasks.iter().any(|task| task.directory == directory) {
+                    bail!("{name} {value} with seed {seed} is listed twice; list it once");
+                }
+                tasks.push(Task {
+                    condition,
+                    settings,
+                    directory,
+                });
+            }
+        }
+        Ok(tasks)
+    }
+}
+
+/// Whether this is the folder of one condition: `packing_0.3` or `pressure_2`.
+fn is_condition(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let value = name
+        .strip_prefix("packing_")
+        .or_else(|| name.strip_prefix("pressure_"));
+    path.is_dir() && value.is_some_and(|value| value.parse::<f64>().is_ok())
+}
+
+/// An equation of state. Lengths are in the unit of the shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EquationOfState {
+    /// The settings.
+    pub settings: HardBodySweepSettings,
+    /// 1, 2 or 3.
+    pub dimension: usize,
+    /// Volume of a body.
+    pub body_volume: f64,
+    /// Each condition, in the order of the packing fractions.
+    pub points: Vec<StatePoint>,
+}
+
+/// What all runs at one condition measured: means, and their standard errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct StatePoint {
+    /// The part of the box that the bodies fill.
+    pub packing_fraction: f64,
+    /// At constant pressure, its standard error.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub packing_fraction_error: Option<f64>,
+    /// The constant pressure βP, kT per volume.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub pressure_kt_per_volume: Option<f64>,
+    /// Z = βP/ρ of the bodies, by trial compressions.
+    pub compressibility_factor: f64,
+    /// Its standard error.
+    pub compressibility_factor_error: Option<f64>,
+    /// βP times the volume of a body.
+    pub reduced_pressure: f64,
+    /// Excess chemical potential by insertion, kT.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub excess_chemical_potential_kt: Option<f64>,
+    /// Its standard error.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub excess_chemical_potential_error_kt: Option<f64>,
+    /// Excess free energy per body by integration from no bodies, kT.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub excess_free_energy_per_body_kt: Option<f64>,
+    /// Its standard error.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub excess_free_energy_per_body_error_kt: Option<f64>,
+    /// Free volume of the first depletant, as a part of the box.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub free_volume_fraction: Option<f64>,
+    /// Its standard error.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub free_volume_fraction_error: Option<f64>,
+    /// Runs behind it.
+    pub seeds: usize,
+}
+
+/// The mean over runs; its error if all have one.
+fn mean(
+    runs: &[HardBodyResult],
+    value: impl Fn(&HardBodyResult) -> (f64, Option<f64>),
+) -> (f64, Option<f64>) {
+    let count = runs.len() as f64;
+    let (mut sum, mut squares) = (0.0, Some(0.0));
+    for run in runs {
+        let (value, error) = value(run);
+        sum += value;
+        squares = squares
+            .zip(error)
+            .map(|(squares, error)| squares + error * error);
+    }
+    (
+        sum / count,
+        squares.map(|squares: f64| squares.sqrt() / count),
+    )
+}
+
+impl StatePoint {
+    fn of(runs: &[HardBodyResult]) -> Self {
+        let first = &runs[0];
+        let (packing, packing_error) = mean(runs, |run| {
+            (run.packing_fraction, run.packing_fraction_error)
+        });
+        let (factor, factor_error) = mean(runs, |run| {
+            (run.compressibility_factor, run.compressibility_factor_error)
+        });
+        let (reduced, _) = mean(runs, |run| (run.reduced_pressure, None));
+        // The mean of the probabilities: that of their logarithms would be biased.
+        let insertion = first.insertion_probability.map(|_| {
+            mean(runs, |run| {
+                let probability = run.insertion_probability.unwrap_or_default();
+                (probability, run.insertion_probability_error)
+            })
+        });
+        let insertion = insertion.filter(|(probability, _)| *probability > 0.0);
+        let free = first.free_volume_fraction.map(|_| {
+            mean(runs, |run| {
+                let fraction = run.free_volume_fraction.unwrap_or_default();
+                (fraction, run.free_volume_fraction_error)
+            })
+        });
+        Self {
+            packing_fraction: packing,
+            packing_fraction_error: packing_error,
+            pressure_kt_per_volume: first.pressure_kt_per_volume,
+            compressibility_factor: factor,
+            compressibility_factor_error: factor_error,
+            reduced_pressure: reduced,
+            excess_chemical_potential_kt: insertion.map(|(probability, _)| -probability.ln()),
+            excess_chemical_potential_error_kt: insertion
+                .and_then(|(probability, error)| Some(error? / probability)),
+            excess_free_energy_per_body_kt: None,
+            excess_free_energy_per_body_error_kt: None,
+            free_volume_fraction: free.map(|(fraction, _)| fraction),
+            free_volume_fraction_error: free.and_then(|(_, error)| error),
+            seeds: runs.len(),
+        }
+    }
+}
+
+/// Integrates (Z - 1)/φ from no bodies, where it is B2 over the volume of a body.
+fn integrate(points: &mut [StatePoint], b2_over_volume: f64) {
+    if points.len() < FEWEST_TO_INTEGRATE {
+        return;
+    }
+    let mut x = vec![0.0];
+    let (mut y, mut errors) = (vec![b2_over_volume], vec![0.0]);
+    for point in points.iter() {
+        let packing = point.packing_fraction;
+        x.push(packing);
+        y.push((point.compressibility_factor - 1.0) / packing);
+        errors.push(point.compressibility_factor_error.unwrap_or(f64::NAN) / packing);
+    }
+    let integrals = Spline::through(x.clone(), y).integrals();
+    let mut squares = vec![0.0; x.len()];
+    for (number, error) in errors.iter().enumerate().skip(1) {
+        let mut one = vec![0.0; x.len()];
+        one[number] = *error;
+        let moved = Spline::through(x.clone(), one).integrals();
+        for (square, part) in squares.iter_mut().zip(moved) {
+            *square += part * part;
+        }
+    }
+    for (number, point) in points.iter_mut().enumerate() {
+        point.excess_free_energy_per_body_kt = Some(integrals[number + 1]);
+        let error = squares[number + 1].sqrt();
+        point.excess_free_energy_per_body_error_kt = Some(error).filter(|error| error.is_finite());
+    }
+}
+
+fn with_error(value: f64, error: Option<f64>) -> String {
+    match error {
+        Some(error) => format!("{value:.5} ± {error:.5}"),
+        None => format!("{value:.5}"),
+    }
+}
+
+fn or_dash(value: Option<f64>, error: Option<f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| with_error(value, error))
+}
+
+impl Answer for EquationOfState {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "packing fraction",
+            "compressibility factor",
+            "reduced pressure",
+            "free energy (kT)",
+            "chemical potential (kT)",
+            "free volume",
+        ])];
+        for point in &self.points {
+            rows.push(vec![
+                with_error(point.packing_fraction, point.packing_fraction_error),
+                with_error(
+                    point.compressibility_factor,
+                    point.compressibility_factor_error,
+                ),
+                format!("{:.5}", point.reduced_pressure),
+                or_dash(
+                    point.excess_free_energy_per_body_kt,
+                    point.excess_free_energy_per_body_error_kt,
+                ),
+                or_dash(
+                    point.excess_chemical_potential_kt,
+                    point.excess_chemical_potential_error_kt,
+                ),
+                or_dash(point.free_volume_fraction, point.free_volume_fraction_error),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn figure(&self) -> Option<Figure> {
+        let series = |value: &dyn Fn(&StatePoint) -> Option<(f64, Option<f64>)>| {
+            let mut points = Vec::new();
+            for point in &self.points {
+                if let Some((y, error)) = value(point) {
+                    let x = point.packing_fraction;
+                    points.push(Point { x, y, error });
+                }
+            }
+            points
+        };
+        let mut panels = Vec::new();
+        let mut panel = |label: &str, points: Vec<Point>| {
+            if !points.is_empty() {
+                let name = label.to_owned();
+                let line = true;
+                panels.push(Panel {
+                    y: Axis::linear(label),
+                    series: vec![Series {
+                        name,
+                        points,
+                        line,
+                        ..Series::default()
+                    }],
+                });
+            }
+        };
+        panel(
+            "compressibility factor",
+            series(&|point| {
+                Some((
+                    point.compressibility_factor,
+                    point.compressibility_factor_error,
+                ))
+            }),
+        );
+        panel(
+            "excess chemical potential (kT)",
+            series(&|point| {
+                let error = point.excess_chemical_potential_error_kt;
+                Some((point.excess_chemical_potential_kt?, error))
+            }),
+        );
+        panel(
+            "free volume of depletants",
+            series(&|point| {
+                Some((
+                    point.free_volume_fraction?,
+                    point.free_volume_fraction_error,
+                ))
+            }),
+        );
+        Some(Figure {
+            title: format!("Equation of state: {}", self.settings.run.shape),
+            caption: format!(
+                "{} bodies; error bars: standard errors",
+                self.settings.run.bodies
+            ),
+            x: Axis::linear("packing fraction"),
+            panels,
+        })
+    }
+}
+
+impl EquationOfState {
+    fn table(&self) -> Result<String> {
+        let mut table = Table::new(vec![
+            "packing_fraction",
+            "packing_fraction_error",
+            "pressure_kt_per_volume",
+            "compressibility_factor",
+            "compressibility_factor_error",
+            "reduced_pressure",
+            "excess_free_energy_per_body_kt",
+            "excess_free_energy_per_body_error_kt",
+            "excess_chemical_potential_kt",
+            "excess_chemical_potential_error_kt",
+            "free_volume_fraction",
+            "free_volume_fraction_error",
+            "seeds",
+        ]);
+        let cell = |value: Option<f64>| value.map_or_else(|| Cell::from(""), Cell::from);
+        for point in &self.points {
+            table.push(vec![
+                Cell::from(point.packing_fraction),
+                cell(point.packing_fraction_error),
+                cell(point.pressure_kt_per_volume),
+                point.compressibility_factor.into(),
+                cell(point.compressibility_factor_error),
+                point.reduced_pressure.into(),
+                cell(point.excess_free_energy_per_body_kt),
+                cell(point.excess_free_energy_per_body_error_kt),
+                cell(point.excess_chemical_potential_kt),
+                cell(point.excess_chemical_potential_error_kt),
+                cell(point.free_volume_fraction),
+                cell(point.free_volume_fraction_error),
+                point.seeds.into(),
+            ])?;
+        }
+        Ok(table.to_csv()?)
+    }
+}
+
+/// Runs or continues a sweep in a directory.
+///
+/// # Errors
+/// For invalid settings, a directory that holds other work, or a run that fails: the others then stop
+/// at their next step and keep their progress.
+///
+/// ```
+/// use protomer::hard_bodies::settings::HardBodySettings;
+/// use protomer::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
+/// use protomer_results::Execution;
+/// let settings = HardBodySweepSettings {
+///     packing_fractions: vec![0.05, 0.1],
+///     seeds: vec![1],
+///     run: HardBodySettings {
+///         shape: "cube".into(),
+///         bodies: 64,
+///         equilibration: 50,
+///         sweeps: 100,
+///         trajectory_every: 0,
+///         ..HardBodySettings::default()
+///     },
+///     ..HardBodySweepSettings::default()
+/// };
+/// # let folder = tempfile::tempdir()?;
+/// let end = run_sweep(&settings, &folder.path().join("sweep"), &Execution::default())?;
+/// let points = end.finished().unwrap().points;
+/// assert!(points[1].compressibility_factor > points[0].compressibility_factor);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn run_sweep(
+    settings: &HardBodySweepSettings,
+    path: &Path,
+    execution: &Execution,
+) -> Result<End<EquationOfState>> {
+    let shape = BodyShape::read(&settings.run.shape)?;
+    let text = cell_text(&settings.run.start)?;
+    let input_sha256 = shape.sha256(text.as_deref());
+    let sweep = Sweep {
+        settings,
+        tasks: settings.tasks(path)?,
+        identity: settings::identity(settings, &input_sha256)?,
+        input_sha256,
+        shape,
+        path,
+    };
+    let entered = ResultsDirectory::enter(path, &LAYOUT, settings, &sweep.identity, execution)?;
+    execution.progress.begin(sweep.tasks.len() as u64, "runs");
+    conduct(&sweep, &entered, execution)
+}
+
+struct Sweep<'a> {
+    settings: &'a HardBodySweepSettings,
+    tasks: Vec<Task>,
+    identity: String,
+    input_sha256: String,
+    shape: BodyShape,
+    path: &'a Path,
+}
+
+impl Sweep<'_> {
+    /// Second virial coefficient over volume of fluids whose pressure is that of the bodies alone.
+    fn b2_over_volume(&self) -> Result<Option<f64>> {
+        let run = &self.settings.run;
+        let is_plain = run.start == FLUID
+            && run.gravity.is_none()
+            && run.depletants.iter().all(|kind| kind.fugacity == 0.0);
+        let measures = match &self.shape {
+            BodyShape::Shape(shape) if is_plain && !self.settings.packing_fractions.is_empty() => {
+                Measures::of(shape, run.rounding_radius)?
+            }
+            _ => return Ok(None),
+        };
+        Ok(Some(measures.b2 / measures.volume))
+    }
+
+    fn body_volume(&self) -> Result<f64> {
+        let rounding = self.settings.run.rounding_radius;
+        Ok(match self.shape.dimension() {
+            1 => self.shape.body::<1>(rounding)?.volume,
+            2 => self.shape.body::<2>(rounding)?.volume,
+            _ => self.shape.body::<3>(rounding)?.volume,
+        })
+    }
+}
+
+impl Campaign for Sweep<'_> {
+    type Task = Task;
+    type Part = HardBodyResult;
+    type Answer = EquationOfState;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::HardBodySweep,
+            verb: "hpmc sweep",
+            identity: self.identity.clone(),
+            input_sha256: self.input_sha256.clone(),
+        }
+    }
+
+    fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    fn directory(&self, task: &Task) -> PathBuf {
+        task.directory.clone()
+    }
+
+    fn run(
+        &self,
+        task: &Task,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<HardBodyResult>> {
+        let end = run_hard_bodies(&task.settings, directory, &execution.of_part());
+        execution.progress.advance(1);
+        end.with_context(|| directory.display().to_string())
+    }
+
+    /// Makes the table and the figure.
+    fn collect(&self, parts: Vec<HardBodyResult>) -> Result<EquationOfState> {
+        let (conditions, _) = self.settings.conditions()?;
+        let mut by_condition = vec![Vec::new(); conditions.len()];
+        for (task, part) in self.tasks.iter().zip(parts) {
+            by_condition[task.condition].push(part);
+        }
+        let mut points: Vec<StatePoint> = by_condition
+            .iter()
+            .map(|runs: &Vec<HardBodyResult>| StatePoint::of(runs))
+            .collect();
+        points.sort_by(|a, b| a.packing_fraction.total_cmp(&b.packing_fraction));
+        if let Some(b2_over_volume) = self.b2_over_volume()? {
+            integrate(&mut points, b2_over_volume);
+        }
+        let equation = EquationOfState {
+            settings: self.settings.clone(),
+            dimension: self.shape.dimension(),
+            body_volume: self.body_volume()?,
+            points,
+        };
+        write_results(&equation, self.path)?;
+        Ok(equation)
+    }
+}
+
+fn write_results(equation: &EquationOfState, directory: &Path) -> Result<()> {
+    let json = serde_json::to_string_pretty(equation)?;
+    for (name, text) in [(TABLE, equation.table()?), (JSON, format!("{json}\n"))] {
+        write_atomically(&directory.join(name), |file| {
+            file.write_all(text.as_bytes())
+        })?;
+    }
+    if let Some(figure) = equation.figure() {
+        figure.write_svg(&directory.join("equation.svg"))?;
+        figure.write_png(&directory.join("equation.png"))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn settings(packing_fractions: &[f64], sweeps: u64) -> HardBodySweepSettings {
+        HardBodySweepSettings {
+            packing_fractions: packing_fractions.to_vec(),
+            seeds: vec![1, 2],
+            run: HardBodySettings {
+                shape: "tetrahedron".into(),
+                bodies: 64,
+                equilibration: 50,
+                sweeps,
+                trajectory_every: 0,
+                ..HardBodySettings::default()
+            },
+            ..HardBodySweepSettings::default()
+        }
+    }
+
+    fn run(settings: &HardBodySweepSettings, path: &Path) -> EquationOfState {
+        let end = run_sweep(settings, path, &Execution::default()).unwrap();
+        end.finished().unwrap()
+    }
+
+    #[test]
+    fn more_packing_fractions_and_sweeps_continue_a_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        let [parts, whole] = ["parts", "whole"].map(|name| folder.path().join(name));
+        run(&settings(&[0.1], 50), &parts);
+        let long = settings(&[0.05, 0.1, 0.15], 100);
+        let (in_parts, at_once) = (run(&long, &parts), run(&long, &whole));
+        assert_eq!(in_parts.points, at_once.points);
+        for file in [TABLE, JSON, "equation.svg"] {
+            let [parts, whole] =
+                [&parts, &whole].map(|path| std::fs::read(path.join(file)).unwrap());
+            assert!(parts == whole, "{file}");
+        }
+        let point = &at_once.points[0];
+        assert_eq!(point.seeds, 2);
+        // Nearly that of the second virial coefficient.
+        assert!((point.excess_free_energy_per_body_kt.unwrap() / 0.05 - 8.0).abs() < 2.0);
+        let other = HardBodySweepSettings {
+            run: HardBodySettings {
+                bodies: 65,
+                ..long.run.clone()
+            },
+            ..long
+        };
+        assert!(run_sweep(&other, &whole, &Execution::default()).is_err());
+    }
+
+    #[test]
+    fn what_cannot_be_swept_is_named() {
+        let path = Path::new("sweep");
+        let complaint =
+            |settings: &HardBodySweepSettings| settings.tasks(path).unwrap_err().to_string();
+        let none = HardBodySweepSettings::default();
+        assert!(complaint(&none).contains("packing fractions or pressures"));
+        let twice = settings(&[0.1, 0.1], 100);
+        assert!(complaint(&twice).contains("listed twice"));
+        let full = settings(&[1.5], 100);
+        assert!(complaint(&full).contains("between 0 and 1"));
+        let unseeded = HardBodySweepSettings {
+            seeds: Vec::new(),
+            ..settings(&[0.1], 100)
+        };
+        assert!(complaint(&unseeded).contains("seeds"));
+    }
+
+    /// f = ∫ (Z - 1)/φ of Z = 1 + aφ + bφ², whose spline is exact.
+    #[test]
+    fn the_free_energy_is_the_integral_of_the_factors() {
+        let blank = StatePoint {
+            packing_fraction: 0.0,
+            packing_fraction_error: None,
+            pressure_kt_per_volume: None,
+            compressibility_factor: 0.0,
+            compressibility_factor_error: Some(0.01),
+            reduced_pressure: 0.0,
+            excess_chemical_potential_kt: None,
+            excess_chemical_potential_error_kt: None,
+            excess_free_energy_per_body_kt: None,
+            excess_free_energy_per_body_error_kt: None,
+            free_volume_fraction: None,
+            free_volume_fraction_error: None,
+            seeds: 1,
+        };
+        let at = |packing: f64| StatePoint {
+            packing_fraction: packing,
+            compressibility_factor: 1.0 + 4.0 * packing + 10.0 * packing * packing,
+            ..blank.clone()
+        };
+        let mut points = [0.1, 0.25, 0.3, 0.4].map(at);
+        integrate(&mut points, 4.0);
+        for point in &points {
+            let packing = point.packing_fraction;
+            let found = point.excess_free_energy_per_body_kt.unwrap();
+            assert!((found - 4.0 * packing - 5.0 * packing * packing).abs() < 1e-12);
+            assert!(point.excess_free_energy_per_body_error_kt.unwrap() > 0.0);
+        }
+    }
+}
