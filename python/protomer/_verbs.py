@@ -608,6 +608,59 @@ class _Shape:
             progress,
         )
 
+    def overlap_volume(
+        self,
+        pairs: Path | str,
+        *,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Print the volume that two convex shapes, swept by a depletant, have in common, for each pair. PAIRS is
+        a JSON list of objects: `a` and `b` (file or name of a shape, as for `shape`), `position` (of the
+        centroid of b; that of a is at the origin), `orientation_a` and `orientation_b` (an angle in radians
+        for polygons, a quaternion w x y z for polyhedra; left out: not turned), `depletant_radius`, and
+        `rounding_a` and `rounding_b` (radius of the ball that rounds each shape). Penetrable depletants of
+        number density n in the reservoir give the pair the energy -n kT times this volume.
+
+        Parameters
+        ----------
+        pairs
+            JSON file with the pairs
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        """
+        return call(
+            Result,
+            ["shape", "overlap-volume"],
+            [pairs],
+            {
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
 
 shape = _Shape()
 
@@ -776,17 +829,17 @@ class _Hpmc:
         start: str | float | Sequence[str | float] | None = None,
         turn: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
-        pressure: float | str | None = None,
-        anisotropic: bool = False,
         gravity: float | str | None = None,
         depletants: str | float | Sequence[str | float] | None = None,
         equilibration: int | str | None = None,
         sweeps: int | str | None = None,
-        seed: int | str | None = None,
         sample_every: int | str | None = None,
         trajectory_every: int | str | None = None,
         insertions: int | str | None = None,
         points: int | str | None = None,
+        pressure: float | str | None = None,
+        anisotropic: bool = False,
+        seed: int | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
         threads: int | str | None = None,
@@ -817,11 +870,6 @@ class _Hpmc:
             Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space
         box
             Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal]
-        pressure
-            Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
-            start
-        anisotropic
-            At constant pressure, change each edge of the box on its own; for crystals
         gravity
             Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
             both ends of the last axis
@@ -832,8 +880,6 @@ class _Hpmc:
             Sweeps in which the steps are tuned and nothing is measured [default: 2000]
         sweeps
             Sweeps after that; a sweep is one trial move per body [default: 10000]
-        seed
-            Seed of the random numbers [default: 1]
         sample_every
             Sweeps between measurements [default: 5]
         trajectory_every
@@ -842,6 +888,13 @@ class _Hpmc:
             Bodies inserted at random per measurement, for the chemical potential [default: 0]
         points
             Points per measurement, for free volumes [default: ten per body]
+        pressure
+            Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
+            start
+        anisotropic
+            At constant pressure, change each edge of the box on its own; for crystals
+        seed
+            Seed of the random numbers [default: 1]
         time_limit
             Stop (resumably, exit code 3) after this many minutes
         checkpoint_every
@@ -889,19 +942,236 @@ class _Hpmc:
                 "--start": start,
                 "--turn": turn,
                 "--box": box,
-                "--pressure": pressure,
-                "--anisotropic": anisotropic,
                 "--gravity": gravity,
                 "--depletants": depletants,
                 "--equilibration": equilibration,
                 "--sweeps": sweeps,
-                "--seed": seed,
                 "--sample-every": sample_every,
                 "--trajectory-every": trajectory_every,
                 "--insertions": insertions,
                 "--points": points,
+                "--pressure": pressure,
+                "--anisotropic": anisotropic,
+                "--seed": seed,
                 "--time-limit": time_limit,
                 "--checkpoint-every": checkpoint_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def sweep(
+        self,
+        *,
+        shape: str | float | Sequence[str | float],
+        output: Path | str,
+        rounding: float | str | None = None,
+        bodies: int | str | None = None,
+        start: str | float | Sequence[str | float] | None = None,
+        turn: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        gravity: float | str | None = None,
+        depletants: str | float | Sequence[str | float] | None = None,
+        equilibration: int | str | None = None,
+        sweeps: int | str | None = None,
+        sample_every: int | str | None = None,
+        trajectory_every: int | str | None = None,
+        insertions: int | str | None = None,
+        points: int | str | None = None,
+        packing_fractions: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        pressures: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        packing_fraction: float | str | None = None,
+        anisotropic: bool = False,
+        seeds: int | str | None = None,
+        time_limit: float | str | None = None,
+        checkpoint_every: float | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Run hard bodies at several packing fractions or pressures, once per seed, on all threads: the equation
+        of state as a table and a figure. The same command continues a sweep; more sweeps, packing fractions,
+        pressures and seeds extend it. Over packing fractions of a fluid, the excess free energy is integrated
+        from no bodies.
+
+        Parameters
+        ----------
+        shape
+            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
+        output
+            Directory of the results
+        rounding
+            Radius of the ball, or disk, that rounds it (Minkowski sum) [default: 0]
+        bodies
+            Number of bodies [default: 216]
+        start
+            How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
+            hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
+        turn
+            Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space
+        box
+            Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal]
+        gravity
+            Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
+            both ends of the last axis
+        depletants
+            Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
+            the reservoir, several with commas between them. With density 0 only free volumes are measured
+        equilibration
+            Sweeps in which the steps are tuned and nothing is measured [default: 2000]
+        sweeps
+            Sweeps after that; a sweep is one trial move per body [default: 10000]
+        sample_every
+            Sweeps between measurements [default: 5]
+        trajectory_every
+            Sweeps between frames of the trajectory; 0 for none [default: 500]
+        insertions
+            Bodies inserted at random per measurement, for the chemical potential [default: 0]
+        points
+            Points per measurement, for free volumes [default: ten per body]
+        packing_fractions
+            Packing fractions, with commas between them
+        pressures
+            Constant pressures, kT per volume, with commas between them
+        packing_fraction
+            With --pressures, the packing fraction of the start
+        anisotropic
+            With --pressures, change each edge of the box on its own; for crystals
+        seeds
+            Runs at each condition: seeds 1, 2, ... [default: 1]
+        time_limit
+            Stop (resumably, exit code 3) after this many minutes
+        checkpoint_every
+            Seconds between checkpoints: the most that a killed run loses [default: 20]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        StoppedError
+            If the time was over before the end; the same call continues it
+        """
+        return call(
+            Result,
+            ["hpmc", "sweep"],
+            [],
+            {
+                "--shape": shape,
+                "--output": output,
+                "--rounding": rounding,
+                "--bodies": bodies,
+                "--start": start,
+                "--turn": turn,
+                "--box": box,
+                "--gravity": gravity,
+                "--depletants": depletants,
+                "--equilibration": equilibration,
+                "--sweeps": sweeps,
+                "--sample-every": sample_every,
+                "--trajectory-every": trajectory_every,
+                "--insertions": insertions,
+                "--points": points,
+                "--packing-fractions": packing_fractions,
+                "--pressures": pressures,
+                "--packing-fraction": packing_fraction,
+                "--anisotropic": anisotropic,
+                "--seeds": seeds,
+                "--time-limit": time_limit,
+                "--checkpoint-every": checkpoint_every,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def free_volume(
+        self,
+        *,
+        shape: str | float | Sequence[str | float],
+        crystal: str | float | Sequence[str | float],
+        packing_fraction: float | str | Sequence[float | str] | NDArray[np.float64],
+        depletant_radius: float | str | Sequence[float | str] | NDArray[np.float64],
+        rounding: float | str | None = None,
+        turn: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+        lines: int | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Print the free volume of depletants in a perfect crystal whose bodies do not move. Lines through the
+        unit cell are cut exactly by the bodies, each swept by a depletant; the error is that of grids of
+        lines that are shifted against each other. For crystals that move, give `run` a start and depletants.
+
+        Parameters
+        ----------
+        shape
+            File with points, or the name of a shape, as for `shape`
+        crystal
+            Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond), or the file of its
+            unit cell
+        packing_fraction
+            The part of space that the bodies fill; several with commas between them
+        depletant_radius
+            Radius of the depletants; several with commas between them
+        rounding
+            Radius of the ball that rounds it (Minkowski sum) [default: 0]
+        turn
+            Turn every body first: a quaternion W,X,Y,Z
+        lines
+            Lines along the shortest edge of the unit cell [default: 100]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+        """
+        return call(
+            Result,
+            ["hpmc", "free-volume"],
+            [],
+            {
+                "--shape": shape,
+                "--crystal": crystal,
+                "--packing-fraction": packing_fraction,
+                "--depletant-radius": depletant_radius,
+                "--rounding": rounding,
+                "--turn": turn,
+                "--lines": lines,
                 "--threads": threads,
                 "--force": force,
             },
@@ -932,7 +1202,7 @@ def free_energy(
 ) -> Result:
     """Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps
     extend it. Springs hold the bodies and their orientations to the sites. With the strongest springs the
-    free energy is exact; the difference to none is integrated over 15 strengths, and sweeps go to those whose
+    free energy is exact; the difference to none is integrated over 21 strengths, and sweeps go to those whose
     errors count most (Frenkel and Ladd). The free energy is A/(N kT) at this number of bodies, for a thermal
     wavelength of one in the unit of the shape and an integral of one over all orientations. The excess is
     what it is more than that of an ideal gas of the same density, ln ρ - 1.
@@ -1023,6 +1293,7 @@ def phase_diagram(
     size_ratio: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     reservoir: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     branch: Path | str | Sequence[Path | str] | None = None,
+    output: Path | str | None = None,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
@@ -1042,6 +1313,9 @@ def phase_diagram(
         Packing fraction of the depletants in the reservoir; several with commas between them
     branch
         Table of the free energy of a phase; once per phase
+    output
+        Figure to write, .svg or .png: packing fractions against the reservoir, with tie lines, critical and
+        triple points; one size ratio per figure
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1078,6 +1352,7 @@ def phase_diagram(
             "--size-ratio": size_ratio,
             "--reservoir": reservoir,
             "--branch": branch,
+            "--output": output,
             "--threads": threads,
             "--force": force,
         },

@@ -225,14 +225,28 @@ impl Answer for FreeEnergyResult {
                 terms.rules_difference_kt, terms.rules_difference_error_kt
             ),
         ];
-        for number in &self.slow_points {
-            let point = &self.points[*number];
-            lines.push(format!(
-                "slow: springs of {:.4} have {:.0} independent samples in {} sweeps",
-                point.strength_kt_per_area, point.independent_samples, point.sweeps
-            ));
-        }
+        lines.extend(self.slow());
         lines.join("\n")
+    }
+}
+
+impl FreeEnergyResult {
+    /// How many strengths are slow, and which is the slowest; `None` if none is.
+    fn slow(&self) -> Option<String> {
+        let points = self.slow_points.iter().map(|number| &self.points[*number]);
+        let slowest = points.min_by(|one, other| {
+            one.independent_samples
+                .total_cmp(&other.independent_samples)
+        })?;
+        Some(format!(
+            "slow: {} of {} strengths have fewer than {FEW_SAMPLES} independent samples (springs of {:.4}: {:.0} in \
+             {} sweeps); their errors are uncertain, so give more sweeps",
+            self.slow_points.len(),
+            self.points.len(),
+            slowest.strength_kt_per_area,
+            slowest.independent_samples,
+            slowest.sweeps
+        ))
     }
 }
 
