@@ -5,9 +5,9 @@
 //! potential where the charge was. Summed over the charges, this is a quadratic form of the nine
 //! elements of ΔR and the three of d: its cost does not depend on how many charges there are.
 
-use super::field::Field;
+use super::field::{Field, Spots};
 use super::lanes::{BLOCK, sum_of_lanes, vectorised};
-use super::motion::{Motion, length};
+use super::motion::{Block, Motion, length};
 use super::series::Derivatives;
 
 /// The motions at which the error is judged: about as far as close pairs drift.
@@ -40,13 +40,15 @@ pub(super) struct Expansion {
 }
 
 impl Expansion {
-    /// The form of points (Å in the second body's frame, charges in e) in the coarse field of the
-    /// first body about a pose; `None` without points, or where the table ends before them.
+    /// The form of points (Å in the second body's frame, charges in e), which are in `blocks` too, in
+    /// the coarse field of the first body about a pose; `None` without points, or where the table ends
+    /// before them.
     /// `length_angstrom`: the distance over which the potential varies.
     pub fn new(
         field: &Field,
         reference: &Motion,
         points: &[[f32; 4]],
+        blocks: &[Block],
         length_angstrom: f32,
     ) -> Option<Self> {
         let mut form = Self {
@@ -56,7 +58,7 @@ impl Expansion {
             quadratic: [[0.0; BLOCK]; 6],
             test_variance: 0.0,
         };
-        form.add(field, reference, points)?;
+        form.add(field, reference, blocks)?;
         form.test_variance = form.likely_square(reference, length_angstrom);
         Some(form)
     }
@@ -66,7 +68,7 @@ impl Expansion {
             self: &mut Self,
             field: &Field,
             reference: &Motion,
-            points: &[[f32; 4]]
+            blocks: &[Block]
         ) -> Option<()>
     }
 
@@ -75,11 +77,23 @@ impl Expansion {
         &mut self,
         field: &Field,
         reference: &Motion,
-        points: &[[f32; 4]],
+        blocks: &[Block],
     ) -> Option<()> {
-        for [x, y, z, charge] in points.iter().copied() {
-            let derivatives = field.derivatives::<FUSED>(reference.apply([x, y, z]))?;
-            self.add_point([x, y, z], charge, &derivatives);
+        let mut waiting: Option<(Spots, &Block)> = None;
+        for block in blocks.iter().map(Some).chain([None]) {
+            let mut next = None;
+            if let Some(block) = block {
+                let spots = field.locate(&reference.apply_block(block))?;
+                field.prefetch_coarse(&spots);
+                next = Some((spots, block));
+            }
+            // While the series of the next points come, those before are added.
+            if let Some((spots, [x, y, z, charge])) = std::mem::replace(&mut waiting, next) {
+                for lane in 0..BLOCK {
+                    let derivatives = field.derivatives::<FUSED>(&spots, lane)?;
+                    self.add_point([x[lane], y[lane], z[lane]], charge[lane], &derivatives);
+                }
+            }
         }
         Some(())
     }
@@ -183,6 +197,7 @@ fn centre(points: &[[f32; 4]]) -> Option<[f32; 3]> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::field::tests::field;
+    use super::super::motion::blocks;
     use super::*;
     use protomer_kernel::pose::RelativePose;
     use protomer_kernel::random::CounterRng;
@@ -215,7 +230,8 @@ mod tests {
     fn sum_over_points(field: &Field, motion: &Motion) -> f64 {
         let energy = |[x, y, z, charge]: [f32; 4]| {
             let place = motion.apply([x, y, z]);
-            let value = field.derivatives::<false>(place).unwrap().value;
+            let spots = field.locate(&place.map(|x| [x; BLOCK])).unwrap();
+            let value = field.derivatives::<false>(&spots, 0).unwrap().value;
             f64::from(charge * value)
         };
         points().into_iter().map(energy).sum()
@@ -227,7 +243,10 @@ mod tests {
         let mut rng = CounterRng::new(10, 0, 0);
         let reference = pose(Vec3::new(4.0, 30.0, 8.0), &mut rng, 1.0);
         let from = relative(&reference);
-        let form = Expansion::new(&field, &Motion::new(&from), &points(), LENGTH_ANGSTROM).unwrap();
+        let (points, reference_motion) = (points(), Motion::new(&from));
+        let blocks = blocks(&points);
+        let form = Expansion::new(&field, &reference_motion, &points, &blocks, LENGTH_ANGSTROM);
+        let form = form.unwrap();
         let start_kt = sum_over_points(&field, &Motion::new(&from));
         for (times, most) in [(1.0, 3e-3), (3.0, 3e-2)] {
             let (mut squares, mut changes, mut modelled) = (0.0, 0.0, 0.0);
@@ -253,6 +272,6 @@ mod tests {
     #[test]
     fn without_points_there_is_nothing_to_expand() {
         let here = Motion::new(&relative(&Pose::identity()));
-        assert!(Expansion::new(&field(), &here, &[], LENGTH_ANGSTROM).is_none());
+        assert!(Expansion::new(&field(), &here, &[], &[], LENGTH_ANGSTROM).is_none());
     }
 }

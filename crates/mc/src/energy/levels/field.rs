@@ -4,12 +4,12 @@
 //! edge; in the corners of a box, where the charges are farther away, the next box's cells serve. A
 //! cell's edge is at most half its distance from the charges, or the smallest edge. In a cell the
 //! potential is a Chebyshev series in three coordinates, from its values at 6³ Chebyshev points;
-//! decisions that need less use sixty of the first 4³ coefficients, in a short form (`packed`).
+//! decisions that need less use 63 of its coefficients, in a short form (`packed`).
 
 use super::fine::{FINE, Fine};
 use super::lanes::{BLOCK, prefetch};
 use super::motion::length;
-use super::packed::Packed;
+use super::packed::{Head, Packed, pack};
 use super::sampler::{Sampler, Sites};
 use super::split::Split;
 use crate::charges::ChargeCloud;
@@ -43,6 +43,7 @@ pub(super) struct Field {
     pub distance: Vec<f32>,
     /// Mean square errors of each cell's coarse and fine series, (kT/e)².
     pub errors: Vec<[f32; 2]>,
+    pub heads: Vec<Head>,
     pub coarse: Vec<Packed>,
     pub fine: Vec<Fine>,
 }
@@ -61,6 +62,8 @@ struct Shell {
 pub(super) struct Spots {
     pub cell: [u32; BLOCK],
     pub at: [[f32; BLOCK]; 3],
+    /// Of the cells, Å.
+    pub edge: [f32; BLOCK],
 }
 
 impl Shell {
@@ -122,7 +125,9 @@ impl Field {
     pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Fine) {
         self.distance.push(distance);
         self.errors.push(errors);
-        self.coarse.push(Packed::new(&fine));
+        let (head, coarse) = pack(&fine);
+        self.heads.push(head);
+        self.coarse.push(coarse);
         self.fine.push(fine);
     }
 
@@ -158,6 +163,7 @@ impl Field {
             index: vec![COVERED; first as usize],
             distance: Vec::new(),
             errors: Vec::new(),
+            heads: Vec::new(),
             coarse: Vec::new(),
             fine: Vec::new(),
         }
@@ -219,6 +225,7 @@ impl Field {
         let mut spots = Spots {
             cell: [COVERED; BLOCK],
             at: [[0.0; BLOCK]; 3],
+            edge: [1.0; BLOCK],
         };
         // Rounding must not decide which larger cell stands for a smaller one: its middle does.
         let mut within = *x;
@@ -230,6 +237,7 @@ impl Field {
                 let is_here = number[lane] == k;
                 if is_here {
                     spots.cell[lane] = here.cell[lane];
+                    spots.edge[lane] = shell.edge;
                     (0..3).for_each(|axis| spots.at[axis][lane] = here.at[axis][lane]);
                 }
                 any_roomy |= is_here && here.cell[lane] == ROOMY;
@@ -256,7 +264,9 @@ impl Field {
     #[inline(always)]
     pub fn prefetch_coarse(&self, spots: &Spots) {
         for cell in spots.cell {
-            if let Some(series) = self.coarse.get(cell as usize) {
+            let cell = cell as usize;
+            if let (Some(head), Some(series)) = (self.heads.get(cell), self.coarse.get(cell)) {
+                prefetch(head);
                 prefetch(series);
             }
         }
@@ -297,7 +307,8 @@ impl Field {
             let place = shell.first as usize + place[lane] as usize;
             cell[lane] = self.index.get(place).copied().unwrap_or(COVERED);
         }
-        Spots { cell, at }
+        let edge = [shell.edge; BLOCK];
+        Spots { cell, at, edge }
     }
 
     /// The cell that holds a point, its edge (Å), and the point's coordinates in it from -1 to 1;
@@ -352,7 +363,7 @@ impl Field {
 
     /// Bytes held.
     pub fn memory_bytes(&self) -> usize {
-        let series = size_of::<Packed>() + size_of::<Fine>();
+        let series = size_of::<Head>() + size_of::<Packed>() + size_of::<Fine>();
         let cell = 4 * (1 + 2) + series;
         4 * self.index.len() + cell * self.distance.len()
     }

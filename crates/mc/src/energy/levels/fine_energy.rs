@@ -16,7 +16,7 @@ impl<P: SitePotential> Table<P> {
         pub(super) fn fine_energy[fine_avx512, fine_avx2, fine_sum](
             self: &Self,
             other: &Self,
-            near: &List,
+            list: &List,
             pose: &RelativePose
         ) -> Option<Estimate>
     }
@@ -25,7 +25,7 @@ impl<P: SitePotential> Table<P> {
     fn fine_sum<const FUSED: bool>(
         &self,
         other: &Self,
-        near: &List,
+        list: &List,
         pose: &RelativePose,
     ) -> Option<Estimate> {
         let motion = Motion::new(pose);
@@ -44,7 +44,8 @@ impl<P: SitePotential> Table<P> {
                 variance += f64::from(self.field.fine_variance(&spots, charge));
             }
         }
-        energy_kt += near.near_energy(self, pose);
+        let from_reference = Motion::between(&list.reference, pose);
+        energy_kt += list.near.energy_kt(&self.split, pose, &from_reference);
         Some(Estimate {
             energy_kt,
             variance,

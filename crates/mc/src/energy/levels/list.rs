@@ -7,9 +7,9 @@ use super::expansion::Expansion;
 use super::field::Spots;
 use super::lanes::{BLOCK, vectorised};
 use super::motion::{Block, Motion};
+use super::near::NearPairs;
 use super::table::Table;
 use crate::energy::SitePotential;
-use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
 /// The variance of the errors' change at small moves, in units of that at large ones.
@@ -26,22 +26,13 @@ pub(super) struct List {
     /// Points farther away, at most moves replaced by their [`Expansion`].
     pub(super) far_points: Vec<Block>,
     pub(super) expansion: Option<Expansion>,
-    pub(super) near: Vec<Near>,
-    pub(super) sources: Vec<Block>,
+    pub(super) near: NearPairs,
     /// All parts of the second body.
     pub(super) parts: Vec<Part>,
     /// Variance of the energy of all points by the error model, kT².
     pub variance: f64,
     /// Whether some of the points are near the first body.
     pub is_contact: bool,
-}
-
-/// A charge of the second body with the charges of the first that are near it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Near {
-    pub at: [f32; 4],
-    pub first: u32,
-    pub count: u32,
 }
 
 /// A part of the second body: how far (Å) it may move, and over which distance (Å) the error of its
@@ -109,7 +100,7 @@ impl List {
         first: &Table<P>,
         pose: &RelativePose,
     ) -> Option<ListEnergy> {
-        let close_kt = self.points_energy(first, &self.points, &self.near, pose)?;
+        let close_kt = self.points_energy(first, &self.points, Some(&self.near), pose)?;
         let mut energy = ListEnergy {
             expanded_kt: close_kt,
             close_kt,
@@ -130,14 +121,14 @@ impl List {
         first: &Table<P>,
         pose: &RelativePose,
     ) -> Option<f64> {
-        self.points_energy(first, &self.far_points, &[], pose)
+        self.points_energy(first, &self.far_points, None, pose)
     }
 
     fn points_energy<P: SitePotential>(
         &self,
         first: &Table<P>,
         points: &[Block],
-        near: &[Near],
+        near: Option<&NearPairs>,
         pose: &RelativePose,
     ) -> Option<f64> {
         match points {
@@ -151,7 +142,7 @@ impl List {
             self: &Self,
             first: &Table<P>,
             points: &[Block],
-            near: &[Near],
+            near: Option<&NearPairs>,
             pose: &RelativePose
         ) -> Option<f64>
     }
@@ -162,7 +153,7 @@ impl List {
         &self,
         first: &Table<P>,
         points: &[Block],
-        near: &[Near],
+        near: Option<&NearPairs>,
         pose: &RelativePose,
     ) -> Option<f64> {
         let motion = Motion::new(pose);
@@ -180,41 +171,10 @@ impl List {
                 first.field.add_coarse::<FUSED>(&spots, charge, &mut sum);
             }
         }
-        for near in near {
-            let [x, y, z, charge] = near.at;
-            let [x, y, z] = motion.apply([x, y, z]);
-            let range = near.first as usize..(near.first + near.count) as usize;
-            for [sx, sy, sz, source] in &self.sources[range] {
-                for lane in 0..BLOCK {
-                    let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
-                    let near = first.split.near_f32(dx * dx + dy * dy + dz * dz);
-                    sum[lane] += charge * source[lane] * near;
-                }
-            }
+        if let Some(near) = near {
+            let from_reference = Motion::between(&self.reference, pose);
+            near.add(&first.split, &motion, &from_reference, &mut sum);
         }
         Some(sum.iter().map(|part| f64::from(*part)).sum())
-    }
-}
-
-impl List {
-    /// The near part of the energy at this pose in double precision, kT.
-    #[inline(always)]
-    pub fn near_energy<P: SitePotential>(&self, first: &Table<P>, pose: &RelativePose) -> f64 {
-        let mut sum = [0.0_f64; BLOCK];
-        for near in &self.near {
-            let [x, y, z, charge] = near.at.map(f64::from);
-            let at = pose.transform_point(&Vec3::new(x, y, z));
-            let range = near.first as usize..(near.first + near.count) as usize;
-            for [sx, sy, sz, source] in &self.sources[range] {
-                for lane in 0..BLOCK {
-                    let dx = at.x - f64::from(sx[lane]);
-                    let dy = at.y - f64::from(sy[lane]);
-                    let dz = at.z - f64::from(sz[lane]);
-                    let near = first.split.near(dx * dx + dy * dy + dz * dz);
-                    sum[lane] += charge * f64::from(source[lane]) * near;
-                }
-            }
-        }
-        sum.iter().sum()
     }
 }

@@ -10,7 +10,7 @@
 //! A table (`table`) holds a body's potential in its own frame in two parts (`split`): the smooth one
 //! as Chebyshev series in nested boxes of cells (`field`; sampled by `sampler`, stored as `fine` and
 //! `packed`, evaluated by `series`), the near one as charges to be summed pair by pair
-//! (`neighbours`). Far parts of the other body are stood for by equivalent charges (`tree`, `fit`). A
+//! (`neighbours`, `near`). Far parts of the other body are stood for by equivalent charges (`tree`, `fit`). A
 //! list (`list`, chosen by `maker`) keeps which ones for a pair, so that errors before and after a
 //! move cancel, and an expansion of the far ones (`expansion`) in the pair's motion (`motion`).
 //!
@@ -35,6 +35,7 @@ mod list;
 mod maker;
 mod model;
 mod motion;
+mod near;
 mod neighbours;
 mod packed;
 mod sampler;

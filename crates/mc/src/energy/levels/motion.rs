@@ -5,7 +5,7 @@ use protomer_kernel::pose::RelativePose;
 
 /// Points in arrays of 16: x, y, z (Å) and charge (e).
 pub(super) type Block = [[f32; BLOCK]; 4];
-pub(super) const EMPTY: Block = [[0.0; BLOCK]; 4];
+const EMPTY: Block = [[0.0; BLOCK]; 4];
 
 /// A relative pose in single precision.
 #[derive(Debug, Clone, Copy)]
@@ -91,25 +91,35 @@ impl Motion {
     #[inline(always)]
     pub fn apply_block(&self, block: &Block) -> [[f32; BLOCK]; 3] {
         let [x, y, z, _] = block;
-        let along = |[a, b, c]: [f32; 3], t: f32| {
-            let mut moved = [t; BLOCK];
-            for lane in 0..BLOCK {
-                moved[lane] += a * x[lane];
-            }
-            for lane in 0..BLOCK {
-                moved[lane] += b * y[lane];
-            }
-            for lane in 0..BLOCK {
-                moved[lane] += c * z[lane];
-            }
-            moved
-        };
+        self.apply_lanes([x, y, z])
+    }
+
+    /// Where sixteen points go.
+    #[inline(always)]
+    pub fn apply_lanes(&self, [x, y, z]: [&[f32; BLOCK]; 3]) -> [[f32; BLOCK]; 3] {
+        let places = [x, y, z];
         [
-            along(self.r[0], self.t[0]),
-            along(self.r[1], self.t[1]),
-            along(self.r[2], self.t[2]),
+            along_lanes(self.r[0], self.t[0], places),
+            along_lanes(self.r[1], self.t[1], places),
+            along_lanes(self.r[2], self.t[2], places),
         ]
     }
+}
+
+/// One coordinate of where sixteen points go.
+#[inline(always)]
+fn along_lanes([a, b, c]: [f32; 3], t: f32, [x, y, z]: [&[f32; BLOCK]; 3]) -> [f32; BLOCK] {
+    let mut moved = [t; BLOCK];
+    for lane in 0..BLOCK {
+        moved[lane] += a * x[lane];
+    }
+    for lane in 0..BLOCK {
+        moved[lane] += b * y[lane];
+    }
+    for lane in 0..BLOCK {
+        moved[lane] += c * z[lane];
+    }
+    moved
 }
 
 /// The length of a vector.

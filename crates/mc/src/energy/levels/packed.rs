@@ -1,72 +1,74 @@
-//! The coarse series of a cell in two lines of the processor's cache.
+//! The coarse series of a cell in two lines of the processor's cache, and its head.
 //!
 //! Decisions read the cells of hundreds of places each, most of which come from far memory. Hence
-//! 16 bits for a coefficient, in units of the cell. T_3(x) T_3(y) is left out, whose coefficients are
-//! of the sixth order and above: the mean of the cell and the unit, in single precision, are in its
-//! lane.
+//! 16 bits for a coefficient, in units of the cell, but the mean of the cell in single precision.
+//!
+//! A series has the products of T_0 to T_3, and T_4 of each coordinate alone: what is left out is of
+//! the fifth order. T_3(x) T_3(y), whose coefficients are of the sixth order and above, gives its lane
+//! to the three T_4.
 
 use super::fine::Fine;
 use super::lanes::BLOCK;
 
-/// Points of a coarse series along each axis.
+/// Orders along each axis in products.
 pub(super) const COARSE: usize = 4;
 /// The lane of T_3(x) T_3(y); x and y run within a row, z from row to row.
-pub(super) const HEAD: usize = BLOCK - 1;
+pub(super) const LAST: usize = BLOCK - 1;
 
-/// The coefficients of a coarse series without the first, in units, and in the last lane the two
-/// halves of what [`first`](Self::first) and [`unit`](Self::unit) return.
+/// The coefficients of a coarse series without the first, in units of [`Head::unit`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(128))]
 pub(super) struct Packed(pub [[i16; BLOCK]; COARSE]);
 
-impl Packed {
-    /// From those of the coefficients that a fine series has.
-    pub fn new(fine: &Fine) -> Self {
-        let mut rows = [[0.0_f32; BLOCK]; COARSE];
-        for (z, row) in rows.iter_mut().enumerate() {
-            for (place, value) in row.iter_mut().enumerate().take(HEAD) {
-                *value = fine.coefficient([place % COARSE, place / COARSE, z]);
-            }
+/// What the coefficients of a cell are multiples of, and the first of them, kT/e.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Head {
+    pub first: f32,
+    pub unit: f32,
+}
+
+/// Those of the coefficients that a fine series has.
+pub(super) fn pack(fine: &Fine) -> (Head, Packed) {
+    let mut rows = [[0.0_f32; BLOCK]; COARSE];
+    for (z, row) in rows.iter_mut().enumerate() {
+        for (lane, value) in row.iter_mut().enumerate() {
+            *value = orders(lane, z).map_or(0.0, |orders| fine.coefficient(orders));
         }
-        let first = std::mem::take(&mut rows[0][0]);
-        let largest = rows
-            .as_flattened()
-            .iter()
-            .fold(f32::MIN_POSITIVE, |most, value| most.max(value.abs()));
-        let unit = largest / f32::from(i16::MAX);
-        let mut packed = rows.map(|row| row.map(|value| (value / unit).round() as i16));
-        [packed[0][HEAD], packed[1][HEAD]] = halves(first);
-        [packed[2][HEAD], packed[3][HEAD]] = halves(unit);
-        Self(packed)
     }
+    let first = std::mem::take(&mut rows[0][0]);
+    let largest = rows
+        .as_flattened()
+        .iter()
+        .fold(f32::MIN_POSITIVE, |most, value| most.max(value.abs()));
+    let unit = largest / f32::from(i16::MAX);
+    let packed = rows.map(|row| row.map(|value| (value / unit).round() as i16));
+    (Head { first, unit }, Packed(packed))
+}
 
-    /// Whether the series has a coefficient.
-    pub fn keeps(orders: [usize; 3]) -> bool {
-        let [i, j, k] = orders;
-        i.max(j).max(k) < COARSE && i + COARSE * j != HEAD
-    }
-
-    /// The first coefficient, kT/e.
-    #[inline(always)]
-    pub fn first(&self) -> f32 {
-        whole([self.0[0][HEAD], self.0[1][HEAD]])
-    }
-
-    /// What the others are multiples of, kT/e.
-    #[inline(always)]
-    pub fn unit(&self) -> f32 {
-        whole([self.0[2][HEAD], self.0[3][HEAD]])
+/// Which coefficient a lane of a row holds.
+fn orders(lane: usize, row: usize) -> Option<[usize; 3]> {
+    let of_product = [lane % COARSE, lane / COARSE, row];
+    match (lane, row) {
+        (LAST, 0) => Some([COARSE, 0, 0]),
+        (LAST, 1) => Some([0, COARSE, 0]),
+        (LAST, 2) => Some([0, 0, COARSE]),
+        (LAST, _) => None,
+        _ => Some(of_product),
     }
 }
 
-fn halves(number: f32) -> [i16; 2] {
-    let bits = number.to_bits();
-    [bits as i16, (bits >> 16) as i16]
-}
+impl Packed {
+    /// Whether a series has this coefficient.
+    pub fn keeps(wanted: [usize; 3]) -> bool {
+        let mut places = (0..COARSE).flat_map(|row| (0..BLOCK).map(move |lane| (lane, row)));
+        places.any(|(lane, row)| orders(lane, row) == Some(wanted))
+    }
 
-#[inline(always)]
-fn whole([low, high]: [i16; 2]) -> f32 {
-    f32::from_bits(u32::from(low as u16) | u32::from(high as u16) << 16)
+    /// The coefficients of T_4(x), T_4(y) and T_4(z).
+    #[inline(always)]
+    pub fn fourth(&self) -> [i16; 3] {
+        [0, 1, 2].map(|row: usize| self.0[row][LAST])
+    }
 }
 
 #[cfg(test)]
@@ -77,28 +79,29 @@ mod tests {
     #[test]
     fn coefficients_are_kept_to_half_a_unit() {
         let series: Vec<f64> = (0..FINE.pow(3))
-            .map(|place| -3.0 * (place as f64 + 2.0).sin() / (1.0 + place as f64))
+            .map(|place| 3.0 * (place as f64).sin() / (1.0 + place as f64))
             .collect();
         let fine = Fine::new(&series);
-        let packed = Packed::new(&fine);
-        assert_eq!(packed.first(), fine.coefficient([0; 3]));
-        let mut largest = 0.0_f32;
+        let (head, packed) = pack(&fine);
+        assert_eq!(head.first, fine.coefficient([0; 3]));
         for (z, row) in packed.0.iter().enumerate() {
-            for (place, value) in row.iter().enumerate().skip(usize::from(z == 0)) {
-                let orders = [place % COARSE, place / COARSE, z];
-                let wanted = fine.coefficient(orders);
-                let error = f32::from(*value) * packed.unit() - wanted;
-                if Packed::keeps(orders) {
-                    largest = largest.max(wanted.abs());
-                    assert!(
-                        error.abs() <= 0.5001 * packed.unit(),
-                        "{error} of {}",
-                        packed.unit()
-                    );
-                }
+            for (lane, value) in row.iter().enumerate().skip(usize::from(z == 0)) {
+                let wanted = orders(lane, z).map_or(0.0, |orders| fine.coefficient(orders));
+                let error = f32::from(*value) * head.unit - wanted;
+                assert!(
+                    error.abs() <= 0.5001 * head.unit,
+                    "{error} of {}",
+                    head.unit
+                );
             }
         }
-        assert_eq!(packed.unit(), largest / f32::from(i16::MAX));
-        assert!(!Packed::keeps([3, 3, 0]) && !Packed::keeps([4, 0, 0]));
+    }
+
+    #[test]
+    fn all_coefficients_up_to_the_fourth_order_but_mixed_ones_are_kept() {
+        assert!(
+            [[0, 0, 0], [3, 2, 3], [4, 0, 0], [0, 4, 0], [0, 0, 4]].map(Packed::keeps) == [true; 5]
+        );
+        assert!([[3, 3, 0], [3, 3, 3], [4, 1, 0], [0, 0, 5]].map(Packed::keeps) == [false; 4]);
     }
 }

@@ -1,11 +1,11 @@
 //! Evaluates the series of a field's cells: coarse and fine potentials, and derivatives.
 //!
-//! A series in T_0 to T_3 along x, y and z has a row of 16 products of x and y for each order of z, a
-//! lane of a vector unit for each product; the last lane has none.
+//! A series in T_0 to T_3 along x, y and z has a row of 15 products of x and y for each order of z, a
+//! lane of a vector unit for each product; the last lane holds coefficients of T_4.
 
 use super::field::{Field, Spots};
 use super::lanes::{BLOCK, add, sum_of_lanes};
-use super::packed::{COARSE, HEAD, Packed};
+use super::packed::{COARSE, LAST, Packed};
 
 /// The potential at a place (kT/e) with its first and second derivatives (per Å and Å²).
 #[derive(Debug, Clone, Copy)]
@@ -26,14 +26,17 @@ impl Field {
         charge: &[f32; BLOCK],
         sum: &mut [f32; BLOCK],
     ) {
-        let mut first = [0.0; BLOCK];
+        let (mut first, mut unit) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let mut fourth = [[0_i16; BLOCK]; 3];
         for point in 0..BLOCK {
             let cell = spots.cell[point] as usize;
-            let series = &self.coarse[cell];
+            let (series, head) = (&self.coarse[cell], &self.heads[cell]);
             let Packed(rows) = series;
             let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][point]);
-            first[point] = series.first();
-            let charge = charge[point] * series.unit();
+            (first[point], unit[point]) = (head.first, head.unit);
+            let [of_x, of_y, of_z] = series.fourth();
+            (fourth[0][point], fourth[1][point], fourth[2][point]) = (of_x, of_y, of_z);
+            let charge = charge[point] * head.unit;
             let (xx, yy, zz) = (x * x, y * y, z * z);
             let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
             for lane in 0..BLOCK {
@@ -49,18 +52,32 @@ impl Field {
                 sum[lane] = add::<FUSED>(value, of_x * (of_y * charge), sum[lane]);
             }
         }
+        let mut of_fourth = [0.0; BLOCK];
+        for (fourth, at) in fourth.iter().zip(&spots.at) {
+            for lane in 0..BLOCK {
+                let second = add::<FUSED>(2.0 * at[lane], at[lane], -1.0);
+                let t4 = add::<FUSED>(2.0 * second, second, -1.0);
+                of_fourth[lane] = add::<FUSED>(f32::from(fourth[lane]), t4, of_fourth[lane]);
+            }
+        }
         for lane in 0..BLOCK {
-            sum[lane] = add::<FUSED>(charge[lane], first[lane], sum[lane]);
+            let potential = add::<FUSED>(of_fourth[lane], unit[lane], first[lane]);
+            sum[lane] = add::<FUSED>(charge[lane], potential, sum[lane]);
         }
     }
 
-    /// The coarse potential at a place with its derivatives; `None` beyond the table.
+    /// The coarse potential at the spot of a lane with its derivatives; `None` in no cell.
     #[inline(always)]
-    pub fn derivatives<const FUSED: bool>(&self, x: [f32; 3]) -> Option<Derivatives> {
-        let (cell, edge, [x, y, z]) = self.cell_at(x)?;
-        let series = self.coarse.get(cell)?;
-        let (Packed(rows), unit) = (series, series.unit());
-        let of_z = chebyshev_derivatives(z).map(|order| order.map(|value| value * unit));
+    pub fn derivatives<const FUSED: bool>(
+        &self,
+        spots: &Spots,
+        lane: usize,
+    ) -> Option<Derivatives> {
+        let (cell, edge) = (spots.cell[lane] as usize, spots.edge[lane]);
+        let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][lane]);
+        let (series, head) = (self.coarse.get(cell)?, self.heads.get(cell)?);
+        let Packed(rows) = series;
+        let of_z = chebyshev_derivatives(z).map(|order| order.map(|value| value * head.unit));
         let mut along_z = [[0.0; BLOCK]; 3];
         for (row, z) in rows.iter().zip(0..) {
             for (sum, of_z) in along_z.iter_mut().zip(&of_z) {
@@ -86,11 +103,18 @@ impl Field {
             products[8][lane] = x1 * y0 * z1[lane];
             products[9][lane] = x0 * y1 * z1[lane];
         }
-        let [value, gx, gy, gz, second @ ..] = sums_of_lanes(&products);
+        let [mut value, gx, gy, gz, mut second @ ..] = sums_of_lanes(&products);
+        let mut gradient = [gx, gy, gz];
+        for (axis, (coefficient, t)) in series.fourth().into_iter().zip([x, y, z]).enumerate() {
+            let (coefficient, square) = (f32::from(coefficient) * head.unit, t * t);
+            value += coefficient * (8.0 * square * (square - 1.0) + 1.0);
+            gradient[axis] += coefficient * t * (32.0 * square - 16.0);
+            second[axis] += coefficient * (96.0 * square - 16.0);
+        }
         let scale = 2.0 / edge;
         Some(Derivatives {
-            value: series.first() + value,
-            gradient: [gx, gy, gz].map(|g| g * scale),
+            value: head.first + value,
+            gradient: gradient.map(|g| g * scale),
             second: second.map(|h| h * (scale * scale)),
         })
     }
@@ -198,12 +222,12 @@ const fn along_x(of: [f32; 4]) -> [f32; BLOCK] {
     lanes
 }
 
-/// Lane 4 j + i has the value of j; the last one zero, since it is not a coefficient's.
+/// Lane 4 j + i has the value of j; the last one zero, since no product is there.
 const fn along_y(of: [f32; 4]) -> [f32; BLOCK] {
     let mut lanes = [0.0; BLOCK];
     let mut lane = 0;
     while lane < BLOCK {
-        lanes[lane] = if lane == HEAD { 0.0 } else { of[lane / COARSE] };
+        lanes[lane] = if lane == LAST { 0.0 } else { of[lane / COARSE] };
         lane += 1;
     }
     lanes
@@ -213,6 +237,7 @@ const fn along_y(of: [f32; 4]) -> [f32; BLOCK] {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::super::field::tests::{field, places};
+    use super::BLOCK;
 
     #[test]
     fn derivatives_are_those_of_differences() {
@@ -222,8 +247,11 @@ mod tests {
         for place in places(400) {
             let at = |shift: [f32; 3]| {
                 let moved = [0, 1, 2].map(|axis| place[axis] + step * shift[axis]);
-                let (cell, ..) = field.cell_at(moved).unwrap();
-                (cell, field.derivatives::<false>(moved).unwrap())
+                let spots = field.locate(&moved.map(|x| [x; BLOCK])).unwrap();
+                (
+                    spots.cell[7],
+                    field.derivatives::<false>(&spots, 7).unwrap(),
+                )
             };
             let (cell, here) = at([0.0; 3]);
             for axis in 0..3 {
