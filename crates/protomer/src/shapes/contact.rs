@@ -6,7 +6,7 @@ use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::InputFile;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Rotation, Vec3};
-use protomer_md::pair::{Form, Placed};
+use protomer_md::pair::{Interaction, Placed};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -96,7 +96,8 @@ fn vector([x, y, z]: &[f64; 3]) -> String {
 /// assert!((found.0[0].energy - 20.0).abs() < 1e-6);
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn contacts(path: &Path, form: Form) -> Result<Contacts> {
+pub fn contacts(path: &Path, interaction: impl Into<Interaction>) -> Result<Contacts> {
+    let interaction = interaction.into();
     let file = InputFile::read(path)?;
     let entries: Vec<PairEntry> = serde_json::from_slice(&file.bytes).with_context(|| {
         format!(
@@ -107,13 +108,13 @@ pub fn contacts(path: &Path, form: Form) -> Result<Contacts> {
     })?;
     let mut found = Vec::with_capacity(entries.len());
     for (number, entry) in entries.iter().enumerate() {
-        let contact = contact(entry, form);
+        let contact = contact(entry, interaction);
         found.push(contact.with_context(|| format!("{}: pair {}", file.name, number + 1))?);
     }
     Ok(Contacts(found))
 }
 
-fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
+fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
     let bodies = [&entry.a, &entry.b].map(|name| -> Result<Polytope> {
         Polytope::of(&read_shape(name)?).with_context(|| name.clone())
     });
@@ -128,11 +129,7 @@ fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
         position,
         rotation: rotation(entry.orientation_b, b.dimension).context("orientation_b")?,
     };
-    let pair = Placed {
-        bodies: [&a, &b],
-        poses: [&here, &there],
-    };
-    let forces = pair.forces(form)?;
+    let forces = Placed::sharp([&a, &b], [&here, &there]).forces(interaction)?;
     Ok(Contact {
         energy: forces.energy,
         distance: forces.distance,
@@ -172,6 +169,7 @@ fn rotation(orientation: Option<Orientation>, dimension: usize) -> Result<Rotati
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use protomer_md::pair::Form;
 
     fn complaint(text: &str) -> String {
         let folder = tempfile::tempdir().unwrap();
