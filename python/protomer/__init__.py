@@ -28,6 +28,7 @@ from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verb_names
 from ._assembly import Assembly, Frame, Trajectory
 from ._body import Body
+from . import dynamics
 from ._sets import VoxelSet
 from ._log import read_log
 from .results import *  # noqa: F403
@@ -50,6 +51,7 @@ __all__ = [
     "UnknownNameError",
     "VoxelSet",
     "__version__",
+    "dynamics",
     "read_log",
     *_result_names,
     *_verb_names,

@@ -37,7 +37,7 @@ fn seconds(origin: &Instant) -> f64 {
 
 /// The number density at which bodies with their layer fill this part of the space.
 fn density(kind: &Kind, packing_fraction: f64) -> f64 {
-    let corners = &kind.polytope.corners;
+    let corners = &kind.parts[0].polytope.corners;
     let shape = match kind.dimension {
         2 => Shape::flat(&corners.iter().map(|x| [x.x, x.y]).collect::<Vec<_>>()),
         _ => Shape::solid(corners),
@@ -55,7 +55,7 @@ fn compressed(name: &str, count: usize, packing_fraction: f64) -> Engine {
     let mut state = on_a_lattice(&bodies, start, 5).unwrap();
     set_velocities(&mut state, &bodies, 1.0, 5).unwrap();
     let settings = Settings {
-        form: Form::FaceSum,
+        interaction: Form::FaceSum.into(),
         time_step: 1e-3,
         ensemble: Ensemble::Nvt {
             temperature: 1.0,
@@ -79,7 +79,7 @@ fn compressed(name: &str, count: usize, packing_fraction: f64) -> Engine {
 
 fn measure(start: &Engine, form: Form) -> f64 {
     let settings = Settings {
-        form,
+        interaction: form.into(),
         time_step: TIME_STEP,
         ensemble: Ensemble::Nve,
         ..*start.settings()

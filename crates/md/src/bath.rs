@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`Ensemble::Nve`] | nothing: the energy is kept |
 //! | [`Ensemble::Nvt`] | the kinetic energy as a whole, by stochastic velocity rescaling |
+//! | [`Ensemble::Npt`] | the same, and the volume, by trials ([`barostat`](crate::barostat)) |
 //! | [`Ensemble::Langevin`] | each body, by friction and noise |
 //! | [`Ensemble::Brownian`] | each body, by friction so strong that it has no momentum |
 //!
@@ -33,6 +34,15 @@ pub enum Ensemble {
         /// Relaxation time of the kinetic energy.
         relaxation_time: f64,
     },
+    /// The same with a constant pressure: the volume changes by trials.
+    Npt {
+        /// kT.
+        temperature: f64,
+        /// Relaxation time of the kinetic energy.
+        relaxation_time: f64,
+        /// Pressure.
+        pressure: f64,
+    },
     /// Langevin dynamics: velocities and angular velocities decay with rate γ.
     Langevin {
         /// kT.
@@ -60,6 +70,11 @@ impl Ensemble {
             Ensemble::Nvt {
                 temperature,
                 relaxation_time,
+            }
+            | Ensemble::Npt {
+                temperature,
+                relaxation_time,
+                ..
             } => (temperature, relaxation_time, "the relaxation time"),
             Ensemble::Langevin {
                 temperature,
@@ -70,6 +85,9 @@ impl Ensemble {
                 friction,
             } => (temperature, friction, "the friction"),
         };
+        if let Ensemble::Npt { pressure, .. } = *self {
+            require("the pressure", pressure)?;
+        }
         require("the temperature", temperature)?;
         require(what, other)
     }

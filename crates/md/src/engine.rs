@@ -8,10 +8,12 @@
 //! A step is reversible and symplectic. Forces are added in the order of the pairs, whatever thread
 //! computed them, so results do not depend on threads.
 
+use crate::barostat::TRIAL_EVERY;
 use crate::bath::{self, Ensemble, noise_of, normal_turns, normal_vector, require};
-use crate::near::{Felt, Law, Turned, flat, solid};
+use crate::near::{Felt, Law, Turned, felt};
 use crate::neighbours::{Neighbours, Pair, shift};
-use crate::pair::Form;
+use crate::pair::central::Central;
+use crate::pair::{Form, Interaction};
 use crate::rotation;
 use crate::state::{Bodies, State};
 use crate::{Error, Result};
@@ -27,8 +29,8 @@ const SHARE: usize = 256;
 /// How bodies move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Which points of bodies repel each other.
-    pub form: Form,
+    /// What bodies feel of each other.
+    pub interaction: Interaction,
     /// Time step.
     pub time_step: f64,
     /// What keeps the temperature.
@@ -47,12 +49,15 @@ pub struct Motion {
     pub state: State,
     /// Steps done.
     pub steps: u64,
-    /// Energy of the repulsion.
+    /// Energy of all pairs.
     pub potential_energy: f64,
     /// Σ over pairs of force times the way between the centres.
     pub virial: f64,
-    /// Heat that the baths have given.
+    /// Heat that the baths have given, and energy that the barostat has.
     pub heat: f64,
+    /// Trials of the volume: refused, accepted.
+    #[serde(default)]
+    pub volume_trials: [u64; 2],
     /// The pairs.
     pub neighbours: Neighbours,
     forces: Vec<Vec3>,
@@ -60,13 +65,49 @@ pub struct Motion {
     torques: Vec<Vec3>,
 }
 
+/// What a trial of the volume changes.
+pub(crate) struct Placement {
+    space: Boundary,
+    positions: Vec<Vec3>,
+    forces: Vec<Vec3>,
+    torques: Vec<Vec3>,
+    potential_energy: f64,
+    virial: f64,
+}
+
+impl Motion {
+    /// Where everything is, to put it back there.
+    pub(crate) fn placement(&self) -> Placement {
+        Placement {
+            space: self.state.space,
+            positions: self.state.positions.clone(),
+            forces: self.forces.clone(),
+            torques: self.torques.clone(),
+            potential_energy: self.potential_energy,
+            virial: self.virial,
+        }
+    }
+
+    pub(crate) fn put_back(&mut self, placement: Placement) {
+        self.state.space = placement.space;
+        self.state.positions = placement.positions;
+        self.forces = placement.forces;
+        self.torques = placement.torques;
+        self.potential_energy = placement.potential_energy;
+        self.virial = placement.virial;
+    }
+}
+
 /// Bodies, how they move, and how far they are.
 #[derive(Debug, Clone)]
 pub struct Engine {
-    bodies: Bodies,
+    pub(crate) bodies: Bodies,
     settings: Settings,
-    motion: Motion,
+    pub(crate) motion: Motion,
+    /// A row and a column for each part of each kind.
     laws: Vec<Law>,
+    /// The row of the first part of each kind.
+    first_rows: Vec<usize>,
     turned: Turned,
     felt: Vec<Felt>,
 }
@@ -92,7 +133,7 @@ impl Engine {
     /// let mut state = State::at_rest(&bodies, Boundary::Open, places);
     /// state.velocities[1].x = -1.0;
     /// let settings = Settings {
-    ///     form: Form::Smooth,
+    ///     interaction: Form::Smooth.into(),
     ///     time_step: 1e-4,
     ///     ensemble: Ensemble::Nve,
     ///     seed: 1,
@@ -106,13 +147,17 @@ impl Engine {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn new(bodies: Bodies, state: State, settings: Settings) -> Result<Self> {
+        if !bodies.fit(&state) {
+            return Err(Error::OtherBodies);
+        }
         let count = bodies.count();
         let motion = Motion {
             steps: 0,
             potential_energy: 0.0,
             virial: 0.0,
             heat: 0.0,
-            neighbours: Neighbours::of(&bodies, &state)?,
+            volume_trials: [0; 2],
+            neighbours: Neighbours::of(&bodies, &state, &settings.interaction)?,
             forces: vec![Vec3::zeros(); count],
             torques: vec![Vec3::zeros(); count],
             state,
@@ -129,27 +174,25 @@ impl Engine {
     pub fn continued(bodies: Bodies, motion: Motion, settings: Settings) -> Result<Self> {
         require("the time step", settings.time_step)?;
         settings.ensemble.check()?;
+        check_interaction(&bodies, &settings.interaction)?;
         let count = bodies.count();
         let dimension = bodies.dimension();
-        let state = &motion.state;
-        let turned = if dimension == 2 {
-            [0, count]
-        } else {
-            [count, 0]
-        };
-        let fits = [state.positions.len(), state.velocities.len()] == [count; 2]
-            && [state.spins.len(), motion.forces.len()] == [count; 2]
-            && [state.rotations.len(), state.angles_rad.len()] == turned;
+        let fits = bodies.fit(&motion.state) && motion.forces.len() == count;
         if !fits {
             return Err(Error::OtherBodies);
         }
         if bodies.kinds.iter().any(|kind| kind.dimension != dimension) {
             return Err(Error::MixedDimensions);
         }
+        let (mut parts, mut first_rows) = (Vec::new(), Vec::new());
+        for kind in &bodies.kinds {
+            first_rows.push(parts.len());
+            parts.extend(&kind.parts);
+        }
         let mut laws = Vec::new();
-        for first in &bodies.kinds {
-            for second in &bodies.kinds {
-                laws.push(Law::between(first, second));
+        for first in &parts {
+            for second in &parts {
+                laws.push(Law::between(first, second, &settings.interaction));
             }
         }
         let turned = Turned::of((0..count).map(|body| bodies.kind(body)));
@@ -158,6 +201,7 @@ impl Engine {
             settings,
             motion,
             laws,
+            first_rows,
             turned,
             felt: Vec::new(),
         })
@@ -178,7 +222,7 @@ impl Engine {
         &self.settings
     }
 
-    /// Moves on with another time step and ensemble; the repulsion stays.
+    /// Moves on with another time step and ensemble; the interaction stays.
     ///
     /// # Errors
     /// [`Error::OutOfRange`].
@@ -186,13 +230,13 @@ impl Engine {
         require("the time step", settings.time_step)?;
         settings.ensemble.check()?;
         self.settings = Settings {
-            form: self.settings.form,
+            interaction: self.settings.interaction,
             ..settings
         };
         Ok(())
     }
 
-    /// The energy: repulsion and motion.
+    /// The energy: of the pairs and of the motion.
     pub fn energy(&self) -> f64 {
         let kinetic = self.motion.state.kinetic_energies(&self.bodies);
         self.motion.potential_energy + kinetic[0] + kinetic[1]
@@ -206,7 +250,10 @@ impl Engine {
     /// The ways in which the centres move; in a box their sum is kept at rest.
     pub fn movements(&self) -> usize {
         let (count, dimension) = (self.bodies.count(), self.bodies.dimension());
-        let is_free = matches!(self.settings.ensemble, Ensemble::Nve | Ensemble::Nvt { .. });
+        let is_free = matches!(
+            self.settings.ensemble,
+            Ensemble::Nve | Ensemble::Nvt { .. } | Ensemble::Npt { .. }
+        );
         dimension * count.saturating_sub(usize::from(is_free))
     }
 
@@ -258,7 +305,9 @@ impl Engine {
             } => {
                 self.diffuse(temperature, friction, &mut noise);
                 self.shrink(scale);
-                self.motion.neighbours.refresh(&self.motion.state)?;
+                self.motion
+                    .neighbours
+                    .refresh(&self.bodies, &self.motion.state)?;
                 self.find_forces()?;
             }
             Ensemble::Langevin {
@@ -279,12 +328,18 @@ impl Engine {
                 relaxation_time,
             } => {
                 self.move_on(time, scale)?;
-                let freedoms = self.freedoms();
-                let part = time / relaxation_time;
-                let (motion, bodies) = (&mut self.motion, &self.bodies);
-                let state = &mut motion.state;
-                motion.heat +=
-                    bath::rescale(state, bodies, freedoms, temperature, part, &mut noise);
+                self.rescale(temperature, relaxation_time, &mut noise);
+            }
+            Ensemble::Npt {
+                temperature,
+                relaxation_time,
+                pressure,
+            } => {
+                self.move_on(time, scale)?;
+                self.rescale(temperature, relaxation_time, &mut noise);
+                if (self.motion.steps + 1).is_multiple_of(TRIAL_EVERY) {
+                    self.try_volume(temperature, pressure, &mut noise)?;
+                }
             }
             Ensemble::Nve => self.move_on(time, scale)?,
         }
@@ -292,12 +347,23 @@ impl Engine {
         Ok(())
     }
 
+    /// The global thermostat over a step.
+    fn rescale(&mut self, temperature: f64, relaxation_time: f64, noise: &mut Noise) {
+        let freedoms = self.freedoms();
+        let part = self.settings.time_step / relaxation_time;
+        let (motion, bodies) = (&mut self.motion, &self.bodies);
+        let state = &mut motion.state;
+        motion.heat += bath::rescale(state, bodies, freedoms, temperature, part, noise);
+    }
+
     /// Newton's equations over a step.
     fn move_on(&mut self, time: f64, scale: f64) -> Result<()> {
         self.kick(0.5 * time);
         self.drift(time);
         self.shrink(scale);
-        self.motion.neighbours.refresh(&self.motion.state)?;
+        self.motion
+            .neighbours
+            .refresh(&self.bodies, &self.motion.state)?;
         self.find_forces()?;
         self.kick(0.5 * time);
         Ok(())
@@ -364,7 +430,7 @@ impl Engine {
         }
     }
 
-    fn shrink(&mut self, scale: f64) {
+    pub(crate) fn shrink(&mut self, scale: f64) {
         if scale == 1.0 {
             return;
         }
@@ -381,7 +447,7 @@ impl Engine {
     }
 
     /// Energy, forces, torques and virial.
-    fn find_forces(&mut self) -> Result<()> {
+    pub(crate) fn find_forces(&mut self) -> Result<()> {
         let motion = &mut self.motion;
         let is_flat = self.bodies.dimension() == 2;
         for body in 0..self.bodies.count() {
@@ -401,7 +467,9 @@ impl Engine {
             state: &motion.state,
             turned: &self.turned,
             laws: &self.laws,
-            form: self.settings.form,
+            first_rows: &self.first_rows,
+            rows: self.bodies.kinds.iter().map(|kind| kind.parts.len()).sum(),
+            form: self.settings.interaction.form,
         };
         let mut sum = Sum::new(&mut motion.forces, &mut motion.torques);
         let pairs = &mut motion.neighbours.pairs;
@@ -439,12 +507,36 @@ impl Engine {
 
 type Noise = protomer_kernel::random::CounterRng;
 
+/// Fails for an attraction that is none, a central term that only pairs have, and ellipsoids beside
+/// bodies with faces.
+fn check_interaction(bodies: &Bodies, interaction: &Interaction) -> Result<()> {
+    interaction.attraction.check()?;
+    if !interaction.attraction.cut_off.is_finite() {
+        return Err(Error::OutOfRange {
+            what: "the cut-off of the attraction",
+            value: interaction.attraction.cut_off,
+            expected: "a finite number for bodies in motion",
+        });
+    }
+    if matches!(interaction.central, Central::Printed | Central::Gradient) {
+        return Err(Error::CentralTerm);
+    }
+    let parts = || bodies.kinds.iter().flat_map(|kind| &kind.parts);
+    let has_faces = parts().any(|part| !part.is_round());
+    if has_faces && parts().any(|part| part.half_axes.is_some()) {
+        return Err(Error::EllipsoidBesideFaces);
+    }
+    Ok(())
+}
+
 /// What forces depend on.
 struct View<'a> {
     bodies: &'a Bodies,
     state: &'a State,
     turned: &'a Turned,
     laws: &'a [Law],
+    first_rows: &'a [usize],
+    rows: usize,
     form: Form,
 }
 
@@ -455,17 +547,32 @@ impl View<'_> {
         second - first + shift(&self.state.space, pair.images)
     }
 
+    /// What two bodies feel through two of their parts, with torques about their centres of mass.
     fn felt(&self, pair: &mut Pair, between: &Vec3) -> Felt {
-        let [first, second] = pair.bodies.map(|body| {
-            let body = body as usize;
-            self.turned.body(body, self.bodies.kind(body))
-        });
-        let [row, column] = pair.bodies.map(|body| self.bodies.kind_of[body as usize]);
-        let law = &self.laws[row * self.bodies.kinds.len() + column];
-        match self.bodies.dimension() {
-            2 => flat::felt(first, second, *between, law, self.form, &mut pair.hint),
-            _ => solid::felt(first, second, *between, law, self.form, &mut pair.hint),
+        let numbers = [0, 1].map(|n| (pair.bodies[n] as usize, pair.parts[n] as usize));
+        let [row, column] =
+            numbers.map(|(body, part)| self.first_rows[self.bodies.kind_of[body]] + part);
+        let law = &self.laws[row * self.rows + column];
+        let has_unions = self.rows > self.first_rows.len();
+        let arms = match has_unions {
+            true => numbers.map(|(body, part)| self.turned.centre(body, part)),
+            false => [Vec3::zeros(); 2],
+        };
+        let between = between + arms[1] - arms[0];
+        // Most pairs of the list are farther apart; nothing of them is looked at.
+        if between.norm_squared() > law.range * law.range {
+            return Felt::nothing();
         }
+        let [first, second] = numbers.map(|(body, part)| {
+            let kind = self.bodies.kind(body);
+            self.turned.part(body, part, kind)
+        });
+        let mut felt = felt(first, second, between, law, self.form, &mut pair.hint);
+        if has_unions {
+            felt.torques[0] += arms[0].cross(&felt.force);
+            felt.torques[1] -= arms[1].cross(&felt.force);
+        }
+        felt
     }
 }
 
@@ -490,7 +597,7 @@ impl<'a> Sum<'a> {
     }
 
     fn add(&mut self, pair: &Pair, felt: &Felt, between: &Vec3) {
-        if felt.energy == 0.0 {
+        if felt.energy == 0.0 && felt.force == Vec3::zeros() {
             return;
         }
         let [first, second] = pair.bodies.map(|body| body as usize);

@@ -9,9 +9,33 @@ pub enum Error {
     MixedDimensions,
     /// No mass.
     #[error(
-        "the body has no volume, so it has no mass; give a polygon, a polyhedron, a disk or a ball"
+        "the body has no volume, so it has no mass; give a polygon, a polyhedron, a disk, a ball or an \
+         ellipsoid"
     )]
     NoVolume,
+    /// Parts of a rigid union share volume.
+    #[error(
+        "parts {first} and {second} of the body overlap, so their volume would count twice; give \
+         parts that touch at most"
+    )]
+    OverlappingParts {
+        /// Number of the first, from 1.
+        first: usize,
+        /// Number of the second.
+        second: usize,
+    },
+    /// The rescaled central term is for pairs only.
+    #[error(
+        "the central term of eq. 4.6 jumps where closest points do, so bodies in motion do not have \
+         it; use none or conservative"
+    )]
+    CentralTerm,
+    /// The closest points of an ellipsoid and a polytope are not found here.
+    #[error(
+        "ellipsoids feel ellipsoids, disks and balls only; give all bodies of the run without faces, \
+         or a polytope in the place of the ellipsoid"
+    )]
+    EllipsoidBesideFaces,
     /// Bodies in motion met.
     #[error(
         "bodies {first} and {second} touch or overlap, where the repulsion is infinite; use a \

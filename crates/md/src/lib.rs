@@ -2,19 +2,21 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`pair`] | the repulsion of two bodies: energy, force and torques, in three forms |
+//! | [`pair`] | the interaction of two bodies: energy, force and torques, in three forms |
 //! | [`near`] | the same, fast, for pairs that are looked at step after step |
-//! | [`body`] | shape, mass and moments of a kind of body |
+//! | [`body`] | parts, mass and moments of a kind of body |
 //! | [`state`] | where bodies are and how they move |
 //! | [`start`] | how they begin |
 //! | [`neighbours`] | pairs that can feel each other soon |
 //! | [`rotation`] | the free rotation of a body |
 //! | [`bath`] | ensembles |
+//! | [`barostat`] | trials of the volume |
 //! | [`engine`] | steps |
 //! | [`drift`] | how well the energy is kept |
 //!
 //! Energies are in units of ε, lengths in the unit of the shapes, the density of bodies is one.
 
+pub mod barostat;
 pub mod bath;
 pub mod body;
 pub mod drift;

@@ -1,6 +1,10 @@
 //! Pairs of bodies that can feel each other before one of them has moved by half of a skin.
+//!
+//! Each pair of their convex parts is an entry of its own; a part reaches as far as its body, however
+//! that is turned.
 
-use crate::near::Hint;
+use crate::near::{Hint, Law};
+use crate::pair::Interaction;
 use crate::state::{Bodies, State};
 use crate::{Error, Result};
 use protomer_kernel::cells::CellList;
@@ -10,12 +14,14 @@ use serde::{Deserialize, Serialize};
 /// The skin over σ.
 const SKIN_RATIO: f64 = 0.35;
 
-/// A pair, with what was learnt of it.
+/// A pair of parts, with what was learnt of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
     /// The bodies; the first has the lower number.
     pub bodies: [u32; 2],
+    /// Their parts; zero for bodies of one part.
+    pub parts: [u16; 2],
     /// Boxes between the image of the second that is meant and the second itself.
     pub images: [i32; 3],
     /// What was learnt of it.
@@ -44,15 +50,8 @@ impl Neighbours {
     ///
     /// # Errors
     /// [`Error::SmallBox`] if a body would meet two images of another.
-    pub fn of(bodies: &Bodies, state: &State) -> Result<Self> {
-        let mut range = 0.0_f64;
-        for (number, first) in bodies.kinds.iter().enumerate() {
-            for second in &bodies.kinds[number..] {
-                let law = crate::near::Law::between(first, second);
-                let apart = first.circumradius + second.circumradius - law.radii + law.reach;
-                range = range.max(apart);
-            }
-        }
+    pub fn of(bodies: &Bodies, state: &State, interaction: &Interaction) -> Result<Self> {
+        let range = range(bodies, interaction);
         let mut list = Self {
             pairs: Vec::new(),
             places: Vec::new(),
@@ -61,11 +60,11 @@ impl Neighbours {
             scale: 1.0,
             rebuilds: 0,
         };
-        list.rebuild(state)?;
+        list.rebuild(bodies, state)?;
         Ok(list)
     }
 
-    /// Notes that the box and everything in it has shrunk.
+    /// Notes that the box and everything in it has shrunk, or grown.
     pub fn shrink(&mut self, factor: f64) {
         self.scale *= factor;
         for place in &mut self.places {
@@ -77,18 +76,18 @@ impl Neighbours {
     ///
     /// # Errors
     /// As [`Neighbours::of`].
-    pub fn refresh(&mut self, state: &State) -> Result<()> {
+    pub fn refresh(&mut self, bodies: &Bodies, state: &State) -> Result<()> {
         let left = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);
         let half = 0.5 * left;
         let far = |(here, there): (&Vec3, &Vec3)| (here - there).norm_squared() > half * half;
         let moved = half <= 0.0 || state.positions.iter().zip(&self.places).any(far);
         if moved {
-            self.rebuild(state)?;
+            self.rebuild(bodies, state)?;
         }
         Ok(())
     }
 
-    fn rebuild(&mut self, state: &State) -> Result<()> {
+    fn rebuild(&mut self, bodies: &Bodies, state: &State) -> Result<()> {
         let range = self.range + self.skin;
         let smallest = match state.space {
             Boundary::Periodic { lengths_angstrom } => lengths_angstrom.min(),
@@ -112,16 +111,34 @@ impl Neighbours {
                 let between = state.positions[second] - position;
                 let images = images(&state.space, &between);
                 if (between + shift(&state.space, images)).norm_squared() < range * range {
-                    self.pairs.push(Pair {
-                        bodies: [first as u32, second as u32],
-                        images,
-                        hint: Hint::default(),
-                    });
+                    let parts = [first, second].map(|body| bodies.kind(body).parts.len());
+                    for entry in 0..parts[0] * parts[1] {
+                        self.pairs.push(Pair {
+                            bodies: [first as u32, second as u32],
+                            parts: [(entry / parts[1]) as u16, (entry % parts[1]) as u16],
+                            images,
+                            hint: Hint::default(),
+                        });
+                    }
                 }
             }
         }
         Ok(())
     }
+}
+
+/// How far bodies may feel each other at most, centre to centre.
+fn range(bodies: &Bodies, interaction: &Interaction) -> f64 {
+    let parts: Vec<_> = bodies.kinds.iter().flat_map(|kind| &kind.parts).collect();
+    let mut range = 0.0_f64;
+    for (number, first) in parts.iter().enumerate() {
+        for second in &parts[number..] {
+            let law = Law::between(first, second, interaction);
+            let arms = first.centre.norm() + second.centre.norm();
+            range = range.max(arms + law.range);
+        }
+    }
+    range
 }
 
 /// The boxes that lead to the nearest image.

@@ -2,7 +2,7 @@
 //! velocities of a temperature.
 
 use crate::bath::{normal_turns, normal_vector, require};
-use crate::near::Law;
+use crate::near::free_distance;
 use crate::state::{Bodies, State};
 use crate::{Error, Result};
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -13,14 +13,12 @@ use std::f64::consts::TAU;
 const ACROSS_THE_PLANE: f64 = 1e6;
 
 /// The least number density at which bodies may be turned at random on a square or simple cubic
-/// lattice without feeling each other.
+/// lattice without repelling each other.
 pub fn free_density(bodies: &Bodies) -> f64 {
     let mut spacing = 0.0_f64;
     for first in &bodies.kinds {
         for second in &bodies.kinds {
-            let law = Law::between(first, second);
-            let apart = first.circumradius() + second.circumradius() - law.radii + law.reach;
-            spacing = spacing.max(apart);
+            spacing = spacing.max(free_distance(first, second));
         }
     }
     let count = bodies.count();

@@ -32,6 +32,21 @@ impl Bodies {
         &self.kinds[self.kind_of[body]]
     }
 
+    /// Whether a state has as many bodies, in a plane or in space as these.
+    pub(crate) fn fit(&self, state: &State) -> bool {
+        let count = self.count();
+        let turned = match self.dimension() {
+            2 => [0, count],
+            _ => [count, 0],
+        };
+        [
+            state.positions.len(),
+            state.velocities.len(),
+            state.spins.len(),
+        ] == [count; 3]
+            && [state.rotations.len(), state.angles_rad.len()] == turned
+    }
+
     /// 2 or 3.
     pub fn dimension(&self) -> usize {
         self.kinds.first().map_or(3, |kind| kind.dimension)

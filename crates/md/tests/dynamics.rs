@@ -27,7 +27,7 @@ fn kind(name: &str) -> Kind {
 
 fn settings(form: Form, time_step: f64) -> Settings {
     Settings {
-        form,
+        interaction: form.into(),
         time_step,
         ensemble: Ensemble::Nve,
         seed: 1,
@@ -184,7 +184,7 @@ fn compressed(name: &str, count: usize, density: f64, form: Form) -> Engine {
 
 /// The same motion without a bath, with another step.
 fn free(engine: &Engine, time_step: f64) -> Engine {
-    let settings = settings(engine.settings().form, time_step);
+    let settings = settings(engine.settings().interaction.form, time_step);
     Engine::continued(engine.bodies().clone(), engine.motion().clone(), settings).unwrap()
 }
 

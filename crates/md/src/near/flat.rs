@@ -5,8 +5,9 @@
 //! reach says that there is no force; it is tried first, because it was so a step before. If there is
 //! none, the best face says which corners of the other body, and of its own, can be near at all.
 
-use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedBody};
+use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedPart};
 use crate::pair::Form;
+use crate::pair::features::precedes;
 use protomer_kernel::Vec3;
 
 /// A plane that separates two bodies.
@@ -23,14 +24,14 @@ struct Separation {
 /// The energy, force and torques of two bodies in a plane; `between` leads from the centre of the
 /// first to that of the second.
 pub fn felt(
-    first: TurnedBody<'_>,
-    second: TurnedBody<'_>,
+    first: TurnedPart<'_>,
+    second: TurnedPart<'_>,
     between: Vec3,
     law: &Law,
     form: Form,
     hint: &mut Hint,
 ) -> Felt {
-    let apart = first.kind.circumradius + second.kind.circumradius - law.radii + law.reach;
+    let apart = first.part.circumradius + second.part.circumradius + law.radial.range();
     if between.norm_squared() > apart * apart {
         return Felt::nothing();
     }
@@ -39,7 +40,7 @@ pub fn felt(
         between,
         felt: Felt::nothing(),
     };
-    if first.kind.is_ball() || second.kind.is_ball() {
+    if first.part.is_round() || second.part.is_round() {
         return of_disks(&first, &second, sum);
     }
     let separation = match separation(&first, &second, between, law.reach * SURELY_BEYOND, hint) {
@@ -47,10 +48,10 @@ pub fn felt(
         Some(separation) => separation,
         None => return Felt::nothing(),
     };
-    let mut closest = (f64::INFINITY, Vec3::zeros(), Vec3::zeros());
-    let mut note = |distance: f64, on_first: Vec3, on_second: Vec3| {
-        if distance < closest.0 {
-            closest = (distance, on_first, on_second);
+    let mut closest = ((f64::INFINITY, 0), Vec3::zeros(), Vec3::zeros());
+    let mut note = |here: (f64, usize), on_first: Vec3, on_second: Vec3| {
+        if precedes(here, closest.0) {
+            closest = (here, on_first, on_second);
         }
     };
     let (with_face, other, way) = match separation.is_of_second {
@@ -63,7 +64,7 @@ pub fn felt(
         if separation.normal.dot(&place) - separation.top >= law.reach {
             continue;
         }
-        let Some(foot) = nearest(with_face, &place) else {
+        let Some((foot, dimensions)) = foot(with_face, &place) else {
             return Felt::touching();
         };
         let [on_first, on_second] = match separation.is_of_second {
@@ -71,7 +72,7 @@ pub fn felt(
             true => [*corner, foot],
         };
         let distance = sum.distance(&on_first, &on_second);
-        note(distance, on_first, on_second);
+        note((distance, dimensions), on_first, on_second);
         if form == Form::Smooth {
             sum.repel(on_first, on_second, distance);
         }
@@ -80,7 +81,7 @@ pub fn felt(
         if bottom - separation.normal.dot(corner) >= law.reach {
             continue;
         }
-        let Some(foot) = nearest(other, &(corner - way)) else {
+        let Some((foot, dimensions)) = foot(other, &(corner - way)) else {
             return Felt::touching();
         };
         let [on_first, on_second] = match separation.is_of_second {
@@ -88,12 +89,12 @@ pub fn felt(
             true => [foot, *corner],
         };
         let distance = sum.distance(&on_first, &on_second);
-        note(distance, on_first, on_second);
+        note((distance, dimensions), on_first, on_second);
         if form == Form::Smooth {
             sum.repel(on_first, on_second, distance);
         }
     }
-    let (distance, on_first, on_second) = closest;
+    let ((distance, _), on_first, on_second) = closest;
     if distance < law.reach {
         match form {
             Form::Smooth => {}
@@ -107,8 +108,8 @@ pub fn felt(
 /// The face that separates the bodies most; `None` if one does by more than the reach. Without any,
 /// the gap is not positive.
 fn separation(
-    first: &TurnedBody<'_>,
-    second: &TurnedBody<'_>,
+    first: &TurnedPart<'_>,
+    second: &TurnedPart<'_>,
     between: Vec3,
     reach: f64,
     hint: &mut Hint,
@@ -124,7 +125,7 @@ fn separation(
         for corner in other.corners {
             lowest = lowest.min(normal.x * corner.x + normal.y * corner.y);
         }
-        lowest + normal.dot(&way) - body.kind.offsets[own]
+        lowest + normal.dot(&way) - body.part.offsets[own]
     };
     let remembered = (hint.face as usize).min(faces + second.normals.len() - 1);
     let mut best = (remembered, gap(remembered));
@@ -149,17 +150,22 @@ fn separation(
     (best.1 <= reach).then(|| Separation {
         normal: body.normals[own],
         gap: best.1,
-        top: body.kind.offsets[own],
+        top: body.part.offsets[own],
         is_of_second,
     })
 }
 
-/// The point of a polygon or a disk's centre nearest to a point outside; `None` for a point inside.
-fn nearest(body: &TurnedBody<'_>, point: &Vec3) -> Option<Vec3> {
+/// The point of a polygon nearest to a point outside; `None` for a point inside.
+fn nearest(body: &TurnedPart<'_>, point: &Vec3) -> Option<Vec3> {
+    foot(body, point).map(|(foot, _)| foot)
+}
+
+/// The same with the dimensions of the feature it lies on: an edge or a corner.
+fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let (normals, corners) = (body.normals, body.corners);
     let mut best = (0, f64::NEG_INFINITY);
     for (face, normal) in normals.iter().enumerate() {
-        let height = normal.x * point.x + normal.y * point.y - body.kind.offsets[face];
+        let height = normal.x * point.x + normal.y * point.y - body.part.offsets[face];
         if height > best.1 {
             best = (face, height);
         }
@@ -177,27 +183,27 @@ fn nearest(body: &TurnedBody<'_>, point: &Vec3) -> Option<Vec3> {
         let place = (point - from).dot(&along) / along.norm_squared();
         if place < 0.0 {
             if came > 0 {
-                return Some(from);
+                return Some((from, 0));
             }
             came = -1;
             face = if face == 0 { count - 1 } else { face - 1 };
         } else if place > 1.0 {
             if came < 0 {
-                return Some(from + along);
+                return Some((from + along, 0));
             }
             came = 1;
             face = if face + 1 == count { 0 } else { face + 1 };
         } else {
-            return Some(from + place * along);
+            return Some((from + place * along, 1));
         }
     }
-    Some(corners[face])
+    Some((corners[face], 0))
 }
 
 /// Two disks, or a disk and a polygon: the centre of a disk repels the other body.
-fn of_disks(first: &TurnedBody<'_>, second: &TurnedBody<'_>, mut sum: Sum<'_>) -> Felt {
+fn of_disks(first: &TurnedPart<'_>, second: &TurnedPart<'_>, mut sum: Sum<'_>) -> Felt {
     let centre = Vec3::zeros();
-    let (on_first, on_second) = match (first.kind.is_ball(), second.kind.is_ball()) {
+    let (on_first, on_second) = match (first.part.is_round(), second.part.is_round()) {
         (true, true) => (Some(centre), Some(centre)),
         (true, false) => (Some(centre), nearest(second, &-sum.between)),
         (false, _) => (nearest(first, &sum.between), Some(centre)),
@@ -232,7 +238,7 @@ impl Sum<'_> {
             self.felt = Felt::touching();
             return;
         }
-        let [energy, slope] = self.law.repulsion.energy_and_slope(x);
+        let [energy, slope] = self.law.radial.energy_and_slope(x);
         self.felt.energy += energy;
         let separation = on_first - on_second - self.between;
         let force = separation * (-slope / distance);
@@ -244,8 +250,8 @@ impl Sum<'_> {
     /// The corners of the two faces that look at each other against the other face.
     fn add_faces(
         &mut self,
-        first: &TurnedBody<'_>,
-        second: &TurnedBody<'_>,
+        first: &TurnedPart<'_>,
+        second: &TurnedPart<'_>,
         on_first: Vec3,
         on_second: Vec3,
     ) {
@@ -265,10 +271,10 @@ impl Sum<'_> {
 }
 
 /// The face through which a ray from the centre leaves.
-fn towards(body: &TurnedBody<'_>, direction: &Vec3) -> [Vec3; 2] {
+fn towards(body: &TurnedPart<'_>, direction: &Vec3) -> [Vec3; 2] {
     let mut best = (0, f64::NEG_INFINITY);
     for (face, normal) in body.normals.iter().enumerate() {
-        let inverse_length = normal.dot(direction) / body.kind.offsets[face];
+        let inverse_length = normal.dot(direction) / body.part.offsets[face];
         if inverse_length > best.1 {
             best = (face, inverse_length);
         }

@@ -4,15 +4,21 @@
 //! |---|---|
 //! | [`flat`] | polygons and disks |
 //! | [`solid`] | polyhedra and balls |
+//! | [`round`] | ellipsoids, disks and balls |
 //!
 //! Corners and normals are turned into space once per body and step ([`Turned`]). What was learnt of
 //! a pair is kept in a [`Hint`]: the face or the direction that separated it, and the features that
 //! came closest. Nothing is allocated.
 
 pub mod flat;
+pub mod round;
 pub mod solid;
 
 use crate::body::Kind;
+use crate::body::part::Part;
+use crate::pair::central::Central;
+use crate::pair::radial::{Attraction, Radial};
+use crate::pair::{CONTACT_RATIO, Form, Interaction};
 use protomer_kernel::shape::remembered::Simplex;
 use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
@@ -20,33 +26,63 @@ use serde::{Deserialize, Serialize};
 /// A plane that separates two bodies by this much more than the reach leaves no force to rounding.
 pub(crate) const SURELY_BEYOND: f64 = 1.0 + 1e-9;
 
-/// The repulsion of two kinds, prepared.
+/// The interaction of two parts, prepared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
-    /// The repulsion.
-    pub repulsion: crate::pair::repulsion::Repulsion,
-    /// The radii of the disks or balls, added.
+    /// The energy of two points.
+    pub radial: Radial,
+    /// The radii of the rounded parts, the disks or the balls, added.
     pub radii: f64,
-    /// Distance of the corners and faces from which on there is no force.
+    /// Distance of the cores from which on there is no force.
     pub reach: f64,
+    /// The energy between the centres, if any.
+    pub central: Option<Radial>,
+    /// How far the centres of two parts that feel each other are from each other at most.
+    pub range: f64,
 }
 
 impl Law {
-    /// The repulsion between two kinds, with the length 0.15 σ.
-    pub fn between(first: &Kind, second: &Kind) -> Self {
-        let sigma = crate::pair::CONTACT_RATIO * (first.inradius() + second.inradius());
-        let repulsion = crate::pair::repulsion::Repulsion { sigma };
+    /// The interaction of two parts; the length of that of points is 0.15 σ.
+    pub fn between(first: &Part, second: &Part, interaction: &Interaction) -> Self {
+        let sigma = first.inradius() + second.inradius();
+        let along = |sigma: f64| Radial {
+            sigma,
+            attraction: interaction.attraction,
+        };
+        let radial = along(CONTACT_RATIO * sigma);
         let radii = first.radius + second.radius;
+        let central = (interaction.central != Central::None).then(|| along(sigma));
+        let contact = first.circumradius() + second.circumradius() + radial.range();
         Self {
-            repulsion,
+            radial,
             radii,
-            reach: repulsion.range() + radii,
+            reach: radial.range() + radii,
+            central,
+            range: central.map_or(contact, |central| central.range().max(contact)),
         }
     }
 }
 
-/// What a body pair feels: as [`PairForces`](crate::pair::PairForces), without the distance. The
-/// energy is infinite where the bodies touch.
+/// The distance of the centres from which on two bodies, turned as they may be, do not repel each
+/// other.
+pub(crate) fn free_distance(first: &Kind, second: &Kind) -> f64 {
+    let mut apart = 0.0_f64;
+    let repulsion = Interaction {
+        form: Form::Contact,
+        attraction: Attraction::NONE,
+        central: Central::None,
+    };
+    for a in &first.parts {
+        for b in &second.parts {
+            let law = Law::between(a, b, &repulsion);
+            apart = apart.max(a.centre.norm() + b.centre.norm() + law.range);
+        }
+    }
+    apart
+}
+
+/// What a pair of parts feels: as [`PairForces`](crate::pair::PairForces), without the distance. The
+/// energy is infinite where they touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
     /// Energy in units of ε.
@@ -98,23 +134,61 @@ impl Default for Hint {
     }
 }
 
-/// The corners and normals of all bodies, turned into space, about the centres.
+/// Felt by two parts between whose centres this way leads; the hint is updated.
+pub fn felt(
+    first: TurnedPart<'_>,
+    second: TurnedPart<'_>,
+    between: Vec3,
+    law: &Law,
+    form: Form,
+    hint: &mut Hint,
+) -> Felt {
+    let is_oblong = first.part.half_axes.is_some() || second.part.half_axes.is_some();
+    let mut felt = match first.part.dimension {
+        _ if is_oblong => round::felt(first, second, between, law, hint),
+        2 => flat::felt(first, second, between, law, form, hint),
+        _ => solid::felt(first, second, between, law, form, hint),
+    };
+    if let Some(central) = &law.central {
+        felt.add_central(central, &between);
+    }
+    felt
+}
+
+impl Felt {
+    /// Adds the energy between the centres, which has no torque.
+    fn add_central(&mut self, central: &Radial, between: &Vec3) {
+        let r = between.norm();
+        if r < central.range() {
+            let [energy, slope] = central.energy_and_slope(r);
+            self.energy += energy;
+            self.force += slope / r * between;
+        }
+    }
+}
+
+/// The corners and normals of the parts of all bodies, turned into space, about the centres of the
+/// parts. An ellipsoid has its half axes in the place of normals.
 #[derive(Debug, Clone, Default)]
 pub struct Turned {
     corners: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// Where the corners and the normals of each body begin, and at last where they end.
+    /// From the centre of mass of the body to the centre of each part.
+    centres: Vec<Vec3>,
+    /// Where the corners and the normals of each part begin, and at last where they end.
     starts: Vec<[usize; 2]>,
+    /// Where the parts of each body begin.
+    first_part: Vec<usize>,
 }
 
-/// A body turned into space.
+/// A part turned into space.
 #[derive(Debug, Clone, Copy)]
-pub struct TurnedBody<'a> {
-    /// Its kind.
-    pub kind: &'a Kind,
-    /// Corners from the centre.
+pub struct TurnedPart<'a> {
+    /// The part.
+    pub part: &'a Part,
+    /// Corners of the core from the centre.
     pub corners: &'a [Vec3],
-    /// Normals of the faces.
+    /// Normals of the faces, or the half axes of an ellipsoid.
     pub normals: &'a [Vec3],
 }
 
@@ -125,9 +199,16 @@ impl Turned {
         let mut starts = [0, 0];
         turned.starts.push(starts);
         for kind in kinds {
-            starts[0] += kind.polytope.corners.len();
-            starts[1] += kind.polytope.faces.len();
-            turned.starts.push(starts);
+            turned.first_part.push(turned.centres.len());
+            for part in &kind.parts {
+                starts[0] += part.polytope.corners.len();
+                starts[1] += match part.half_axes {
+                    Some(_) => part.dimension,
+                    None => part.polytope.faces.len(),
+                };
+                turned.starts.push(starts);
+                turned.centres.push(Vec3::zeros());
+            }
         }
         turned.corners.resize(starts[0], Vec3::zeros());
         turned.normals.resize(starts[1], Vec3::zeros());
@@ -148,25 +229,44 @@ impl Turned {
     }
 
     fn fill(&mut self, body: usize, kind: &Kind, turn: impl Fn(&Vec3) -> Vec3) {
-        let [corner, face] = self.starts[body];
-        for (place, x) in self.corners[corner..]
-            .iter_mut()
-            .zip(&kind.polytope.corners)
-        {
-            *place = turn(x);
-        }
-        for (place, x) in self.normals[face..].iter_mut().zip(&kind.polytope.faces) {
-            *place = turn(&x.normal);
+        for (number, part) in kind.parts.iter().enumerate() {
+            let number = self.first_part[body] + number;
+            let [corner, face] = self.starts[number];
+            let corners = self.corners[corner..].iter_mut();
+            for (place, x) in corners.zip(&part.polytope.corners) {
+                *place = turn(x);
+            }
+            let normals = self.normals[face..].iter_mut();
+            match &part.half_axes {
+                Some(axes) => {
+                    for (axis, place) in normals.take(part.dimension).enumerate() {
+                        *place = turn(&Vec3::ith(axis, axes[axis]));
+                    }
+                }
+                None => {
+                    for (place, x) in normals.zip(&part.polytope.faces) {
+                        *place = turn(&x.normal);
+                    }
+                }
+            }
+            self.centres[number] = turn(&part.centre);
         }
     }
 
-    /// A body.
-    pub fn body<'a>(&'a self, body: usize, kind: &'a Kind) -> TurnedBody<'a> {
-        let ([corner, face], [end, last]) = (self.starts[body], self.starts[body + 1]);
-        TurnedBody {
-            kind,
-            corners: &self.corners[corner..end],
-            normals: &self.normals[face..last],
+    /// A part of a body.
+    pub fn part<'a>(&'a self, body: usize, number: usize, kind: &'a Kind) -> TurnedPart<'a> {
+        let place = self.first_part[body] + number;
+        let [corner, face] = self.starts[place];
+        let [next_corner, next_face] = self.starts[place + 1];
+        TurnedPart {
+            part: &kind.parts[number],
+            corners: &self.corners[corner..next_corner],
+            normals: &self.normals[face..next_face],
         }
+    }
+
+    /// From the centre of mass of a body to the centre of one of its parts.
+    pub fn centre(&self, body: usize, number: usize) -> Vec3 {
+        self.centres[self.first_part[body] + number]
     }
 }

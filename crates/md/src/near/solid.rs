@@ -4,8 +4,9 @@
 //! bodies by more than the reach, the walk to the closest points begins where it ended a step ago.
 //! The direction between the closest points then says which corners and edges can be near at all.
 
-use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedBody};
+use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedPart};
 use crate::pair::Form;
+use crate::pair::features::{EQUAL, precedes};
 use crate::pair::smooth::Crossing;
 use crate::pair::terms::Terms;
 use protomer_kernel::Vec3;
@@ -13,17 +14,20 @@ use protomer_kernel::shape::closest::ClosestPoints;
 use protomer_kernel::shape::polytope::Face;
 use protomer_kernel::shape::remembered::{Bodies, Found};
 
+/// Features are looked at again if they are beyond the closest points by less than this part.
+const ROUNDING: f64 = 1e-6;
+
 /// The energy, force and torques of two bodies in space; `between` leads from the centre of the
 /// first to that of the second.
 pub fn felt(
-    first: TurnedBody<'_>,
-    second: TurnedBody<'_>,
+    first: TurnedPart<'_>,
+    second: TurnedPart<'_>,
     between: Vec3,
     law: &Law,
     form: Form,
     hint: &mut Hint,
 ) -> Felt {
-    let apart = first.kind.circumradius + second.kind.circumradius - law.radii + law.reach;
+    let apart = first.part.circumradius + second.part.circumradius + law.radial.range();
     if between.norm_squared() > apart * apart {
         return Felt::nothing();
     }
@@ -55,12 +59,15 @@ pub fn felt(
     }
     let mut sum = Sum {
         law,
-        terms: Terms::about([Vec3::zeros(), between]),
+        terms: Terms::about([Vec3::zeros(), between], law.radial, law.radii),
     };
-    let is_ball = first.kind.is_ball() || second.kind.is_ball();
+    let is_ball = first.part.is_round() || second.part.is_round();
     match form {
         _ if is_ball => sum.repel(&points),
-        Form::Contact => sum.repel(&points),
+        Form::Contact => {
+            let points = exact(&first, &second, between, &direction, points);
+            sum.repel(&points);
+        }
         Form::FaceSum => sum.add_faces(&first, &second, between, &points, &direction),
         Form::Smooth => {
             if !sum.add_all(&first, &second, between, &direction) {
@@ -75,21 +82,145 @@ pub fn felt(
     }
 }
 
+/// The closest points among the features near the plane between the bodies. The walk to the closest
+/// points ends where a step gains less than rounding of their distance; along nearly parallel features
+/// their places are then good to 1e-8 only.
+fn exact(
+    first: &TurnedPart<'_>,
+    second: &TurnedPart<'_>,
+    between: Vec3,
+    direction: &Vec3,
+    walked: ClosestPoints,
+) -> ClosestPoints {
+    let size = first.part.circumradius + second.part.circumradius;
+    let reach = walked.distance() + ROUNDING * size;
+    // The walk knows no feature, so all of them come before it.
+    let mut best = ((reach, 0), walked);
+    let mut note = |dimensions: usize, points: ClosestPoints| {
+        let here = (points.distance(), dimensions);
+        if precedes(here, best.0) {
+            best = (here, points);
+        }
+    };
+    let [top, bottom] = limits(first, second, &between, direction);
+    let mut near = [0, 0];
+    for corner in first.corners {
+        if bottom - corner.dot(direction) > reach {
+            continue;
+        }
+        near[0] += 1;
+        if let Some((foot, dimensions)) = foot(second, &(corner - between)) {
+            let on_second = foot + between;
+            note(
+                dimensions,
+                ClosestPoints {
+                    on_first: *corner,
+                    on_second,
+                },
+            );
+        }
+    }
+    for corner in second.corners {
+        let corner = corner + between;
+        if corner.dot(direction) - top > reach {
+            continue;
+        }
+        near[1] += 1;
+        if let Some((foot, dimensions)) = foot(first, &corner) {
+            note(
+                dimensions,
+                ClosestPoints {
+                    on_first: foot,
+                    on_second: corner,
+                },
+            );
+        }
+    }
+    // Where one corner alone is near the plane, edges hardly cross another; if they do, the walk says so.
+    let edges = match near.contains(&1) {
+        true => &[],
+        false => first.part.polytope.edges.as_slice(),
+    };
+    for edge in edges {
+        let edge = edge.map(|corner| first.corners[corner]);
+        let high = edge[0].dot(direction).max(edge[1].dot(direction));
+        if bottom - high > reach {
+            continue;
+        }
+        for other in &second.part.polytope.edges {
+            let other = other.map(|corner| second.corners[corner] + between);
+            let low = other[0].dot(direction).min(other[1].dot(direction));
+            if low - high <= reach
+                && let Some(points) = crossing(edge, other)
+            {
+                note(2, points);
+            }
+        }
+    }
+    let ((distance, _), points) = best;
+    match walked.distance() < distance * (1.0 - EQUAL) {
+        true => walked,
+        false => points,
+    }
+}
+
+/// The closest points of the lines through two edges, if they lie within both.
+fn crossing(first: [Vec3; 2], second: [Vec3; 2]) -> Option<ClosestPoints> {
+    let (u, v) = (first[1] - first[0], second[1] - second[0]);
+    let r = first[0] - second[0];
+    let normal = u.cross(&v);
+    let squared = normal.norm_squared();
+    let s = v.cross(&r).dot(&normal) / squared;
+    let t = u.cross(&r).dot(&normal) / squared;
+    let is_within = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t);
+    is_within.then(|| ClosestPoints {
+        on_first: first[0] + s * u,
+        on_second: second[0] + t * v,
+    })
+}
+
+/// As [`nearest`], with the dimensions of the feature on which the point lies.
+fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
+    let faces = &body.part.polytope.faces;
+    let heights = body.normals.iter().zip(&body.part.offsets);
+    let heights = heights.map(|(normal, offset)| normal.dot(point) - offset);
+    let (highest, top) = heights
+        .clone()
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if top <= 0.0 {
+        return None;
+    }
+    let mut best = foot_on_face(body, (highest, &faces[highest]), point);
+    let mut distance = (best.0 - point).norm();
+    for (number, height) in heights.enumerate() {
+        if number == highest || height <= 0.0 {
+            continue;
+        }
+        let place = foot_on_face(body, (number, &faces[number]), point);
+        let here = (place.0 - point).norm();
+        if here < distance * (1.0 - EQUAL) {
+            (best, distance) = (place, here);
+        }
+    }
+    Some(best)
+}
+
 /// By how much a plane across this direction, of length one, separates the bodies; not positive for
 /// the zero vector.
-fn gap(first: &TurnedBody<'_>, second: &TurnedBody<'_>, between: &Vec3, direction: &Vec3) -> f64 {
+fn gap(first: &TurnedPart<'_>, second: &TurnedPart<'_>, between: &Vec3, direction: &Vec3) -> f64 {
     let [top, bottom] = limits(first, second, between, direction);
     bottom - top
 }
 
 /// The highest point of the first body and the lowest of the second along a direction.
 fn limits(
-    first: &TurnedBody<'_>,
-    second: &TurnedBody<'_>,
+    first: &TurnedPart<'_>,
+    second: &TurnedPart<'_>,
     between: &Vec3,
     direction: &Vec3,
 ) -> [f64; 2] {
-    let heights = |body: &TurnedBody<'_>, from: f64, keep: fn(f64, f64) -> f64| {
+    let heights = |body: &TurnedPart<'_>, from: f64, keep: fn(f64, f64) -> f64| {
         let corners = body.corners.iter();
         corners.fold(from, |limit, corner| keep(limit, corner.dot(direction)))
     };
@@ -112,10 +243,7 @@ impl Sum<'_> {
             return;
         }
         let distance = squared.sqrt();
-        let [energy, slope] = self
-            .law
-            .repulsion
-            .energy_and_slope(distance - self.law.radii);
+        let [energy, slope] = self.law.radial.energy_and_slope(distance - self.law.radii);
         self.terms.energy += energy;
         let force = separation * (-slope / distance);
         self.terms.push([points.on_first, points.on_second], force);
@@ -124,8 +252,8 @@ impl Sum<'_> {
     /// All features of the two faces that look at each other.
     fn add_faces(
         &mut self,
-        first: &TurnedBody<'_>,
-        second: &TurnedBody<'_>,
+        first: &TurnedPart<'_>,
+        second: &TurnedPart<'_>,
         between: Vec3,
         points: &ClosestPoints,
         direction: &Vec3,
@@ -184,8 +312,8 @@ impl Sum<'_> {
     /// All corners and edges, smoothly; false if a corner is inside the other body.
     fn add_all(
         &mut self,
-        first: &TurnedBody<'_>,
-        second: &TurnedBody<'_>,
+        first: &TurnedPart<'_>,
+        second: &TurnedPart<'_>,
         between: Vec3,
         direction: &Vec3,
     ) -> bool {
@@ -216,20 +344,20 @@ impl Sum<'_> {
                 on_second: corner,
             });
         }
-        for edge in &first.kind.polytope.edges {
+        for edge in &first.part.polytope.edges {
             let edge = edge.map(|corner| first.corners[corner]);
             let high = edge[0].dot(direction).max(edge[1].dot(direction));
             if bottom - high >= reach {
                 continue;
             }
-            for other in &second.kind.polytope.edges {
+            for other in &second.part.polytope.edges {
                 let other = other.map(|corner| second.corners[corner] + between);
                 let low = other[0].dot(direction).min(other[1].dot(direction));
                 if low - high >= reach {
                     continue;
                 }
-                if let Some(crossing) = Crossing::of(edge, other, &self.law.repulsion) {
-                    crossing.add(&mut self.terms, &self.law.repulsion);
+                if let Some(crossing) = Crossing::of(edge, other, reach) {
+                    crossing.add(&mut self.terms);
                 }
             }
         }
@@ -238,15 +366,15 @@ impl Sum<'_> {
 }
 
 /// The face through which a ray from the centre leaves, with its number.
-fn towards<'a>(body: &TurnedBody<'a>, direction: &Vec3) -> (usize, &'a Face) {
+fn towards<'a>(body: &TurnedPart<'a>, direction: &Vec3) -> (usize, &'a Face) {
     let mut best = (0, f64::NEG_INFINITY);
     for (face, normal) in body.normals.iter().enumerate() {
-        let inverse_length = normal.dot(direction) / body.kind.offsets[face];
+        let inverse_length = normal.dot(direction) / body.part.offsets[face];
         if inverse_length > best.1 {
             best = (face, inverse_length);
         }
     }
-    (best.0, &body.kind.polytope.faces[best.0])
+    (best.0, &body.part.polytope.faces[best.0])
 }
 
 /// The edges of a face.
@@ -255,38 +383,47 @@ fn rim(face: &Face) -> impl Iterator<Item = (usize, usize)> {
     face.corners.iter().copied().zip(next.copied())
 }
 
-fn on_segment(point: &Vec3, from: &Vec3, to: &Vec3) -> Vec3 {
-    let along = to - from;
-    let place = (point - from).dot(&along) / along.norm_squared();
-    from + place.clamp(0.0, 1.0) * along
+/// The point of a face nearest to a point.
+fn on_face(body: &TurnedPart<'_>, face: (usize, &Face), point: &Vec3) -> Vec3 {
+    foot_on_face(body, face, point).0
 }
 
-/// The point of a face nearest to a point.
-fn on_face(body: &TurnedBody<'_>, (number, face): (usize, &Face), point: &Vec3) -> Vec3 {
+/// The same with the dimensions of the feature it lies on: the face, an edge or a corner.
+#[inline]
+fn foot_on_face(
+    body: &TurnedPart<'_>,
+    (number, face): (usize, &Face),
+    point: &Vec3,
+) -> (Vec3, usize) {
     let normal = body.normals[number];
-    let height = normal.dot(point) - body.kind.offsets[number];
+    let height = normal.dot(point) - body.part.offsets[number];
     let foot = point - height * normal;
     let mut best = (f64::INFINITY, foot);
+    let mut dimensions = 2;
     for (from, to) in rim(face) {
         let (from, to) = (body.corners[from], body.corners[to]);
         if normal.dot(&(to - from).cross(&(foot - from))) < 0.0 {
-            let place = on_segment(point, &from, &to);
-            let squared = (place - point).norm_squared();
-            if squared < best.0 {
-                best = (squared, place);
+            let along = to - from;
+            let place = (point - from).dot(&along) / along.norm_squared();
+            let on_edge = from + place.clamp(0.0, 1.0) * along;
+            let squared = (on_edge - point).norm_squared();
+            let is_within = usize::from(place > 0.0 && place < 1.0);
+            if precedes((squared, is_within), (best.0, dimensions % 2)) {
+                best = (squared, on_edge);
+                dimensions = is_within;
             }
         }
     }
-    best.1
+    (best.1, dimensions)
 }
 
 /// The point of a polyhedron nearest to a point outside; `None` for a point inside. It lies on a
 /// face that the point sees; if its foot is on the face that it is highest above, it is that.
-fn nearest(body: &TurnedBody<'_>, point: &Vec3) -> Option<Vec3> {
-    let faces = &body.kind.polytope.faces;
+fn nearest(body: &TurnedPart<'_>, point: &Vec3) -> Option<Vec3> {
+    let faces = &body.part.polytope.faces;
     let mut best = (0, f64::NEG_INFINITY);
     for (number, normal) in body.normals.iter().enumerate() {
-        let height = normal.dot(point) - body.kind.offsets[number];
+        let height = normal.dot(point) - body.part.offsets[number];
         if height > best.1 {
             best = (number, height);
         }
@@ -300,7 +437,7 @@ fn nearest(body: &TurnedBody<'_>, point: &Vec3) -> Option<Vec3> {
         return Some(found);
     }
     for (number, normal) in body.normals.iter().enumerate() {
-        if number == best.0 || normal.dot(point) <= body.kind.offsets[number] {
+        if number == best.0 || normal.dot(point) <= body.part.offsets[number] {
             continue;
         }
         let place = on_face(body, (number, &faces[number]), point);

@@ -1,4 +1,4 @@
-//! The face sum as published: one face of each body, and the repulsion between all their features.
+//! The face sum as published: one face of each body, and the energy between all their features.
 //!
 //! The face of a body is that through which the ray from its centroid to the contact point of the
 //! other body leaves. In two dimensions the four terms are the corners of each edge against the other
@@ -7,43 +7,40 @@
 //! of one corner on a face.
 
 use super::Placed;
-use super::repulsion::Repulsion;
+use super::features::{Features, between_segments, on_face};
 use super::terms::Terms;
 use protomer_kernel::Vec3;
-use protomer_kernel::shape::closest::{ClosestPoints, closest_points};
+use protomer_kernel::shape::closest::ClosestPoints;
 
 /// Adds the terms of the two faces.
-pub fn add(
-    terms: &mut Terms,
-    repulsion: &Repulsion,
-    pair: &Placed,
-    corners: &[Vec<Vec3>; 2],
-    closest: &ClosestPoints,
-) {
+pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2], closest: &ClosestPoints) {
     let targets = [closest.on_second, closest.on_first];
     let faces = [0, 1].map(|n| {
         let ray = targets[n] - pair.poses[n].position;
         let face = pair.bodies[n].face_towards(&(pair.poses[n].rotation.inverse() * ray));
-        let corner = |number: &usize| corners[n][*number];
-        face.corners.iter().map(corner).collect::<Vec<Vec3>>()
+        let corner = |number: &usize| features[n].corners[*number];
+        let rim = face.corners.iter().map(corner).collect::<Vec<Vec3>>();
+        (pair.poses[n].rotation * face.normal, rim)
     });
-    let mut add = |first: &[Vec3], second: &[Vec3]| {
-        if let Some(points) = closest_points(first, second) {
-            terms.repel(repulsion, &points);
-        }
-    };
-    for corner in &faces[0] {
-        add(std::slice::from_ref(corner), &faces[1]);
+    let [(normal, rim), (other_normal, other_rim)] = &faces;
+    for corner in rim {
+        terms.repel(&ClosestPoints {
+            on_first: *corner,
+            on_second: on_face(other_normal, other_rim, corner).0,
+        });
     }
-    for corner in &faces[1] {
-        add(&faces[0], std::slice::from_ref(corner));
+    for corner in other_rim {
+        terms.repel(&ClosestPoints {
+            on_first: on_face(normal, rim, corner).0,
+            on_second: *corner,
+        });
     }
     if pair.bodies[0].dimension == 2 {
         return;
     }
-    for first in edges(&faces[0]) {
-        for second in edges(&faces[1]) {
-            add(&first, &second);
+    for first in edges(rim) {
+        for second in edges(other_rim) {
+            terms.repel(&between_segments(&first, &second));
         }
     }
 }

@@ -1,38 +1,46 @@
-//! The anisotropic repulsion of two convex bodies (AWCA): a short-ranged repulsion between points of
-//! their surfaces (Ramasubramani et al., J. Chem. Phys. 153, 084106 (2020)).
+//! The anisotropic potential of two convex bodies (ALJ, and its repulsive form AWCA): a short-ranged
+//! energy between points of their surfaces (Ramasubramani et al., J. Chem. Phys. 153, 084106 (2020)).
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`repulsion`] | the energy of two points at a distance |
+//! | [`radial`] | the energy of two points at a distance |
 //! | [`contact`] | between the closest points alone |
 //! | [`face_sum`] | between all features of the two faces that look at each other, as published |
 //! | [`smooth`] | between all features of the bodies, with forces that are its exact gradient |
+//! | [`central`] | between the centroids |
+//! | [`features`] | closest points, plainly |
 //! | [`terms`] | forces on points, added up to forces and torques |
 //!
 //! Lengths: σ is the mean of the diameters of the balls about the centroids that fit in, and that of
-//! the repulsion is σ_c = 0.15 σ.
+//! the energy of points is σ_c = 0.15 σ. Bodies may be rounded: with the Minkowski sum of a core and a
+//! ball, points are nearer by the radius.
 //!
 //! The contact point alone has a torque that jumps where two faces pass through parallel. The face
 //! sum mends that in two dimensions; in three, parallel edges jump, and in both the energy jumps
 //! where another face is chosen. The smooth sum does neither.
 
+pub mod central;
 pub mod contact;
 pub mod face_sum;
-pub mod repulsion;
+pub mod features;
+pub mod radial;
 pub mod smooth;
+mod step;
 pub mod terms;
 
 use crate::{Error, Result};
+use central::Central;
+use features::Features;
 use protomer_kernel::shape::closest::closest_points;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Vec3};
-use repulsion::Repulsion;
+use radial::{Attraction, Radial};
 use terms::Terms;
 
 /// σ_c over σ.
 pub const CONTACT_RATIO: f64 = 0.15;
 
-/// Which points of two bodies repel each other.
+/// Which points of two bodies feel each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// The closest points.
@@ -41,6 +49,28 @@ pub enum Form {
     FaceSum,
     /// Corners and edges of both bodies, smoothly.
     Smooth,
+}
+
+/// What two bodies feel of each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interaction {
+    /// Which points feel each other.
+    pub form: Form,
+    /// How points, and centroids, attract each other.
+    pub attraction: Attraction,
+    /// The energy between the centroids.
+    pub central: Central,
+}
+
+/// The repulsion alone, without a term between the centroids.
+impl From<Form> for Interaction {
+    fn from(form: Form) -> Self {
+        Self {
+            form,
+            attraction: Attraction::NONE,
+            central: Central::None,
+        }
+    }
 }
 
 /// The energy of two bodies in units of ε, and the forces and torques on them. The force on the
@@ -60,18 +90,29 @@ pub struct PairForces {
 /// Two bodies in place.
 #[derive(Debug, Clone, Copy)]
 pub struct Placed<'a> {
-    /// The shapes.
+    /// The shapes, or their cores.
     pub bodies: [&'a Polytope; 2],
+    /// The radii by which they are rounded; zero for sharp bodies.
+    pub radii: [f64; 2],
     /// Their poses: where the centroids are, and how the bodies are turned.
     pub poses: [&'a Pose; 2],
 }
 
-impl Placed<'_> {
-    /// The energy, force and torques in this form.
+impl<'a> Placed<'a> {
+    /// Two bodies that are not rounded.
+    pub fn sharp(bodies: [&'a Polytope; 2], poses: [&'a Pose; 2]) -> Self {
+        Self {
+            bodies,
+            radii: [0.0; 2],
+            poses,
+        }
+    }
+
+    /// The energy, force and torques of this interaction.
     ///
     /// # Errors
     /// [`Error::Overlap`] if the bodies touch or overlap; [`Error::MixedDimensions`] for a polygon
-    /// and a polyhedron.
+    /// and a polyhedron; [`Error::OutOfRange`] for an attraction that is none.
     ///
     /// ```
     /// use protomer_kernel::shape::{builders, polytope::Polytope};
@@ -79,36 +120,52 @@ impl Placed<'_> {
     /// use protomer_md::pair::{Form, Placed};
     /// let cube = Polytope::of(&builders::by_name("cube")?)?;
     /// let there = Pose { position: Vec3::new(1.15, 0.0, 0.0), ..Pose::identity() };
-    /// let pair = Placed { bodies: [&cube, &cube], poses: [&Pose::identity(), &there] };
+    /// let here = Pose::identity();
+    /// let pair = Placed::sharp([&cube, &cube], [&here, &there]);
     /// let energy = pair.forces(Form::Contact)?.energy;
     /// assert!((energy - 1.0).abs() < 1e-9); // at the distance σ_c
     /// assert!((pair.forces(Form::FaceSum)?.energy - 20.0).abs() < 1e-6);
     /// assert!((pair.forces(Form::Smooth)?.energy - 8.0).abs() < 1e-6);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn forces(&self, form: Form) -> Result<PairForces> {
+    pub fn forces(&self, interaction: impl Into<Interaction>) -> Result<PairForces> {
+        let Interaction {
+            form,
+            attraction,
+            central,
+        } = interaction.into();
+        attraction.check()?;
         let [first, second] = self.bodies;
         if first.dimension != second.dimension {
             return Err(Error::MixedDimensions);
         }
-        let corners = [0, 1].map(|n| self.bodies[n].corners_at(self.poses[n]));
-        let closest = closest_points(&corners[0], &corners[1]).ok_or(Error::Overlap)?;
-        let repulsion = Repulsion {
-            sigma: CONTACT_RATIO * (first.inradius() + second.inradius()),
-        };
-        let mut terms = Terms::about(self.poses.map(|pose| pose.position));
-        if closest.distance() < repulsion.range() {
+        let features = [0, 1].map(|n| Features::of(self.bodies[n], self.poses[n]));
+        // Whether they overlap is told by the walk; where they are closest, more exactly by features.
+        closest_points(&features[0].corners, &features[1].corners).ok_or(Error::Overlap)?;
+        let closest = features[0].closest(&features[1]).ok_or(Error::Overlap)?;
+        let radii = self.radii[0] + self.radii[1];
+        let distance = closest.distance() - radii;
+        if distance <= 0.0 {
+            return Err(Error::Overlap);
+        }
+        let sigma = first.inradius() + second.inradius() + radii;
+        let along = |sigma: f64| Radial { sigma, attraction };
+        let centroids = self.poses.map(|pose| pose.position);
+        let mut terms = Terms::about(centroids, along(CONTACT_RATIO * sigma), radii);
+        if distance < terms.radial.range() {
             match form {
-                Form::Contact => contact::add(&mut terms, &repulsion, &closest),
-                Form::FaceSum => face_sum::add(&mut terms, &repulsion, self, &corners, &closest),
-                Form::Smooth => smooth::add(&mut terms, &repulsion, self, &corners),
+                Form::Contact => contact::add(&mut terms, &closest),
+                Form::FaceSum => face_sum::add(&mut terms, self, &features, &closest),
+                Form::Smooth => smooth::add(&mut terms, self, &features),
             }
         }
-        Ok(PairForces {
+        let mut forces = PairForces {
             energy: terms.energy,
-            distance: closest.distance(),
+            distance,
             force: terms.force,
             torques: terms.torques,
-        })
+        };
+        central::add(&mut forces, central, &along(sigma), self, &closest);
+        Ok(forces)
     }
 }

@@ -10,37 +10,46 @@
 //! The distance of two lines has no gradient where they are parallel, and where the closest points
 //! reach the end of an edge, corners take over. So a pair of edges has the weight
 //!
-//! w = g(ℓ sin θ / σ_c) h(s) h(1 - s) h(t) h(1 - t)   with   g(q) = q²/(1 + q²)
+//! w = g(ℓ sin θ / σ_c) h(s) h(1 - s) h(t) h(1 - t)   with   g(q) = q⁴/(1 + q⁴)
 //!
 //! with the angle θ between the edges, the shorter length ℓ, and the places s and t of the closest
 //! points along the edges. h rises from 0 at the end of an edge to 1 at σ_c (or half of the edge)
-//! from it with two continuous derivatives. Energies, forces and torques are continuous everywhere.
+//! from it with two continuous derivatives. A tilt δ of two nearly parallel edges towards each other
+//! shifts their closest points by about δ/θ², so a weight that rises with θ² would leave a torque that
+//! depends on the way to θ = 0; with θ⁴ the torque vanishes there. Energies, forces and torques are continuous everywhere.
+//! Rounding takes the radii from the distances, and changes nothing else.
 //! Parallel squares have four times the energy of a corner on a face, parallel cubes eight times.
 
 use super::Placed;
-use super::repulsion::Repulsion;
+use super::features::Features;
+use super::step::{step, step_slope};
 use super::terms::Terms;
 use protomer_kernel::Vec3;
-use protomer_kernel::shape::closest::closest_points;
+use protomer_kernel::shape::closest::ClosestPoints;
 
 /// Adds all terms.
-pub fn add(terms: &mut Terms, repulsion: &Repulsion, pair: &Placed, corners: &[Vec<Vec3>; 2]) {
-    for corner in &corners[0] {
-        if let Some(points) = closest_points(std::slice::from_ref(corner), &corners[1]) {
-            terms.repel(repulsion, &points);
-        }
+pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2]) {
+    let [here, there] = features;
+    for corner in &here.corners {
+        terms.repel(&ClosestPoints {
+            on_first: *corner,
+            on_second: there.nearest(corner),
+        });
     }
-    for corner in &corners[1] {
-        if let Some(points) = closest_points(&corners[0], std::slice::from_ref(corner)) {
-            terms.repel(repulsion, &points);
-        }
+    for corner in &there.corners {
+        terms.repel(&ClosestPoints {
+            on_first: here.nearest(corner),
+            on_second: *corner,
+        });
     }
-    for first in &pair.bodies[0].edges {
-        for second in &pair.bodies[1].edges {
-            let first = first.map(|corner| corners[0][corner]);
-            let second = second.map(|corner| corners[1][corner]);
-            if let Some(crossing) = Crossing::of(first, second, repulsion) {
-                crossing.add(terms, repulsion);
+    if pair.bodies[0].dimension == 2 {
+        return;
+    }
+    let reach = terms.radial.range() + terms.radii;
+    for first in &here.edges {
+        for second in &there.edges {
+            if let Some(crossing) = Crossing::of(*first, *second, reach) {
+                crossing.add(terms);
             }
         }
     }
@@ -67,21 +76,23 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// `None` if the edges are parallel, farther apart than the repulsion reaches, or closest at an
-    /// end.
-    pub(crate) fn of(first: [Vec3; 2], second: [Vec3; 2], repulsion: &Repulsion) -> Option<Self> {
+    /// `None` if the edges are parallel, farther apart than the reach, or closest at an end.
+    pub(crate) fn of(first: [Vec3; 2], second: [Vec3; 2], reach: f64) -> Option<Self> {
         let (u, v) = (first[1] - first[0], second[1] - second[0]);
         let r = first[0] - second[0];
         let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());
         let (d, e) = (u.dot(&r), v.dot(&r));
-        let determinant = u.cross(&v).norm_squared();
-        let places = [(b * e - c * d) / determinant, (a * e - b * d) / determinant];
+        // (b e - c d)/(a c - b²) and (a e - b d)/(a c - b²), written with products that keep their
+        // digits where the edges are nearly parallel.
+        let normal = u.cross(&v);
+        let determinant = normal.norm_squared();
+        let places = [v.cross(&r), u.cross(&r)].map(|x| x.dot(&normal) / determinant);
         let is_within = places.iter().all(|place| *place > 0.0 && *place < 1.0);
         if !is_within {
             return None;
         }
         let distance = (r + places[0] * u - places[1] * v).norm();
-        (distance < repulsion.range()).then_some(Self {
+        (distance < reach).then_some(Self {
             starts: [first[0], second[0]],
             along: [u, v],
             between: r,
@@ -95,19 +106,20 @@ impl Crossing {
 
     /// Adds the term. With s and t as functions of b = u·v, d = u·r and e = v·r, the energy is a
     /// function of b, d, e and r², and its gradients by r, u and v follow from four derivatives.
-    pub(crate) fn add(&self, terms: &mut Terms, repulsion: &Repulsion) {
+    pub(crate) fn add(&self, terms: &mut Terms) {
+        let radial = terms.radial;
         let [a, c] = self.squares;
         let [b, d, e] = self.products;
         let [s, t] = self.places;
         let [u, v] = self.along;
         let r = self.between;
 
-        let angle = AngleWeight::new(a.min(c) / repulsion.sigma.powi(2), self.determinant, a * c);
+        let angle = AngleWeight::new(a.min(c) / radial.sigma.powi(2), self.determinant, a * c);
         let ends = [
-            EndWeight::new(s, a.sqrt(), repulsion.sigma),
-            EndWeight::new(t, c.sqrt(), repulsion.sigma),
+            EndWeight::new(s, a.sqrt(), radial.sigma),
+            EndWeight::new(t, c.sqrt(), radial.sigma),
         ];
-        let energy = repulsion.energy(self.distance);
+        let [energy, slope] = radial.energy_and_slope(self.distance - terms.radii);
         let weight = angle.value * ends[0].value * ends[1].value;
         terms.energy += weight * energy;
 
@@ -116,7 +128,7 @@ impl Crossing {
         let of_t = [2.0 * b * t - d, -b, a].map(|x| x / self.determinant);
         // Derivatives of the squared distance by b, d, e at its minimum; that by r² is 1.
         let of_square = [-2.0 * s * t, 2.0 * s, -2.0 * t];
-        let by_square = weight * repulsion.slope(self.distance) / (2.0 * self.distance);
+        let by_square = weight * slope / (2.0 * self.distance);
         let by_s = angle.value * ends[0].slope * ends[1].value * energy;
         let by_t = angle.value * ends[0].value * ends[1].slope * energy;
         let mut by = [0, 1, 2].map(|n| by_square * of_square[n] + by_s * of_s[n] + by_t * of_t[n]);
@@ -130,10 +142,12 @@ impl Crossing {
     }
 }
 
-/// g(q) = q²/(1 + q²) with q² = (ℓ/σ_c)² sin² θ.
+/// g(q) = q⁴/(1 + q⁴) with q² = (ℓ/σ_c)² sin² θ.
 #[derive(Debug, Clone, Copy)]
 struct AngleWeight {
     value: f64,
+    /// The derivative by q².
+    by_square: f64,
     squared_ratio: f64,
     product: f64,
 }
@@ -142,8 +156,10 @@ impl AngleWeight {
     /// From (ℓ/σ_c)², |u × v|² and |u|² |v|².
     fn new(squared_ratio: f64, determinant: f64, product: f64) -> Self {
         let square = squared_ratio * determinant / product;
+        let below = 1.0 / (1.0 + square * square);
         Self {
-            value: square / (1.0 + square),
+            value: square * square * below,
+            by_square: 2.0 * square * below * below,
             squared_ratio,
             product,
         }
@@ -151,8 +167,7 @@ impl AngleWeight {
 
     /// The derivative by u·v: sin² θ is 1 - (u·v)²/(|u|² |v|²).
     fn slope(&self, dot: f64) -> f64 {
-        let by_square = (1.0 - self.value).powi(2);
-        by_square * self.squared_ratio * (-2.0 * dot / self.product)
+        self.by_square * self.squared_ratio * (-2.0 * dot / self.product)
     }
 }
 
@@ -172,15 +187,4 @@ impl EndWeight {
             slope: (step_slope(near) * step(far) - step(near) * step_slope(far)) / rise,
         }
     }
-}
-
-/// From 0 at 0 to 1 at 1 with two continuous derivatives.
-fn step(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    x * x * x * (10.0 + x * (6.0 * x - 15.0))
-}
-
-fn step_slope(x: f64) -> f64 {
-    let x = x.clamp(0.0, 1.0);
-    30.0 * (x * (1.0 - x)).powi(2)
 }

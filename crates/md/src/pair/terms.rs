@@ -1,6 +1,6 @@
 //! Forces on points, added up to the energy of two bodies, the force between them and their torques.
 
-use super::repulsion::Repulsion;
+use super::radial::Radial;
 use protomer_kernel::Vec3;
 use protomer_kernel::shape::closest::ClosestPoints;
 
@@ -8,6 +8,10 @@ use protomer_kernel::shape::closest::ClosestPoints;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms {
     centroids: [Vec3; 2],
+    /// The energy of two points.
+    pub radial: Radial,
+    /// Radii by which the two bodies are rounded, added: points are nearer by as much.
+    pub radii: f64,
     /// Energy in units of ε.
     pub energy: f64,
     /// Force on the first body; that on the second is its opposite.
@@ -18,9 +22,11 @@ pub struct Terms {
 
 impl Terms {
     /// Nothing yet.
-    pub fn about(centroids: [Vec3; 2]) -> Self {
+    pub fn about(centroids: [Vec3; 2], radial: Radial, radii: f64) -> Self {
         Self {
             centroids,
+            radial,
+            radii,
             energy: 0.0,
             force: Vec3::zeros(),
             torques: [Vec3::zeros(); 2],
@@ -34,14 +40,17 @@ impl Terms {
         self.torques[1] += (points[1] - self.centroids[1]).cross(&-force);
     }
 
-    /// Adds the repulsion of two points.
-    pub fn repel(&mut self, repulsion: &Repulsion, points: &ClosestPoints) {
-        let distance = points.distance();
-        if distance >= repulsion.range() {
+    /// Adds the energy and the force of two points.
+    pub fn repel(&mut self, points: &ClosestPoints) {
+        let separation = points.separation();
+        let distance = separation.norm();
+        let x = distance - self.radii;
+        if x >= self.radial.range() {
             return;
         }
-        self.energy += repulsion.energy(distance);
-        let force = points.separation() * (-repulsion.slope(distance) / distance);
+        let [energy, slope] = self.radial.energy_and_slope(x);
+        self.energy += energy;
+        let force = separation * (-slope / distance);
         self.push([points.on_first, points.on_second], force);
     }
 }

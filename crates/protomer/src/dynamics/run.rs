@@ -64,6 +64,10 @@ pub struct DynamicsResult {
     pub packing_fraction: f64,
     /// Part of the space that the bodies fill.
     pub core_packing_fraction: f64,
+    /// As `packing_fraction`, on average; at constant pressure it changes.
+    pub mean_packing_fraction: f64,
+    /// Part of the trials of the volume that were accepted; none at constant volume.
+    pub volume_acceptance: Option<f64>,
     /// Energy at the end.
     pub energy_per_body: f64,
     /// Energy of the repulsion, on average.
@@ -189,6 +193,8 @@ struct Averages {
     potential_energy: f64,
     temperatures: [f64; 3],
     pressure: f64,
+    /// Bodies per area or volume.
+    density: f64,
     drift: Drift,
 }
 
@@ -200,6 +206,8 @@ impl Averages {
             *sum += temperature;
         }
         self.pressure += engine.pressure();
+        let bodies = engine.bodies();
+        self.density += bodies.count() as f64 / engine.motion().state.volume(bodies.dimension());
         self.drift.push(time, engine.kept_energy());
     }
 }
@@ -249,7 +257,7 @@ impl<'a> DynamicsRun<'a> {
             false => (self.settings.preparation_time_step, preparation),
         };
         Settings {
-            form: self.settings.potential.into(),
+            interaction: self.settings.interaction(),
             time_step,
             ensemble,
             seed: self.settings.seed,
@@ -413,6 +421,8 @@ impl Run for DynamicsRun<'_> {
         let has_energy = self.settings.ensemble != EnsembleName::Brownian;
         let of_energy = |value: f64| has_energy.then_some(value / count);
         let drift = averages.drift;
+        let masses = bodies.kind_of.iter().map(|kind| bodies.kinds[*kind].mass);
+        let mean_mass = masses.sum::<f64>() / count;
         let seconds = open.speed.cpu_seconds;
         let speed = open.speed.steps as f64 * count / seconds;
         Ok(DynamicsResult {
@@ -421,7 +431,9 @@ impl Run for DynamicsRun<'_> {
             steps: step.max(0).unsigned_abs(),
             time: time.max(0.0),
             packing_fraction: density * self.begun.volume_with_layer,
-            core_packing_fraction: density * bodies.kind(0).mass,
+            core_packing_fraction: density * mean_mass,
+            mean_packing_fraction: averages.density / samples * self.begun.volume_with_layer,
+            volume_acceptance: acceptance(engine.motion().volume_trials),
             energy_per_body: engine.energy() / count,
             potential_energy_per_body: averages.potential_energy / samples / count,
             energy_drift_per_body: of_energy(drift.along_the_line()),
@@ -440,6 +452,12 @@ impl Run for DynamicsRun<'_> {
     fn check(&self, directory: &Path, saved: &Saved) -> Result<()> {
         Ok(log::check(&directory.join(LOG), &saved.log)?)
     }
+}
+
+/// Of refused and accepted trials, the part that was accepted.
+fn acceptance([refused, accepted]: [u64; 2]) -> Option<f64> {
+    let trials = refused + accepted;
+    (trials > 0).then(|| accepted as f64 / trials as f64)
 }
 
 /// From the log after the preparation.

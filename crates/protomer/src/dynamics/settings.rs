@@ -2,9 +2,11 @@
 
 use anyhow::{Result, bail};
 use protomer_md::bath::Ensemble;
-use protomer_md::pair::Form;
+use protomer_md::pair::central::Central;
+use protomer_md::pair::radial::Attraction;
+use protomer_md::pair::{Form, Interaction};
 use protomer_results::Settings;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Which points of two bodies repel each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,7 +30,26 @@ impl From<Potential> for Form {
     }
 }
 
-/// What keeps the temperature.
+/// The energy between the centroids of bodies in motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CentralName {
+    /// None.
+    None,
+    /// That of the published potential with the same strength as that of points.
+    Conservative,
+}
+
+impl From<CentralName> for Central {
+    fn from(name: CentralName) -> Self {
+        match name {
+            CentralName::None => Central::None,
+            CentralName::Conservative => Central::Conservative,
+        }
+    }
+}
+
+/// What keeps the temperature, and the pressure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum EnsembleName {
@@ -36,6 +57,8 @@ pub enum EnsembleName {
     Nve,
     /// Stochastic rescaling of all momenta together.
     Nvt,
+    /// The same, and trials of the volume.
+    Npt,
     /// Friction and noise on each body.
     Langevin,
     /// Overdamped motion.
@@ -55,8 +78,15 @@ pub enum EnsembleName {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DynamicsSettings {
-    /// File or name of the shape; `disk` and `ball` are shapes too.
-    pub shape: String,
+    /// Files or names of the shapes, one for each kind of body; one is written as a word, several as
+    /// a list.
+    #[serde(serialize_with = "write_words", deserialize_with = "read_words")]
+    pub shape: Vec<String>,
+    /// How many bodies of each kind there are, in proportion; empty for equal numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub share: Vec<f64>,
+    /// The radius by which the shapes are rounded, in the unit of their points.
+    pub rounding: f64,
     /// Whether the shape keeps its size, instead of being scaled to area or volume one.
     pub keep_size: bool,
     /// Number of bodies.
@@ -65,6 +95,12 @@ pub struct DynamicsSettings {
     pub packing_fraction: f64,
     /// Which points repel each other.
     pub potential: Potential,
+    /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
+    pub attraction: f64,
+    /// Where the attraction ends, over the length of the repulsion.
+    pub attraction_cut_off: f64,
+    /// The energy between the centroids.
+    pub central: CentralName,
     /// Time step.
     pub time_step: f64,
     /// Run to this many steps, after the preparation.
@@ -73,6 +109,9 @@ pub struct DynamicsSettings {
     pub ensemble: EnsembleName,
     /// kT in units of ε, at the start and of the bath.
     pub temperature: f64,
+    /// Pressure of `npt`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<f64>,
     /// Relaxation time of the global bath.
     pub relaxation_time: f64,
     /// Friction of Langevin and Brownian motion, an inverse time.
@@ -98,15 +137,21 @@ pub struct DynamicsSettings {
 impl Default for DynamicsSettings {
     fn default() -> Self {
         Self {
-            shape: "polygon:4".into(),
+            shape: vec!["polygon:4".into()],
+            share: Vec::new(),
+            rounding: 0.0,
             keep_size: false,
             bodies: 1000,
             packing_fraction: 0.5,
             potential: Potential::Smooth,
+            attraction: 0.0,
+            attraction_cut_off: Attraction::NONE.cut_off,
+            central: CentralName::None,
             time_step: 1e-4,
             steps: 10_000,
             ensemble: EnsembleName::Nve,
             temperature: 1.0,
+            pressure: None,
             relaxation_time: 0.5,
             friction: 1.0,
             seed: 1,
@@ -134,10 +179,31 @@ impl DynamicsSettings {
             ("friction", self.friction),
             ("preparation-time-step", self.preparation_time_step),
             ("compress-from", self.compress_from.unwrap_or(1.0)),
+            ("pressure", self.pressure.unwrap_or(1.0)),
         ] {
             if !(value.is_finite() && value > 0.0) {
                 bail!("--{name} is {value}; give a positive number");
             }
+        }
+        for (name, value) in [("rounding", self.rounding), ("attraction", self.attraction)] {
+            if !(value.is_finite() && value >= 0.0) {
+                bail!("--{name} is {value}; give a number that is not negative");
+            }
+        }
+        if !(self.attraction_cut_off.is_finite() && self.attraction_cut_off >= 1.5) {
+            bail!(
+                "--attraction-cut-off is {}; give a number of at least 1.5",
+                self.attraction_cut_off
+            );
+        }
+        self.check_kinds()?;
+        match (self.ensemble, self.pressure) {
+            (EnsembleName::Npt, None) => bail!("--ensemble npt needs a --pressure"),
+            (EnsembleName::Npt, Some(_)) | (_, None) => {}
+            (_, Some(pressure)) => bail!(
+                "--pressure is {pressure}, and the volume is constant; give --ensemble npt, or leave \
+                 it out"
+            ),
         }
         if self.packing_fraction >= 1.0 {
             bail!(
@@ -162,6 +228,39 @@ impl DynamicsSettings {
         Ok(())
     }
 
+    fn check_kinds(&self) -> Result<()> {
+        if self.shape.is_empty() {
+            bail!("there is no --shape; give one or several");
+        }
+        if !self.share.is_empty() && self.share.len() != self.shape.len() {
+            bail!(
+                "there are {} shapes and {} shares; give a --share for each --shape, or none",
+                self.shape.len(),
+                self.share.len()
+            );
+        }
+        if let Some(share) = self
+            .share
+            .iter()
+            .find(|share| !(share.is_finite() && **share > 0.0))
+        {
+            bail!("--share is {share}; give a positive number");
+        }
+        Ok(())
+    }
+
+    /// What bodies feel of each other.
+    pub fn interaction(&self) -> Interaction {
+        Interaction {
+            form: self.potential.into(),
+            attraction: Attraction {
+                strength: self.attraction,
+                cut_off: self.attraction_cut_off,
+            },
+            central: self.central.into(),
+        }
+    }
+
     /// The ensemble of the run.
     pub fn ensemble(&self) -> Ensemble {
         let (temperature, friction) = (self.temperature, self.friction);
@@ -170,6 +269,12 @@ impl DynamicsSettings {
             EnsembleName::Nvt => Ensemble::Nvt {
                 temperature,
                 relaxation_time: self.relaxation_time,
+            },
+            EnsembleName::Npt => Ensemble::Npt {
+                temperature,
+                relaxation_time: self.relaxation_time,
+                // Checked to be there.
+                pressure: self.pressure.unwrap_or(f64::NAN),
             },
             EnsembleName::Langevin => Ensemble::Langevin {
                 temperature,
@@ -195,5 +300,70 @@ impl Settings for DynamicsSettings {
             steps: 0,
             ..self.clone()
         }
+    }
+}
+
+/// One word, or a list of them.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Words {
+    One(String),
+    Several(Vec<String>),
+}
+
+fn read_words<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<String>, D::Error> {
+    Ok(match Words::deserialize(from)? {
+        Words::One(word) => vec![word],
+        Words::Several(words) => words,
+    })
+}
+
+fn write_words<S: Serializer>(words: &[String], to: S) -> Result<S::Ok, S::Error> {
+    match words {
+        [word] => word.serialize(to),
+        _ => words.serialize(to),
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_shape_is_a_word_and_several_are_a_list() {
+        for words in ["shape = \"disk\"", "shape = [\"disk\", \"polygon:3\"]"] {
+            let settings: DynamicsSettings = toml::from_str(words).unwrap();
+            let text = toml::to_string(&settings).unwrap();
+            assert!(text.contains(words), "{text}");
+            let again: DynamicsSettings = toml::from_str(&text).unwrap();
+            assert_eq!(settings, again);
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_says_what_to_give() {
+        let settings = DynamicsSettings::default();
+        let complaint = |settings: DynamicsSettings| settings.check().unwrap_err().to_string();
+        let npt = DynamicsSettings {
+            ensemble: EnsembleName::Npt,
+            ..settings.clone()
+        };
+        assert!(complaint(npt).contains("needs a --pressure"));
+        let nve = DynamicsSettings {
+            pressure: Some(1.0),
+            ..settings.clone()
+        };
+        assert!(complaint(nve).contains("--ensemble npt"));
+        let shares = DynamicsSettings {
+            share: vec![1.0, 2.0],
+            ..settings.clone()
+        };
+        assert!(complaint(shares).contains("1 shapes and 2 shares"));
+        let repelled = DynamicsSettings {
+            attraction: -1.0,
+            ..settings
+        };
+        assert!(complaint(repelled).contains("--attraction is -1"));
     }
 }

@@ -5,8 +5,8 @@ use crate::shapes::read_shape;
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_io::atomic::sha256_hex;
+use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::Shape;
-use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::body::Kind;
@@ -24,35 +24,37 @@ pub struct Begun {
     pub bodies: Bodies,
     /// The state at the start.
     pub state: State,
-    /// Area or volume of a body with a layer of half of σ_c around it.
+    /// Area or volume of a body with a layer of half of σ_c around it, on average.
     pub volume_with_layer: f64,
     /// By what the box and the centres are multiplied in each step of the compression.
     pub scale_per_step: f64,
     /// Packing fraction at the start.
     pub first_packing_fraction: f64,
-    /// SHA-256 of the file of the shape; empty for a name.
+    /// SHA-256 of the files of the shapes; empty for names.
     pub shape_sha256: String,
 }
 
-/// Reads the shape and places the bodies.
+/// Reads the shapes and places the bodies.
 ///
 /// # Errors
-/// Says what is wrong with the shape or the densities.
+/// Says what is wrong with the shapes or the densities.
 pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     settings.check()?;
-    let name = &settings.shape;
-    let path = Path::new(name);
-    let shape_sha256 = match path.exists() {
-        true => sha256_hex(&InputFile::read(path)?.bytes),
-        false => String::new(),
-    };
-    let kind = kind(name)?;
-    let kind = match settings.keep_size {
-        true => kind,
-        false => kind.of_unit_volume()?,
-    };
-    let volume_with_layer = with_layer(&kind).with_context(|| name.clone())?;
-    let bodies = Bodies::of_one_kind(kind, settings.bodies);
+    let mut kinds = Vec::new();
+    for name in &settings.shape {
+        let kind = kind(name, settings.rounding)?;
+        kinds.push(match settings.keep_size {
+            true => kind,
+            false => kind.of_unit_volume()?,
+        });
+    }
+    let bodies = mixture(kinds, settings);
+    let volumes: f64 = bodies
+        .kind_of
+        .iter()
+        .map(|kind| with_layer(&bodies.kinds[*kind]))
+        .sum();
+    let volume_with_layer = volumes / settings.bodies as f64;
     let free = free_density(&bodies) * volume_with_layer;
     let target = settings.packing_fraction;
     let first = settings.compress_from.unwrap_or(free.min(target));
@@ -76,7 +78,7 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     };
     let mut state = on_a_lattice(&bodies, first / volume_with_layer, settings.seed)?;
     let compressed = in_smaller_box(&state, (first / target).min(1.0).powf(1.0 / dimension));
-    Neighbours::of(&bodies, &compressed).with_context(|| {
+    Neighbours::of(&bodies, &compressed, &settings.interaction()).with_context(|| {
         format!(
             "{} bodies at a packing fraction of {target}",
             settings.bodies
@@ -89,7 +91,7 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
         volume_with_layer,
         scale_per_step,
         first_packing_fraction: first,
-        shape_sha256,
+        shape_sha256: hash_of_files(&settings.shape)?,
     })
 }
 
@@ -105,33 +107,102 @@ fn in_smaller_box(state: &State, scale: f64) -> State {
     smaller
 }
 
-/// The kind of body of this file or name.
-fn kind(file_or_name: &str) -> Result<Kind> {
+/// SHA-256 of the files of the shapes; of several, that of their hashes. Empty for names.
+fn hash_of_files(names: &[String]) -> Result<String> {
+    let mut hashes = Vec::new();
+    for name in names.iter().flat_map(|name| name.split('+')) {
+        let path = Path::new(name);
+        if path.exists() {
+            hashes.push(sha256_hex(&InputFile::read(path)?.bytes));
+        }
+    }
+    Ok(match hashes.as_slice() {
+        [] => String::new(),
+        [hash] => hash.clone(),
+        _ => sha256_hex(hashes.concat().as_bytes()),
+    })
+}
+
+/// Bodies of these kinds in the shares of the settings, shuffled.
+fn mixture(kinds: Vec<Kind>, settings: &DynamicsSettings) -> Bodies {
+    let count = settings.bodies;
+    let shares = match settings.share.is_empty() {
+        true => vec![1.0; kinds.len()],
+        false => settings.share.clone(),
+    };
+    let total: f64 = shares.iter().sum();
+    let mut kind_of = Vec::with_capacity(count);
+    let mut sum = 0.0;
+    for (kind, share) in shares.iter().enumerate() {
+        sum += share;
+        kind_of.resize((count as f64 * sum / total).round() as usize, kind);
+    }
+    let mut rng = CounterRng::for_purpose(settings.seed, 0, 1, Purpose::ContactStart);
+    for place in (1..kind_of.len()).rev() {
+        kind_of.swap(place, (rng.uniform() * (place + 1) as f64) as usize);
+    }
+    Bodies { kinds, kind_of }
+}
+
+/// The kind of body of this file or name, rounded; parts of a concave body are joined by `+`.
+fn kind(file_or_name: &str, rounding: f64) -> Result<Kind> {
     match file_or_name {
-        "disk" => return Ok(Kind::ball(2, PI.sqrt().recip())?),
-        "ball" => return Ok(Kind::ball(3, (0.75 / PI).cbrt())?),
+        "disk" => return Ok(Kind::ball(2, PI.sqrt().recip() + rounding)?),
+        "ball" => return Ok(Kind::ball(3, (0.75 / PI).cbrt() + rounding)?),
         _ => {}
     }
-    let shape = read_shape(file_or_name)
-        .context("the shape is the file or the name of a convex shape, or 'disk' or 'ball'")?;
-    let polytope = Polytope::of(&shape).with_context(|| file_or_name.to_owned())?;
-    Ok(Kind::of(&polytope)?)
+    if let Some(axes) = half_axes(file_or_name) {
+        if rounding > 0.0 {
+            bail!("{file_or_name} is round already; leave out --rounding");
+        }
+        let axes =
+            axes.with_context(|| format!("{file_or_name}: give ellipse:A,B or ellipsoid:A,B,C"))?;
+        let three = Vec3::from_fn(|axis, _| axes.get(axis).copied().unwrap_or(0.0));
+        return Kind::ellipsoid(axes.len(), three).with_context(|| file_or_name.to_owned());
+    }
+    let mut parts = Vec::new();
+    for name in file_or_name.split('+') {
+        let shape = read_shape(name).context(
+            "the shape is the file or the name of a convex shape, several joined by '+', or 'disk', \
+             'ball', 'ellipse:A,B' or 'ellipsoid:A,B,C'",
+        )?;
+        let polytope = Polytope::of(&shape).with_context(|| name.to_owned())?;
+        let place = first_corner(&shape) - polytope.corners[0];
+        parts.push((polytope, place));
+    }
+    Kind::union(&parts, rounding).with_context(|| file_or_name.to_owned())
+}
+
+/// The half axes of an ellipse or an ellipsoid, as its name has them: two or three numbers.
+fn half_axes(name: &str) -> Option<Option<Vec<f64>>> {
+    let (kind, numbers) = name.split_once(':')?;
+    let dimension = match kind {
+        "ellipse" => 2,
+        "ellipsoid" => 3,
+        _ => return None,
+    };
+    let numbers: Option<Vec<f64>> = numbers
+        .split(',')
+        .map(|cell| cell.trim().parse().ok())
+        .collect();
+    Some(numbers.filter(|numbers| numbers.len() == dimension))
+}
+
+/// Where the shape has its first corner; the polytope of the shape has it first too, from its centroid.
+fn first_corner(shape: &Shape) -> Vec3 {
+    match shape {
+        Shape::Flat(corners) => Vec3::new(corners[0][0], corners[0][1], 0.0),
+        Shape::Solid(hull) => hull.corners()[0],
+    }
 }
 
 /// Area or volume of a body with a layer of half of σ_c, the diameter of hard bodies that repel each
-/// other at σ_c.
-fn with_layer(kind: &Kind) -> Result<f64> {
-    let shape = match (kind.is_ball(), kind.dimension) {
-        (true, 2) => Shape::flat(&[[0.0; 2]])?,
-        (true, _) => Shape::solid(&[Vec3::zeros()])?,
-        (false, 2) => {
-            let corners: Vec<[f64; 2]> = kind.polytope.corners.iter().map(|x| [x.x, x.y]).collect();
-            Shape::flat(&corners)?
-        }
-        (false, _) => Shape::solid(&kind.polytope.corners)?,
-    };
-    let layer = CONTACT_RATIO * kind.inradius();
-    Ok(Measures::of(&shape, kind.radius + layer)?.volume)
+/// other at σ_c. The parts of a concave body count apart.
+fn with_layer(kind: &Kind) -> f64 {
+    let parts = kind.parts.iter();
+    parts
+        .map(|part| part.volume_with_layer(CONTACT_RATIO * part.inradius()))
+        .sum()
 }
 
 #[cfg(test)]
@@ -142,12 +213,12 @@ mod tests {
     #[test]
     fn the_layer_is_that_of_the_thesis() {
         // A square: 1 + 4·0.075 + π 0.075².
-        let square = kind("polygon:4").unwrap();
+        let square = kind("polygon:4", 0.0).unwrap();
         let expected = 1.3 + PI * 0.075 * 0.075;
-        assert!((with_layer(&square).unwrap() - expected).abs() < 1e-12);
-        let disk = kind("disk").unwrap();
-        let radius = 1.15 * disk.radius;
-        assert!((with_layer(&disk).unwrap() - PI * radius * radius).abs() < 1e-12);
+        assert!((with_layer(&square) - expected).abs() < 1e-12);
+        let disk = kind("disk", 0.0).unwrap();
+        let radius = 1.15 * disk.inradius();
+        assert!((with_layer(&disk) - PI * radius * radius).abs() < 1e-12);
     }
 
     #[test]
@@ -167,12 +238,62 @@ mod tests {
         });
         assert!(no_steps.contains("--compress-steps"), "{no_steps}");
         let unknown = complaint(DynamicsSettings {
-            shape: "egg".into(),
+            shape: vec!["egg".into()],
             ..settings
         });
         assert!(
             unknown.contains("'egg'") && unknown.contains("'disk'"),
             "{unknown}"
         );
+    }
+
+    #[test]
+    fn mixtures_have_their_shares_and_parts_their_places() {
+        let settings = DynamicsSettings {
+            shape: vec!["polygon:3".into(), "disk".into()],
+            share: vec![3.0, 1.0],
+            bodies: 40,
+            packing_fraction: 0.2,
+            ..DynamicsSettings::default()
+        };
+        let begun = begin(&settings).unwrap();
+        let disks = begun
+            .bodies
+            .kind_of
+            .iter()
+            .filter(|kind| **kind == 1)
+            .count();
+        assert_eq!(disks, 10);
+        assert!(begun.bodies.kind_of[..10].iter().any(|kind| *kind == 1));
+
+        let folder = tempfile::tempdir().unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            path.display().to_string()
+        };
+        let upright = file("upright.txt", "0 0\n1 0\n1 3\n0 3\n");
+        let foot = file("foot.txt", "1 0\n2 0\n2 1\n1 1\n");
+        let body = kind(&format!("{upright}+{foot}"), 0.0).unwrap();
+        assert!((body.mass - 4.0).abs() < 1e-12);
+        // The centroid of the L is at (3/4, 5/4).
+        assert!((body.parts[0].centre - Vec3::new(-0.25, 0.25, 0.0)).norm() < 1e-12);
+        assert!((body.parts[1].centre - Vec3::new(0.75, -0.75, 0.0)).norm() < 1e-12);
+        let twice = format!(
+            "{:#}",
+            kind(&format!("{upright}+{upright}"), 0.0).unwrap_err()
+        );
+        assert!(twice.contains("overlap"), "{twice}");
+    }
+
+    #[test]
+    fn ellipses_are_told_from_their_names() {
+        let ellipse = kind("ellipse:2,1", 0.0).unwrap();
+        assert_eq!(ellipse.dimension, 2);
+        assert_eq!(kind("ellipsoid:1,1,2", 0.0).unwrap().dimension, 3);
+        for name in ["ellipse:2", "ellipsoid:1,2", "ellipse:a,b", "ellipse:0,1"] {
+            assert!(kind(name, 0.0).is_err(), "{name}");
+        }
+        assert!(kind("ellipse:2,1", 0.1).is_err());
     }
 }

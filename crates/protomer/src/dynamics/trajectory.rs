@@ -7,9 +7,10 @@ use anyhow::Result;
 use protomer_io::gsd::{Chunk, ChunkData, FrameWriter};
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::body::Kind;
+use protomer_md::body::part::Part;
 use protomer_md::engine::Engine;
 use protomer_md::state::{Bodies, State};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// A trajectory that is being written.
@@ -68,21 +69,57 @@ fn header(bodies: &Bodies) -> Result<Vec<Chunk>> {
     ])
 }
 
-/// The shape of a kind, as viewers read it.
+/// The shape of a kind, as viewers read it; a union of parts is a mesh.
 fn shape(kind: &Kind) -> String {
-    let corners = &kind.polytope.corners;
-    let shape = match (kind.is_ball(), kind.dimension) {
-        (true, _) => json!({ "type": "Sphere", "diameter": 2.0 * kind.radius }),
-        (false, 2) => {
-            let corners: Vec<[f64; 2]> = corners.iter().map(|x| [x.x, x.y]).collect();
-            json!({ "type": "Polygon", "rounding_radius": 0.0, "vertices": corners })
-        }
-        (false, _) => {
-            let corners: Vec<[f64; 3]> = corners.iter().map(|x| (*x).into()).collect();
-            json!({ "type": "ConvexPolyhedron", "rounding_radius": 0.0, "vertices": corners })
-        }
+    let shape = match kind.parts.as_slice() {
+        [part] => shape_of_part(part),
+        parts => mesh(parts),
     };
     shape.to_string()
+}
+
+fn shape_of_part(part: &Part) -> Value {
+    let corners = &part.polytope.corners;
+    match (part.half_axes, part.dimension) {
+        (Some(axes), 2) => {
+            json!({ "type": "Ellipsoid", "a": axes.x, "b": axes.y, "c": axes.x.min(axes.y) })
+        }
+        (Some(axes), _) => json!({ "type": "Ellipsoid", "a": axes.x, "b": axes.y, "c": axes.z }),
+        (None, _) if part.is_ball() => json!({ "type": "Sphere", "diameter": 2.0 * part.radius }),
+        (None, 2) => {
+            let corners: Vec<[f64; 2]> = corners.iter().map(|x| [x.x, x.y]).collect();
+            json!({ "type": "Polygon", "rounding_radius": part.radius, "vertices": corners })
+        }
+        (None, _) => {
+            let corners: Vec<[f64; 3]> = corners.iter().map(|x| (*x).into()).collect();
+            json!({ "type": "ConvexPolyhedron", "rounding_radius": part.radius, "vertices": corners })
+        }
+    }
+}
+
+/// The faces of all parts as triangles, without rounding; in a plane the parts themselves.
+fn mesh(parts: &[Part]) -> Value {
+    let (mut corners, mut triangles): (Vec<[f64; 3]>, Vec<[usize; 3]>) = (Vec::new(), Vec::new());
+    for part in parts {
+        let before = corners.len();
+        let polytope = &part.polytope;
+        corners.extend(
+            polytope
+                .corners
+                .iter()
+                .map(|x| <[f64; 3]>::from(x + part.centre)),
+        );
+        let mut fan = |rim: &[usize]| {
+            for place in 1..rim.len().saturating_sub(1) {
+                triangles.push([rim[0], rim[place], rim[place + 1]].map(|corner| before + corner));
+            }
+        };
+        match part.dimension {
+            2 => fan(&(0..polytope.corners.len()).collect::<Vec<usize>>()),
+            _ => polytope.faces.iter().for_each(|face| fan(&face.corners)),
+        }
+    }
+    json!({ "type": "Mesh", "vertices": corners, "indices": triangles })
 }
 
 /// The data that changes from frame to frame.

@@ -5,7 +5,7 @@ use super::read_shape;
 use anyhow::{Context, Result};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_kernel::shape::polytope::Polytope;
-use protomer_md::pair::{Form, Placed};
+use protomer_md::pair::{Interaction, Placed};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -87,12 +87,13 @@ fn vector([x, y, z]: &[f64; 3]) -> String {
 /// assert!((found.0[0].energy - 20.0).abs() < 1e-6);
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn contacts(path: &Path, form: Form) -> Result<Contacts> {
-    let one = |entry: &PairEntry| contact(entry, form);
+pub fn contacts(path: &Path, interaction: impl Into<Interaction>) -> Result<Contacts> {
+    let interaction = interaction.into();
+    let one = |entry: &PairEntry| contact(entry, interaction);
     Ok(Contacts(for_each_pair(path, EXAMPLE, one)?))
 }
 
-fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
+fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
     let bodies = [&entry.a, &entry.b].map(|name| -> Result<Polytope> {
         Polytope::of(&read_shape(name)?).with_context(|| name.clone())
     });
@@ -100,11 +101,7 @@ fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
     let (a, b) = (a?, b?);
     let orientations = [entry.orientation_a, entry.orientation_b];
     let [here, there] = poses(&entry.position, orientations, b.dimension)?;
-    let pair = Placed {
-        bodies: [&a, &b],
-        poses: [&here, &there],
-    };
-    let forces = pair.forces(form)?;
+    let forces = Placed::sharp([&a, &b], [&here, &there]).forces(interaction)?;
     Ok(Contact {
         energy: forces.energy,
         distance: forces.distance,
@@ -118,6 +115,7 @@ fn contact(entry: &PairEntry, form: Form) -> Result<Contact> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use protomer_md::pair::Form;
 
     fn complaint(text: &str) -> String {
         let folder = tempfile::tempdir().unwrap();

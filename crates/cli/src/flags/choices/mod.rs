@@ -42,6 +42,16 @@ choices! {
 }
 
 choices! {
+    /// The energy between the centroids of bodies in motion.
+    CentralTerm for protomer::dynamics::settings::CentralName {
+        /// None.
+        None,
+        /// That of the published potential with epsilon_s = epsilon.
+        Conservative,
+    }
+}
+
+choices! {
     /// Which points of two bodies in motion repel each other.
     ContactPotential for protomer::dynamics::settings::Potential {
         /// The closest points alone; torques jump where faces are parallel.
@@ -54,12 +64,14 @@ choices! {
 }
 
 choices! {
-    /// What keeps the temperature of bodies in motion.
+    /// What keeps the temperature of bodies in motion, and the pressure.
     DynamicsEnsemble for protomer::dynamics::settings::EnsembleName {
         /// Nothing: the energy is kept.
         Nve,
         /// Stochastic rescaling of all momenta together; dynamics stay those of the bodies.
         Nvt,
+        /// The same at constant pressure: now and then the box is scaled at random.
+        Npt,
         /// Friction and noise on each body.
         Langevin,
         /// Overdamped motion.

@@ -1,6 +1,6 @@
 //! `protomer md run`: one run in its directory.
 
-use crate::flags::choices::{ContactPotential, DynamicsEnsemble};
+use crate::flags::choices::{CentralTerm, ContactPotential, DynamicsEnsemble};
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::override_with;
 use crate::front::Front;
@@ -37,9 +37,18 @@ pub struct RunArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Dynamics")]
 struct SettingsArgs {
-    /// File or name of the shape, as for `shape`; also disk or ball [default: polygon:4].
+    /// File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C;
+    /// convex parts of a concave body joined by +. Several times for a mixture [default: polygon:4].
     #[arg(long)]
-    shape: Option<String>,
+    shape: Vec<String>,
+    /// How many bodies of each shape there are, in proportion: once for each --shape [default: equal
+    /// numbers].
+    #[arg(long, allow_negative_numbers = true)]
+    share: Vec<f64>,
+    /// Radius by which the shapes are rounded, in the unit of their points, before they are scaled
+    /// [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    rounding: Option<f64>,
     /// Keep the size of the shape instead of scaling it to area or volume one.
     #[arg(long)]
     keep_size: bool,
@@ -52,19 +61,32 @@ struct SettingsArgs {
     /// Which points of the bodies repel each other [default: smooth].
     #[arg(long, value_enum)]
     potential: Option<ContactPotential>,
+    /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    attraction: Option<f64>,
+    /// Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched
+    /// off smoothly from 0.8 of that on [default: 2.5].
+    #[arg(long, allow_negative_numbers = true)]
+    attraction_cut_off: Option<f64>,
+    /// The energy between the centroids [default: none].
+    #[arg(long, value_enum)]
+    central: Option<CentralTerm>,
     /// Time step [default: 1e-4].
     #[arg(long, allow_negative_numbers = true)]
     time_step: Option<f64>,
     /// Run to this many steps after the preparation [default: 10000].
     #[arg(long)]
     steps: Option<u64>,
-    /// What keeps the temperature [default: nve].
+    /// What keeps the temperature, and the pressure [default: nve].
     #[arg(long, value_enum)]
     ensemble: Option<DynamicsEnsemble>,
     /// kT at the start and of the bath, in units of epsilon [default: 1].
     #[arg(long, allow_negative_numbers = true)]
     temperature: Option<f64>,
-    /// Relaxation time of the bath of nvt [default: 0.5].
+    /// Pressure of npt, in units of epsilon per area or volume.
+    #[arg(long, allow_negative_numbers = true)]
+    pressure: Option<f64>,
+    /// Relaxation time of the bath of nvt and npt [default: 0.5].
     #[arg(long, allow_negative_numbers = true)]
     relaxation_time: Option<f64>,
     /// Friction of langevin and brownian, an inverse time [default: 1].
@@ -121,9 +143,17 @@ impl RunArgs {
             Some(path) => read_toml(path)?,
         };
         let flags = &self.settings;
-        if let Some(shape) = &flags.shape {
-            settings.shape.clone_from(shape);
+        if !flags.shape.is_empty() {
+            settings.shape.clone_from(&flags.shape);
         }
+        if !flags.share.is_empty() {
+            settings.share.clone_from(&flags.share);
+        }
+        override_with(&mut settings.rounding, flags.rounding);
+        override_with(&mut settings.attraction, flags.attraction);
+        override_with(&mut settings.attraction_cut_off, flags.attraction_cut_off);
+        override_with(&mut settings.central, flags.central.map(Into::into));
+        settings.pressure = flags.pressure.or(settings.pressure);
         override_with(&mut settings.bodies, flags.bodies);
         override_with(&mut settings.packing_fraction, flags.packing_fraction);
         override_with(&mut settings.potential, flags.potential.map(Into::into));

@@ -4,7 +4,9 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer::shapes::contact::contacts;
-use protomer_md::pair::Form;
+use protomer_md::pair::central::Central;
+use protomer_md::pair::radial::Attraction;
+use protomer_md::pair::{Form, Interaction};
 use std::path::PathBuf;
 
 /// Print the repulsion of pairs of convex shapes: energy, force and torques of each pair.
@@ -22,6 +24,40 @@ pub struct ContactArgs {
     /// Which points of the bodies repel each other.
     #[arg(long, value_enum, default_value_t = Potential::Smooth)]
     potential: Potential,
+    /// The energy between the centroids, added to that of the points.
+    #[arg(long, value_enum, default_value_t = CentralForm::None)]
+    central: CentralForm,
+    /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    attraction: f64,
+    /// Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly
+    /// from 0.8 of that on.
+    #[arg(long, default_value_t = 2.5, allow_negative_numbers = true)]
+    attraction_cut_off: f64,
+}
+
+/// The energy between the centroids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CentralForm {
+    /// None.
+    None,
+    /// With epsilon_s = epsilon.
+    Conservative,
+    /// Eq. 4.6 with its force as printed, which is not the gradient.
+    Printed,
+    /// The energy of eq. 4.6 with its gradient.
+    Gradient,
+}
+
+impl From<CentralForm> for Central {
+    fn from(form: CentralForm) -> Self {
+        match form {
+            CentralForm::None => Central::None,
+            CentralForm::Conservative => Central::Conservative,
+            CentralForm::Printed => Central::Printed,
+            CentralForm::Gradient => Central::Gradient,
+        }
+    }
 }
 
 /// Which points of two bodies repel each other.
@@ -47,6 +83,14 @@ impl From<Potential> for Form {
 
 impl ContactArgs {
     pub fn run(&self) -> Result<Reply> {
-        Ok(Reply::data(contacts(&self.pairs, self.potential.into())?))
+        let interaction = Interaction {
+            form: self.potential.into(),
+            attraction: Attraction {
+                strength: self.attraction,
+                cut_off: self.attraction_cut_off,
+            },
+            central: self.central.into(),
+        };
+        Ok(Reply::data(contacts(&self.pairs, interaction)?))
     }
 }
