@@ -55,29 +55,31 @@ pub fn write_atomically(
 /// # Errors
 /// [`IoError::File`] if the folder cannot be read or a file cannot be removed.
 pub fn remove_abandoned(folder: &Path) -> Result<()> {
+    remove_abandoned_of(folder, |_| true)
+}
+
+/// As [`remove_abandoned`], but only for those files that `is_own` says of the name that they would
+/// have had: others may write other files into the folder at the same time.
+///
+/// # Errors
+/// As [`remove_abandoned`].
+pub fn remove_abandoned_of(folder: &Path, is_own: impl Fn(&str) -> bool) -> Result<()> {
     let entries = fs::read_dir(folder).map_err(IoError::at(folder, "read"))?;
     for entry in entries {
         let entry = entry.map_err(IoError::at(folder, "read"))?;
-        if is_temporary(&entry.file_name().to_string_lossy()) {
+        if name_of_temporary(&entry.file_name().to_string_lossy()).is_some_and(&is_own) {
             fs::remove_file(entry.path()).map_err(IoError::at(&entry.path(), "remove"))?;
         }
     }
     Ok(())
 }
 
-/// Whether this is a name of [`Temporary`].
-fn is_temporary(name: &str) -> bool {
-    match temporary_tag(name) {
-        Some((process, number)) => is_digits(process) && is_digits(number),
-        None => false,
-    }
-}
-
-/// PID and N of `.NAME.PID-N.partial`.
-fn temporary_tag(name: &str) -> Option<(&str, &str)> {
-    let middle = name.strip_prefix('.')?.strip_suffix(".partial")?;
-    let (_, tag) = middle.rsplit_once('.')?;
-    tag.split_once('-')
+/// NAME if this is `.NAME.PID-N.partial`, as [`Temporary`] calls its files.
+fn name_of_temporary(file: &str) -> Option<&str> {
+    let middle = file.strip_prefix('.')?.strip_suffix(".partial")?;
+    let (name, tag) = middle.rsplit_once('.')?;
+    let (process, number) = tag.split_once('-')?;
+    (is_digits(process) && is_digits(number)).then_some(name)
 }
 
 fn is_digits(text: &str) -> bool {
@@ -194,6 +196,20 @@ mod tests {
         remove_abandoned(folder.path()).unwrap();
         assert!(!left.path.exists());
         assert!(others.iter().all(|name| folder.path().join(name).exists()));
+    }
+
+    #[test]
+    fn the_files_of_others_in_the_same_folder_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let abandoned = |name| {
+            let (temporary, _) = Temporary::create(&folder.path().join(name)).unwrap();
+            let path = temporary.path.clone();
+            std::mem::forget(temporary);
+            path
+        };
+        let (own, other) = (abandoned("a.b.body"), abandoned("a.body"));
+        remove_abandoned_of(folder.path(), |name| name == "a.b.body").unwrap();
+        assert!(!own.exists() && other.exists());
     }
 
     #[test]

@@ -13,6 +13,7 @@
 //! | [`implicit`] | the seam to the triangulation: a solid as a signed distance with a projection |
 //! | [`frame`] | a lattice frame that turns with the body |
 //! | `extract` | a first closed mesh, by dual marching cubes on a sparse lattice |
+//! | `hashing` | a fast hash |
 //! | `remesh` | the same surface at a requested vertex density |
 //! | `calibrate` | the exact area and volume for flat triangles |
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
@@ -31,6 +32,7 @@ pub mod deviation;
 pub mod distance;
 mod extract;
 pub mod frame;
+mod hashing;
 pub mod implicit;
 mod interior;
 pub mod measure;

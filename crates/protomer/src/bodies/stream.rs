@@ -3,20 +3,21 @@
 //!
 //! Files are converted in blocks. After each block its rows are appended to two tables in the folder
 //! of the bodies, `ingest.csv` (a row per file) and `warnings.csv` (a row per warning or error), and
-//! `ingest.json` vouches for their lengths. A run that was killed anywhere cuts the tables back to that
-//! and converts the rest; a body that is already there is recognised by its bytes. So the folder equals
-//! that of an uninterrupted run byte for byte.
+//! `ingest.json` vouches for their lengths. A run that was killed anywhere cuts the tables back to that,
+//! removes files that were not finished and converts the rest; a body that is already there is
+//! recognised by its bytes. So the folder equals that of an uninterrupted run byte for byte.
 
 use super::ingest::{
     BodyMeasures, FileOutcome, IngestSettings, MeshDistance, body_names, ingest_one,
 };
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
-use protomer_io::atomic::{sha256_hex, write_atomically};
+use protomer_io::atomic::{remove_abandoned_of, sha256_hex, write_atomically};
 use protomer_results::lock::lock_file;
 use protomer_results::{Execution, Hold, Log, LogMark, ResultKind, Row, Shard};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -266,6 +267,7 @@ struct Stream<'a> {
 impl Stream<'_> {
     fn run(&self, execution: &Execution) -> Result<StreamReport> {
         let start = Instant::now();
+        self.remove_unfinished()?;
         let mut done = self.begin(execution.start_anew)?;
         let mut tables = Tables::open(&self.paths, &done)?;
         let taken_over = done.ok + done.failed;
@@ -299,6 +301,17 @@ impl Stream<'_> {
             warnings: done.warnings,
             seconds: start.elapsed().as_secs_f64(),
         })
+    }
+
+    /// Removes the files that this part was writing when it was killed. Other parts may be at work in
+    /// the folder.
+    fn remove_unfinished(&self) -> Result<()> {
+        let bodies: HashSet<&str> = self.jobs.iter().map(|(_, name)| name.as_str()).collect();
+        let is_own = |file: &str| {
+            let is_of_body = |(body, _ending): (&str, &str)| bodies.contains(body);
+            self.paths.done.ends_with(file) || file.rsplit_once('.').is_some_and(is_of_body)
+        };
+        Ok(remove_abandoned_of(self.folder, is_own)?)
     }
 
     /// What earlier runs have done.
@@ -453,8 +466,17 @@ mod tests {
         assert_eq!((stopped.state, stopped.ok), (StreamState::Stopped, 0));
         ingest_one(&files[0], "s00000", &folder, &settings());
         std::fs::write(folder.join("ingest.csv"), "file,status\ns0000").unwrap();
+        let unfinished = [".s00001.body.12-3.partial", ".ingest.json.12-4.partial"];
+        let of_others = folder.join(".s00099.body.13-3.partial");
+        for name in unfinished {
+            std::fs::write(folder.join(name), "half").unwrap();
+        }
+        std::fs::write(&of_others, "half").unwrap();
         assert_eq!(run(&folder, &Execution::default()).unwrap().ok, 60);
         assert_eq!(contents(&folder), whole);
+        assert!(unfinished.iter().all(|name| !folder.join(name).exists()));
+        assert!(of_others.exists());
+        std::fs::remove_file(of_others).unwrap();
 
         // The tables as they are after the third of five blocks, and more.
         let mut done: Done = serde_json::from_slice(&whole["ingest.json"]).unwrap();

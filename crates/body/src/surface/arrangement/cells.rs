@@ -1,13 +1,13 @@
 //! A hashed cell list: memory grows with the number of atoms, never with the space they span.
 
+use crate::surface::hashing::FastMap;
 use protomer_kernel::Vec3;
-use std::collections::HashMap;
 
 /// Indices of atoms sorted into cubic cells; only occupied cells are stored.
 #[derive(Debug, Clone)]
 pub(crate) struct CellList {
     cell_edge: f64,
-    ranges: HashMap<[i64; 3], (u32, u32)>,
+    ranges: FastMap<[i64; 3], (u32, u32)>,
     atoms: Vec<u32>,
 }
 
@@ -25,7 +25,7 @@ impl CellList {
             }
         }
         keyed.sort_unstable();
-        let mut ranges: HashMap<[i64; 3], (u32, u32)> = HashMap::new();
+        let mut ranges: FastMap<[i64; 3], (u32, u32)> = FastMap::default();
         for (position, (key, _)) in (0..).zip(&keyed) {
             let (_, end) = ranges.entry(*key).or_insert((position, position));
             *end = position + 1;

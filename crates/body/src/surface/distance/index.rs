@@ -4,7 +4,8 @@
 use protomer_kernel::Vec3;
 
 /// Cells along a chunk's edge, and in a chunk.
-const CHUNK: i32 = 4;
+const CHUNK_BITS: u32 = 2;
+const CHUNK: i32 = 1 << CHUNK_BITS;
 const CELLS: usize = (CHUNK * CHUNK * CHUNK) as usize;
 /// More than the rounding of a bound, Å.
 const ROUNDING_ANGSTROM: f64 = 1e-5;
@@ -169,7 +170,7 @@ impl FeatureIndex {
     /// The features that matter at `point` (and some others).
     pub(super) fn nearby(&self, point: &Vec3) -> Nearby<'_> {
         let cell = [point.x, point.y, point.z].map(|x| cell_number(x, self.cell_edge));
-        let Some(chunk) = self.table.get(&cell.map(|x| x.div_euclid(CHUNK))) else {
+        let Some(chunk) = self.table.get(&chunk_of(cell)) else {
             return Nearby::default();
         };
         let middle = cell.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
@@ -259,16 +260,19 @@ impl Grid {
 }
 
 fn chunk_of(cell: [i32; 3]) -> [i32; 3] {
-    cell.map(|x| x.div_euclid(CHUNK))
+    cell.map(|x| x >> CHUNK_BITS)
 }
 
 fn cell_in_chunk(cell: [i32; 3]) -> usize {
-    let [x, y, z] = cell.map(|x| x.rem_euclid(CHUNK));
+    let [x, y, z] = cell.map(|x| x & (CHUNK - 1));
     ((x * CHUNK + y) * CHUNK + z) as usize
 }
 
+/// The floor of x / edge, without the call that `f64::floor` is on processors without SSE 4.1.
 fn cell_number(x: f64, edge: f64) -> i32 {
-    (x / edge).floor() as i32
+    let cells = x / edge;
+    let towards_zero = cells as i32;
+    towards_zero.saturating_sub(i32::from(f64::from(towards_zero) > cells))
 }
 
 /// How far a coordinate lies outside the cells numbered `n` along an axis.

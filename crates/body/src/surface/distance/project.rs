@@ -18,9 +18,18 @@ const SAME_PROBE_ANGSTROM: f64 = 1e-7;
 /// The surface point for `point` and the outward unit normal there.
 pub(super) fn project(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
     let probe = solid.probe_radius;
-    let (mut from, mut normal) = onto_accessible_solid(solid, point);
-    let mut place = from;
-    let mut probes: Vec<Vec3> = Vec::with_capacity(3);
+    let (mut from, mut place, mut normal);
+    let mut probes: Vec<Vec3> = Vec::new();
+    if let Some(step) = first_step(solid, point) {
+        if step.value <= 0.0 {
+            return (step.onto, step.normal);
+        }
+        (from, place, normal) = (*point, step.onto, step.normal);
+        probes.push(step.centre);
+    } else {
+        (from, normal) = onto_accessible_solid(solid, point);
+        place = from;
+    }
     for _ in 0..MAX_STEPS {
         let Some(nearest) = solid.nearest_accessible(&place) else {
             break;
@@ -53,13 +62,38 @@ pub(super) fn project(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
 /// The first step of [`project`]: exact from inside the solid, and from outside unless a second probe
 /// reaches over the point.
 pub(super) fn pull(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
-    if let (value, Some(centre)) = solid.signed_distance_and_probe(point)
-        && value < solid.probe_radius
-        && let Some(normal) = (centre - point).try_normalize(1e-8)
-    {
-        return (centre - normal * solid.probe_radius, normal);
+    match first_step(solid, point) {
+        Some(step) => (step.onto, step.normal),
+        None => project(solid, point),
     }
-    project(solid, point)
+}
+
+/// The first step of a projection.
+struct Step {
+    /// The signed distance of the point that is projected.
+    value: f64,
+    /// The accessible point nearest to it.
+    centre: Vec3,
+    /// Where a probe there touches on the side of the point, and the outward unit normal.
+    onto: Vec3,
+    normal: Vec3,
+}
+
+/// The first step from a point that a probe centred there would touch an atom from, with accessible
+/// points near.
+fn first_step(solid: &SesSolid, point: &Vec3) -> Option<Step> {
+    let (value, centre) = solid.signed_distance_and_probe(point);
+    let centre = centre?;
+    if value >= solid.probe_radius {
+        return None;
+    }
+    let normal = (centre - point).try_normalize(1e-8)?;
+    Some(Step {
+        value,
+        centre,
+        onto: centre - normal * solid.probe_radius,
+        normal,
+    })
 }
 
 /// `point` itself if a probe centred there would touch an atom, otherwise a point of an atom in its

@@ -8,7 +8,6 @@
 //! them on the faces of the cells, and the sheets in the cells.
 
 use super::cycles::Cycles;
-use protomer_kernel::Vec3;
 
 /// Nodes of a cube.
 pub(super) const ALL: u32 = (1 << 27) - 1;
@@ -144,22 +143,22 @@ pub(super) fn crossed(nodes: u32, axis: usize, with_faces: bool) -> u32 {
     (nodes ^ nodes >> STEP[axis]) & edges
 }
 
-/// The number of crossed edges of the cells of a cube, and the sum of their middles in cells from
-/// the lowest node.
-pub(super) fn crossings(nodes: u32) -> (f64, Vec3) {
+/// The number of crossed edges of the cells of a cube, and the sum of their middles in halves of a
+/// cell from the lowest node.
+pub(super) fn crossings(nodes: u32) -> (u16, [u16; 3]) {
     let (mut count, mut sum) = (0, [0; 3]);
     for along in 0..3 {
         let edges = ON_EDGES[along] | IN_FACES[along] | INSIDE[along];
         let crossed = (nodes ^ nodes >> STEP[along]) & edges;
-        let number = crossed.count_ones();
+        let number = crossed.count_ones() as u16;
         count += number;
         for axis in 0..3 {
-            sum[axis] += 2 * (crossed & SECOND[axis]).count_ones();
-            sum[axis] += 4 * (crossed & THIRD[axis]).count_ones();
+            sum[axis] += 2 * (crossed & SECOND[axis]).count_ones() as u16;
+            sum[axis] += 4 * (crossed & THIRD[axis]).count_ones() as u16;
         }
         sum[along] += number;
     }
-    (f64::from(count), Vec3::from(sum.map(f64::from)) * 0.5)
+    (count, sum)
 }
 
 #[cfg(test)]
@@ -250,21 +249,22 @@ mod tests {
             } else {
                 others += 1;
             }
-            let (mut count, mut sum) = (0.0, Vec3::zeros());
+            let (mut count, mut sum) = (0, [0.0; 3]);
             for axis in 0..3 {
                 for bit in 0..27 {
                     let here = node(bit);
                     if here[axis] < 2 && (nodes >> bit ^ nodes >> (bit + STEP[axis])) & 1 == 1 {
-                        let mut middle = here.map(f64::from);
-                        middle[axis] += 0.5;
-                        count += 1.0;
-                        sum += Vec3::from(middle);
+                        count += 1;
+                        for along in 0..3 {
+                            sum[along] += f64::from(here[along]);
+                        }
+                        sum[axis] += 0.5;
                     }
                 }
             }
             let found = crossings(nodes);
             assert_eq!(found.0, count);
-            assert!((found.1 - sum).norm() < 1e-12);
+            assert_eq!(found.1.map(|halves| f64::from(halves) / 2.0), sum);
         }
         assert!(plain > 3000 && others > 3000, "{plain} {others}");
     }

@@ -7,10 +7,10 @@
 
 use super::cube;
 use super::cycles::{self, Cycles, EDGES, NOT_CROSSED, lower_corner};
-use super::lattice::{BLOCK, Cell, Mixer, NODES, SparseLattice, bits, node_at, node_index};
+use super::lattice::{BLOCK, Cell, SparseLattice, bits, node_at, node_index};
+use crate::surface::hashing::{FastMap, Mixer};
 use protomer_kernel::Vec3;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hash, Hasher};
+use std::hash::{Hash, Hasher};
 
 /// Crossings lie in the middle of their edge, displaced by up to this fraction of it, in a way fixed
 /// to the lattice: rounding would otherwise decide between shapes that are equal. The vertices are
@@ -35,9 +35,22 @@ pub(super) struct Dual {
 pub(super) struct Tile {
     /// The cell, or the lowest of the cube.
     pub(super) cell: Cell,
-    /// Number of crossed edges at the tile, and the sum of the places of their crossings, about, in
-    /// cells.
-    pub(super) crossings: (f64, Vec3),
+    /// Number of crossed edges at the tile, and the sum of the places of their middles in halves of a
+    /// cell from the lowest node of `cell`.
+    pub(super) crossings: (u16, [u16; 3]),
+}
+
+impl Tile {
+    /// Number of crossed edges, and the sum of the places of their middles in cells from the origin.
+    pub(super) fn crossings(&self) -> (f64, Vec3) {
+        let (count, sum) = self.crossings;
+        let count = f64::from(count);
+        let from_cell = Vec3::from(sum.map(f64::from)) * 0.5;
+        (
+            count,
+            from_cell + Vec3::from(self.cell.map(f64::from)) * count,
+        )
+    }
 }
 
 /// The quadrangle dual to a crossed edge.
@@ -45,10 +58,27 @@ pub(super) struct Quad {
     /// The tiles around the edge, counter-clockwise seen from outside; a cube's tile may be there
     /// twice.
     pub(super) corners: [u32; 4],
+    /// The lower end of the edge.
+    node: Cell,
+    axis: u8,
+    is_low_inside: bool,
+}
+
+impl Quad {
     /// The outside end of the edge.
-    pub(super) outside: Cell,
-    /// Where the surface crosses the edge, about, in input coordinates, Å.
-    pub(super) point: Vec3,
+    pub(super) fn outside(&self) -> Cell {
+        let mut outside = self.node;
+        outside[usize::from(self.axis)] += i32::from(self.is_low_inside);
+        outside
+    }
+
+    /// Where the surface crosses the edge, about, in cells.
+    pub(super) fn crossing(&self) -> [f64; 3] {
+        let mut crossing = self.node.map(f64::from);
+        let axis = usize::from(self.axis);
+        crossing[axis] += 0.5 + DISPLACEMENT * noise(&self.node, axis);
+        crossing
+    }
 }
 
 /// The quadrangles of a lattice.
@@ -57,8 +87,8 @@ pub(super) fn quadrangles(lattice: &SparseLattice) -> Dual {
         lattice,
         table: cycles::table(),
         blocks: Vec::new(),
-        block_at: vec![[NOTHING; NODES]; lattice.regions.len()],
-        other_quads: HashMap::default(),
+        block_at: vec![NOTHING; lattice.kept_blocks()],
+        other_quads: FastMap::default(),
         dual: Dual::default(),
     };
     march.find_blocks();
@@ -77,16 +107,18 @@ struct March<'a> {
     lattice: &'a SparseLattice<'a>,
     table: Vec<Cycles>,
     blocks: Vec<Block>,
-    /// Where in `blocks` the blocks of each region are.
-    block_at: Vec<[u32; NODES]>,
+    /// Where in `blocks` each block is that the lattice keeps.
+    block_at: Vec<u32>,
     /// The quadrangles of crossed edges that are not on edges of cubes.
-    other_quads: HashMap<(Cell, usize), u32, BuildHasherDefault<Mixer>>,
+    other_quads: FastMap<(Cell, usize), u32>,
     dual: Dual,
 }
 
 /// A block whose cells the surface crosses.
 struct Block {
     place: Cell,
+    /// The region that it belongs to.
+    region: u32,
     rim: Rim,
     /// Cubes that are one tile, as bits, and those that are tiled by their cells.
     plain: u8,
@@ -111,9 +143,11 @@ enum Slot {
 impl March<'_> {
     /// Finds the blocks with cells that the surface crosses, and how their cubes are tiled.
     fn find_blocks(&mut self) {
-        for (number, region) in self.lattice.regions.iter().enumerate() {
+        let mut kept = 0;
+        for (number, region) in (0..).zip(&self.lattice.regions) {
             let after = Neighbours::of(region.place, self.lattice);
             for block in bits(region.kept) {
+                kept += 1;
                 let words = after.words(node_at(block));
                 let Some(rim) = Rim::of(words) else {
                     continue;
@@ -128,7 +162,7 @@ impl March<'_> {
                     let kind = if is_plain { &mut plain } else { &mut cellwise };
                     *kind |= 1 << cube;
                 }
-                self.block_at[number][block] = self.blocks.len() as u32;
+                self.block_at[kept - 1] = self.blocks.len() as u32;
                 let [x, y, z] = node_at(block);
                 self.blocks.push(Block {
                     place: [
@@ -136,6 +170,7 @@ impl March<'_> {
                         region.place[1] * BLOCK + y,
                         region.place[2] * BLOCK + z,
                     ],
+                    region: number,
                     rim,
                     plain,
                     cellwise,
@@ -146,10 +181,18 @@ impl March<'_> {
         }
     }
 
-    /// The block at a place, if the surface crosses it.
-    fn block(&self, place: Cell) -> Option<u32> {
-        let region = self.lattice.index(&place.map(|x| x.div_euclid(BLOCK)))?;
-        let block = self.block_at[region as usize][node_index(place.map(|x| x.rem_euclid(BLOCK)))];
+    /// The block at a place near `from`, if the surface crosses it.
+    fn block(&self, place: Cell, from: usize) -> Option<u32> {
+        let regions = &self.lattice.regions;
+        let region_place = place.map(|x| x.div_euclid(BLOCK));
+        // Most are in the same region.
+        let mut region = self.blocks[from].region;
+        if regions[region as usize].place != region_place {
+            region = self.lattice.index(&region_place)?;
+        }
+        let number =
+            regions[region as usize].number(node_index(place.map(|x| x.rem_euclid(BLOCK))))?;
+        let block = self.block_at[number as usize];
         (block != NOTHING).then_some(block)
     }
 
@@ -165,7 +208,7 @@ impl March<'_> {
                     let is_second = cube >> axis & 1 == 1;
                     let mut beyond = place;
                     beyond[axis] += if is_second { 1 } else { -1 };
-                    if let Some(beyond) = self.block(beyond) {
+                    if let Some(beyond) = self.block(beyond, block) {
                         self.blocks[beyond as usize].beside_cells |= 1 << (cube ^ 1 << axis);
                     }
                 }
@@ -203,13 +246,15 @@ impl March<'_> {
     fn add_tiles(&mut self, block: usize, local: Cell, cycles: &Cycles) {
         let cell = global(self.blocks[block].place, local);
         for sheet in 0..cycles.count {
-            let (mut count, mut sum) = (0.0, Vec3::zeros());
+            let (mut count, mut sum) = (0, [0; 3]);
             for edge in 0..EDGES {
                 if cycles.of_edge[edge] == sheet {
-                    let mut middle = at_corner(cell, lower_corner(edge)).map(f64::from);
-                    middle[edge / 4] += 0.5;
-                    count += 1.0;
-                    sum += Vec3::from(middle);
+                    let low = lower_corner(edge);
+                    count += 1;
+                    for (axis, sum) in sum.iter_mut().enumerate() {
+                        *sum += 2 * (low >> axis & 1) as u16;
+                    }
+                    sum[edge / 4] += 1;
                 }
             }
             let crossings = (count, sum);
@@ -230,9 +275,7 @@ impl March<'_> {
             let nodes = self.blocks[block].rim.cube(cube);
             let tile = self.dual.tiles.len() as u32;
             let cell = global(place, cell_in_block(cube, 0));
-            let (count, sum) = cube::crossings(nodes);
-            let sum = sum + Vec3::from(cell.map(f64::from)) * count;
-            let crossings = (count, sum);
+            let crossings = cube::crossings(nodes);
             self.dual.tiles.push(Tile { cell, crossings });
             let is_beside = beside_cells >> cube & 1 == 1;
             for axis in 0..3 {
@@ -316,7 +359,7 @@ impl March<'_> {
         let block = if after == [0; 3] {
             block as u32
         } else {
-            self.block([0, 1, 2].map(|axis| place[axis] + after[axis]))?
+            self.block([0, 1, 2].map(|axis| place[axis] + after[axis]), block)?
         };
         let node = node.map(|x| (x % BLOCK) as usize);
         let slot = 16 * axis + 4 * node[axis] + node[u] + node[v] / 2;
@@ -331,14 +374,11 @@ impl March<'_> {
                 self.other_quads.insert((node, axis), number);
             }
         }
-        let mut crossing = node.map(f64::from);
-        crossing[axis] += 0.5 + DISPLACEMENT * noise(&node, axis);
-        let mut outside = node;
-        outside[axis] += i32::from(is_low_inside);
         self.dual.quads.push(Quad {
             corners: [NOTHING; 4],
-            outside,
-            point: self.lattice.point(crossing),
+            node,
+            axis: axis as u8,
+            is_low_inside,
         });
         number
     }
@@ -364,9 +404,8 @@ impl<'a> Neighbours<'a> {
             for (axis, x) in block.into_iter().enumerate() {
                 beyond |= usize::from(x == BLOCK) << axis;
             }
-            let region = &self.lattice.regions[self.regions[beyond]? as usize];
             let block = node_index(block.map(|x| x % BLOCK));
-            (region.kept >> block & 1 == 1).then_some(region.inside[block])
+            self.lattice.inside(self.regions[beyond]?, block)
         })
     }
 }

@@ -1,11 +1,10 @@
 //! Signs at the nodes of a cubic lattice, kept only near the surface.
 
 use crate::surface::frame::Frame;
+use crate::surface::hashing::FastMap;
 use crate::surface::implicit::{Ball, ImplicitSolid};
 use crate::{BodyError, Result};
 use protomer_kernel::Vec3;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 
 /// Nodes along a block's edge, and blocks along a region's.
 pub(super) const BLOCK: i32 = 4;
@@ -31,7 +30,9 @@ pub(super) struct SparseLattice<'a> {
     /// Regions with blocks near the surface.
     pub(super) regions: Vec<Region>,
     /// Where in `regions` a region is.
-    index_of: HashMap<Cell, u32, BuildHasherDefault<Mixer>>,
+    index_of: FastMap<Cell, u32>,
+    /// The inside nodes of each block that is kept, as bits.
+    inside: Vec<u64>,
 }
 
 /// 4 x 4 x 4 blocks of 4 x 4 x 4 nodes. Blocks are numbered as nodes are ([`node_index`]).
@@ -41,8 +42,17 @@ pub(super) struct Region {
     /// The blocks that are kept, as bits: those that hold a corner of a cell that the surface
     /// crosses, and some others near the surface.
     pub(super) kept: u64,
-    /// The inside nodes of each block, as bits.
-    pub(super) inside: [u64; NODES],
+    /// How many blocks the regions before this one keep.
+    kept_before: u32,
+}
+
+impl Region {
+    /// The number of a block among all that the lattice keeps, if it is kept.
+    pub(super) fn number(&self, block: usize) -> Option<u32> {
+        let before = self.kept & ((1 << block) - 1);
+        let is_kept = self.kept >> block & 1 == 1;
+        is_kept.then(|| self.kept_before + before.count_ones())
+    }
 }
 
 impl<'a> SparseLattice<'a> {
@@ -56,14 +66,15 @@ impl<'a> SparseLattice<'a> {
             frame,
             spacing,
             regions: Vec::new(),
-            index_of: HashMap::default(),
+            index_of: FastMap::default(),
+            inside: Vec::new(),
         };
         let mut balls = Vec::new();
         for (place, candidates) in lattice.candidates(&solid.cover())? {
             let mut region = Region {
                 place,
                 kept: 0,
-                inside: [0; NODES],
+                kept_before: lattice.inside.len() as u32,
             };
             for block in bits(candidates) {
                 let [x, y, z] = place.map(|x| x * BLOCK);
@@ -71,7 +82,7 @@ impl<'a> SparseLattice<'a> {
                 let filled = lattice.fill(solid, [x + i, y + j, z + k], &mut balls);
                 if let Some(inside) = filled {
                     region.kept |= 1 << block;
-                    region.inside[block] = inside;
+                    lattice.inside.push(inside);
                 }
             }
             if region.kept != 0 {
@@ -87,6 +98,17 @@ impl<'a> SparseLattice<'a> {
         self.index_of.get(place).copied()
     }
 
+    /// How many blocks are kept.
+    pub(super) fn kept_blocks(&self) -> usize {
+        self.inside.len()
+    }
+
+    /// The inside nodes of a block of a region, as bits, if it is kept.
+    pub(super) fn inside(&self, region: u32, block: usize) -> Option<u64> {
+        let number = self.regions[region as usize].number(block)?;
+        Some(self.inside[number as usize])
+    }
+
     /// A point given in cells from the origin of the lattice, in input coordinates, Å.
     pub(super) fn point(&self, cells: [f64; 3]) -> Vec3 {
         self.frame.to_input(&(Vec3::from(cells) * self.spacing))
@@ -96,7 +118,7 @@ impl<'a> SparseLattice<'a> {
     /// that the mesh does not depend on a hash.
     fn candidates(&self, cover: &[Ball]) -> Result<Vec<(Cell, u64)>> {
         let edge = self.spacing * f64::from(BLOCK);
-        let mut found: HashMap<Cell, u64, BuildHasherDefault<Mixer>> = HashMap::default();
+        let mut found: FastMap<Cell, u64> = FastMap::default();
         let mut looks = 0.0;
         for (centre, radius) in cover {
             let centre = self.frame.to_lattice(centre) / edge;
@@ -217,11 +239,7 @@ fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u6
 
 /// Adds the blocks within `reach` of a point, both in units of a block's edge, to those of each
 /// region.
-fn add_blocks_near(
-    found: &mut HashMap<Cell, u64, BuildHasherDefault<Mixer>>,
-    centre: &Vec3,
-    reach: f64,
-) {
+fn add_blocks_near(found: &mut FastMap<Cell, u64>, centre: &Vec3, reach: f64) {
     let size = f64::from(BLOCK);
     let [low, high] = [-reach, reach].map(|r| centre.map(|x| ((x + r) / size).floor() as i32));
     for x in low.x..=high.x {
@@ -264,25 +282,6 @@ pub(super) fn bits(mut word: u64) -> impl Iterator<Item = usize> {
         word &= word.wrapping_sub(1);
         (bit < NODES).then_some(bit)
     })
-}
-
-/// A fast hash of lattice coordinates, which nobody chooses to collide: multiply and rotate.
-#[derive(Default)]
-pub(super) struct Mixer(u64);
-
-impl Hasher for Mixer {
-    fn write(&mut self, bytes: &[u8]) {
-        for chunk in bytes.chunks(8) {
-            let mut word = [0; 8];
-            word[..chunk.len()].copy_from_slice(chunk);
-            let mixed = self.0.rotate_left(23) ^ u64::from_le_bytes(word);
-            self.0 = mixed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        }
-    }
-
-    fn finish(&self) -> u64 {
-        self.0 ^ (self.0 >> 29)
-    }
 }
 
 fn too_large(spacing: f64) -> BodyError {
@@ -334,10 +333,9 @@ mod tests {
             let kept = |node: Cell| {
                 let block = node.map(|x| x.div_euclid(BLOCK));
                 let index = lattice.index(&block.map(|x| x.div_euclid(BLOCK)))?;
-                let region = &lattice.regions[index as usize];
                 let block = node_index(block.map(|x| x.rem_euclid(BLOCK)));
                 let bit = node_index(node.map(|x| x.rem_euclid(BLOCK)));
-                (region.kept >> block & 1 == 1).then_some(region.inside[block] >> bit & 1 == 1)
+                Some(lattice.inside(index, block)? >> bit & 1 == 1)
             };
             let inside =
                 |node: Cell| Pair.signed_distance(&lattice.point(node.map(f64::from))) < 0.0;

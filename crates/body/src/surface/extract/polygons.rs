@@ -6,8 +6,8 @@
 use super::coarsen::{EdgeCounts, Patches};
 use super::dual::{Dual, NOTHING, Quad};
 use super::lattice::{Cell, SparseLattice};
+use crate::surface::hashing::FastMap;
 use protomer_kernel::{TriangleMesh, Vec3};
-use std::collections::HashMap;
 
 /// A patch needs at least this many corners in a triangle mesh.
 const FEWEST_CORNERS: u32 = 3;
@@ -85,7 +85,7 @@ struct Builder<'a> {
     /// The vertex in the middle of each edge that two patches have twice: along an ambiguous face
     /// two sheets may meet along two seams. Each seam runs around one outside node, by which both
     /// its ends know it.
-    middle: HashMap<(u32, u32, Cell), (u32, f64)>,
+    middle: FastMap<(u32, u32, Cell), (u32, f64)>,
     mesh: TriangleMesh,
 }
 
@@ -96,7 +96,7 @@ impl<'a> Builder<'a> {
         patches: &'a Patches,
         edges: EdgeCounts,
     ) -> Self {
-        let (number, middle) = (vec![NOTHING; dual.tiles.len()], HashMap::new());
+        let (number, middle) = (vec![NOTHING; dual.tiles.len()], FastMap::default());
         Self {
             lattice,
             dual,
@@ -127,8 +127,9 @@ impl<'a> Builder<'a> {
                 sums.push((0.0, Vec3::zeros()));
             }
             let (count, sum) = &mut sums[*number as usize];
-            *count += tile.crossings.0;
-            *sum += tile.crossings.1;
+            let crossings = tile.crossings();
+            *count += crossings.0;
+            *sum += crossings.1;
         }
         self.mesh.vertices.reserve_exact(sums.len());
         for (count, sum) in sums {
@@ -139,15 +140,18 @@ impl<'a> Builder<'a> {
     }
 
     fn polygon(&mut self, quad: &Quad, polygon: &[u32]) {
-        let mut corners = Vec::with_capacity(8);
+        let (mut corners, mut count) = ([0; 8], 0);
         for (i, &patch) in polygon.iter().enumerate() {
-            corners.push(self.number[patch as usize]);
+            corners[count] = self.number[patch as usize];
+            count += 1;
             let next = polygon[(i + 1) % polygon.len()];
             if self.edges.count(patch, next) > 2 {
-                corners.push(self.middle(patch, next, quad));
+                corners[count] = self.middle(patch, next, quad);
+                count += 1;
             }
         }
-        match (polygon, corners.as_slice()) {
+        let corners = &corners[..count];
+        match (polygon, corners) {
             ([], _) => {}
             (_, &[a, b, c]) => self.mesh.triangles.push([a, b, c]),
             (&[p, q, r, s], &[a, b, c, d]) => match self.diagonal([p, q, r, s], [a, b, c, d]) {
@@ -159,9 +163,9 @@ impl<'a> Builder<'a> {
                     self.edges.add(q, s);
                     self.mesh.triangles.extend([[a, b, d], [b, c, d]]);
                 }
-                None => self.fan(quad.point, &corners),
+                None => self.fan(quad, corners),
             },
-            _ => self.fan(quad.point, &corners),
+            _ => self.fan(quad, corners),
         }
     }
 
@@ -182,8 +186,10 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn fan(&mut self, centre: Vec3, corners: &[u32]) {
+    /// Triangles about the place where the surface crosses the edge of a quadrangle.
+    fn fan(&mut self, quad: &Quad, corners: &[u32]) {
         let number = self.mesh.vertices.len() as u32;
+        let centre = self.lattice.point(quad.crossing());
         self.mesh.vertices.push(centre);
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             self.mesh.triangles.push([a, b, number]);
@@ -196,13 +202,14 @@ impl<'a> Builder<'a> {
         let new = self.mesh.vertices.len() as u32;
         let (vertex, ends) = self
             .middle
-            .entry((a.min(b), a.max(b), quad.outside))
+            .entry((a.min(b), a.max(b), quad.outside()))
             .or_insert((new, 0.0));
         if *vertex == new {
             self.mesh.vertices.push(Vec3::zeros());
         }
         let place = &mut self.mesh.vertices[*vertex as usize];
-        *place = (*place * *ends + quad.point) / (*ends + 1.0);
+        let end = self.lattice.point(quad.crossing());
+        *place = (*place * *ends + end) / (*ends + 1.0);
         *ends += 1.0;
         *vertex
     }

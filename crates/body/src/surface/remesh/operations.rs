@@ -189,8 +189,8 @@ impl<'a> Remesher<'a> {
     pub(super) fn flip_towards_equal_angles(&mut self) {
         self.flip_where(|mesh, half_edge| {
             let [a, b, c, d] = quadrangle(mesh, half_edge);
-            quality(&[c, a, d]).min(quality(&[d, b, c]))
-                > 1.05 * quality(&[a, b, c]).min(quality(&[b, a, d]))
+            quality_squared(&[c, a, d]).min(quality_squared(&[d, b, c]))
+                > 1.05 * 1.05 * quality_squared(&[a, b, c]).min(quality_squared(&[b, a, d]))
         });
     }
 
@@ -279,8 +279,9 @@ impl<'a> Remesher<'a> {
                 (p - here).cross(&(q - here)),
                 (p - target).cross(&(q - target)),
             );
+            let (area, area_before) = (after.norm_squared(), before.norm_squared());
             is_small_turn(&before, &after)
-                && (after.norm() > 2.0 * smallest || after.norm() > before.norm() * BETTER)
+                && (area > (2.0 * smallest).powi(2) || area > area_before * BETTER * BETTER)
                 && acceptable(&[*target, p, q], &[here, p, q])
         })
     }
@@ -331,12 +332,21 @@ pub(crate) fn quality([a, b, c]: &[Vec3; 3]) -> f64 {
     2.0 * 3f64.sqrt() * (b - a).cross(&(c - a)).norm() / sides.max(f64::MIN_POSITIVE)
 }
 
+/// The square of [`quality`], which needs no root.
+fn quality_squared([a, b, c]: &[Vec3; 3]) -> f64 {
+    let sides = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    let area = (b - a).cross(&(c - a)).norm_squared();
+    12.0 * area / (sides * sides).max(f64::MIN_POSITIVE)
+}
+
 fn acceptable(after: &[Vec3; 3], before: &[Vec3; 3]) -> bool {
-    let shape = quality(after);
-    shape > LEAST_QUALITY || shape > quality(before) * BETTER
+    let shape = quality_squared(after);
+    shape > LEAST_QUALITY * LEAST_QUALITY || shape > quality_squared(before) * (BETTER * BETTER)
 }
 
 /// Whether two area vectors enclose less than 60°.
 fn is_small_turn(before: &Vec3, after: &Vec3) -> bool {
-    before.dot(after) > LARGEST_TURN * (before.norm_squared() * after.norm_squared()).sqrt()
+    let cosine = before.dot(after);
+    let least = LARGEST_TURN * LARGEST_TURN * before.norm_squared() * after.norm_squared();
+    cosine > 0.0 && cosine * cosine > least
 }
