@@ -127,7 +127,8 @@ impl<'a> Descent<'a> {
 
     fn run(&mut self, scratch: &mut Scratch) -> bool {
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+        {
             // SAFETY: the processor has the instructions that the function is compiled for.
             return unsafe { self.run_avx2(scratch) };
         }
@@ -135,7 +136,7 @@ impl<'a> Descent<'a> {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
     fn run_avx2(&mut self, scratch: &mut Scratch) -> bool {
         self.visit_all(scratch)
     }
