@@ -556,6 +556,9 @@ class _Shape:
         pairs: Path | str,
         *,
         potential: Literal["contact", "face-sum", "smooth"] | None = None,
+        central: Literal["none", "conservative", "printed", "gradient"] | None = None,
+        attraction: float | str | None = None,
+        attraction_cut_off: float | str | None = None,
         threads: int | str | None = None,
         force: bool = False,
         progress: Callable[[int, int, str], None] | None = None,
@@ -573,6 +576,12 @@ class _Shape:
             JSON file with the pairs
         potential
             Which points of the bodies repel each other [default: smooth]
+        central
+            The energy between the centroids, added to that of the points [default: none]
+        attraction
+            Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
+        attraction_cut_off
+            Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly from 0.8 of that on [default: 2.5]
         threads
             Threads to use; 0 means all [default: 0]
         force
@@ -602,6 +611,9 @@ class _Shape:
             [pairs],
             {
                 "--potential": potential,
+                "--central": central,
+                "--attraction": attraction,
+                "--attraction-cut-off": attraction_cut_off,
                 "--threads": threads,
                 "--force": force,
             },
@@ -674,14 +686,20 @@ class _Md:
         *,
         output: Path | str,
         shape: str | float | Sequence[str | float] | None = None,
+        share: float | str | Sequence[float | str] | None = None,
+        rounding: float | str | None = None,
         keep_size: bool = False,
         bodies: int | str | None = None,
         packing_fraction: float | str | None = None,
         potential: Literal["contact", "face-sum", "smooth"] | None = None,
+        attraction: float | str | None = None,
+        attraction_cut_off: float | str | None = None,
+        central: Literal["none", "conservative"] | None = None,
         time_step: float | str | None = None,
         steps: int | str | None = None,
-        ensemble: Literal["nve", "nvt", "langevin", "brownian"] | None = None,
+        ensemble: Literal["nve", "nvt", "npt", "langevin", "brownian"] | None = None,
         temperature: float | str | None = None,
+        pressure: float | str | None = None,
         relaxation_time: float | str | None = None,
         friction: float | str | None = None,
         seed: int | str | None = None,
@@ -710,7 +728,11 @@ class _Md:
         output
             Directory of the results
         shape
-            File or name of the shape, as for `shape`; also disk or ball [default: polygon:4]
+            File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C; convex parts of a concave body joined by +. Several times for a mixture [default: polygon:4]
+        share
+            How many bodies of each shape there are, in proportion: once for each --shape [default: equal numbers]
+        rounding
+            Radius by which the shapes are rounded, in the unit of their points, before they are scaled [default: 0]
         keep_size
             Keep the size of the shape instead of scaling it to area or volume one
         bodies
@@ -719,16 +741,24 @@ class _Md:
             Part of the space that bodies with their layer fill [default: 0.5]
         potential
             Which points of the bodies repel each other [default: smooth]
+        attraction
+            Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
+        attraction_cut_off
+            Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched off smoothly from 0.8 of that on [default: 2.5]
+        central
+            The energy between the centroids [default: none]
         time_step
             Time step [default: 1e-4]
         steps
             Run to this many steps after the preparation [default: 10000]
         ensemble
-            What keeps the temperature [default: nve]
+            What keeps the temperature, and the pressure [default: nve]
         temperature
             kT at the start and of the bath, in units of epsilon [default: 1]
+        pressure
+            Pressure of npt, in units of epsilon per area or volume
         relaxation_time
-            Relaxation time of the bath of nvt [default: 0.5]
+            Relaxation time of the bath of nvt and npt [default: 0.5]
         friction
             Friction of langevin and brownian, an inverse time [default: 1]
         seed
@@ -786,14 +816,20 @@ class _Md:
             {
                 "--output": output,
                 "--shape": shape,
+                "--share": share,
+                "--rounding": rounding,
                 "--keep-size": keep_size,
                 "--bodies": bodies,
                 "--packing-fraction": packing_fraction,
                 "--potential": potential,
+                "--attraction": attraction,
+                "--attraction-cut-off": attraction_cut_off,
+                "--central": central,
                 "--time-step": time_step,
                 "--steps": steps,
                 "--ensemble": ensemble,
                 "--temperature": temperature,
+                "--pressure": pressure,
                 "--relaxation-time": relaxation_time,
                 "--friction": friction,
                 "--seed": seed,

@@ -50,7 +50,7 @@ impl Attraction {
         if self.strength != 0.0 {
             require("the attraction", self.strength)?;
         }
-        if !(self.cut_off >= LEAST_CUT_OFF) {
+        if self.cut_off.is_nan() || self.cut_off < LEAST_CUT_OFF {
             return Err(Error::OutOfRange {
                 what: "the cut-off of the attraction",
                 value: self.cut_off,
