@@ -69,11 +69,11 @@ impl Answer for StaticFreeVolumes {
     }
 }
 
-/// Computes the free volumes of a crystal for all packing fractions and depletants.
+/// Computes the free volumes of a crystal for all packing fractions and depletants. Whether its bodies
+/// overlap is not checked.
 ///
 /// # Errors
-/// For a shape in a plane, an unknown crystal, bodies that overlap in it, and numbers that are not
-/// positive.
+/// For a shape in a plane, an unknown crystal, and numbers that are not positive.
 ///
 /// ```
 /// use protomer::hard_bodies::static_free_volume::{StaticFreeVolumeSettings, static_free_volumes};

@@ -85,7 +85,7 @@ impl Swept {
         self.pieces.interval(origin, direction)
     }
 
-    /// The volume (in a plane, the area) that is inside of both, to about 1e-8 of it.
+    /// The volume (in a plane, the area) that is inside of both, to about 1e-7 of it.
     pub fn overlap(&self, other: &Self) -> f64 {
         let shared = Shared::of([self, other]);
         match shared {
