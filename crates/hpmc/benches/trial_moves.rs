@@ -9,7 +9,7 @@ mod cpu_time;
 
 use cpu_time::{cpu_seconds, is_asked_for};
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::depletants::Depletant;
+use protomer_hpmc::reservoir::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::shape::{Shape, builders::by_name};

@@ -1,7 +1,7 @@
 //! Crystals: unit cells with right angles, repeated until they hold all bodies.
 
 use crate::body::{HardBody, norm};
-use crate::depletants::Depletant;
+use crate::reservoir::Depletant;
 use crate::symmetry::{Symmetry, frame};
 use crate::system::System;
 use crate::{Error, Result, error::require};

@@ -24,43 +24,12 @@
 //! only in the shell around it.
 
 use crate::grid::Near;
+use crate::reservoir::Depletant;
 use crate::system::{System, Trial};
-use crate::{Result, error::require};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::shape::separation::{Block, Pair, minus};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
-
-/// A kind of penetrable hard spheres; in a plane, disks.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Depletant {
-    /// Radius, in the unit of the bodies.
-    pub radius: f64,
-    /// Number density in the reservoir. With zero, free volumes are measured and nothing else.
-    pub fugacity: f64,
-}
-
-impl Depletant {
-    /// Checks the numbers.
-    ///
-    /// # Errors
-    /// For a radius or fugacity that is negative or not finite.
-    pub fn check(&self) -> Result<()> {
-        require(
-            "the radius of the depletants",
-            self.radius,
-            "positive",
-            self.radius > 0.0,
-        )?;
-        require(
-            "the fugacity of the depletants",
-            self.fugacity,
-            "zero or positive",
-            self.fugacity >= 0.0,
-        )
-    }
-}
 
 /// Which depletants forbid a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

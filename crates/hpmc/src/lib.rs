@@ -9,7 +9,9 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`body`] | a hard convex body, ready for tests of overlap |
-//! | [`system`] | bodies in a periodic box, and trial moves |
+//! | [`reservoir`] | kinds of depletants |
+//! | [`system`] | bodies in a periodic box, and proposals of moves |
+//! | `trial` | one trial move |
 //! | [`crystal`] | unit cells, by name or of one's own, and crystals made of them |
 //! | [`start`] | the start of a run |
 //! | [`field`] | potentials that act on each body: gravity |
@@ -41,11 +43,13 @@ mod grid;
 pub mod heights;
 pub mod jet;
 mod quadrature;
+pub mod reservoir;
 pub mod simulation;
 pub mod start;
 pub mod static_free_volume;
 pub mod symmetry;
 pub mod system;
 pub mod tangent;
+mod trial;
 
 pub use error::{Error, Result};

@@ -7,9 +7,10 @@
 
 use crate::body::HardBody;
 use crate::compression::Compression;
-use crate::depletants::{Counting, Depletant};
+use crate::depletants::Counting;
 use crate::field::{Gravity, Nothing};
 use crate::heights::{Heights, Walls};
+use crate::reservoir::Depletant;
 use crate::start::Start;
 use crate::system::{Counts, MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};

@@ -6,8 +6,9 @@
 
 use crate::body::HardBody;
 use crate::crystal::Crystal;
-use crate::depletants::{Counting, Depletant};
+use crate::depletants::Counting;
 use crate::field::Nothing;
+use crate::reservoir::Depletant;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
 use protomer_kernel::random::{CounterRng, Purpose};

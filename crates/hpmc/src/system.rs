@@ -9,9 +9,8 @@
 //! alone, so a state and a number of trials say how a run goes on.
 
 use crate::body::HardBody;
-use crate::depletants::{Counting, Depletant};
-use crate::field::Field;
 use crate::grid::{Grid, Near};
+use crate::reservoir::Depletant;
 use crate::{Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
 use protomer_kernel::Rotation;
@@ -475,31 +474,6 @@ impl<const D: usize> System<D> {
             };
         }
         false
-    }
-
-    /// One trial move with the numbers of a stream.
-    pub(crate) fn trial(
-        &mut self,
-        rng: &mut CounterRng,
-        steps: &Steps,
-        counting: Counting,
-        field: &mut impl Field<D>,
-        counts: &mut MoveCounts,
-    ) -> bool {
-        let trial = self.propose(rng, steps, None);
-        let is_accepted = field.allows(self, &trial, rng)
-            && !self.collides(&trial)
-            && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
-        if is_accepted {
-            field.moved(&trial);
-            self.accept(&trial);
-        }
-        let kind = match trial.is_turned {
-            true => &mut counts.rotation,
-            false => &mut counts.translation,
-        };
-        kind.note(is_accepted);
-        is_accepted
     }
 
     /// A body, or any, moved or turned at random.

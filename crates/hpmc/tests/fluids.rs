@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // a test fails by panicking
 
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::depletants::Depletant;
+use protomer_hpmc::reservoir::Depletant;
 use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::Vec3;

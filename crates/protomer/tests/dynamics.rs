@@ -11,7 +11,7 @@ use std::path::Path;
 
 fn short(shape: &str) -> DynamicsSettings {
     DynamicsSettings {
-        shape: shape.into(),
+        shape: vec![shape.into()],
         bodies: 64,
         packing_fraction: 0.3,
         ensemble: EnsembleName::Nvt,

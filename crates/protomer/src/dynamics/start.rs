@@ -264,7 +264,7 @@ mod tests {
             .filter(|kind| **kind == 1)
             .count();
         assert_eq!(disks, 10);
-        assert!(begun.bodies.kind_of[..10].iter().any(|kind| *kind == 1));
+        assert!(begun.bodies.kind_of[..10].contains(&1));
 
         let folder = tempfile::tempdir().unwrap();
         let file = |name: &str, text: &str| {

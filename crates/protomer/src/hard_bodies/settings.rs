@@ -2,8 +2,8 @@
 
 use super::start::FLUID;
 use anyhow::{Result, bail};
-use protomer_hpmc::depletants::Depletant;
 pub use protomer_hpmc::field::Gravity;
+use protomer_hpmc::reservoir::Depletant;
 pub use protomer_hpmc::simulation::Pressure;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};

@@ -4,24 +4,19 @@
 //! DIR/  run.toml  run.json  equation.csv  equation.json  equation.svg  equation.png
 //! DIR/packing_0.3/seed_1/   a run directory each (pressure_2 for a pressure)
 //! ```
-//!
-//! Over packing fractions of a fluid, the excess free energy is the integral of the equation of state,
-//!
-//! f(φ) = ∫₀^φ (Z - 1)/φ' dφ',
-//!
-//! by a cubic spline through (Z - 1)/φ, which begins at B2 over the volume of a body. It is linear in the
-//! measured factors, so their errors propagate.
+
+mod equation;
+
+pub use equation::{EquationOfState, StatePoint};
 
 use super::run::{HardBodyResult, run_hard_bodies};
 use super::settings::{HardBodySettings, Pressure};
-use super::spline::Spline;
 use super::start::{BodyShape, FLUID, cell_text};
 use anyhow::{Context, Error, Result, bail};
-use protomer_common::answer::{Answer, columns, heading};
+use equation::integrate;
+use protomer_common::answer::Answer;
 use protomer_io::atomic::write_atomically;
-use protomer_io::csv::{Cell, Table};
 use protomer_kernel::shape::measures::Measures;
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Work, conduct,
     settings,
@@ -33,8 +28,6 @@ const TABLE: &str = "equation.csv";
 const JSON: &str = "equation.json";
 /// Upper limit for the number of runs, each of which has a folder.
 const MOST_RUNS: usize = 10_000;
-/// Fewer packing fractions do not carry a spline; the point at zero comes to them.
-const FEWEST_TO_INTEGRATE: usize = 3;
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
@@ -174,297 +167,6 @@ fn is_condition(path: &Path) -> bool {
         .strip_prefix("packing_")
         .or_else(|| name.strip_prefix("pressure_"));
     path.is_dir() && value.is_some_and(|value| value.parse::<f64>().is_ok())
-}
-
-/// An equation of state. Lengths are in the unit of the shape.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct EquationOfState {
-    /// The settings.
-    pub settings: HardBodySweepSettings,
-    /// 1, 2 or 3.
-    pub dimension: usize,
-    /// Volume of a body.
-    pub body_volume: f64,
-    /// Each condition, in the order of the packing fractions.
-    pub points: Vec<StatePoint>,
-}
-
-/// What all runs at one condition measured: means, and their standard errors.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StatePoint {
-    /// The part of the box that the bodies fill.
-    pub packing_fraction: f64,
-    /// At constant pressure, its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub packing_fraction_error: Option<f64>,
-    /// The constant pressure βP, kT per volume.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub pressure_kt_per_volume: Option<f64>,
-    /// Z = βP/ρ of the bodies, by trial compressions.
-    pub compressibility_factor: f64,
-    /// Its standard error.
-    pub compressibility_factor_error: Option<f64>,
-    /// βP times the volume of a body.
-    pub reduced_pressure: f64,
-    /// Excess chemical potential by insertion, kT.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_kt: Option<f64>,
-    /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_error_kt: Option<f64>,
-    /// Excess free energy per body by integration from no bodies, kT.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_free_energy_per_body_kt: Option<f64>,
-    /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_free_energy_per_body_error_kt: Option<f64>,
-    /// Free volume of the first depletant, as a part of the box.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub free_volume_fraction: Option<f64>,
-    /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub free_volume_fraction_error: Option<f64>,
-    /// Runs behind it.
-    pub seeds: usize,
-}
-
-/// The mean over runs; its error if all have one.
-fn mean(
-    runs: &[HardBodyResult],
-    value: impl Fn(&HardBodyResult) -> (f64, Option<f64>),
-) -> (f64, Option<f64>) {
-    let count = runs.len() as f64;
-    let (mut sum, mut squares) = (0.0, Some(0.0));
-    for run in runs {
-        let (value, error) = value(run);
-        sum += value;
-        squares = squares
-            .zip(error)
-            .map(|(squares, error)| squares + error * error);
-    }
-    (
-        sum / count,
-        squares.map(|squares: f64| squares.sqrt() / count),
-    )
-}
-
-impl StatePoint {
-    fn of(runs: &[HardBodyResult]) -> Self {
-        let first = &runs[0];
-        let (packing, packing_error) = mean(runs, |run| {
-            (run.packing_fraction, run.packing_fraction_error)
-        });
-        let (factor, factor_error) = mean(runs, |run| {
-            (run.compressibility_factor, run.compressibility_factor_error)
-        });
-        let (reduced, _) = mean(runs, |run| (run.reduced_pressure, None));
-        // The mean of the probabilities: that of their logarithms would be biased.
-        let insertion = first.insertion_probability.map(|_| {
-            mean(runs, |run| {
-                let probability = run.insertion_probability.unwrap_or_default();
-                (probability, run.insertion_probability_error)
-            })
-        });
-        let insertion = insertion.filter(|(probability, _)| *probability > 0.0);
-        let free = first.free_volume_fraction.map(|_| {
-            mean(runs, |run| {
-                let fraction = run.free_volume_fraction.unwrap_or_default();
-                (fraction, run.free_volume_fraction_error)
-            })
-        });
-        Self {
-            packing_fraction: packing,
-            packing_fraction_error: packing_error,
-            pressure_kt_per_volume: first.pressure_kt_per_volume,
-            compressibility_factor: factor,
-            compressibility_factor_error: factor_error,
-            reduced_pressure: reduced,
-            excess_chemical_potential_kt: insertion.map(|(probability, _)| -probability.ln()),
-            excess_chemical_potential_error_kt: insertion
-                .and_then(|(probability, error)| Some(error? / probability)),
-            excess_free_energy_per_body_kt: None,
-            excess_free_energy_per_body_error_kt: None,
-            free_volume_fraction: free.map(|(fraction, _)| fraction),
-            free_volume_fraction_error: free.and_then(|(_, error)| error),
-            seeds: runs.len(),
-        }
-    }
-}
-
-/// Integrates (Z - 1)/φ from no bodies, where it is B2 over the volume of a body.
-fn integrate(points: &mut [StatePoint], b2_over_volume: f64) {
-    if points.len() < FEWEST_TO_INTEGRATE {
-        return;
-    }
-    let mut x = vec![0.0];
-    let (mut y, mut errors) = (vec![b2_over_volume], vec![0.0]);
-    for point in points.iter() {
-        let packing = point.packing_fraction;
-        x.push(packing);
-        y.push((point.compressibility_factor - 1.0) / packing);
-        errors.push(point.compressibility_factor_error.unwrap_or(f64::NAN) / packing);
-    }
-    let integrals = Spline::through(x.clone(), y).integrals();
-    let mut squares = vec![0.0; x.len()];
-    for (number, error) in errors.iter().enumerate().skip(1) {
-        let mut one = vec![0.0; x.len()];
-        one[number] = *error;
-        let moved = Spline::through(x.clone(), one).integrals();
-        for (square, part) in squares.iter_mut().zip(moved) {
-            *square += part * part;
-        }
-    }
-    for (number, point) in points.iter_mut().enumerate() {
-        point.excess_free_energy_per_body_kt = Some(integrals[number + 1]);
-        let error = squares[number + 1].sqrt();
-        point.excess_free_energy_per_body_error_kt = Some(error).filter(|error| error.is_finite());
-    }
-}
-
-fn with_error(value: f64, error: Option<f64>) -> String {
-    match error {
-        Some(error) => format!("{value:.5} ± {error:.5}"),
-        None => format!("{value:.5}"),
-    }
-}
-
-fn or_dash(value: Option<f64>, error: Option<f64>) -> String {
-    value.map_or_else(|| "-".to_owned(), |value| with_error(value, error))
-}
-
-impl Answer for EquationOfState {
-    fn text(&self) -> String {
-        let mut rows = vec![heading([
-            "packing fraction",
-            "compressibility factor",
-            "reduced pressure",
-            "free energy (kT)",
-            "chemical potential (kT)",
-            "free volume",
-        ])];
-        for point in &self.points {
-            rows.push(vec![
-                with_error(point.packing_fraction, point.packing_fraction_error),
-                with_error(
-                    point.compressibility_factor,
-                    point.compressibility_factor_error,
-                ),
-                format!("{:.5}", point.reduced_pressure),
-                or_dash(
-                    point.excess_free_energy_per_body_kt,
-                    point.excess_free_energy_per_body_error_kt,
-                ),
-                or_dash(
-                    point.excess_chemical_potential_kt,
-                    point.excess_chemical_potential_error_kt,
-                ),
-                or_dash(point.free_volume_fraction, point.free_volume_fraction_error),
-            ]);
-        }
-        columns(&rows)
-    }
-
-    fn figure(&self) -> Option<Figure> {
-        let series = |value: &dyn Fn(&StatePoint) -> Option<(f64, Option<f64>)>| {
-            let mut points = Vec::new();
-            for point in &self.points {
-                if let Some((y, error)) = value(point) {
-                    let x = point.packing_fraction;
-                    points.push(Point { x, y, error });
-                }
-            }
-            points
-        };
-        let mut panels = Vec::new();
-        let mut panel = |label: &str, points: Vec<Point>| {
-            if !points.is_empty() {
-                let name = label.to_owned();
-                let line = true;
-                panels.push(Panel {
-                    y: Axis::linear(label),
-                    series: vec![Series {
-                        name,
-                        points,
-                        line,
-                        ..Series::default()
-                    }],
-                });
-            }
-        };
-        panel(
-            "compressibility factor",
-            series(&|point| {
-                Some((
-                    point.compressibility_factor,
-                    point.compressibility_factor_error,
-                ))
-            }),
-        );
-        panel(
-            "excess chemical potential (kT)",
-            series(&|point| {
-                let error = point.excess_chemical_potential_error_kt;
-                Some((point.excess_chemical_potential_kt?, error))
-            }),
-        );
-        panel(
-            "free volume of depletants",
-            series(&|point| {
-                Some((
-                    point.free_volume_fraction?,
-                    point.free_volume_fraction_error,
-                ))
-            }),
-        );
-        Some(Figure {
-            title: format!("Equation of state: {}", self.settings.run.shape),
-            caption: format!(
-                "{} bodies; error bars: standard errors",
-                self.settings.run.bodies
-            ),
-            x: Axis::linear("packing fraction"),
-            panels,
-        })
-    }
-}
-
-impl EquationOfState {
-    fn table(&self) -> Result<String> {
-        let mut table = Table::new(vec![
-            "packing_fraction",
-            "packing_fraction_error",
-            "pressure_kt_per_volume",
-            "compressibility_factor",
-            "compressibility_factor_error",
-            "reduced_pressure",
-            "excess_free_energy_per_body_kt",
-            "excess_free_energy_per_body_error_kt",
-            "excess_chemical_potential_kt",
-            "excess_chemical_potential_error_kt",
-            "free_volume_fraction",
-            "free_volume_fraction_error",
-            "seeds",
-        ]);
-        let cell = |value: Option<f64>| value.map_or_else(|| Cell::from(""), Cell::from);
-        for point in &self.points {
-            table.push(vec![
-                Cell::from(point.packing_fraction),
-                cell(point.packing_fraction_error),
-                cell(point.pressure_kt_per_volume),
-                point.compressibility_factor.into(),
-                cell(point.compressibility_factor_error),
-                point.reduced_pressure.into(),
-                cell(point.excess_free_energy_per_body_kt),
-                cell(point.excess_free_energy_per_body_error_kt),
-                cell(point.excess_chemical_potential_kt),
-                cell(point.excess_chemical_potential_error_kt),
-                cell(point.free_volume_fraction),
-                cell(point.free_volume_fraction_error),
-                point.seeds.into(),
-            ])?;
-        }
-        Ok(table.to_csv()?)
-    }
 }
 
 /// Runs or continues a sweep in a directory.

@@ -1,0 +1,33 @@
+//! One trial move: proposed, and refused by fields, bodies or depletants.
+
+use crate::depletants::Counting;
+use crate::field::Field;
+use crate::system::{MoveCounts, Steps, System};
+use protomer_kernel::random::CounterRng;
+
+impl<const D: usize> System<D> {
+    /// One trial move with the numbers of a stream.
+    pub(crate) fn trial(
+        &mut self,
+        rng: &mut CounterRng,
+        steps: &Steps,
+        counting: Counting,
+        field: &mut impl Field<D>,
+        counts: &mut MoveCounts,
+    ) -> bool {
+        let trial = self.propose(rng, steps, None);
+        let is_accepted = field.allows(self, &trial, rng)
+            && !self.collides(&trial)
+            && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
+        if is_accepted {
+            field.moved(&trial);
+            self.accept(&trial);
+        }
+        let kind = match trial.is_turned {
+            true => &mut counts.rotation,
+            false => &mut counts.translation,
+        };
+        kind.note(is_accepted);
+        is_accepted
+    }
+}
