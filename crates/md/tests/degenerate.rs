@@ -344,7 +344,7 @@ fn no_torque_is_wrong_in_near_degenerate_poses() {
 }
 
 #[test]
-#[ignore = "a minute: a million poses"]
+#[ignore = "half a minute: a million poses"]
 fn no_torque_is_wrong_in_a_million_near_degenerate_poses() {
     let several = compare(200_000);
     assert!(several > 100_000, "{several}");

@@ -6,7 +6,7 @@
 
 use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedPart};
 use crate::pair::Form;
-use crate::pair::features::{EQUAL, precedes};
+use crate::pair::features::{EQUAL, precedes, replaces};
 use crate::pair::smooth::Crossing;
 use crate::pair::terms::Terms;
 use protomer_kernel::Vec3;
@@ -179,7 +179,8 @@ fn crossing(first: [Vec3; 2], second: [Vec3; 2]) -> Option<ClosestPoints> {
     })
 }
 
-/// As [`nearest`], with the dimensions of the feature on which the point lies.
+/// As [`nearest`], with the dimensions of the feature on which the point lies. It lies on a face that
+/// the point sees.
 fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let faces = &body.part.polytope.faces;
     let heights = body.normals.iter().zip(&body.part.offsets);
@@ -193,13 +194,17 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     }
     let mut best = foot_on_face(body, (highest, &faces[highest]), point);
     let mut distance = (best.0 - point).norm();
+    // Above the inside of a face, or beside an edge of it by rounding, no other face is nearer.
+    if best.1 > 0 && distance <= top * (1.0 + EQUAL) {
+        return Some(best);
+    }
     for (number, height) in heights.enumerate() {
         if number == highest || height <= 0.0 {
             continue;
         }
         let place = foot_on_face(body, (number, &faces[number]), point);
         let here = (place.0 - point).norm();
-        if here < distance * (1.0 - EQUAL) {
+        if replaces((here, place.1), (distance, best.1)) {
             (best, distance) = (place, here);
         }
     }
@@ -417,36 +422,9 @@ fn foot_on_face(
     (best.1, dimensions)
 }
 
-/// The point of a polyhedron nearest to a point outside; `None` for a point inside. It lies on a
-/// face that the point sees; if its foot is on the face that it is highest above, it is that.
+/// The point of a polyhedron nearest to a point outside; `None` for a point inside.
 fn nearest(body: &TurnedPart<'_>, point: &Vec3) -> Option<Vec3> {
-    let faces = &body.part.polytope.faces;
-    let mut best = (0, f64::NEG_INFINITY);
-    for (number, normal) in body.normals.iter().enumerate() {
-        let height = normal.dot(point) - body.part.offsets[number];
-        if height > best.1 {
-            best = (number, height);
-        }
-    }
-    if best.1 <= 0.0 {
-        return None;
-    }
-    let mut found = on_face(body, (best.0, &faces[best.0]), point);
-    let mut squared = (found - point).norm_squared();
-    if squared <= best.1 * best.1 * (1.0 + 1e-14) {
-        return Some(found);
-    }
-    for (number, normal) in body.normals.iter().enumerate() {
-        if number == best.0 || normal.dot(point) <= body.part.offsets[number] {
-            continue;
-        }
-        let place = on_face(body, (number, &faces[number]), point);
-        let here = (place - point).norm_squared();
-        if here < squared {
-            (found, squared) = (place, here);
-        }
-    }
-    Some(found)
+    foot(body, point).map(|(foot, _)| foot)
 }
 
 /// The closest points of two segments (Ericson, Real-Time Collision Detection (2005), 5.1.9).

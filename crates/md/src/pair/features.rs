@@ -63,7 +63,7 @@ impl Features {
         for (normal, rim) in seen {
             let foot = on_face(normal, rim, point);
             let distance = (foot.0 - point).norm();
-            if distance < best.0 * (1.0 - EQUAL) {
+            if replaces((distance, foot.1), (best.0, best.1.1)) {
                 best = (distance, foot);
             }
         }
@@ -120,6 +120,13 @@ fn best<T>(candidates: impl Iterator<Item = (f64, usize, T)>) -> Option<T> {
         }
     }
     best.map(|(.., found)| found)
+}
+
+/// Whether the foot on another face comes before that on the highest: only if it is nearer by more
+/// than rounding, or if it lies inside an edge whose end the other is.
+pub(crate) fn replaces(here: (f64, usize), there: (f64, usize)) -> bool {
+    let is_inner = here.1 > there.1 && here.0 <= there.0 * (1.0 + EQUAL);
+    is_inner || here.0 < there.0 * (1.0 - EQUAL)
 }
 
 /// Whether a distance, or at equal distances the dimensions of its features, come before others.
