@@ -18,8 +18,6 @@ use crate::engine::Engine;
 use crate::{Error, Result};
 use protomer_kernel::random::CounterRng;
 
-/// Steps between two trials.
-pub const TRIAL_EVERY: u64 = 10;
 /// Decades of the widths of the trials.
 const DECADES: f64 = 3.0;
 

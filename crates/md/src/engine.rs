@@ -8,7 +8,6 @@
 //! A step is reversible and symplectic. Forces are added in the order of the pairs, whatever thread
 //! computed them, so results do not depend on threads.
 
-use crate::barostat::TRIAL_EVERY;
 use crate::bath::{self, Ensemble, noise_of, normal_turns, normal_vector, require};
 use crate::near::{Felt, Law, Turned, felt};
 use crate::neighbours::{Neighbours, Pair, shift};
@@ -25,6 +24,9 @@ use serde::{Deserialize, Serialize};
 const WORTH_THREADS: usize = 2000;
 /// Pairs that a thread takes at a time.
 const SHARE: usize = 256;
+
+/// Steps between two trials of the volume.
+const TRIAL_EVERY: u64 = 10;
 
 /// How bodies move.
 #[derive(Debug, Clone, Copy, PartialEq)]
