@@ -92,7 +92,7 @@ def _flag(flag: str, value: object) -> list[str]:
 
 
 # Flags that are repeated for each value; all others take a comma-separated list.
-_REPEATED = frozenset({"--part"})
+_REPEATED = frozenset({"--part", "--shape", "--share"})
 
 
 def _is_many(value: object) -> bool:

@@ -581,7 +581,8 @@ class _Shape:
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
-            Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly from 0.8 of that on [default: 2.5]
+            Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly
+            from 0.8 of that on [default: 2.5]
         threads
             Threads to use; 0 means all [default: 0]
         force
@@ -686,7 +687,7 @@ class _Md:
         *,
         output: Path | str,
         shape: str | float | Sequence[str | float] | None = None,
-        share: float | str | Sequence[float | str] | None = None,
+        share: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         rounding: float | str | None = None,
         keep_size: bool = False,
         bodies: int | str | None = None,
@@ -728,11 +729,14 @@ class _Md:
         output
             Directory of the results
         shape
-            File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C; convex parts of a concave body joined by +. Several times for a mixture [default: polygon:4]
+            File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C; convex
+            parts of a concave body joined by +. Several times for a mixture [default: polygon:4]
         share
-            How many bodies of each shape there are, in proportion: once for each --shape [default: equal numbers]
+            How many bodies of each shape there are, in proportion: once for each --shape [default: equal
+            numbers]
         rounding
-            Radius by which the shapes are rounded, in the unit of their points, before they are scaled [default: 0]
+            Radius by which the shapes are rounded, in the unit of their points, before they are scaled
+            [default: 0]
         keep_size
             Keep the size of the shape instead of scaling it to area or volume one
         bodies
@@ -744,7 +748,8 @@ class _Md:
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
-            Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched off smoothly from 0.8 of that on [default: 2.5]
+            Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched off
+            smoothly from 0.8 of that on [default: 2.5]
         central
             The energy between the centroids [default: none]
         time_step

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+
 import numpy as np
 import pytest
 
@@ -113,3 +115,19 @@ def test_a_run_without_a_trajectory_is_named(tmp_path) -> None:  # type: ignore[
     pytest.importorskip("gsd.hoomd")
     with pytest.raises(FileNotFoundError, match=r"trajectory\.gsd"):
         Motion.read(tmp_path)
+
+
+def test_each_shape_of_a_mixture_is_a_word_of_its_own(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    pm.md.run(
+        shape=["disk", "ellipse:2,1"],
+        share=[3, 1],
+        bodies=32,
+        packing_fraction=0.2,
+        steps=20,
+        compress_steps=20,
+        equilibrate_steps=0,
+        output=tmp_path / "mixture",
+    )
+    settings = tomllib.loads((tmp_path / "mixture" / "run.toml").read_text())
+    assert settings["shape"] == ["disk", "ellipse:2,1"]
+    assert settings["share"] == [3.0, 1.0]
