@@ -8,7 +8,7 @@
 //! corners for edges. Axes too many do no harm: one that separates the bodies proves that they are apart.
 //!
 //! Most axes are decided by ordinary numbers and a bound on their error. The others are sums of products
-//! of differences, and have exact expansions ([`expansion`](super::expansion)).
+//! of differences, and have exact expansions (`expansion`).
 
 use super::expansion::Expansion;
 use super::separation::{Block, LANES, Pair};
