@@ -85,7 +85,10 @@ class Motion:
         with gsd.hoomd.open(str(path), "r") as file:
             frames = [frame for frame in file][skip:]
         flat = frames[0].configuration.dimensions == 2
-        column = lambda name: np.array([frame.log[name] for frame in frames], dtype=np.float64)  # noqa: E731
+
+        def column(name: str) -> Numbers:
+            return np.array([frame.log[name] for frame in frames], dtype=np.float64)
+
         return cls(
             times=column("time").reshape(len(frames)),
             positions=column("particles/unwrapped_position"),
