@@ -24,6 +24,8 @@
 //! | [`einstein`] | bodies on springs, and their free energy |
 //! | [`frenkel_ladd`] | the free energy of a crystal, by springs of falling strength |
 //! | [`jet`] | numbers with two derivatives |
+//! | [`spline`] | cubic splines |
+//! | [`equation_of_state`] | free energies of fluids by integration |
 //! | [`tangent`] | coexistence by common tangents |
 //! | [`free_volume_theory`] | phases of spheres and depletants by theory |
 //!
@@ -35,6 +37,7 @@ pub mod compression;
 pub mod crystal;
 pub mod depletants;
 pub mod einstein;
+pub mod equation_of_state;
 mod error;
 pub mod field;
 pub mod free_volume_theory;
@@ -45,6 +48,7 @@ pub mod jet;
 mod quadrature;
 pub mod reservoir;
 pub mod simulation;
+pub mod spline;
 pub mod start;
 pub mod static_free_volume;
 pub mod symmetry;

@@ -234,7 +234,7 @@ impl DynamicsSettings {
         }
         if !self.share.is_empty() && self.share.len() != self.shape.len() {
             bail!(
-                "there are {} shapes and {} shares; give a --share for each --shape, or none",
+                "--shape: {}, --share: {}; give a --share for each --shape, or none",
                 self.shape.len(),
                 self.share.len()
             );
@@ -359,7 +359,7 @@ mod tests {
             share: vec![1.0, 2.0],
             ..settings.clone()
         };
-        assert!(complaint(shares).contains("1 shapes and 2 shares"));
+        assert!(complaint(shares).contains("--shape: 1, --share: 2"));
         let repelled = DynamicsSettings {
             attraction: -1.0,
             ..settings

@@ -16,7 +16,6 @@ pub mod log;
 pub mod phases;
 pub mod run;
 pub mod settings;
-mod spline;
 pub mod start;
 pub mod static_free_volume;
 pub mod sweep;

@@ -1,12 +1,12 @@
 //! Coexisting phases: of spheres among depletants by free volume theory, or of tables.
 
-use super::spline::Spline;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::InputFile;
 use protomer_common::output_file::write_once;
 use protomer_hpmc::free_volume_theory::{Mixture, PHASES};
 use protomer_hpmc::jet::Jet;
+use protomer_hpmc::spline::Spline;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde::Serialize;
@@ -303,10 +303,11 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
     let energies: Vec<_> = splines.iter().map(|spline| |x: Jet| spline.at(x)).collect();
     let mut branches: Vec<Branch<'_>> = Vec::new();
     for (number, spline) in splines.iter().enumerate() {
+        let [first, last] = spline.range();
         branches.push(Branch {
             name: &names[number],
             free_energy: &energies[number],
-            samples: even_samples(spline.x[0], spline.x[spline.x.len() - 1], SAMPLES),
+            samples: even_samples(first, last, SAMPLES),
         });
     }
     let found = tangent::coexistences(&branches);

@@ -1,23 +1,13 @@
 //! An equation of state: what the runs of a sweep measured, at each condition.
-//!
-//! Over packing fractions of a fluid, the excess free energy is the integral of the equation of state,
-//!
-//! f(φ) = ∫₀^φ (Z - 1)/φ' dφ',
-//!
-//! by a cubic spline through (Z - 1)/φ, which begins at B2 over the volume of a body. It is linear in the
-//! measured factors, so their errors propagate.
 
 use super::HardBodySweepSettings;
 use crate::hard_bodies::run::HardBodyResult;
-use crate::hard_bodies::spline::Spline;
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
+use protomer_hpmc::equation_of_state::{Factor, excess_free_energies};
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use serde::{Deserialize, Serialize};
-
-/// Fewer packing fractions do not carry a spline; the point at zero comes to them.
-const FEWEST_TO_INTEGRATE: usize = 3;
 
 /// An equation of state. Lengths are in the unit of the shape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -134,33 +124,21 @@ impl StatePoint {
     }
 }
 
-/// Integrates (Z - 1)/φ from no bodies, where it is B2 over the volume of a body.
+/// Adds the free energies of a fluid, by integration from no bodies.
 pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) {
-    if points.len() < FEWEST_TO_INTEGRATE {
-        return;
-    }
-    let mut x = vec![0.0];
-    let (mut y, mut errors) = (vec![b2_over_volume], vec![0.0]);
-    for point in points.iter() {
-        let packing = point.packing_fraction;
-        x.push(packing);
-        y.push((point.compressibility_factor - 1.0) / packing);
-        errors.push(point.compressibility_factor_error.unwrap_or(f64::NAN) / packing);
-    }
-    let integrals = Spline::through(x.clone(), y).integrals();
-    let mut squares = vec![0.0; x.len()];
-    for (number, error) in errors.iter().enumerate().skip(1) {
-        let mut one = vec![0.0; x.len()];
-        one[number] = *error;
-        let moved = Spline::through(x.clone(), one).integrals();
-        for (square, part) in squares.iter_mut().zip(moved) {
-            *square += part * part;
-        }
-    }
-    for (number, point) in points.iter_mut().enumerate() {
-        point.excess_free_energy_per_body_kt = Some(integrals[number + 1]);
-        let error = squares[number + 1].sqrt();
-        point.excess_free_energy_per_body_error_kt = Some(error).filter(|error| error.is_finite());
+    let factors: Vec<Factor> = points
+        .iter()
+        .map(|point| Factor {
+            packing_fraction: point.packing_fraction,
+            value: point.compressibility_factor,
+            standard_error: point.compressibility_factor_error.unwrap_or(f64::NAN),
+        })
+        .collect();
+    let energies = excess_free_energies(&factors, b2_over_volume);
+    for (point, (energy_kt, error_kt)) in points.iter_mut().zip(energies) {
+        point.excess_free_energy_per_body_kt = Some(energy_kt);
+        point.excess_free_energy_per_body_error_kt =
+            Some(error_kt).filter(|error| error.is_finite());
     }
 }
 

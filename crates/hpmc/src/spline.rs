@@ -1,18 +1,18 @@
 //! A cubic spline through points.
 
-use protomer_hpmc::jet::Jet;
+use crate::jet::Jet;
 
 /// A cubic spline through points, with ends of the third derivative of their neighbours (not a knot).
 #[derive(Debug, Clone)]
-pub(super) struct Spline {
-    pub(super) x: Vec<f64>,
+pub struct Spline {
+    x: Vec<f64>,
     y: Vec<f64>,
     second: Vec<f64>,
 }
 
 impl Spline {
     /// Through points whose abscissas ascend; four or more.
-    pub(super) fn through(x: Vec<f64>, y: Vec<f64>) -> Self {
+    pub fn through(x: Vec<f64>, y: Vec<f64>) -> Self {
         let last = x.len() - 1;
         let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
         // Rows of the tridiagonal system for the second derivatives at the inner points, from which
@@ -54,8 +54,13 @@ impl Spline {
         Self { x, y, second }
     }
 
+    /// The abscissas of the first and of the last point.
+    pub fn range(&self) -> [f64; 2] {
+        [self.x[0], self.x[self.x.len() - 1]]
+    }
+
     /// The value with its derivatives.
-    pub(super) fn at(&self, at: Jet) -> Jet {
+    pub fn at(&self, at: Jet) -> Jet {
         let above = self.x.partition_point(|x| *x <= at.value);
         let i = above.clamp(1, self.x.len() - 1) - 1;
         let h = self.x[i + 1] - self.x[i];
@@ -68,7 +73,7 @@ impl Spline {
     }
 
     /// The integral from the first point to each point.
-    pub(super) fn integrals(&self) -> Vec<f64> {
+    pub fn integrals(&self) -> Vec<f64> {
         let mut integrals = vec![0.0];
         for i in 0..self.x.len() - 1 {
             let h = self.x[i + 1] - self.x[i];
