@@ -5,8 +5,15 @@
 #   bash test.sh python     the Python package, and checks against other programs, only
 set -euo pipefail
 cd "$(dirname "$0")"
-# Most of the time goes into compiling once: no records for a next time, no line numbers for a debugger.
-export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false
+# Most of the time goes into compiling once: no records for a next time, no line numbers for a debugger, and few
+# units, which share less between them.
+export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false CARGO_PROFILE_DEV_CODEGEN_UNITS=4
+# Energy tables, kept from test to test but not from call to call.
+if [ -z "${PROTOMER_TEST_CACHE_DIR:-}" ]; then
+    PROTOMER_TEST_CACHE_DIR=$(mktemp -d)
+    export PROTOMER_TEST_CACHE_DIR
+    trap 'rm -rf "$PROTOMER_TEST_CACHE_DIR"' EXIT
+fi
 
 lints() {
     cargo fmt --all --check
@@ -48,8 +55,9 @@ python_tests() {
         bash docs/site.sh
     fi
     .venv/bin/python -m mypy --config-file python/pyproject.toml
-    .venv/bin/python -m pytest -q -rs -n 2 python/tests
-    .venv/bin/python -m pytest -q -rs -n 2 python/checks
+    # The tests of a file share what its fixtures made.
+    .venv/bin/python -m pytest -q -rs -n 2 --dist loadfile python/tests
+    .venv/bin/python -m pytest -q -rs -n 2 --dist loadfile python/checks
 }
 
 # Rust and Python tests each leave a processor idle now and then, so they run side by side.

@@ -1,6 +1,7 @@
 """Shared fixtures: the binary, the bundled structures, and small generated bodies."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -16,7 +17,9 @@ STRUCTURES = sorted((ROOT / "data" / "structures").glob("*.gz"))
 def cache(tmp_path_factory):
     """Energy tables are kept from test to test, as a user's are from run to run, but not in the tester's own cache."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PROTOMER_CACHE_DIR", str(tmp_path_factory.mktemp("cache")))
+        # test.sh has one for all tests.
+        folder = os.environ.get("PROTOMER_TEST_CACHE_DIR") or str(tmp_path_factory.mktemp("cache"))
+        patch.setenv("PROTOMER_CACHE_DIR", folder)
         yield
 
 

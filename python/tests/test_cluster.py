@@ -74,16 +74,15 @@ def test_a_killed_worker_costs_its_own_task_and_the_sweep_is_the_local_one(ring,
     assert files(tmp_path / "remote") == files(tmp_path / "local")
 
 
-def test_a_killed_worker_costs_its_own_conditions_and_the_pair_is_the_local_one(bodies, tmp_path, cluster, client):
+def test_a_killed_worker_costs_its_own_conditions_and_the_pair_is_the_local_one(pebbles, tmp_path, cluster, client):
     pair = {"salt": ["30mM", "100mM", "300mM"], "relative_error": 0.2, "most_directions": 1024, "checkpoint_every": 0}
-    both = [bodies / "plus.body", bodies / "minus.body"]
-    local = pm.pair(*both, **pair, output=tmp_path / "local")
+    local = pm.pair(*pebbles, **pair, output=tmp_path / "local")
     kill = KillOne(cluster)
-    remote = pm.pair(*both, **pair, output=tmp_path / "remote", client=client, parts=3, progress=kill)
+    remote = pm.pair(*pebbles, **pair, output=tmp_path / "remote", client=client, parts=3, progress=kill)
     assert kill.seen and remote == local and len(remote.conditions) == 3
     assert files(tmp_path / "remote") == files(tmp_path / "local")
     with pytest.raises(pm.ConfigError, match="add --output"):
-        pm.pair(*both, **pair, client=client)
+        pm.pair(*pebbles, **pair, client=client)
 
 
 def test_a_killed_worker_costs_its_own_task_and_the_set_is_the_local_one(manifest, tmp_path, cluster, client, monkeypatch):

@@ -193,12 +193,12 @@ def test_missing_files_are_file_not_found_errors(tmp_path, finished, bodies):
         pm.SimulationResult.read(finished)
 
 
-def test_a_result_that_was_read_is_the_one_that_was_returned(ring, bodies, tmp_path):
+def test_a_result_that_was_read_is_the_one_that_was_returned(ring, pebbles, tmp_path):
     run = pm.simulate(ring, salt="100mM", **SHORT, output=tmp_path / "run")
     assert pm.SimulationResult.read(tmp_path / "run") == run
     np.testing.assert_array_equal(pm.SimulationResult.read(tmp_path / "run").log["sweep"], run.log["sweep"])
     settings = {"relative_error": 0.5, "most_directions": 1024, "output": tmp_path / "pair"}
-    pair = pm.pair(pm.Body.read(bodies / "plus.body"), bodies / "minus.body", salt_molar=[0.05, 0.1], **settings)
+    pair = pm.pair(pm.Body.read(pebbles[0]), pebbles[1], salt_molar=[0.05, 0.1], **settings)
     assert pm.PairResult.read(tmp_path / "pair") == pair
     assert pair.pose_files and all(path.exists() for path in pair.pose_files)
     positions, turns, energies = pair.poses(salt_molar=0.05)

@@ -38,14 +38,13 @@ def test_the_tasks_of_an_array_make_the_local_sweep(ring, tmp_path):
     assert (tmp_path / "array" / "sweep.csv").read_bytes() == (tmp_path / "local" / "sweep.csv").read_bytes()
 
 
-def test_the_tasks_of_an_array_make_the_local_pair(bodies, tmp_path):
+def test_the_tasks_of_an_array_make_the_local_pair(pebbles, tmp_path):
     words = ["--salt=30mM,300mM", "--relative-error=0.2", "--most-directions=1024"]
-    array("pair.slurm", 2, tmp_path / "array", bodies / "plus.body", bodies / "minus.body", *words)
+    array("pair.slurm", 2, tmp_path / "array", *pebbles, *words)
     settings = {"salt": "30mM,300mM", "relative_error": 0.2, "most_directions": 1024}
     assert not (tmp_path / "array" / "pair.csv").exists()
-    both = [bodies / "plus.body", bodies / "minus.body"]
-    collected = pm.pair(*both, **settings, output=tmp_path / "array")
-    assert collected == pm.pair(*both, **settings, output=tmp_path / "local")
+    collected = pm.pair(*pebbles, **settings, output=tmp_path / "array")
+    assert collected == pm.pair(*pebbles, **settings, output=tmp_path / "local")
     assert (tmp_path / "array" / "pair.csv").read_bytes() == (tmp_path / "local" / "pair.csv").read_bytes()
 
 

@@ -228,8 +228,30 @@ fn run(line: &str, folder: &Path, cache: &Path) -> String {
         .collect()
 }
 
-/// Every page of a folder of `docs` shows what its commands print. Its pages share a cache of energy
-/// tables, as they would on a reader's machine.
+/// The cache of energy tables, one for all pages, as on a reader's machine. `test.sh` has one for all
+/// tests.
+enum Cache {
+    OfAllTests(PathBuf),
+    Own(tempfile::TempDir),
+}
+
+impl Cache {
+    fn new() -> Self {
+        match std::env::var_os("PROTOMER_TEST_CACHE_DIR") {
+            Some(folder) => Self::OfAllTests(folder.into()),
+            None => Self::Own(tempfile::tempdir().unwrap()),
+        }
+    }
+
+    fn path(&self) -> &Path {
+        match self {
+            Self::OfAllTests(path) => path,
+            Self::Own(folder) => folder.path(),
+        }
+    }
+}
+
+/// Every page of a folder of `docs` shows what its commands print.
 fn check_pages(folder: &str) {
     let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join("docs").join(folder))
         .unwrap()
@@ -237,7 +259,7 @@ fn check_pages(folder: &str) {
         .collect();
     pages.sort();
     assert!(!pages.is_empty());
-    let cache = tempfile::tempdir().unwrap();
+    let cache = Cache::new();
     let check = |path: &PathBuf| {
         let page = std::fs::read_to_string(path).unwrap();
         check_or_update(path, &replay(&page, cache.path()))

@@ -184,7 +184,7 @@ fn two_bodies_in_a_box_are_in_contact_as_the_association_constant_says() {
     simulation
         .run_until(2000, &mut |_| ControlFlow::Continue(()))
         .unwrap();
-    let (blocks, samples, between) = (32, 600, 20);
+    let (blocks, samples, between) = (32, 300, 20);
     let mut shares = Vec::new();
     let mut sweep = simulation.sweep();
     for _ in 0..blocks {

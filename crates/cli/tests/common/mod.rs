@@ -24,6 +24,9 @@ const RING: &str = r#"{"box_angstrom": [80, 80, 80],
   {"body": "a", "position_angstrom": [12, 12, 0], "orientation_wxyz": [1, 0, 0, 0]},
   {"body": "b", "position_angstrom": [0, 12, 0], "orientation_wxyz": [1, 0, 0, 0]}]}"#;
 
+/// `test.sh` has one cache of energy tables for all tests and names it here.
+const CACHE_OF_ALL_TESTS: &str = "PROTOMER_TEST_CACHE_DIR";
+
 /// Charges of the two bodies: x, y, z (Å), charge (e).
 pub const CHARGES: [&[[f64; 4]]; 2] = [
     &[[0.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 1.0]],
@@ -74,7 +77,9 @@ impl TemporaryFolder {
     /// The program with these arguments, words separated by spaces.
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = program(arguments.split_whitespace());
-        if self.keeps_tables {
+        if let Some(folder) = std::env::var_os(CACHE_OF_ALL_TESTS) {
+            command.env("PROTOMER_CACHE_DIR", folder);
+        } else if self.keeps_tables {
             command.env("PROTOMER_CACHE_DIR", self.path("cache"));
         }
         command
