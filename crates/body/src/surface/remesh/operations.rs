@@ -225,8 +225,9 @@ impl<'a> Remesher<'a> {
         let mut ring = Vec::new();
         for vertex in 0..self.mesh.positions.len() as u32 {
             ring.clear();
-            let spokes = self.mesh.leaving(vertex);
-            ring.extend(spokes.map(|spoke| self.mesh.position(self.mesh.ends(spoke).1)));
+            for spoke in self.mesh.leaving(vertex) {
+                ring.push(self.mesh.position(self.mesh.ends(spoke).1));
+            }
             if let Some(pull) = pull(&self.mesh.position(vertex), &ring) {
                 self.move_along_surface(vertex, pull, onto, &ring);
             }
