@@ -159,12 +159,14 @@ impl<'a> Remesher<'a> {
             if spoke / 3 == half_edge / 3 || spoke / 3 == twin / 3 {
                 return true; // one of the two triangles that vanish
             }
-            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)]
-                .map(|vertex| self.mesh.position(vertex));
+            let p = self.mesh.position(self.mesh.ends(spoke).1);
+            if (p - target).norm_squared() > longest * longest {
+                return false;
+            }
+            let q = self.mesh.position(self.mesh.apex(spoke));
             let before = (p - moved).cross(&(q - moved));
             let after = (p - target).cross(&(q - target));
-            (p - target).norm_squared() <= longest * longest
-                && (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
+            (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
                 && acceptable(&[target, p, q], &[moved, p, q])
         })
     }
