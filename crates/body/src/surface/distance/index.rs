@@ -77,11 +77,18 @@ impl Entry {
         }
     }
 
-    /// Whether the feature, and so all that follow in its list, is at least this far from a point
-    /// `from_middle` from the middle of the cell.
-    pub(super) fn is_beyond(&self, distance: f64, from_middle: f64) -> bool {
-        f64::from(self.bound) - from_middle >= distance
+    /// Whether the feature, and so all that follow in its list, is beyond [`limit`].
+    #[inline]
+    pub(super) fn is_beyond(&self, limit: f32) -> bool {
+        self.bound >= limit
     }
+}
+
+/// The bound of features that are at least this far from a point `from_middle` from the middle of the
+/// cell. Single precision rounds it by far less than `from_middle` has to spare.
+#[inline]
+pub(super) fn limit(distance: f64, from_middle: f64) -> f32 {
+    (distance + from_middle) as f32
 }
 
 /// The kinds of feature, in the order of their lists.

@@ -253,7 +253,9 @@ impl March<'_> {
         let place = self.blocks[block].place;
         let blocks = std::array::from_fn(|after| match after {
             0 => block as u32,
-            _ => self.block(at_corner(place, after), block).unwrap_or(NOTHING),
+            _ => self
+                .block(at_corner(place, after), block)
+                .unwrap_or(NOTHING),
         });
         After { place, blocks }
     }
