@@ -210,7 +210,7 @@ impl<'a> Part<'a> {
             report.samples = keys.iter().filter(|key| work.has(key)).count();
             return Ok(());
         }
-        let content = collect(&self.entries, &self.hashes, &keys, &work)?;
+        let content = collect(&self.entries, &self.hashes, keys, &work)?;
         report.read_ms_per_sample = Some(self.write(output, &content, &work)?);
         work.remove()?;
         report.state = State::Written;
@@ -309,16 +309,16 @@ pub fn work_path(output: &Path) -> PathBuf {
 fn collect(
     entries: &[&Entry],
     hashes: &[Option<String>],
-    keys: &[String],
+    keys: Vec<String>,
     work: &WorkFile,
 ) -> Result<SetContent> {
     let mut content = SetContent::default();
     for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
         let row = Row::new(entry, hash.as_deref());
-        match work.get(key).with_context(|| entry.name.clone())? {
+        match work.get(&key).with_context(|| entry.name.clone())? {
             Outcome::Sample(sample) => content.samples.push(SampleRecord {
                 row,
-                key: key.clone(),
+                key,
                 voxels: sample.voxels.index.len(),
                 properties: sample.properties,
                 warnings: sample.warnings,
