@@ -19,7 +19,7 @@ use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
 
 /// Degree of the polynomial.
-const DEGREE: usize = 5;
+const DEGREE: usize = 6;
 /// Powers of a coordinate.
 const POWERS: usize = DEGREE + 1;
 /// Charges in a group: the longer, the less its loops cost beside what they do.
