@@ -129,7 +129,7 @@ impl EdgeCharges {
             }
         }
         let far = sums.map(|lanes| lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>());
-        near + edge.from_derivatives(far)
+        near + edge.with_derivatives(far)
     }
 }
 
@@ -154,7 +154,7 @@ impl EdgePlace {
     /// What a potential does that has this value and these derivatives along the edge in its middle, up
     /// to the fourth.
     #[inline(always)]
-    pub fn from_derivatives(&self, derivatives: [f64; 5]) -> AtEdge {
+    pub fn with_derivatives(&self, derivatives: [f64; 5]) -> AtEdge {
         let [value, slope, second, third, fourth] = derivatives;
         let (d, h) = (self.offset, self.length);
         AtEdge {

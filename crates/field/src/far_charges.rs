@@ -119,7 +119,7 @@ impl FarCharges {
             derivatives[0] = derivatives[0] * offset[axis] + sum;
         }
         let [value, slope, second, third, fourth] = derivatives;
-        edge.from_derivatives([value, slope, 2.0 * second, 6.0 * third, 24.0 * fourth])
+        edge.with_derivatives([value, slope, 2.0 * second, 6.0 * third, 24.0 * fourth])
     }
 }
 
