@@ -12,6 +12,7 @@
 //! | `dielectric` | permittivities and ions inside and outside the surface |
 //! | `point_charges` | sums over charges, in vectors |
 //! | `edge_charges` | potential, slope and flux of charges at edges of a grid |
+//! | `far_charges` | far charges seen from a small ball, as a polynomial |
 //! | `vectorised` | methods compiled for several instruction sets |
 //! | `charge_tree` | far charges in clusters |
 //! | `chebyshev` | polynomials between a few points |
@@ -31,6 +32,7 @@ mod dielectric;
 mod edge_charges;
 pub mod effective_charges;
 mod error;
+mod far_charges;
 mod grid;
 mod point_charges;
 pub mod poisson_boltzmann;

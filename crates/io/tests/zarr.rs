@@ -212,7 +212,7 @@ fn the_same_samples_give_the_same_files() {
 fn large_arrays_are_cut_into_files() {
     assert_eq!(
         [1, 8192, 8193, 20_000_000, u64::MAX / 2].map(elements_per_file),
-        [8192, 8192, 16_384, 1 << 24, 1 << 24]
+        [8192, 8192, 16_384, 1 << 18, 1 << 18]
     );
 }
 

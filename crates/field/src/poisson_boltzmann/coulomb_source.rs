@@ -26,10 +26,11 @@
 //! the potential outside a Born ion at 0.5 Å, to no order of the spacing.
 
 use super::operator::Operator;
-use crate::charge_tree::{ChargeTree, FAR, FARTHER};
-use crate::edge_charges::{EdgeCharges, EdgePlace};
+use crate::charge_tree::{ChargeTree, FAR, FARTHER, bounds};
+use crate::edge_charges::{AtEdge, EXACT_IN_EDGES, EdgeCharges, EdgePlace};
+use crate::far_charges::{FAR_IN_RADII, FarCharges};
 use crate::grid::{Block, Grid};
-use crate::point_charges::PointCharges;
+use crate::point_charges::{PointCharges, Source};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -53,6 +54,11 @@ struct Crossing {
     direction: f64,
 }
 
+/// As many crossings at most see the same near charges,
+const MOST_CROSSINGS: usize = 40;
+/// and for fewer a polynomial of the far ones is not worth its cost.
+const FEWEST_CROSSINGS: usize = 10;
+
 /// Points along the edge of a block, whose places see far charges as the same clusters.
 pub(super) const BLOCK: usize = 8;
 
@@ -67,17 +73,16 @@ pub(super) fn at_surface(
     let [inner, _] = permittivities;
     let h = grid.spacing_angstrom;
     let sources_of_block = |block: &Block| {
-        let crossings = crossings(block, grid, operator, inside, permittivities);
+        let mut crossings = crossings(block, grid, operator, inside, permittivities);
         let mut sources = Vec::with_capacity(2 * crossings.len());
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
             let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
-            let seen = EdgeCharges::new(seen, low);
-            for crossing in crossings {
-                let [to_inside, to_outside] = crossing.sources(&seen, inner, h);
+            each_with_charges(&mut crossings, seen, &[], h, &mut |crossing, at_edge| {
+                let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
-            }
+            });
         }
         sources
     };
@@ -91,15 +96,74 @@ pub(super) fn at_surface(
     right
 }
 
+/// Visits each crossing with what charges do there. Those far from all crossings are seen as one
+/// polynomial, and the crossings taken in halves until there are few, with the charges far from
+/// them as another.
+fn each_with_charges(
+    crossings: &mut [Crossing],
+    charges: Vec<Source>,
+    far: &[FarCharges],
+    h: f64,
+    visit: &mut dyn FnMut(&Crossing, AtEdge),
+) {
+    let is_whole = far.is_empty();
+    if !is_whole && crossings.len() > MOST_CROSSINGS {
+        let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
+        let (axis, _) = (high - low).argmax();
+        let half = crossings.len() / 2;
+        crossings.select_nth_unstable_by(half, |a, b| {
+            let order = a.middle[axis].total_cmp(&b.middle[axis]);
+            order.then((a.inside, a.outside).cmp(&(b.inside, b.outside)))
+        });
+        let (first, second) = crossings.split_at_mut(half);
+        each_with_charges(first, charges.clone(), far, h, visit);
+        return each_with_charges(second, charges, far, h, visit);
+    }
+    let mut far = far.to_vec();
+    let mut near = charges;
+    if crossings.len() >= FEWEST_CROSSINGS {
+        let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
+        let middle = 0.5 * (low + high);
+        let radius = crossings.iter().fold(0.0_f64, |radius, crossing| {
+            radius.max((crossing.middle - middle).norm())
+        });
+        let limit = (FAR_IN_RADII * radius).max(radius + (EXACT_IN_EDGES + 0.1) * h);
+        let is_near = |source: &Source| (source.place - middle).norm() < limit;
+        let (within, beyond) = near.into_iter().partition(is_near);
+        near = within;
+        let beyond: Vec<Source> = beyond;
+        far.push(FarCharges::new(&beyond, middle));
+    }
+    if is_whole && crossings.len() > MOST_CROSSINGS {
+        return each_with_charges(crossings, near, &far, h, visit);
+    }
+    let origin = crossings
+        .first()
+        .map_or(Vec3::zeros(), |crossing| crossing.middle);
+    let near = EdgeCharges::new(near, origin);
+    for crossing in crossings {
+        let edge = crossing.edge(h);
+        let mut at_edge = near.at(&edge);
+        for charges in &far {
+            at_edge = at_edge + charges.at(&edge);
+        }
+        visit(crossing, at_edge);
+    }
+}
+
 impl Crossing {
-    /// b_i and b_j.
-    fn sources(&self, coulomb: &EdgeCharges, inner: f64, h: f64) -> [f64; 2] {
-        let at_edge = coulomb.at(&EdgePlace {
+    /// The edge and the place on it where the surface is.
+    fn edge(&self, h: f64) -> EdgePlace {
+        EdgePlace {
             middle: self.middle + Vec3::repeat(ASIDE * h),
             axis: self.axis,
             length: h,
             offset: (self.part - 0.5) * h * self.direction,
-        });
+        }
+    }
+
+    /// b_i and b_j.
+    fn sources(&self, at_edge: AtEdge, inner: f64, h: f64) -> [f64; 2] {
         let slope = h * self.direction * at_edge.slope;
         // ε φ_i, E and G.
         let extended = self.permittivity * (at_edge.value - self.part * slope);
@@ -256,7 +320,6 @@ impl Edge<'_> {
 mod tests {
     use super::super::dielectric_map::DielectricMap;
     use super::*;
-    use crate::point_charges::Source;
     use protomer_body::surface::{Arrangement, SesSolid};
     use protomer_kernel::random::CounterRng;
 

@@ -15,8 +15,8 @@ pub const LAYOUT_VERSION: u64 = 1;
 /// Elements of a chunk, the unit of decompression: about one sample.
 pub const CHUNK_ELEMENTS: u64 = 8192;
 /// Upper limit for the elements in a file of an array, which limits the memory for writing: about
-/// 2000 samples.
-const MOST_ELEMENTS_PER_FILE: u64 = 1 << 24;
+/// 30 samples.
+const MOST_ELEMENTS_PER_FILE: u64 = 1 << 18;
 /// Level of zstd.
 const COMPRESSION_LEVEL: u8 = 3;
 

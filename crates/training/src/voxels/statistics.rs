@@ -10,10 +10,10 @@ use super::settings::VoxelizeSettings;
 use protomer_field::voxels::{Channel, Voxels};
 use protomer_io::zarr::as_stored;
 use protomer_learn::Description;
-use protomer_learn::scaling::{MOST_VALUES, median, where_defined};
+use protomer_learn::scaling::where_defined;
 use protomer_learn::split::{Fractions, Split};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -54,8 +54,6 @@ pub struct Gathering {
     over: &'static str,
     samples: BTreeSet<usize>,
     split_seed: u64,
-    /// Values kept per sample and channel for the medians.
-    most: usize,
     channels: Vec<(String, Gathered)>,
 }
 
@@ -68,7 +66,8 @@ struct Gathered {
     first: f64,
     shifted: f64,
     range: Option<(f32, f32)>,
-    kept: Vec<f32>,
+    /// How often each value is there, by its bits: in half precision there are few.
+    counts: HashMap<u32, u64>,
 }
 
 impl Gathering {
@@ -90,14 +89,12 @@ impl Gathering {
                     (0..samples.len()).collect::<BTreeSet<usize>>(),
                 ),
             };
-        let most = (MOST_VALUES / chosen.len().max(1)).max(1);
         let empty = |channel: &Channel| (channel.name().to_owned(), Gathered::default());
         let channels = settings.channels.iter().map(empty).collect();
         Self {
             over,
             samples: chosen,
             split_seed: settings.seed,
-            most,
             channels,
         }
     }
@@ -110,7 +107,7 @@ impl Gathering {
         let names: Vec<String> = self.channels.iter().map(|(name, _)| name.clone()).collect();
         let values: Vec<&[f32]> = voxels.values.iter().map(Vec::as_slice).collect();
         for (channel, (_, gathered)) in self.channels.iter_mut().enumerate() {
-            gathered.add(&where_defined(&names, &values, channel), self.most);
+            gathered.add(&where_defined(&names, &values, channel));
         }
     }
 
@@ -132,10 +129,9 @@ impl Gathering {
 }
 
 impl Gathered {
-    fn add(&mut self, values: &[f32], most: usize) {
+    fn add(&mut self, values: &[f32]) {
         // The values as stored, in half precision.
-        let stored = || values.iter().map(|value| as_stored(*value));
-        for value in stored() {
+        for value in values.iter().map(|value| as_stored(*value)) {
             let (low, high) = self.range.unwrap_or((value, value));
             self.range = Some((low.min(value), high.max(value)));
             if self.voxels == 0 {
@@ -145,32 +141,48 @@ impl Gathered {
             self.shifted += difference;
             self.squares += difference * difference;
             self.voxels += 1;
+            *self.counts.entry(value.to_bits()).or_default() += 1;
         }
-        self.kept
-            .extend(stored().step_by(values.len().div_ceil(most).max(1)));
     }
 
-    fn finish(mut self) -> ChannelStatistics {
+    fn finish(self) -> ChannelStatistics {
         let Some((minimum, maximum)) = self.range else {
             return ChannelStatistics::default();
         };
         let count = self.voxels as f64;
         let shift = self.shifted / count;
         let variance = (self.squares / count - shift * shift).max(0.0);
-        let middle = median(&mut self.kept);
-        self.kept
-            .iter_mut()
-            .for_each(|value| *value = (*value - middle).abs());
+        let values = self.counts.iter();
+        let mut counted: Vec<(f32, u64)> = values
+            .map(|(bits, count)| (f32::from_bits(*bits), *count))
+            .collect();
+        let middle = median(&mut counted);
+        for (value, _) in &mut counted {
+            *value = (*value - middle).abs();
+        }
         ChannelStatistics {
             voxels: self.voxels,
             mean: Some(self.first + shift),
             standard_deviation: Some(variance.sqrt()),
             median: Some(f64::from(middle)),
-            median_deviation: Some(f64::from(median(&mut self.kept))),
+            median_deviation: Some(f64::from(median(&mut counted))),
             minimum: Some(f64::from(minimum)),
             maximum: Some(f64::from(maximum)),
         }
     }
+}
+
+/// The median of values that are there so many times each, the upper of the two in the middle.
+fn median(counted: &mut [(f32, u64)]) -> f32 {
+    counted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let mut left = counted.iter().map(|(_, count)| count).sum::<u64>() / 2;
+    for (value, count) in &*counted {
+        if left < *count {
+            return *value;
+        }
+        left -= count;
+    }
+    f32::NAN
 }
 
 #[cfg(test)]
@@ -267,6 +279,28 @@ mod tests {
         };
         assert_eq!(of(1e4), of(-7.0));
         assert_eq!(of(0.0).over, "training part");
+    }
+
+    /// The slow twin: all values in a list.
+    #[test]
+    fn a_median_of_counted_values_is_that_of_their_list() {
+        let mut state = 1_u32;
+        for length in 1..200 {
+            let mut draw = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                as_stored((state >> 28) as f32 / 3.0 - 2.0)
+            };
+            let values: Vec<f32> = (0..length).map(|_| draw()).collect();
+            let mut gathered = Gathered::default();
+            gathered.add(&values);
+            let found = gathered.finish();
+            let mut list = values.clone();
+            let middle = protomer_learn::scaling::median(&mut list);
+            let mut distances: Vec<f32> = values.iter().map(|x| (x - middle).abs()).collect();
+            let deviation = protomer_learn::scaling::median(&mut distances);
+            assert_eq!(found.median, Some(f64::from(middle)));
+            assert_eq!(found.median_deviation, Some(f64::from(deviation)));
+        }
     }
 
     #[test]

@@ -210,14 +210,14 @@ impl<'a> Part<'a> {
             report.samples = keys.iter().filter(|key| work.has(key)).count();
             return Ok(());
         }
-        let content = collect(&self.entries, &self.hashes, &keys, &work)?;
-        report.read_ms_per_sample = Some(self.write(output, &content, &work)?);
-        work.remove()?;
-        report.state = State::Written;
+        let content = collect(&self.entries, &self.hashes, keys, &work)?;
         report.samples = content.samples.len();
         report.voxels = content.voxels();
         report.warnings = set::warnings_of(&content.samples);
-        report.excluded = content.excluded;
+        report.excluded = content.excluded.clone();
+        report.read_ms_per_sample = Some(self.write(output, content, &work)?);
+        work.remove()?;
+        report.state = State::Written;
         Ok(())
     }
 
@@ -255,27 +255,29 @@ impl<'a> Part<'a> {
         Ok(each(&missing, &execution.interrupt, one)?.map(drop))
     }
 
-    /// Writes the set, and returns the mean time to read a sample back, ms.
-    fn write(&self, output: &Path, content: &SetContent, work: &WorkFile) -> Result<f64> {
+    /// Writes the set, and returns the mean time to read a sample back, ms. What is read back takes as
+    /// much memory as the content, which is gone by then.
+    fn write(&self, output: &Path, content: SetContent, work: &WorkFile) -> Result<f64> {
         let origin = Origin::new(
             &self.manifest.sha256,
             self.manifest.entries.len(),
             self.shard,
             self.entries.len(),
         );
-        let attributes = set::attributes(self.settings, &[origin], &self.identity, content)?;
-        let mut voxels = |sample: usize| {
-            let Some(entry) = content.samples.get(sample) else {
-                bail!("there is no sample {sample}")
-            };
-            match work.get(&entry.key)? {
-                Outcome::Sample(sample) => Ok(sample.voxels),
-                Outcome::Excluded { .. } => bail!("{} was excluded", entry.row.name),
-            }
-        };
+        let attributes = set::attributes(self.settings, &[origin], &self.identity, &content)?;
         let mut read_ms_per_sample = f64::NAN;
         set::replace(output, |folder| {
-            set::write(folder, self.settings, content, attributes, &mut voxels)?;
+            let mut voxels = |sample: usize| {
+                let Some(entry) = content.samples.get(sample) else {
+                    bail!("there is no sample {sample}")
+                };
+                match work.get(&entry.key)? {
+                    Outcome::Sample(sample) => Ok(sample.voxels),
+                    Outcome::Excluded { .. } => bail!("{} was excluded", entry.row.name),
+                }
+            };
+            set::write(folder, self.settings, &content, attributes, &mut voxels)?;
+            drop(content);
             read_ms_per_sample = set::read_back(folder)?;
             Ok(())
         })?;
@@ -309,16 +311,16 @@ pub fn work_path(output: &Path) -> PathBuf {
 fn collect(
     entries: &[&Entry],
     hashes: &[Option<String>],
-    keys: &[String],
+    keys: Vec<String>,
     work: &WorkFile,
 ) -> Result<SetContent> {
     let mut content = SetContent::default();
     for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
         let row = Row::new(entry, hash.as_deref());
-        match work.get(key).with_context(|| entry.name.clone())? {
+        match work.get(&key).with_context(|| entry.name.clone())? {
             Outcome::Sample(sample) => content.samples.push(SampleRecord {
                 row,
-                key: key.clone(),
+                key,
                 voxels: sample.voxels.index.len(),
                 properties: sample.properties,
                 warnings: sample.warnings,

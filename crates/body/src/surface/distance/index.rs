@@ -16,6 +16,7 @@ const KINDS: usize = 3;
 #[derive(Debug, Clone)]
 pub(super) struct FeatureIndex {
     cell_edge: f64,
+    cells_per_angstrom: f64,
     table: ChunkTable,
     /// For list l of kind k, entries `starts[3 l + k] .. starts[3 l + k + 1]`.
     starts: Vec<u32>,
@@ -23,7 +24,7 @@ pub(super) struct FeatureIndex {
 }
 
 /// A feature in a list.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
     /// It is at least this far from the middle of the cell, Å; for atoms, their expanded sphere,
     /// negative inside.
@@ -62,11 +63,32 @@ impl Entry {
         u64::from(ordered) << 32 | u64::from(self.number)
     }
 
-    /// Whether the feature, and so all that follow in its list, is at least this far from a point
-    /// `from_middle` from the middle of the cell.
-    pub(super) fn is_beyond(&self, distance: f64, from_middle: f64) -> bool {
-        f64::from(self.bound) - from_middle >= distance
+    /// The entry with this key.
+    fn of_key(key: u64) -> Self {
+        let ordered = (key >> 32) as u32;
+        let bits = if ordered >> 31 == 1 {
+            ordered & !(1 << 31)
+        } else {
+            !ordered
+        };
+        Self {
+            bound: f32::from_bits(bits),
+            number: key as u32,
+        }
     }
+
+    /// Whether the feature, and so all that follow in its list, is beyond [`limit`].
+    #[inline]
+    pub(super) fn is_beyond(&self, limit: f32) -> bool {
+        self.bound >= limit
+    }
+}
+
+/// The bound of features that are at least this far from a point `from_middle` from the middle of the
+/// cell. Single precision rounds it by far less than `from_middle` has to spare.
+#[inline]
+pub(super) fn limit(distance: f64, from_middle: f64) -> f32 {
+    (distance + from_middle) as f32
 }
 
 /// The kinds of feature, in the order of their lists.
@@ -101,6 +123,7 @@ impl FeatureIndex {
         let half_diagonal = 0.5 * 3.0_f64.sqrt() * cell_edge * (1.0 + 1e-9);
         let mut grid = Grid {
             cell_edge,
+            cells_per_angstrom: cell_edge.recip(),
             table: ChunkTable::new(),
         };
         // The greatest depth of each cell's middle.
@@ -149,18 +172,19 @@ impl FeatureIndex {
             starts[list] += starts[list - 1];
         }
         let mut filled = starts.clone();
-        let mut entries = vec![Entry::default(); pairs.len()];
-        for (list, feature) in pairs {
+        let mut keys = vec![0; pairs.len()];
+        for (list, entry) in pairs {
             let place = &mut filled[list as usize];
-            entries[*place as usize] = feature;
+            keys[*place as usize] = entry.key();
             *place += 1;
         }
         for ends in starts.windows(2) {
-            let list = &mut entries[ends[0] as usize..ends[1] as usize];
-            list.sort_unstable_by_key(Entry::key);
+            keys[ends[0] as usize..ends[1] as usize].sort_unstable();
         }
+        let entries = keys.into_iter().map(Entry::of_key).collect();
         Self {
             cell_edge,
+            cells_per_angstrom: grid.cells_per_angstrom,
             table: grid.table,
             starts,
             entries,
@@ -169,7 +193,7 @@ impl FeatureIndex {
 
     /// The features that matter at `point` (and some others).
     pub(super) fn nearby(&self, point: &Vec3) -> Nearby<'_> {
-        let cell = [point.x, point.y, point.z].map(|x| cell_number(x, self.cell_edge));
+        let cell = [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom));
         let Some(chunk) = self.table.get(&chunk_of(cell)) else {
             return Nearby::default();
         };
@@ -189,6 +213,7 @@ impl FeatureIndex {
 /// Cells of one size, some of which exist.
 struct Grid {
     cell_edge: f64,
+    cells_per_angstrom: f64,
     table: ChunkTable,
 }
 
@@ -254,7 +279,7 @@ impl Grid {
     fn cells_about(&self, feature: &Feature) -> [[i32; 3]; 2] {
         [-1.0, 1.0].map(|side| {
             let corner = feature.centre.add_scalar(side * feature.radius);
-            [corner.x, corner.y, corner.z].map(|x| cell_number(x, self.cell_edge))
+            [corner.x, corner.y, corner.z].map(|x| cell_number(x * self.cells_per_angstrom))
         })
     }
 }
@@ -268,9 +293,9 @@ fn cell_in_chunk(cell: [i32; 3]) -> usize {
     ((x * CHUNK + y) * CHUNK + z) as usize
 }
 
-/// The floor of x / edge, without the call that `f64::floor` is on processors without SSE 4.1.
-fn cell_number(x: f64, edge: f64) -> i32 {
-    let cells = x / edge;
+/// The floor of a coordinate in cells, without the call that `f64::floor` is on processors without
+/// SSE 4.1.
+fn cell_number(cells: f64) -> i32 {
     let towards_zero = cells as i32;
     towards_zero.saturating_sub(i32::from(f64::from(towards_zero) > cells))
 }

@@ -18,7 +18,7 @@ mod project;
 
 use super::arrangement::{Arc, Arrangement};
 use super::implicit::{Ball, ImplicitSolid};
-use index::{Entry, Feature, FeatureIndex, Kind, Nearby};
+use index::{Entry, Feature, FeatureIndex, Kind, Nearby, limit};
 use protomer_kernel::Vec3;
 
 /// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
@@ -171,8 +171,9 @@ impl SesSolid {
     fn deepest(&self, point: &Vec3, atoms: &[Entry], from_middle: f64) -> Option<(u32, f64)> {
         let mut best = None;
         let mut depth = f64::NEG_INFINITY;
+        let mut beyond = f32::INFINITY;
         for entry in atoms {
-            if entry.is_beyond(-depth, from_middle) {
+            if entry.is_beyond(beyond) {
                 break;
             }
             let atom = entry.number;
@@ -183,7 +184,7 @@ impl SesSolid {
             if nearer_than > 0.0 && square < nearer_than * nearer_than {
                 let this = radius - square.sqrt();
                 if this > depth {
-                    depth = this;
+                    (depth, beyond) = (this, limit(-this, from_middle));
                     best = Some(atom);
                 }
             }
@@ -213,37 +214,41 @@ impl SesSolid {
         inside.then(|| self.centres[atom] + onto)
     }
 
-    /// The nearest point on the arcs and vertices listed, nearer than `limit`, to a point this far from
+    /// The nearest point on the arcs and vertices listed, nearer than `farthest`, to a point this far from
     /// the middle of the cell that they are listed for.
     fn nearest_edge(
         &self,
         point: &Vec3,
         arcs: impl Iterator<Item = Entry>,
         vertices: impl Iterator<Item = Entry>,
-        (limit, from_middle): (f64, f64),
+        (farthest, from_middle): (f64, f64),
     ) -> Option<Nearest> {
-        let mut best = limit * limit;
-        let mut distance = limit;
+        let mut best = farthest * farthest;
+        let mut distance = farthest;
+        let mut beyond = limit(distance, from_middle);
         let mut nearest_vertex = None;
         for entry in vertices {
-            if entry.is_beyond(distance, from_middle) {
+            if entry.is_beyond(beyond) {
                 break;
             }
             let vertex = entry.number;
             let square = (point - self.vertices[vertex as usize]).norm_squared();
             if square < best {
                 (best, distance) = (square, square.sqrt());
+                beyond = limit(distance, from_middle);
                 nearest_vertex = Some(vertex);
             }
         }
         let mut nearest_arc = None;
         for entry in arcs {
-            if entry.is_beyond(distance, from_middle) {
+            if entry.is_beyond(beyond) {
                 break;
             }
             let arc = entry.number;
-            if let Some(square) = self.arcs[arc as usize].distance_squared_below(point, best) {
+            let square = self.arcs[arc as usize].distance_squared(point);
+            if square < best {
                 (best, distance) = (square, square.sqrt());
+                beyond = limit(distance, from_middle);
                 nearest_arc = Some(arc);
             }
         }
@@ -383,23 +388,18 @@ impl CompactArc {
         }
     }
 
-    /// Square of the distance from `point` to the nearest point of the circle, if that lies on the
-    /// arc and the square is below `limit`.
-    fn distance_squared_below(&self, point: &Vec3, limit: f64) -> Option<f64> {
+    /// Square of the distance from `point` to the nearest point of the circle if that lies on the
+    /// arc, infinite otherwise. Without branches: most of them would go either way as often.
+    #[inline]
+    fn distance_squared(&self, point: &Vec3) -> f64 {
         let offset = point - self.centre;
         let along = offset.dot(&self.axis);
         let height = along * along;
-        if height >= limit {
-            return None;
-        }
         let out = (offset.norm_squared() - height).max(0.0).sqrt();
         let gap = out - self.radius;
-        let square = height + gap * gap;
-        if square >= limit {
-            return None;
-        }
         let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
-        on_arc.then_some(square)
+        let square = height + gap * gap;
+        if on_arc { square } else { f64::INFINITY }
     }
 
     /// The nearest point of the circle.

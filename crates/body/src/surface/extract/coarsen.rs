@@ -7,7 +7,8 @@
 //! surface is simple. Merged patches that touch another one along two seams, or fewer than three
 //! others, are taken apart again, since a triangle mesh cannot express them.
 
-use super::dual::{Dual, NOTHING};
+use super::dual::{Dual, NOTHING, Tile};
+use super::lattice::Cell;
 
 /// The vertices merged into each other.
 pub(super) struct Patches {
@@ -106,15 +107,12 @@ fn united(dual: &Dual, width: i32) -> Vec<u32> {
     if width == 1 {
         return parent;
     }
-    let coarse_cell = |vertex: u32| {
-        dual.tiles[vertex as usize]
-            .cell
-            .map(|x| x.div_euclid(width))
-    };
+    let coarse_cell = |tile: &Tile| tile.cell.map(|x| x.div_euclid(width));
+    let coarse_cells: Vec<Cell> = dual.tiles.iter().map(coarse_cell).collect();
     for quad in &dual.quads {
         for i in 0..4 {
             let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);
-            if coarse_cell(a) == coarse_cell(b) {
+            if a != b && coarse_cells[a as usize] == coarse_cells[b as usize] {
                 let (a, b) = (root(&mut parent, a), root(&mut parent, b));
                 parent[a.max(b) as usize] = a.min(b);
             }

@@ -63,11 +63,23 @@ const fn layers(layer: u32) -> [u32; 3] {
 /// The inside corners of the cell whose lowest node is `first`, in the numbering of [`Cycles`].
 pub(super) fn corners(nodes: u32, first: u32) -> usize {
     let cell = nodes >> first;
-    let pick = |bit: u32, corner: u32| (cell >> bit & 1) << corner;
-    let low = pick(0, 0) | pick(9, 1) | pick(3, 2) | pick(12, 3);
-    let high = pick(1, 4) | pick(10, 5) | pick(4, 6) | pick(13, 7);
-    (low | high) as usize
+    let side = |bits: u32| usize::from(CORNERS[(bits & 0b11011) as usize]);
+    side(cell) | side(cell >> STEP[0]) << 1
 }
+
+/// The corners of the side of a cell whose nodes are these bits: node 3 y + z is the corner
+/// 2 y + 4 z.
+const CORNERS: [u8; 28] = {
+    let mut corners = [0; 28];
+    let mut nodes = 0;
+    while nodes < 28 {
+        let [y, z] = [nodes >> 3 & 1, nodes >> 1 & 1];
+        let both = nodes >> 4 & 1;
+        corners[nodes] = (nodes & 1 | y << 2 | z << 4 | both << 6) as u8;
+        nodes += 1;
+    }
+    corners
+};
 
 /// The lowest node of the cell that comes second along the axes in the bits of `cell`.
 pub(super) fn first_node(cell: usize) -> u32 {

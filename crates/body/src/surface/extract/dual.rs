@@ -133,7 +133,39 @@ struct Block {
 /// as bits.
 struct Rim([u8; (RIM * RIM) as usize]);
 
+/// A block, by its place, and the numbers of it and of the seven after it.
+struct After {
+    place: Cell,
+    blocks: [u32; 8],
+}
+
+impl After {
+    /// Where the quadrangle of the edge from a node of the block along `axis` is kept.
+    fn slot(&self, node: Cell, axis: usize) -> Option<Slot> {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        if (node[u] | node[v]) & 1 == 1 {
+            return Some(Slot::Other(global(self.place, node), axis));
+        }
+        let [x, y, z] = node.map(|x| usize::from(x == BLOCK));
+        let block = self.blocks[x | y << 1 | z << 2];
+        let node = node.map(|x| (x % BLOCK) as usize);
+        let slot = 16 * axis + 4 * node[axis] + node[u] + node[v] / 2;
+        (block != NOTHING).then_some(Slot::OnCubeEdge(block, slot))
+    }
+}
+
+/// An edge of a cell.
+struct CellEdge {
+    /// Its lower end, from the first node of the block.
+    node: Cell,
+    axis: usize,
+    /// Its place among the cell's edges along the axis.
+    place: usize,
+    is_low_inside: bool,
+}
+
 /// Where a quadrangle is kept.
+#[derive(Clone, Copy)]
 enum Slot {
     /// Of a block, by number.
     OnCubeEdge(u32, usize),
@@ -216,9 +248,25 @@ impl March<'_> {
         }
     }
 
+    /// A block and the seven after it, as [`Self::block`] knows them.
+    fn block_and_after(&self, block: usize) -> After {
+        let place = self.blocks[block].place;
+        let blocks = std::array::from_fn(|after| match after {
+            0 => block as u32,
+            _ => self
+                .block(at_corner(place, after), block)
+                .unwrap_or(NOTHING),
+        });
+        After { place, blocks }
+    }
+
     /// Makes the tiles of the cubes that are tiled by their cells, and enters them into the
     /// quadrangles of all their edges.
     fn tile_cells(&mut self, block: usize) {
+        if self.blocks[block].cellwise == 0 {
+            return;
+        }
+        let after = self.block_and_after(block);
         for cube in bits(u64::from(self.blocks[block].cellwise)) {
             let nodes = self.blocks[block].rim.cube(cube);
             for cell in 0..8 {
@@ -234,9 +282,14 @@ impl March<'_> {
                     if cycle == NOT_CROSSED {
                         continue;
                     }
-                    let is_low_inside = inside >> lower_corner(edge) & 1 == 1;
-                    let tile = first + u32::from(cycle);
-                    self.enter(block, local, (edge, is_low_inside), tile, true);
+                    let lower = lower_corner(edge);
+                    let edge = CellEdge {
+                        node: at_corner(local, lower),
+                        axis: edge / 4,
+                        place: edge % 4,
+                        is_low_inside: inside >> lower & 1 == 1,
+                    };
+                    self.enter(&after, edge, first + u32::from(cycle), true);
                 }
             }
         }
@@ -271,99 +324,84 @@ impl March<'_> {
             beside_cells,
             ..
         } = self.blocks[block];
+        if plain == 0 {
+            return;
+        }
+        let after = self.block_and_after(block);
         for cube in bits(u64::from(plain)) {
             let nodes = self.blocks[block].rim.cube(cube);
             let tile = self.dual.tiles.len() as u32;
-            let cell = global(place, cell_in_block(cube, 0));
+            let first = cell_in_block(cube, 0);
             let crossings = cube::crossings(nodes);
-            self.dual.tiles.push(Tile { cell, crossings });
+            self.dual.tiles.push(Tile {
+                cell: global(place, first),
+                crossings,
+            });
             let is_beside = beside_cells >> cube & 1 == 1;
             for axis in 0..3 {
                 for low in bits(u64::from(cube::crossed(nodes, axis, is_beside))) {
                     let is_low_inside = nodes >> low & 1 == 1;
-                    self.enter_around(block, cube, (low, axis, is_low_inside), tile);
+                    let edge = (cube::node(low), axis, is_low_inside);
+                    self.enter_around(&after, first, edge, tile);
                 }
             }
         }
     }
 
-    /// Enters the tile of a cube into the quadrangle of an edge from its node `low`, for each of the
-    /// cube's cells around the edge. An edge that is not on one of the cube has a quadrangle only if
-    /// a neighbour has made it.
+    /// Enters the tile of a cube, whose lowest cell is `first`, into the quadrangle of an edge from one
+    /// of its nodes, for each of the cube's cells around the edge. An edge that is not on one of the
+    /// cube has a quadrangle only if a neighbour has made it.
     fn enter_around(
         &mut self,
-        block: usize,
-        cube: usize,
-        (low, axis, is_low_inside): (usize, usize, bool),
+        after: &After,
+        first: Cell,
+        (low, axis, is_low_inside): (Cell, usize, bool),
         tile: u32,
     ) {
-        let node = cube::node(low);
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let is_on_cube_edge = (node[u] | node[v]) & 1 == 0;
-        for place in 0..4 {
-            // The cell has the edge at this place; its lowest node is that far before the edge's.
-            let mut cell = node;
-            cell[u] -= place & 1;
-            cell[v] -= place >> 1;
-            let is_in_cube = cell.iter().all(|x| (0..2).contains(x));
-            if is_in_cube {
-                let first = cell_in_block(cube, 0);
-                let local = [0, 1, 2].map(|axis| first[axis] + cell[axis]);
-                let edge = 4 * axis + place as usize;
-                self.enter(block, local, (edge, is_low_inside), tile, is_on_cube_edge);
+        let is_on_cube_edge = (low[u] | low[v]) & 1 == 0;
+        let node = [0, 1, 2].map(|axis| first[axis] + low[axis]);
+        // A cell has the edge at place (i, j) if its lowest node is that far before the edge's along
+        // u and v.
+        for i in 0..2 {
+            for j in 0..2 {
+                let is_in_cube = (0..2).contains(&(low[u] - i)) && (0..2).contains(&(low[v] - j));
+                if is_in_cube {
+                    let edge = CellEdge {
+                        node,
+                        axis,
+                        place: (i + 2 * j) as usize,
+                        is_low_inside,
+                    };
+                    self.enter(after, edge, tile, is_on_cube_edge);
+                }
             }
         }
     }
 
     /// Enters a tile of a cell into the quadrangle of one of its edges. Without `may_make` only if
     /// there is one.
-    fn enter(
-        &mut self,
-        block: usize,
-        local: Cell,
-        (edge, is_low_inside): (usize, bool),
-        tile: u32,
-        may_make: bool,
-    ) {
-        let node = at_corner(local, lower_corner(edge));
-        let Some(slot) = self.slot(block, node, edge / 4) else {
+    fn enter(&mut self, after: &After, edge: CellEdge, tile: u32, may_make: bool) {
+        let Some(slot) = after.slot(edge.node, edge.axis) else {
             return;
         };
-        let known = match &slot {
-            Slot::OnCubeEdge(block, slot) => self.blocks[*block as usize].quads[*slot],
-            Slot::Other(node, axis) => *self.other_quads.get(&(*node, *axis)).unwrap_or(&NOTHING),
+        let known = match slot {
+            Slot::OnCubeEdge(block, slot) => self.blocks[block as usize].quads[slot],
+            Slot::Other(node, axis) => *self.other_quads.get(&(node, axis)).unwrap_or(&NOTHING),
         };
         let quad = match known {
             NOTHING if !may_make => return,
             NOTHING => {
-                let node = global(self.blocks[block].place, node);
-                self.make_quad(slot, node, edge / 4, is_low_inside)
+                let node = global(after.place, edge.node);
+                self.make_quad(slot, node, edge.axis, edge.is_low_inside)
             }
             known => known,
         };
         // The cells around an edge, counter-clockwise seen from its upper end, have it at these
         // places.
-        let place = [0, 1, 3, 2][edge % 4];
-        let turned = if is_low_inside { place } else { 3 - place };
+        let place = [0, 1, 3, 2][edge.place];
+        let turned = if edge.is_low_inside { place } else { 3 - place };
         self.dual.quads[quad as usize].corners[turned] = tile;
-    }
-
-    /// Where the quadrangle of the edge from `node` along `axis` is kept.
-    fn slot(&self, block: usize, node: Cell, axis: usize) -> Option<Slot> {
-        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
-        let place = self.blocks[block].place;
-        if (node[u] | node[v]) & 1 == 1 {
-            return Some(Slot::Other(global(place, node), axis));
-        }
-        let after = node.map(|x| x / BLOCK);
-        let block = if after == [0; 3] {
-            block as u32
-        } else {
-            self.block([0, 1, 2].map(|axis| place[axis] + after[axis]), block)?
-        };
-        let node = node.map(|x| (x % BLOCK) as usize);
-        let slot = 16 * axis + 4 * node[axis] + node[u] + node[v] / 2;
-        Some(Slot::OnCubeEdge(block, slot))
     }
 
     fn make_quad(&mut self, slot: Slot, node: Cell, axis: usize, is_low_inside: bool) -> u32 {

@@ -178,7 +178,7 @@ impl<'a> SparseLattice<'a> {
             let here = node_at(node).map(f64::from);
             let place = [0, 1, 2].map(|axis| first[axis] + here[axis]);
             let (value, empty) = solid.signed_distance_and_empty_ball(&self.point(place));
-            signs.settle(1 << node | self.nodes_in(here, value), value < 0.0);
+            signs.settle(self.nodes_near(node, here, value), value < 0.0);
             if let Some(ball) = empty {
                 signs.settle(self.nodes_in_ball(first, &ball), false);
             }
@@ -191,6 +191,15 @@ impl<'a> SparseLattice<'a> {
         let centre = self.frame.to_lattice(centre) / self.spacing;
         let centre = [0, 1, 2].map(|axis| centre[axis] - first[axis]);
         self.nodes_in(centre, *radius)
+    }
+
+    /// The nodes of a block that the value at one of them settles: those nearer to it than that.
+    fn nodes_near(&self, node: usize, here: [f64; 3], value: f64) -> u64 {
+        let only = 1 << node;
+        if value.abs() <= self.spacing {
+            return only;
+        }
+        only | self.nodes_in(here, value)
     }
 
     /// The nodes of a block within `radius` Å of a point given in cells from its first node.
@@ -225,12 +234,14 @@ fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u6
     let [x, y, z]: [[f64; 4]; 3] = centre.map(|c| [0.0, 1.0, 2.0, 3.0].map(|i| gap(i, c).powi(2)));
     let mut bits = 0;
     for (i, x) in x.into_iter().enumerate() {
+        if x >= square {
+            continue;
+        }
         for (j, y) in y.into_iter().enumerate() {
             let left = square - x - y;
             if left > 0.0 {
-                for (k, z) in z.into_iter().enumerate() {
-                    bits |= u64::from(z < left) << (16 * i + 4 * j + k);
-                }
+                let [a, b, c, d] = z.map(|z| u64::from(z < left));
+                bits |= (a | b << 1 | c << 2 | d << 3) << (16 * i + 4 * j);
             }
         }
     }

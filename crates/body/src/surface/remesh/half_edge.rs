@@ -89,6 +89,47 @@ impl HalfEdgeMesh {
         })
     }
 
+    /// The same mesh, numbered without the holes that removed vertices and triangles left.
+    pub(crate) fn compacted(&self) -> Self {
+        let vertices: Vec<u32> = self.vertices().collect();
+        let mut number = vec![NONE; self.positions.len()];
+        for (new, &old) in (0..).zip(&vertices) {
+            number[old as usize] = new;
+        }
+        let triangles: Vec<u32> = self.triangles().collect();
+        let mut first_of = vec![NONE; self.origin.len() / 3];
+        for (new, &old) in (0..).zip(&triangles) {
+            first_of[old as usize] = 3 * new;
+        }
+        let mut origin = Vec::with_capacity(3 * triangles.len());
+        let mut twin = Vec::with_capacity(3 * triangles.len());
+        let mut outgoing = vec![NONE; vertices.len()];
+        for &triangle in &triangles {
+            for old in 3 * triangle..3 * triangle + 3 {
+                let from = number[self.origin[old as usize] as usize];
+                outgoing[from as usize] = origin.len() as u32;
+                origin.push(from);
+                let old_twin = self.twin[old as usize];
+                twin.push(first_of[old_twin as usize / 3] + old_twin % 3);
+            }
+        }
+        let of_vertices = |values: &[u32]| {
+            let values = vertices.iter().map(|&old| values[old as usize]);
+            values.collect::<Vec<u32>>()
+        };
+        Self {
+            positions: vertices.iter().map(|&old| self.position(old)).collect(),
+            shell: of_vertices(&self.shell),
+            shells: self.shells,
+            valence: of_vertices(&self.valence),
+            mark: vec![0; vertices.len()],
+            stamp: 0,
+            origin,
+            twin,
+            outgoing,
+        }
+    }
+
     /// The mesh without the holes that removed vertices and triangles left.
     pub(crate) fn to_mesh(&self) -> TriangleMesh {
         let mut number = vec![NONE; self.positions.len()];
@@ -330,39 +371,60 @@ impl HalfEdgeMesh {
     }
 }
 
-/// The twin of each half-edge, found among the half-edges that share its lower vertex; `None` for
-/// an open mesh.
+/// The twin of each half-edge: those that lead to a higher vertex are chained by their start, and
+/// every other looks for its twin in the chain of its end. `None` for an open mesh.
 fn twins(origin: &[u32], vertices: usize) -> Option<Vec<u32>> {
-    let ends = |h: u32| (origin[h as usize], origin[next(h) as usize]);
-    let mut start = vec![0u32; vertices + 1];
-    for h in 0..origin.len() as u32 {
-        let (a, b) = ends(h);
-        start[a.min(b) as usize + 1] += 1;
+    /// A half-edge of a chain: where it ends, and the one that follows.
+    #[derive(Clone, Copy)]
+    struct Link {
+        end: u32,
+        following: u32,
     }
-    for vertex in 0..vertices {
-        start[vertex + 1] += start[vertex];
-    }
-    let mut bucket = vec![NONE; origin.len()];
-    let mut fill = start.clone();
-    for h in 0..origin.len() as u32 {
-        let (a, b) = ends(h);
-        let slot = &mut fill[a.min(b) as usize];
-        bucket[*slot as usize] = h;
-        *slot += 1;
-    }
-    let mut twin = vec![NONE; origin.len()];
-    for vertex in 0..vertices {
-        let members = &bucket[start[vertex] as usize..start[vertex + 1] as usize];
-        for &h in members {
-            let (a, b) = ends(h);
-            let mut matches = members.iter().filter(|&&g| ends(g) == (b, a));
-            twin[h as usize] = *matches.next()?;
-            if matches.next().is_some() {
-                return None;
+    let mut first = vec![NONE; vertices];
+    let nothing = Link {
+        end: NONE,
+        following: NONE,
+    };
+    let mut links = vec![nothing; origin.len()];
+    let triangles = || origin.as_chunks::<3>().0.iter();
+    for (triangle, &[a, b, c]) in triangles().enumerate() {
+        for (side, (from, end)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+            if from < end {
+                let half_edge = 3 * triangle + side;
+                let start = &mut first[from as usize];
+                let following = std::mem::replace(start, half_edge as u32);
+                links[half_edge] = Link { end, following };
             }
         }
     }
-    Some(twin)
+    let mut twin = vec![NONE; origin.len()];
+    let mut joined = 0;
+    for (triangle, &[a, b, c]) in triangles().enumerate() {
+        for (side, (from, end)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
+            if from < end {
+                continue;
+            }
+            let (mut here, mut found) = (first[end as usize], NONE);
+            while here != NONE {
+                let link = links[here as usize];
+                if link.end == from {
+                    if found != NONE || twin[here as usize] != NONE {
+                        return None;
+                    }
+                    found = here;
+                }
+                here = link.following;
+            }
+            if found == NONE {
+                return None;
+            }
+            let half_edge = 3 * triangle + side;
+            twin[half_edge] = found;
+            twin[found as usize] = half_edge as u32;
+            joined += 2;
+        }
+    }
+    (joined == origin.len()).then_some(twin)
 }
 
 /// The shell of each vertex, and the number of shells.
@@ -447,6 +509,13 @@ mod tests {
                 let plain = mesh.to_mesh();
                 let anew = HalfEdgeMesh::new(plain.clone()).unwrap();
                 prop_assert_eq!(anew.shells, 1);
+                let compacted = mesh.compacted();
+                prop_assert_eq!(&compacted.positions, &anew.positions);
+                prop_assert_eq!(&compacted.origin, &anew.origin);
+                prop_assert_eq!(&compacted.twin, &anew.twin);
+                prop_assert_eq!(&compacted.outgoing, &anew.outgoing);
+                prop_assert_eq!(&compacted.valence, &anew.valence);
+                prop_assert_eq!(&compacted.shell, &anew.shell);
                 let valences = |mesh: &HalfEdgeMesh| mesh.vertices().map(|v| mesh.valence(v)).collect::<Vec<_>>();
                 prop_assert_eq!(valences(&mesh), valences(&anew));
                 prop_assert!(mesh.vertices().all(|v| mesh.leaving(v).count() == mesh.valence(v) as usize));
@@ -462,6 +531,19 @@ mod tests {
         let mut open = octahedron().to_mesh();
         open.triangles.pop();
         assert!(HalfEdgeMesh::new(open).is_err());
+    }
+
+    #[test]
+    fn a_mesh_with_an_edge_of_four_triangles_is_refused() {
+        let mut twice = octahedron().to_mesh();
+        twice.triangles.extend(twice.triangles.clone());
+        assert!(HalfEdgeMesh::new(twice).is_err());
+        let mut turned = octahedron().to_mesh();
+        turned.triangles[0].swap(0, 1);
+        assert!(HalfEdgeMesh::new(turned).is_err());
+        let mut collapsed = octahedron().to_mesh();
+        collapsed.triangles[0] = [0, 0, 0];
+        assert!(HalfEdgeMesh::new(collapsed).is_err());
     }
 
     #[test]

@@ -29,19 +29,11 @@ pub(crate) fn remesh(
     density_per_angstrom2: f64,
     fewest_vertices: usize,
 ) -> Result<HalfEdgeMesh> {
-    let start = |mesh| -> Result<Remesher<'_>> {
-        let half_edges = HalfEdgeMesh::new(mesh)?;
-        Ok(Remesher::new(
-            half_edges,
-            solid,
-            density_per_angstrom2,
-            fewest_vertices,
-        ))
-    };
-    let mut coarse = start(mesh)?;
+    let start = |mesh| Remesher::new(mesh, solid, density_per_angstrom2, fewest_vertices);
+    let mut coarse = start(HalfEdgeMesh::new(mesh)?);
     coarse.collapse_short_edges();
-    // The first mesh is many times finer than the last: renumber what is left.
-    let mut remesher = start(coarse.into_mesh().to_mesh())?;
+    // The first mesh is finer than the last: renumber what is left.
+    let mut remesher = start(coarse.into_mesh().compacted());
     for _ in 0..ROUNDS {
         remesher.relax(Onto::About);
         remesher.grade_lengths();

@@ -159,12 +159,14 @@ impl<'a> Remesher<'a> {
             if spoke / 3 == half_edge / 3 || spoke / 3 == twin / 3 {
                 return true; // one of the two triangles that vanish
             }
-            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)]
-                .map(|vertex| self.mesh.position(vertex));
+            let p = self.mesh.position(self.mesh.ends(spoke).1);
+            if (p - target).norm_squared() > longest * longest {
+                return false;
+            }
+            let q = self.mesh.position(self.mesh.apex(spoke));
             let before = (p - moved).cross(&(q - moved));
             let after = (p - target).cross(&(q - target));
-            (p - target).norm_squared() <= longest * longest
-                && (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
+            (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
                 && acceptable(&[target, p, q], &[moved, p, q])
         })
     }
@@ -222,35 +224,21 @@ impl<'a> Remesher<'a> {
     /// Moves every vertex towards the area-weighted centre of its neighbourhood, and onto the
     /// surface.
     pub(super) fn relax(&mut self, onto: Onto) {
+        let mut ring = Vec::new();
         for vertex in 0..self.mesh.positions.len() as u32 {
-            if let Some(pull) = self.pull(vertex) {
-                self.move_along_surface(vertex, pull, onto);
+            ring.clear();
+            for spoke in self.mesh.leaving(vertex) {
+                ring.push(self.mesh.position(self.mesh.ends(spoke).1));
+            }
+            if let Some(pull) = pull(&self.mesh.position(vertex), &ring) {
+                self.move_along_surface(vertex, pull, onto, &ring);
             }
         }
     }
 
-    /// From a vertex to the area-weighted centre of its neighbourhood, within the mean plane there;
-    /// `None` for a vertex that was removed or whose triangles have no area.
-    fn pull(&self, vertex: u32) -> Option<Vec3> {
-        let here = self.mesh.position(vertex);
-        let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
-        for spoke in self.mesh.leaving(vertex) {
-            let area = self.mesh.area_vector(spoke / 3);
-            let size = area.norm();
-            weight += size;
-            normal += area;
-            let neighbour = self.mesh.position(self.mesh.ends(spoke).1);
-            let apex = self.mesh.position(self.mesh.apex(spoke));
-            centre += (here + neighbour + apex) * (size / 3.0);
-        }
-        let normal = normal.try_normalize(f64::MIN_POSITIVE)?;
-        let pull = centre / weight - here;
-        Some(pull - normal * pull.dot(&normal))
-    }
-
     /// Moves a vertex by a displacement, or half of it, or none, and onto the surface: as far as
-    /// the triangles at it stay in shape.
-    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3, onto: Onto) {
+    /// the triangles at it stay in shape. `ring` are its neighbours.
+    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3, onto: Onto, ring: &[Vec3]) {
         let here = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
         for fraction in [1.0, 0.5, 0.0] {
@@ -261,7 +249,7 @@ impl<'a> Remesher<'a> {
             };
             let is_near =
                 projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
-            if is_near && self.move_keeps_shape(vertex, &projected) {
+            if is_near && self.move_keeps_shape(&here, &projected, ring) {
                 self.mesh.positions[vertex as usize] = projected;
                 self.normal[vertex as usize] = normal;
                 return;
@@ -269,12 +257,9 @@ impl<'a> Remesher<'a> {
         }
     }
 
-    fn move_keeps_shape(&self, vertex: u32, target: &Vec3) -> bool {
-        let here = self.mesh.position(vertex);
+    fn move_keeps_shape(&self, here: &Vec3, target: &Vec3, ring: &[Vec3]) -> bool {
         let smallest = SMALLEST_AREA.min(SMALLEST_SHARE / self.density);
-        self.mesh.leaving(vertex).all(|spoke| {
-            let [p, q] = [self.mesh.ends(spoke).1, self.mesh.apex(spoke)]
-                .map(|vertex| self.mesh.position(vertex));
+        sides(ring).all(|(p, q)| {
             let (before, after) = (
                 (p - here).cross(&(q - here)),
                 (p - target).cross(&(q - target)),
@@ -282,7 +267,7 @@ impl<'a> Remesher<'a> {
             let (area, area_before) = (after.norm_squared(), before.norm_squared());
             is_small_turn(&before, &after)
                 && (area > (2.0 * smallest).powi(2) || area > area_before * BETTER * BETTER)
-                && acceptable(&[*target, p, q], &[here, p, q])
+                && acceptable(&[*target, *p, *q], &[*here, *p, *q])
         })
     }
 
@@ -317,6 +302,29 @@ impl<'a> Remesher<'a> {
             self.try_collapse(shortest, f64::INFINITY);
         }
     }
+}
+
+/// The triangles at a vertex, each by its other two corners; `ring` are the neighbours, clockwise.
+fn sides(ring: &[Vec3]) -> impl Iterator<Item = (&Vec3, &Vec3)> {
+    let before = ring.last().into_iter().chain(ring);
+    ring.iter().zip(before)
+}
+
+/// From a vertex to the area-weighted centre of its neighbourhood, within the mean plane there;
+/// `None` for a vertex without triangles, or with triangles without area.
+fn pull(here: &Vec3, ring: &[Vec3]) -> Option<Vec3> {
+    let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
+    for (p, q) in sides(ring) {
+        let (p, q) = (p - here, q - here);
+        let area = p.cross(&q);
+        let size = area.norm();
+        weight += size;
+        normal += area;
+        centre += (p + q) * size;
+    }
+    let normal = normal.try_normalize(f64::MIN_POSITIVE)?;
+    let pull = centre / (3.0 * weight);
+    Some(pull - normal * pull.dot(&normal))
 }
 
 /// Corners of the two triangles (a, b, c) and (b, a, d) beside an edge a-b.

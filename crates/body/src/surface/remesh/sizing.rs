@@ -58,14 +58,17 @@ impl Remesher<'_> {
     pub(super) fn grade_lengths(&mut self) {
         let vertices: Vec<u32> = self.mesh.vertices().collect();
         let mut curvature = vec![0.0f64; self.mesh.positions.len()];
-        for &vertex in &vertices {
-            let (here, normal) = (self.mesh.position(vertex), self.normal[vertex as usize]);
-            for spoke in self.mesh.leaving(vertex) {
-                let neighbour = self.mesh.ends(spoke).1;
-                let bend = (self.normal[neighbour as usize] - normal).norm();
-                let length = (self.mesh.position(neighbour) - here).norm();
-                curvature[vertex as usize] =
-                    curvature[vertex as usize].max(bend / length.max(f64::MIN_POSITIVE));
+        for half_edge in 0..self.mesh.half_edge_bound() {
+            if !self.mesh.is_edge(half_edge) {
+                continue;
+            }
+            let (a, b) = self.mesh.ends(half_edge);
+            let bend = (self.normal[a as usize] - self.normal[b as usize]).norm();
+            let length = self.mesh.length_squared(half_edge).sqrt();
+            let along = bend / length.max(f64::MIN_POSITIVE);
+            for end in [a, b] {
+                let at_end = &mut curvature[end as usize];
+                *at_end = at_end.max(along);
             }
         }
         let (mut sum, mut count) = (vec![0.0; self.mesh.shells], vec![0.0; self.mesh.shells]);
