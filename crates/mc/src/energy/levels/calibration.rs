@@ -13,6 +13,9 @@ use serde::Serialize;
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
 
+/// The parts of the charges that fine energies sum directly, one step after the other.
+pub(super) const SHARPENED: [f64; 3] = [0.0, 0.04, 0.3];
+
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
 const TAIL: f64 = 2.5;
 /// The same of fine errors.
@@ -42,8 +45,9 @@ pub struct Calibration {
     pub contact: ListScales,
     /// Of all other pairs. Their errors are small, but add up over the net charge.
     pub distant: ListScales,
-    /// Of a fine energy.
-    pub fine_scale: f64,
+    /// Of fine energies: of all charges, and of those left when the least certain 4 % and 30 % are
+    /// summed directly.
+    pub fine_scales: [f64; SHARPENED.len()],
     /// Poses compared.
     pub poses: u32,
     /// Errors above [`MULTIPLE`] standard deviations among them.
@@ -68,6 +72,22 @@ pub struct Scales {
     pub energy: f64,
     /// Of its change with the same list.
     pub change: f64,
+}
+
+/// The fine energy of two bodies after this step of sharpening; `None` where the table of the first
+/// ends before.
+pub(super) fn fine_at<P: SitePotential>(
+    step: usize,
+    first: &Table<P>,
+    second: &Table<P>,
+    list: &List,
+    pose: &RelativePose,
+) -> Option<Estimate> {
+    let summed = (SHARPENED[step] * second.charges.len() as f64).ceil() as usize;
+    match summed {
+        0 => first.fine_energy(second, list, pose),
+        _ => first.sharpened_energy(second, list, pose, summed),
+    }
 }
 
 impl Calibration {
@@ -101,8 +121,8 @@ struct Errors {
     pairs: u32,
     contact: ListErrors,
     distant: ListErrors,
-    /// Over the square root of the model's variance.
-    fine: Vec<f64>,
+    /// Over the square root of the model's variance, by step of sharpening.
+    fine: [Vec<f64>; SHARPENED.len()],
 }
 
 /// Those of lists.
@@ -200,23 +220,29 @@ impl Errors {
             }
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
-                let fine = at_here.fine;
-                self.fine.push((fine.energy_kt - direct) / fine.deviation());
+                for (step, ratios) in self.fine.iter_mut().enumerate() {
+                    if let Some(fine) = fine_at(step, first, second, &list, &here) {
+                        ratios.push((fine.energy_kt - direct).abs() / fine.deviation());
+                    }
+                }
             }
         }
     }
 
     fn finish(&self) -> Calibration {
-        let fine_scale = FINE_TAIL * scale(self.fine.iter().map(|ratio| ratio.abs()));
+        let of_step = |ratios: &Vec<f64>| FINE_TAIL * scale(ratios.iter().copied());
+        let fine_scales = self.fine.each_ref().map(of_step);
         let (contact, distant) = (self.contact.scales(), self.distant.scales());
         let mut in_deviations = self.contact.in_deviations(&contact);
         in_deviations.extend(self.distant.in_deviations(&distant));
-        in_deviations.extend(self.fine.iter().map(|ratio| ratio.abs() / fine_scale));
+        for (ratios, scale) in self.fine.iter().zip(fine_scales) {
+            in_deviations.extend(ratios.iter().map(|ratio| ratio / scale));
+        }
         let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
         Calibration {
             contact,
             distant,
-            fine_scale,
+            fine_scales,
             poses: (self.contact.coarse.len() + self.distant.coarse.len()) as u32,
             exceeded: exceeded.count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),

@@ -356,9 +356,20 @@ impl Field {
     }
 
     /// The same from the fine series.
+    #[inline(always)]
     pub fn fine_variance(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f32 {
-        let of = |(cell, charge): (&u32, &f32)| charge * charge * self.errors[*cell as usize][1];
-        spots.cell.iter().zip(charge).map(of).sum()
+        self.fine_variances(spots, charge).iter().sum()
+    }
+
+    /// That of each charge.
+    #[inline(always)]
+    pub fn fine_variances(&self, spots: &Spots, charge: &[f32; BLOCK]) -> [f32; BLOCK] {
+        let mut variances = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            let error = self.errors[spots.cell[lane] as usize][1];
+            variances[lane] = charge[lane] * charge[lane] * error;
+        }
+        variances
     }
 
     /// Bytes held.

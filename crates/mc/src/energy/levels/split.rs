@@ -43,6 +43,19 @@ impl<P: SitePotential> Split<P> {
         if square < radius_square { near } else { 0.0 }
     }
 
+    /// The smooth part at a squared distance.
+    #[inline(always)]
+    pub fn smooth(&self, square: f64) -> f64 {
+        let radius_square = self.radius_angstrom * self.radius_angstrom;
+        let outside = self.potential.at_square(square);
+        let inside = horner(&self.polynomial, square - radius_square);
+        if square < radius_square {
+            inside
+        } else {
+            outside
+        }
+    }
+
     /// The smooth part in single precision.
     #[inline(always)]
     pub fn smooth_f32(&self, square: f32) -> f32 {
@@ -98,6 +111,7 @@ mod tests {
             let t = 0.05 * f64::from(step);
             let (near, whole) = (split.near(t), yukawa.at_square(t));
             let smooth = f64::from(split.smooth_f32(t as f32));
+            assert!((near + split.smooth(t) - whole).abs() < 1e-13 * whole.max(1.0));
             assert!((near + smooth - whole).abs() < 1e-5 * whole.max(1.0));
             assert!((f64::from(split.near_f32(t as f32)) - near).abs() < 1e-4 * whole.max(0.1));
         }
