@@ -28,7 +28,7 @@ const LEAST_SCALE: f64 = 0.05;
 /// Poses compared for each pair of types.
 const POSES: u32 = 96;
 /// Of these, poses compared with the direct sum.
-const DIRECT_POSES: u32 = 16;
+const DIRECT_POSES: u32 = 20;
 /// The moves of the comparison, Å and rad: small ones, and some large ones of distant pairs.
 const STEP_ANGSTROM: f64 = 0.3;
 const STEP_RADIAN: f64 = 0.03;
@@ -45,9 +45,6 @@ pub struct Calibration {
     pub contact: ListScales,
     /// Of all other pairs. Their errors are small, but add up over the net charge.
     pub distant: ListScales,
-    /// Of fine energies: of all charges, and of those left when the least certain 4 % and 30 % are
-    /// summed directly.
-    pub fine_scales: [f64; SHARPENED.len()],
     /// Poses compared.
     pub poses: u32,
     /// Errors above [`MULTIPLE`] standard deviations among them.
@@ -56,13 +53,16 @@ pub struct Calibration {
     pub largest: f64,
 }
 
-/// Of energies from lists.
+/// Of energies of one kind of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ListScales {
     /// Of energies from all points.
     pub coarse: Scales,
     /// Of expansions of the far points.
     pub expansion: Scales,
+    /// Of fine energies: of all charges, and of those left when the least certain 4 % and 30 % are
+    /// summed directly.
+    pub fine: [f64; SHARPENED.len()],
 }
 
 /// Of an energy and of its changes.
@@ -121,8 +121,6 @@ struct Errors {
     pairs: u32,
     contact: ListErrors,
     distant: ListErrors,
-    /// Over the square root of the model's variance, by step of sharpening.
-    fine: [Vec<f64>; SHARPENED.len()],
 }
 
 /// Those of lists.
@@ -132,6 +130,8 @@ struct ListErrors {
     coarse_changes: Vec<ListError>,
     expanded: Vec<ListError>,
     expanded_changes: Vec<ListError>,
+    /// Of fine energies, by step of sharpening, over the square root of the model's variance.
+    fine: [Vec<f64>; SHARPENED.len()],
 }
 
 /// An error of an energy from a list, or of its change, kT, beside the variances of the model.
@@ -220,7 +220,7 @@ impl Errors {
             }
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
-                for (step, ratios) in self.fine.iter_mut().enumerate() {
+                for (step, ratios) in errors.fine.iter_mut().enumerate() {
                     if let Some(fine) = fine_at(step, first, second, &list, &here) {
                         ratios.push((fine.energy_kt - direct).abs() / fine.deviation());
                     }
@@ -230,19 +230,13 @@ impl Errors {
     }
 
     fn finish(&self) -> Calibration {
-        let of_step = |ratios: &Vec<f64>| FINE_TAIL * scale(ratios.iter().copied());
-        let fine_scales = self.fine.each_ref().map(of_step);
         let (contact, distant) = (self.contact.scales(), self.distant.scales());
         let mut in_deviations = self.contact.in_deviations(&contact);
         in_deviations.extend(self.distant.in_deviations(&distant));
-        for (ratios, scale) in self.fine.iter().zip(fine_scales) {
-            in_deviations.extend(ratios.iter().map(|ratio| ratio / scale));
-        }
         let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
         Calibration {
             contact,
             distant,
-            fine_scales,
             poses: (self.contact.coarse.len() + self.distant.coarse.len()) as u32,
             exceeded: exceeded.count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),
@@ -303,17 +297,31 @@ impl ListErrors {
             energy: of_expansions(&self.expanded, coarse.energy),
             change: of_expansions(&self.expanded_changes, coarse.change),
         };
-        ListScales { coarse, expansion }
+        let of_step = |ratios: &Vec<f64>| FINE_TAIL * scale(ratios.iter().copied());
+        ListScales {
+            coarse,
+            expansion,
+            fine: self.fine.each_ref().map(of_step),
+        }
     }
 
     /// All errors in standard deviations of the model with these scales.
     fn in_deviations(&self, scales: &ListScales) -> Vec<f64> {
-        let ListScales { coarse, expansion } = scales;
+        let ListScales {
+            coarse,
+            expansion,
+            fine,
+        } = scales;
+        let of_fine = |(ratios, scale): (&Vec<f64>, &f64)| {
+            let in_deviations = ratios.iter().map(|ratio| ratio / scale);
+            in_deviations.collect::<Vec<f64>>()
+        };
         let energies = self.coarse.iter().chain(&self.expanded);
         let changes = self.coarse_changes.iter().chain(&self.expanded_changes);
         energies
             .map(|error| error.ratio(coarse.energy, expansion.energy))
             .chain(changes.map(|error| error.ratio(coarse.change, expansion.change)))
+            .chain(self.fine.iter().zip(fine).flat_map(of_fine))
             .collect()
     }
 }

@@ -250,8 +250,7 @@ impl<P: SitePotential> Levels<P> {
             FINE..DIRECT => {
                 let step = level - FINE;
                 let estimate = known.fine[step].get_or_init(|| self.fine_estimate(known, step));
-                let scale = self.calibration.fine_scales[step];
-                (estimate.energy_kt, estimate.variance * scale.powi(2))
+                (estimate.energy_kt, estimate.variance)
             }
             _ => (self.direct_kt(known), 0.0),
         }
@@ -301,8 +300,9 @@ impl<P: SitePotential> Levels<P> {
             let Some(estimate) = fine else {
                 return self.beyond_tables(known);
             };
+            let scale = self.calibration.of(&image.list).fine[step];
             sum.energy_kt += estimate.energy_kt;
-            sum.variance += estimate.deviation().powi(2);
+            sum.variance += (scale * estimate.deviation()).powi(2);
         }
         sum
     }
