@@ -82,9 +82,8 @@ impl Shell {
     fn corners(&self, place: u32) -> [[f64; 2]; 3] {
         let [nx, ny, _] = self.cells;
         let cell = [place % nx, place / nx % ny, place / (nx * ny)];
-        let end = |axis: usize, side: u32| {
-            self.low[axis] + f64::from(cell[axis] + side) * self.edge
-        };
+        let end =
+            |axis: usize, side: u32| self.low[axis] + f64::from(cell[axis] + side) * self.edge;
         [0, 1, 2].map(|axis| [end(axis, 0), end(axis, 1)])
     }
 
@@ -193,9 +192,10 @@ impl Field {
                 let number = if k > 0 && self.covers(k - 1, &corners) && !is_roomy(sites, &corners)
                 {
                     COVERED
-                } else if self.around(k + 1, &middle(&corners)).is_some_and(|(shell, place)| {
-                    is_roomy(sites, &shell.corners(place as u32))
-                }) {
+                } else if self
+                    .around(k + 1, &middle(&corners))
+                    .is_some_and(|(shell, place)| is_roomy(sites, &shell.corners(place as u32)))
+                {
                     ROOMY
                 } else {
                     centres.push((middle(&corners), shell.edge));
@@ -496,7 +496,7 @@ pub(super) mod tests {
                 .iter()
                 .map(|(site, charge)| {
                     let square = (site - there).norm_squared();
-                    charge * f64::from(split.smooth_f32(square as f32))
+                    charge * f64::from(split.smooth_f32::<false>(square as f32))
                 })
                 .sum();
             let error = field.fine::<false>(&spots, &charge) - sum;

@@ -167,7 +167,7 @@ impl<P: SitePotential> Table<P> {
             energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
             for lane in 0..BLOCK {
                 let at = [places[0][lane], places[1][lane], places[2][lane]];
-                energy_kt += f64::from(block[3][lane] * self.near_potential(at));
+                energy_kt += f64::from(block[3][lane] * self.near_potential::<FUSED>(at));
             }
         }
         Some(energy_kt)
@@ -175,11 +175,11 @@ impl<P: SitePotential> Table<P> {
 
     /// The near part of the potential at a place, kT/e.
     #[inline(always)]
-    fn near_potential(&self, [x, y, z]: [f32; 3]) -> f32 {
+    fn near_potential<const FUSED: bool>(&self, [x, y, z]: [f32; 3]) -> f32 {
         let mut potential = 0.0;
         for [sx, sy, sz, charge] in self.neighbours.of([x, y, z]) {
             let (dx, dy, dz) = (x - sx, y - sy, z - sz);
-            potential += charge * self.split.near_f32(dx * dx + dy * dy + dz * dz);
+            potential += charge * self.split.near_f32::<FUSED>(dx * dx + dy * dy + dz * dz);
         }
         potential
     }
@@ -192,9 +192,9 @@ mod tests {
     use super::*;
     use crate::charges::ChargeCloud;
     use crate::energy::pair_energy_kt;
+    use protomer_kernel::Pose;
     use protomer_kernel::potential::Yukawa;
     use protomer_kernel::random::CounterRng;
-    use protomer_kernel::Pose;
 
     #[test]
     fn it_is_the_direct_sum_near_and_far() {
@@ -224,14 +224,10 @@ mod tests {
                 let list = List::new(&tables[0], &tables[1], &relative, COARSE_OPENING);
                 for (without_table, most) in [(0, 3e-4), (12, 1e-4), (100, 5e-5), (400, 2e-5)] {
                     let [first, second] = &tables;
-                    let sharpened =
-                        first.sharpened_energy(second, &list, &relative, without_table);
+                    let sharpened = first.sharpened_energy(second, &list, &relative, without_table);
                     let found = sharpened.unwrap();
                     let error = (found.energy_kt - expected).abs();
-                    assert!(
-                        error < most,
-                        "{debye} {distance} {without_table} {error}"
-                    );
+                    assert!(error < most, "{debye} {distance} {without_table} {error}");
                     assert_eq!(found.variance > 0.0, without_table < 300);
                 }
                 let found = tables[0].energy_alone_kt(&tables[1], &relative).unwrap();

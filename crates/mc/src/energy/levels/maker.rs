@@ -124,8 +124,8 @@ impl<P: SitePotential> Maker<'_, P> {
         }
         let fitted_at = FIT_DISTANCE * node.radius;
         let potential = &self.first.split.potential;
-        let screened = potential.at_square_f32(distance * distance)
-            / potential.at_square_f32(fitted_at * fitted_at);
+        let screened = potential.at_square_f32::<false>(distance * distance)
+            / potential.at_square_f32::<false>(fitted_at * fitted_at);
         let decay = (fitted_at / distance).powi(3) * screened;
         let seen = &self.first.tree;
         let random = seen.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;

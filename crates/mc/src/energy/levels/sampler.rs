@@ -5,6 +5,7 @@ use super::lanes::{BLOCK, vectorised};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
+use crate::energy::fused::add;
 use protomer_kernel::Vec3;
 use std::f64::consts::PI;
 
@@ -117,7 +118,9 @@ impl Sites {
         for [sx, sy, sz, charge] in &self.blocks {
             for lane in 0..BLOCK {
                 let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
-                sum[lane] += charge[lane] * split.smooth_f32(dx * dx + dy * dy + dz * dz);
+                let square = add::<FUSED>(dx, dx, add::<FUSED>(dy, dy, dz * dz));
+                let potential = split.smooth_f32::<FUSED>(square);
+                sum[lane] = add::<FUSED>(charge[lane], potential, sum[lane]);
             }
         }
         sum.iter().sum()
