@@ -14,7 +14,7 @@ use serde::Serialize;
 pub const MULTIPLE: f64 = 6.0;
 
 /// The parts of the charges that fine energies sum directly, one step after the other.
-pub(super) const SHARPENED: [f64; 3] = [0.0, 0.04, 0.3];
+pub(super) const SHARPENED: [f64; 4] = [0.0, 0.02, 0.1, 0.5];
 
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
 const TAIL: f64 = 2.5;
@@ -60,8 +60,8 @@ pub struct ListScales {
     pub coarse: Scales,
     /// Of expansions of the far points.
     pub expansion: Scales,
-    /// Of fine energies: of all charges, and of those left when the least certain 4 % and 30 % are
-    /// summed directly.
+    /// Of fine energies: of all charges, and of those left when the least certain 2 %, 10 % and 50 %
+    /// are summed directly.
     pub fine: [f64; SHARPENED.len()],
 }
 

@@ -53,6 +53,7 @@ impl NearMaker {
     }
 
     /// A pair of charges (Å, e), each in its body's frame, with the square of their distance.
+    #[inline(always)]
     pub fn add(&mut self, first: [f32; 4], second: [f32; 4], square: f32) {
         let [x, y, z, charge] = second;
         let [sx, sy, sz, source] = first;
