@@ -6,6 +6,7 @@
 //! is certain.
 
 mod direct;
+mod fused;
 pub mod levels;
 mod none;
 mod pair_sum;

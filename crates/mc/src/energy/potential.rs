@@ -4,6 +4,7 @@
 //! different bodies. Direct sums, tables, trees and their errors are written once, over
 //! [`SitePotential`]; screened charges are its first implementation.
 
+use super::fused::add;
 use protomer_kernel::potential::{Yukawa, exp_of_minus};
 
 /// A pair potential v(r) of sites of unit strength, a smooth function of the squared distance t = r²
@@ -12,8 +13,9 @@ pub trait SitePotential: Copy + Send + Sync + 'static {
     /// v at a squared distance (Å²), kT. Compiled into vector loops: without branches and calls.
     fn at_square(&self, square_angstrom2: f64) -> f64;
 
-    /// [`at_square`](Self::at_square) in single precision, to a few units in the last place.
-    fn at_square_f32(&self, square_angstrom2: f32) -> f32;
+    /// [`at_square`](Self::at_square) in single precision, to a few units in the last place. `FUSED`:
+    /// where multiply-add is one instruction.
+    fn at_square_f32<const FUSED: bool>(&self, square_angstrom2: f32) -> f32;
 
     /// The first Taylor coefficients of v as a function of t = r², about this squared distance.
     fn taylor<const N: usize>(&self, square_angstrom2: f64) -> [f64; N];
@@ -44,11 +46,12 @@ impl SitePotential for Yukawa {
     }
 
     #[inline(always)]
-    fn at_square_f32(&self, square_angstrom2: f32) -> f32 {
-        let inverse = inverse_root(square_angstrom2);
+    fn at_square_f32<const FUSED: bool>(&self, square_angstrom2: f32) -> f32 {
+        let inverse = 1.0 / square_angstrom2.sqrt();
         let distance = square_angstrom2 * inverse;
         let kappa = self.inverse_debye_length_per_angstrom as f32;
-        self.bjerrum_length_angstrom as f32 * exp_of_minus_f32(kappa * distance) * inverse
+        let screening = exp_of_minus_f32::<FUSED>(kappa * distance);
+        self.bjerrum_length_angstrom as f32 * screening * inverse
     }
 
     /// With f = λ_B exp(-κ√t)/√t and g = λ_B exp(-κ√t): 2 t f' = -f - κ g and 2 g' = -κ f, which
@@ -85,32 +88,19 @@ impl SitePotential for Yukawa {
     }
 }
 
-/// t^(-1/2) to 1e-7: a first guess from the bits (its relative error is 3.4 %), then three steps of
-/// Newton's method. Vector units divide and take roots slowly. The subtraction cannot overflow for
-/// t ≥ 0; a check of it, as builds for tests have, would keep the loop from becoming one of vectors.
-#[inline(always)]
-fn inverse_root(t: f32) -> f32 {
-    let mut y = f32::from_bits(0x5f37_59df_u32.wrapping_sub(t.to_bits() >> 1));
-    let half = 0.5 * t;
-    for _ in 0..3 {
-        y *= 1.5 - half * y * y;
-    }
-    y
-}
-
 /// exp(-y) for y ≥ 0 to 2e-7; y above 80 counts as 80. The method is that of [`exp_of_minus`].
 #[inline(always)]
-fn exp_of_minus_f32(y: f32) -> f32 {
+fn exp_of_minus_f32<const FUSED: bool>(y: f32) -> f32 {
     const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
     const LN_2_HIGH: f32 = 0.693_359_4;
     const LN_2_LOW: f32 = -2.121_944_4e-4;
     let x = -(if y < 80.0 { y } else { 80.0 });
-    let shifted = x * std::f32::consts::LOG2_E + ROUNDER;
+    let shifted = add::<FUSED>(x, std::f32::consts::LOG2_E, ROUNDER);
     let n = shifted - ROUNDER;
-    let f = (x - n * LN_2_HIGH) - n * LN_2_LOW;
+    let f = add::<FUSED>(-n, LN_2_LOW, add::<FUSED>(-n, LN_2_HIGH, x));
     let mut polynomial = 1.0 / 720.0;
     for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
-        polynomial = polynomial * f + coefficient;
+        polynomial = add::<FUSED>(polynomial, f, coefficient);
     }
     polynomial * f32::from_bits((shifted.to_bits() << 23).wrapping_add(127 << 23))
 }
@@ -128,8 +118,14 @@ mod tests {
                 let r = 0.1 * f64::from(step);
                 let expected = 7.0 * (-kappa * r).exp() / r;
                 assert!((yukawa.at_square(r * r) / expected - 1.0).abs() < 1e-14);
-                let single = f64::from(yukawa.at_square_f32((r * r) as f32));
-                assert!((single / expected - 1.0).abs() < 1e-5, "{kappa} {r}");
+                let square = (r * r) as f32;
+                let singles = [
+                    yukawa.at_square_f32::<false>(square),
+                    yukawa.at_square_f32::<true>(square),
+                ];
+                for single in singles.map(f64::from) {
+                    assert!((single / expected - 1.0).abs() < 1e-5, "{kappa} {r}");
+                }
             }
         }
     }

@@ -13,6 +13,9 @@ use serde::Serialize;
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
 
+/// The parts of the charges that fine energies sum directly, one step after the other.
+pub(super) const SHARPENED: [f64; 4] = [0.0, 0.02, 0.1, 0.5];
+
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
 const TAIL: f64 = 2.5;
 /// The same of fine errors.
@@ -25,7 +28,7 @@ const LEAST_SCALE: f64 = 0.05;
 /// Poses compared for each pair of types.
 const POSES: u32 = 96;
 /// Of these, poses compared with the direct sum.
-const DIRECT_POSES: u32 = 16;
+const DIRECT_POSES: u32 = 20;
 /// The moves of the comparison, Å and rad: small ones, and some large ones of distant pairs.
 const STEP_ANGSTROM: f64 = 0.3;
 const STEP_RADIAN: f64 = 0.03;
@@ -42,8 +45,6 @@ pub struct Calibration {
     pub contact: ListScales,
     /// Of all other pairs. Their errors are small, but add up over the net charge.
     pub distant: ListScales,
-    /// Of a fine energy.
-    pub fine_scale: f64,
     /// Poses compared.
     pub poses: u32,
     /// Errors above [`MULTIPLE`] standard deviations among them.
@@ -52,13 +53,16 @@ pub struct Calibration {
     pub largest: f64,
 }
 
-/// Of energies from lists.
+/// Of energies of one kind of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ListScales {
     /// Of energies from all points.
     pub coarse: Scales,
     /// Of expansions of the far points.
     pub expansion: Scales,
+    /// Of fine energies: of all charges, and of those left when the least certain 2 %, 10 % and 50 %
+    /// are summed directly.
+    pub fine: [f64; SHARPENED.len()],
 }
 
 /// Of an energy and of its changes.
@@ -68,6 +72,22 @@ pub struct Scales {
     pub energy: f64,
     /// Of its change with the same list.
     pub change: f64,
+}
+
+/// The fine energy of two bodies after this step of sharpening; `None` where the table of the first
+/// ends before.
+pub(super) fn fine_at<P: SitePotential>(
+    step: usize,
+    first: &Table<P>,
+    second: &Table<P>,
+    list: &List,
+    pose: &RelativePose,
+) -> Option<Estimate> {
+    let summed = (SHARPENED[step] * second.charges.len() as f64).ceil() as usize;
+    match summed {
+        0 => first.fine_energy(second, list, pose),
+        _ => first.sharpened_energy(second, list, pose, summed),
+    }
 }
 
 impl Calibration {
@@ -101,8 +121,6 @@ struct Errors {
     pairs: u32,
     contact: ListErrors,
     distant: ListErrors,
-    /// Over the square root of the model's variance.
-    fine: Vec<f64>,
 }
 
 /// Those of lists.
@@ -112,6 +130,8 @@ struct ListErrors {
     coarse_changes: Vec<ListError>,
     expanded: Vec<ListError>,
     expanded_changes: Vec<ListError>,
+    /// Of fine energies, by step of sharpening, over the square root of the model's variance.
+    fine: [Vec<f64>; SHARPENED.len()],
 }
 
 /// An error of an energy from a list, or of its change, kT, beside the variances of the model.
@@ -200,23 +220,23 @@ impl Errors {
             }
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
-                let fine = at_here.fine;
-                self.fine.push((fine.energy_kt - direct) / fine.deviation());
+                for (step, ratios) in errors.fine.iter_mut().enumerate() {
+                    if let Some(fine) = fine_at(step, first, second, &list, &here) {
+                        ratios.push((fine.energy_kt - direct).abs() / fine.deviation());
+                    }
+                }
             }
         }
     }
 
     fn finish(&self) -> Calibration {
-        let fine_scale = FINE_TAIL * scale(self.fine.iter().map(|ratio| ratio.abs()));
         let (contact, distant) = (self.contact.scales(), self.distant.scales());
         let mut in_deviations = self.contact.in_deviations(&contact);
         in_deviations.extend(self.distant.in_deviations(&distant));
-        in_deviations.extend(self.fine.iter().map(|ratio| ratio.abs() / fine_scale));
         let exceeded = in_deviations.iter().filter(|ratio| **ratio > MULTIPLE);
         Calibration {
             contact,
             distant,
-            fine_scale,
             poses: (self.contact.coarse.len() + self.distant.coarse.len()) as u32,
             exceeded: exceeded.count() as u32,
             largest: in_deviations.into_iter().fold(0.0, f64::max),
@@ -277,17 +297,31 @@ impl ListErrors {
             energy: of_expansions(&self.expanded, coarse.energy),
             change: of_expansions(&self.expanded_changes, coarse.change),
         };
-        ListScales { coarse, expansion }
+        let of_step = |ratios: &Vec<f64>| FINE_TAIL * scale(ratios.iter().copied());
+        ListScales {
+            coarse,
+            expansion,
+            fine: self.fine.each_ref().map(of_step),
+        }
     }
 
     /// All errors in standard deviations of the model with these scales.
     fn in_deviations(&self, scales: &ListScales) -> Vec<f64> {
-        let ListScales { coarse, expansion } = scales;
+        let ListScales {
+            coarse,
+            expansion,
+            fine,
+        } = scales;
+        let of_fine = |(ratios, scale): (&Vec<f64>, &f64)| {
+            let in_deviations = ratios.iter().map(|ratio| ratio / scale);
+            in_deviations.collect::<Vec<f64>>()
+        };
         let energies = self.coarse.iter().chain(&self.expanded);
         let changes = self.coarse_changes.iter().chain(&self.expanded_changes);
         energies
             .map(|error| error.ratio(coarse.energy, expansion.energy))
             .chain(changes.map(|error| error.ratio(coarse.change, expansion.change)))
+            .chain(self.fine.iter().zip(fine).flat_map(of_fine))
             .collect()
     }
 }

@@ -23,12 +23,17 @@ const MARGIN_CELLS: f64 = 4.0;
 const MOST_SHELLS: usize = 14;
 /// A cell that a smaller box covers.
 const COVERED: u32 = u32::MAX;
-/// A cell so far from the charges that the next box's cell serves in its place.
+/// A cell so far from the charges that the next box's cell serves in its place, before that one's
+/// number is known.
 const ROOMY: u32 = u32::MAX - 1;
+/// Above these bits of a place's number: by how many boxes its cell is farther out.
+const CELL_BITS: u32 = 28;
 /// How far, in its edges, charges must be from such a cell of the next box.
 const ROOM: f32 = 2.0;
 /// Adding it rounds to an integer, which then is in the low bits.
 const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
+/// This part of a box's margin, the outermost, is not used, so that rounding leads to no place beyond.
+const UNUSED_MARGIN: f64 = 1e-4;
 
 /// The tabulated potential of one body type.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,8 +41,10 @@ pub(super) struct Field {
     centre: [f32; 3],
     half: [f32; 3],
     inverse_margin: f32,
+    /// Edge of the innermost cells, Å.
+    edge: f32,
     shells: Vec<Shell>,
-    /// The cell of each place of each shell.
+    /// The cell of each place of each shell, and above [`CELL_BITS`] how much larger it is.
     index: Vec<u32>,
     /// How far each cell's centre is from the nearest charge, Å.
     pub distance: Vec<f32>,
@@ -51,10 +58,14 @@ pub(super) struct Field {
 /// One box of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Shell {
+    /// The number of the cell whose low corner is the centre, and how far apart numbers are along x,
+    /// y and z.
+    origin: i32,
+    strides: [i32; 3],
     first: u32,
     cells: [u32; 3],
-    low: [f32; 3],
-    edge: f32,
+    low: [f64; 3],
+    edge: f64,
 }
 
 /// Where 16 points lie: their cells, and their coordinates in them from -1 to 1.
@@ -70,20 +81,17 @@ impl Shell {
     /// Low and high end of a cell along each axis, Å.
     fn corners(&self, place: u32) -> [[f64; 2]; 3] {
         let [nx, ny, _] = self.cells;
-        self.corners_of([place % nx, place / nx % ny, place / (nx * ny)])
-    }
-
-    /// Those of the cell that holds a point.
-    fn corners_around(&self, x: &[f64; 3]) -> [[f64; 2]; 3] {
-        let cell = |axis: usize| (x[axis] - f64::from(self.low[axis])) / f64::from(self.edge);
-        self.corners_of([0, 1, 2].map(|axis| cell(axis) as u32))
-    }
-
-    fn corners_of(&self, cell: [u32; 3]) -> [[f64; 2]; 3] {
-        let end = |axis: usize, side: u32| {
-            f64::from(self.low[axis]) + f64::from(cell[axis] + side) * f64::from(self.edge)
-        };
+        let cell = [place % nx, place / nx % ny, place / (nx * ny)];
+        let end =
+            |axis: usize, side: u32| self.low[axis] + f64::from(cell[axis] + side) * self.edge;
         [0, 1, 2].map(|axis| [end(axis, 0), end(axis, 1)])
+    }
+
+    /// The place of the cell that holds a point.
+    fn place_of(&self, x: &[f64; 3]) -> usize {
+        let cell = |axis: usize| ((x[axis] - self.low[axis]) / self.edge) as usize;
+        let [nx, ny, _] = self.cells.map(|cells| cells as usize);
+        cell(0) + nx * (cell(1) + ny * cell(2))
     }
 }
 
@@ -144,11 +152,15 @@ impl Field {
             // Planes of the boxes coincide: all have one through the centre.
             let cells = half.map(|half| 2 * ((half + margin) / edge).ceil() as u32);
             let low = centre - cells.map(f64::from) * (edge / 2.0);
+            let strides = [1, cells.x, cells.x * cells.y];
+            let to_centre: u32 = (0..3).map(|axis| cells[axis] / 2 * strides[axis]).sum();
             shells.push(Shell {
+                origin: (first + to_centre) as i32,
+                strides: strides.map(|stride| stride as i32),
                 first,
                 cells: cells.into(),
-                low: low.map(|x| x as f32).into(),
-                edge: edge as f32,
+                low: low.into(),
+                edge,
             });
             first += cells.product();
             if margin > reach {
@@ -158,7 +170,8 @@ impl Field {
         Self {
             centre: centre.map(|x| x as f32).into(),
             half: half.map(|x| x as f32).into(),
-            inverse_margin: (1.0 / (MARGIN_CELLS * edge)) as f32,
+            inverse_margin: (1.0 / ((1.0 - UNUSED_MARGIN) * MARGIN_CELLS * edge)) as f32,
+            edge: edge as f32,
             shells,
             index: vec![COVERED; first as usize],
             distance: Vec::new(),
@@ -179,27 +192,51 @@ impl Field {
                 let number = if k > 0 && self.covers(k - 1, &corners) && !is_roomy(sites, &corners)
                 {
                     COVERED
-                } else if k + 1 < self.shells.len()
-                    && is_roomy(sites, &self.shells[k + 1].corners_around(&middle(&corners)))
+                } else if self
+                    .around(k + 1, &middle(&corners))
+                    .is_some_and(|(shell, place)| is_roomy(sites, &shell.corners(place as u32)))
                 {
                     ROOMY
                 } else {
-                    centres.push((middle(&corners), f64::from(shell.edge)));
+                    centres.push((middle(&corners), shell.edge));
                     centres.len() as u32 - 1
                 };
                 self.index[(shell.first + place) as usize] = number;
             }
         }
+        self.lead_outwards();
         centres
+    }
+
+    /// The cell of box k, if there is one, that holds a point.
+    fn around(&self, k: usize, x: &[f64; 3]) -> Option<(&Shell, usize)> {
+        let shell = self.shells.get(k)?;
+        Some((shell, shell.place_of(x)))
+    }
+
+    /// Gives the places whose cells are too roomy the larger cell that holds their middle.
+    fn lead_outwards(&mut self) {
+        for k in (0..self.shells.len()).rev() {
+            let shell = self.shells[k];
+            for place in 0..shell.cells.iter().product() {
+                let number = (shell.first + place) as usize;
+                if self.index[number] != ROOMY {
+                    continue;
+                }
+                if let Some((next, larger)) = self.around(k + 1, &middle(&shell.corners(place))) {
+                    let larger = self.index[next.first as usize + larger];
+                    self.index[number] = larger + (1 << CELL_BITS);
+                }
+            }
+        }
     }
 
     /// Whether the margin of box k holds all of a cell.
     fn covers(&self, k: usize, corners: &[[f64; 2]; 3]) -> bool {
-        let margin = MARGIN_CELLS * f64::from(self.shells[k].edge);
+        let margin = (1.0 - 2.0 * UNUSED_MARGIN) * MARGIN_CELLS * self.shells[k].edge;
         (0..3).all(|axis| {
             corners[axis].iter().all(|x| {
-                (x - f64::from(self.centre[axis])).abs()
-                    < f64::from(self.half[axis]) + margin - 1e-3
+                (x - f64::from(self.centre[axis])).abs() < f64::from(self.half[axis]) + margin
             })
         })
     }
@@ -220,44 +257,45 @@ impl Field {
                 };
             }
         }
-        let mut number = excess.map(power_of_two_above);
-        let (mut k, mut most) = (lowest(&number), highest(&number));
-        let mut spots = Spots {
-            cell: [COVERED; BLOCK],
-            at: [[0.0; BLOCK]; 3],
-            edge: [1.0; BLOCK],
-        };
-        // Rounding must not decide which larger cell stands for a smaller one: its middle does.
-        let mut within = *x;
-        loop {
-            let shell = self.shells.get(k as usize)?;
-            let here = self.locate_in(shell, &within, x);
-            let mut any_roomy = false;
-            for lane in 0..BLOCK {
-                let is_here = number[lane] == k;
-                if is_here {
-                    spots.cell[lane] = here.cell[lane];
-                    spots.edge[lane] = shell.edge;
-                    (0..3).for_each(|axis| spots.at[axis][lane] = here.at[axis][lane]);
-                }
-                any_roomy |= is_here && here.cell[lane] == ROOMY;
-            }
-            if any_roomy {
-                for lane in 0..BLOCK {
-                    if number[lane] == k && here.cell[lane] == ROOMY {
-                        number[lane] = k + 1;
-                        for axis in 0..3 {
-                            within[axis][lane] -= 0.5 * shell.edge * here.at[axis][lane];
-                        }
-                    }
-                }
-                most = most.max(k + 1);
-            }
-            if k == most {
-                return Some(spots);
-            }
-            k += 1;
+        let number = excess.map(power_of_two_above);
+        let most = highest(&number);
+        let shells = self.shells.get(..=most as usize)?;
+        let (mut place, mut strides) = ([0_i32; BLOCK], [[0_i32; BLOCK]; 3]);
+        for lane in 0..BLOCK {
+            let shell = &shells[number[lane] as usize];
+            place[lane] = shell.origin;
+            (0..3).for_each(|axis| strides[axis][lane] = shell.strides[axis]);
         }
+        // In cells of the box, from the centre: coordinates, and the corner below.
+        let (mut u, mut below) = ([[0.0_f32; BLOCK]; 3], [[0_i32; BLOCK]; 3]);
+        let inverse = 1.0 / self.edge;
+        for axis in 0..3 {
+            for lane in 0..BLOCK {
+                let scale = inverse * power_of_two(-(number[lane] as i32));
+                u[axis][lane] = (x[axis][lane] - self.centre[axis]) * scale;
+                let rounded = (u[axis][lane] - 0.5) + ROUNDER;
+                below[axis][lane] = rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i32;
+                place[lane] += below[axis][lane] * strides[axis][lane];
+            }
+        }
+        let mut cell = [0_u32; BLOCK];
+        for lane in 0..BLOCK {
+            let found = self.index.get(place[lane] as usize);
+            cell[lane] = found.copied().unwrap_or(COVERED);
+        }
+        let (mut at, mut edge) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
+        for lane in 0..BLOCK {
+            let larger = cell[lane] >> CELL_BITS;
+            cell[lane] &= (1 << CELL_BITS) - 1;
+            edge[lane] = self.edge * power_of_two((number[lane] + larger) as i32);
+            for axis in 0..3 {
+                // Rounding must not decide which larger cell stands for a smaller one: that one does.
+                let corner = (below[axis][lane] >> larger) as f32;
+                let scaled = u[axis][lane] * power_of_two(-(larger as i32));
+                at[axis][lane] = 2.0 * (scaled - corner) - 1.0;
+            }
+        }
+        Some(Spots { cell, at, edge })
     }
 
     /// Asks for the coarse series of these spots, which are far from the processor.
@@ -282,58 +320,26 @@ impl Field {
         }
     }
 
-    /// Where points lie in the cells of one box that hold the points of `within`; what is said of
-    /// points beyond the box has no meaning.
-    #[inline(always)]
-    fn locate_in(&self, shell: &Shell, within: &[[f32; BLOCK]; 3], x: &[[f32; BLOCK]; 3]) -> Spots {
-        let inverse = 1.0 / shell.edge;
-        let mut place = [0_i32; BLOCK];
-        let mut at = [[0.0; BLOCK]; 3];
-        for axis in (0..3).rev() {
-            let (low, cells) = (shell.low[axis], shell.cells[axis] as i32);
-            let last = cells as f32 - 0.1;
-            for lane in 0..BLOCK {
-                let u = (x[axis][lane] - low) * inverse;
-                let inside = (within[axis][lane] - low) * inverse;
-                let inside = if inside > 0.0 { inside } else { 0.0 };
-                let inside = if inside < last { inside } else { last };
-                let whole = (inside - 0.5) + ROUNDER;
-                at[axis][lane] = 2.0 * (u - (whole - ROUNDER)) - 1.0;
-                place[lane] = place[lane] * cells + (whole.to_bits() & 0x003f_ffff) as i32;
-            }
-        }
-        let mut cell = [0; BLOCK];
-        for lane in 0..BLOCK {
-            let place = shell.first as usize + place[lane] as usize;
-            cell[lane] = self.index.get(place).copied().unwrap_or(COVERED);
-        }
-        let edge = [shell.edge; BLOCK];
-        Spots { cell, at, edge }
-    }
-
     /// The cell that holds a point, its edge (Å), and the point's coordinates in it from -1 to 1;
     /// `None` beyond the table.
     #[inline(always)]
     pub fn cell_at(&self, x: [f32; 3]) -> Option<(usize, f32, [f32; 3])> {
         let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
         let excess = outside(0).max(outside(1)).max(outside(2)) * self.inverse_margin;
-        let mut within = x;
-        for shell in self.shells.get(power_of_two_above(excess) as usize..)? {
-            let (mut place, mut stride, mut at) = (shell.first, 1, [0.0; 3]);
-            for axis in 0..3 {
-                let [u, inside] = [x, within].map(|x| (x[axis] - shell.low[axis]) / shell.edge);
-                let cell = (inside as u32).min(shell.cells[axis] - 1);
-                place += stride * cell;
-                stride *= shell.cells[axis];
-                at[axis] = 2.0 * (u - cell as f32) - 1.0;
-                within[axis] -= 0.5 * shell.edge * at[axis];
-            }
-            let cell = *self.index.get(place as usize)?;
-            if cell != ROOMY {
-                return Some((cell as usize, shell.edge, at));
-            }
-        }
-        None
+        let number = power_of_two_above(excess);
+        let shell = self.shells.get(number as usize)?;
+        let scale = power_of_two(-(number as i32)) / self.edge;
+        let u = [0, 1, 2].map(|axis: usize| (x[axis] - self.centre[axis]) * scale);
+        let below = u.map(|u| u.floor() as i32);
+        let [px, py, pz] = [0, 1, 2].map(|axis: usize| below[axis] * shell.strides[axis]);
+        let found = *self.index.get((shell.origin + px + py + pz) as usize)?;
+        let (cell, larger) = (found & ((1 << CELL_BITS) - 1), found >> CELL_BITS);
+        let at = |axis: usize| {
+            let corner = (below[axis] >> larger) as f32;
+            2.0 * (u[axis] * power_of_two(-(larger as i32)) - corner) - 1.0
+        };
+        let edge = self.edge * power_of_two((number + larger) as i32);
+        Some((cell as usize, edge, [0, 1, 2].map(at)))
     }
 
     /// A lower bound on the distance of a point from the nearest charge, Å.
@@ -356,9 +362,20 @@ impl Field {
     }
 
     /// The same from the fine series.
+    #[inline(always)]
     pub fn fine_variance(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f32 {
-        let of = |(cell, charge): (&u32, &f32)| charge * charge * self.errors[*cell as usize][1];
-        spots.cell.iter().zip(charge).map(of).sum()
+        self.fine_variances(spots, charge).iter().sum()
+    }
+
+    /// That of each charge.
+    #[inline(always)]
+    pub fn fine_variances(&self, spots: &Spots, charge: &[f32; BLOCK]) -> [f32; BLOCK] {
+        let mut variances = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            let error = self.errors[spots.cell[lane] as usize][1];
+            variances[lane] = charge[lane] * charge[lane] * error;
+        }
+        variances
     }
 
     /// Bytes held.
@@ -393,11 +410,10 @@ fn power_of_two_above(x: f32) -> u32 {
     (x.to_bits() >> 23) - 126
 }
 
+/// 2^n, from the exponent.
 #[inline(always)]
-fn lowest(numbers: &[u32; BLOCK]) -> u32 {
-    numbers
-        .iter()
-        .fold(u32::MAX, |least, number| least.min(*number))
+fn power_of_two(n: i32) -> f32 {
+    f32::from_bits(((127 + n) as u32) << 23)
 }
 
 #[inline(always)]
@@ -461,7 +477,8 @@ pub(super) mod tests {
                 }
             }
         }
-        assert!(field.index.contains(&ROOMY));
+        let is_larger = |found: &u32| *found != COVERED && found >> CELL_BITS > 0;
+        assert!(field.index.iter().any(is_larger));
     }
 
     #[test]
@@ -480,7 +497,7 @@ pub(super) mod tests {
                 .iter()
                 .map(|(site, charge)| {
                     let square = (site - there).norm_squared();
-                    charge * f64::from(split.smooth_f32(square as f32))
+                    charge * f64::from(split.smooth_f32::<false>(square as f32))
                 })
                 .sum();
             let error = field.fine::<false>(&spots, &charge) - sum;

@@ -4,7 +4,8 @@
 //! i + j ≤ 4 for all six orders, the next sixteen for four. What is left out is smaller than what
 //! comes after the sixth order. Low orders are in single precision, the others in 16 bits.
 
-use super::lanes::{BLOCK, add};
+use super::lanes::BLOCK;
+use crate::energy::fused::add;
 
 /// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;

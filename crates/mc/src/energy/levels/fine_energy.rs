@@ -1,37 +1,130 @@
 //! The energy of two bodies from fine tables: with the near pairs of a list, or without a list, for
 //! poses that have nothing to do with each other.
+//!
+//! A few charges in cells near the other body's make most of the error. A sharpened energy has the
+//! smooth potential itself there, summed over the other body's charges.
 
 use super::field::Spots;
 use super::lanes::{BLOCK, vectorised};
 use super::list::List;
-use super::motion::Motion;
+use super::motion::{Block, Motion};
 use super::table::{Estimate, Table};
+use crate::charges::LANES;
 use crate::energy::SitePotential;
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
 impl<P: SitePotential> Table<P> {
+    /// The energy with another body at this pose: all of its charges in the fine table, the near
+    /// pairs of a list that serves here one by one. `None` where the table ends before.
+    pub(super) fn fine_energy(
+        &self,
+        other: &Self,
+        list: &List,
+        pose: &RelativePose,
+    ) -> Option<Estimate> {
+        self.fine_energy_of(other.blocks(), list, pose)
+    }
+
+    /// The same without the table for this many of the charges, those that bring most of its
+    /// variance.
+    pub(super) fn sharpened_energy(
+        &self,
+        other: &Self,
+        list: &List,
+        pose: &RelativePose,
+        without_table: usize,
+    ) -> Option<Estimate> {
+        let mut blocks = other.blocks().to_vec();
+        let variances = self.variances(&blocks, pose)?;
+        let variance = |place: usize| variances[place / BLOCK][place % BLOCK];
+        let mut places: Vec<usize> = (0..BLOCK * blocks.len()).collect();
+        places.sort_unstable_by(|a, b| variance(*b).total_cmp(&variance(*a)).then(a.cmp(b)));
+        places.truncate(without_table);
+        let mut taken = Vec::with_capacity(places.len());
+        for place in places {
+            let (block, lane) = (&mut blocks[place / BLOCK], place % BLOCK);
+            let [x, y, z, charge] = [0, 1, 2, 3].map(|row: usize| f64::from(block[row][lane]));
+            taken.push((pose.transform_point(&Vec3::new(x, y, z)), charge));
+            block[3][lane] = 0.0;
+        }
+        let mut estimate = self.fine_energy_of(&blocks, list, pose)?;
+        estimate.energy_kt += self.smooth_energy_kt(&taken);
+        Some(estimate)
+    }
+
     vectorised! {
-        /// The energy with another body at this pose: all of its charges in the fine table, the near
-        /// pairs of a list that serves here one by one. `None` where the table ends before.
-        pub(super) fn fine_energy[fine_avx512, fine_avx2, fine_sum](
+        /// The variance that each of these charges brings, kT².
+        fn variances[variances_avx512, variances_avx2, variances_each](
             self: &Self,
-            other: &Self,
+            blocks: &[Block],
+            pose: &RelativePose
+        ) -> Option<Vec<[f32; BLOCK]>>
+    }
+
+    #[inline(always)]
+    fn variances_each<const FUSED: bool>(
+        &self,
+        blocks: &[Block],
+        pose: &RelativePose,
+    ) -> Option<Vec<[f32; BLOCK]>> {
+        let motion = Motion::new(pose);
+        let of = |block: &Block| {
+            let spots = self.field.locate(&motion.apply_block(block))?;
+            Some(self.field.fine_variances(&spots, &block[3]))
+        };
+        blocks.iter().map(of).collect()
+    }
+
+    vectorised! {
+        /// The energy of charges (Å, e) in the smooth potential of this body, summed charge by
+        /// charge, kT.
+        fn smooth_energy_kt[smooth_avx512, smooth_avx2, smooth_sum](
+            self: &Self,
+            charges: &[(Vec3, f64)]
+        ) -> f64
+    }
+
+    #[inline(always)]
+    fn smooth_sum<const FUSED: bool>(&self, charges: &[(Vec3, f64)]) -> f64 {
+        let mut sum = [0.0; LANES];
+        for group in self.charges.groups() {
+            for (at, charge) in charges {
+                for lane in 0..LANES {
+                    let (dx, dy, dz) = (
+                        at.x - group.x[lane],
+                        at.y - group.y[lane],
+                        at.z - group.z[lane],
+                    );
+                    let potential = self.split.smooth(dx * dx + dy * dy + dz * dz);
+                    sum[lane] += charge * group.charge_e[lane] * potential;
+                }
+            }
+        }
+        sum.iter().sum()
+    }
+
+    vectorised! {
+        fn fine_energy_of[fine_avx512, fine_avx2, fine_sum](
+            self: &Self,
+            blocks: &[Block],
             list: &List,
             pose: &RelativePose
         ) -> Option<Estimate>
     }
 
+    /// The charges in the fine table, and the near pairs of the list.
     #[inline(always)]
     fn fine_sum<const FUSED: bool>(
         &self,
-        other: &Self,
+        blocks: &[Block],
         list: &List,
         pose: &RelativePose,
     ) -> Option<Estimate> {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
         let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
-        for block in other.blocks().iter().map(Some).chain([None]) {
+        for block in blocks.iter().map(Some).chain([None]) {
             let mut next = None;
             if let Some(block) = block {
                 let spots = self.field.locate(&motion.apply_block(block))?;
@@ -74,7 +167,7 @@ impl<P: SitePotential> Table<P> {
             energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
             for lane in 0..BLOCK {
                 let at = [places[0][lane], places[1][lane], places[2][lane]];
-                energy_kt += f64::from(block[3][lane] * self.near_potential(at));
+                energy_kt += f64::from(block[3][lane] * self.near_potential::<FUSED>(at));
             }
         }
         Some(energy_kt)
@@ -82,11 +175,11 @@ impl<P: SitePotential> Table<P> {
 
     /// The near part of the potential at a place, kT/e.
     #[inline(always)]
-    fn near_potential(&self, [x, y, z]: [f32; 3]) -> f32 {
+    fn near_potential<const FUSED: bool>(&self, [x, y, z]: [f32; 3]) -> f32 {
         let mut potential = 0.0;
         for [sx, sy, sz, charge] in self.neighbours.of([x, y, z]) {
             let (dx, dy, dz) = (x - sx, y - sy, z - sz);
-            potential += charge * self.split.near_f32(dx * dx + dy * dy + dz * dz);
+            potential += charge * self.split.near_f32::<FUSED>(dx * dx + dy * dy + dz * dz);
         }
         potential
     }
@@ -95,12 +188,13 @@ impl<P: SitePotential> Table<P> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::maker::COARSE_OPENING;
     use super::*;
     use crate::charges::ChargeCloud;
     use crate::energy::pair_energy_kt;
+    use protomer_kernel::Pose;
     use protomer_kernel::potential::Yukawa;
     use protomer_kernel::random::CounterRng;
-    use protomer_kernel::{Pose, Vec3};
 
     #[test]
     fn it_is_the_direct_sum_near_and_far() {
@@ -127,6 +221,15 @@ mod tests {
                 };
                 let relative = RelativePose::new(&Pose::identity(), &pose, &position);
                 let expected = pair_energy_kt(&yukawa, &clouds[0], &clouds[1], &relative);
+                let list = List::new(&tables[0], &tables[1], &relative, COARSE_OPENING);
+                for (without_table, most) in [(0, 3e-4), (12, 1e-4), (100, 5e-5), (400, 2e-5)] {
+                    let [first, second] = &tables;
+                    let sharpened = first.sharpened_energy(second, &list, &relative, without_table);
+                    let found = sharpened.unwrap();
+                    let error = (found.energy_kt - expected).abs();
+                    assert!(error < most, "{debye} {distance} {without_table} {error}");
+                    assert_eq!(found.variance > 0.0, without_table < 300);
+                }
                 let found = tables[0].energy_alone_kt(&tables[1], &relative).unwrap();
                 assert!(
                     (found - expected).abs() < 1e-3,

@@ -19,12 +19,6 @@ pub(super) fn prefetch<T>(value: &T) {
 #[cfg(target_arch = "x86_64")]
 const LINE: usize = 64;
 
-/// a b + c.
-#[inline(always)]
-pub(super) fn add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
-}
-
 /// The sum, by halves.
 #[inline(always)]
 pub(super) fn sum_of_lanes(lanes: &[f32; BLOCK]) -> f32 {

@@ -173,7 +173,7 @@ impl List {
         }
         if let Some(near) = near {
             let from_reference = Motion::between(&self.reference, pose);
-            near.add(&first.split, &motion, &from_reference, &mut sum);
+            near.add::<P, FUSED>(&first.split, &motion, &from_reference, &mut sum);
         }
         Some(sum.iter().map(|part| f64::from(*part)).sum())
     }

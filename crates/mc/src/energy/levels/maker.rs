@@ -77,7 +77,12 @@ struct Maker<'a, P> {
 }
 
 impl<P: SitePotential> Maker<'_, P> {
-    fn choose(&mut self) {
+    vectorised! {
+        fn choose[choose_avx512, choose_avx2, choose_points](self: &mut Self) -> ()
+    }
+
+    #[inline(always)]
+    fn choose_points<const FUSED: bool>(&mut self) {
         let mut open = vec![0_u32];
         while let Some(number) = open.pop() {
             let Some(node) = self.second.tree.nodes.get(number as usize).copied() else {
@@ -99,6 +104,7 @@ impl<P: SitePotential> Maker<'_, P> {
         }
     }
 
+    #[inline(always)]
     fn take(&mut self, node: &Node, distance: f32) {
         self.taken.push((*node, distance));
         self.variance += self.node_variance(node, distance);
@@ -118,14 +124,15 @@ impl<P: SitePotential> Maker<'_, P> {
 
     /// The error of a node's potential falls with a high power of the distance. The charges of the
     /// first body that are nearest see it with random signs; from far away, all of them see it alike.
+    #[inline(always)]
     fn node_variance(&self, node: &Node, distance: f32) -> f32 {
         if node.second == 0 {
             return 0.0;
         }
         let fitted_at = FIT_DISTANCE * node.radius;
         let potential = &self.first.split.potential;
-        let screened = potential.at_square_f32(distance * distance)
-            / potential.at_square_f32(fitted_at * fitted_at);
+        let screened = potential.at_square_f32::<false>(distance * distance)
+            / potential.at_square_f32::<false>(fitted_at * fitted_at);
         let decay = (fitted_at / distance).powi(3) * screened;
         let seen = &self.first.tree;
         let random = seen.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
@@ -134,6 +141,7 @@ impl<P: SitePotential> Maker<'_, P> {
         (node.error * decay).powi(2) * squares
     }
 
+    #[inline(always)]
     fn list_neighbours(&mut self, point: [f32; 4]) {
         let [x, y, z, _] = point;
         let at = self.motion.apply([x, y, z]);

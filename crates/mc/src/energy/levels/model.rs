@@ -1,6 +1,6 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
-use super::calibration::{Calibration, MULTIPLE};
+use super::calibration::{Calibration, MULTIPLE, SHARPENED, fine_at};
 use super::list::List;
 use super::maker::COARSE_OPENING;
 use super::table::{Estimate, Table};
@@ -24,7 +24,7 @@ pub struct Decided {
     pub expanded: u64,
     /// With all points of a list in coarse tables, for one pair of bodies or more.
     pub coarse: u64,
-    /// With all charges in fine tables, for one pair of bodies or more.
+    /// With all charges in fine tables, for one pair of bodies or more, or all but the least certain.
     pub fine: u64,
     /// With a direct sum for one pair of bodies or more.
     pub direct: u64,
@@ -61,7 +61,8 @@ struct Known {
     images: Vec<Image>,
     expanded_kt: f64,
     coarse_kt: OnceLock<f64>,
-    fine: OnceLock<Estimate>,
+    /// By level from [`FINE`] on.
+    fine: [OnceLock<Estimate>; SHARPENED.len()],
     direct_kt: OnceLock<f64>,
 }
 
@@ -90,7 +91,7 @@ struct Change {
 const EXPANDED: usize = 0;
 const COARSE: usize = 1;
 const FINE: usize = 2;
-const DIRECT: usize = 3;
+const DIRECT: usize = FINE + SHARPENED.len();
 
 impl<P: SitePotential> Levels<P> {
     /// The model for this potential and system, with a table for each of its body types.
@@ -207,7 +208,7 @@ impl<P: SitePotential> Levels<P> {
             images,
             expanded_kt: 0.0,
             coarse_kt: OnceLock::new(),
-            fine: OnceLock::new(),
+            fine: Default::default(),
             direct_kt: OnceLock::new(),
         };
         // Where the tables end, the direct sum is all there is.
@@ -246,10 +247,10 @@ impl<P: SitePotential> Levels<P> {
                 };
                 (energy_kt, variances.sum())
             }
-            FINE => {
-                let estimate = known.fine.get_or_init(|| self.fine_estimate(known));
-                let scale = self.calibration.fine_scale;
-                (estimate.energy_kt, estimate.variance * scale.powi(2))
+            FINE..DIRECT => {
+                let step = level - FINE;
+                let estimate = known.fine[step].get_or_init(|| self.fine_estimate(known, step));
+                (estimate.energy_kt, estimate.variance)
             }
             _ => (self.direct_kt(known), 0.0),
         }
@@ -286,21 +287,22 @@ impl<P: SitePotential> Levels<P> {
         sum.unwrap_or_else(|| self.direct_kt(known))
     }
 
-    /// The sum over the images, each with all charges of the second body in the fine table of the
-    /// first.
-    fn fine_estimate(&self, known: &Known) -> Estimate {
+    /// The sum over the images, each with the charges of the second body in the fine table of the
+    /// first, but for those that this step of sharpening sums directly.
+    fn fine_estimate(&self, known: &Known, step: usize) -> Estimate {
         let (first, second) = self.tables_of(known.types);
         let mut sum = Estimate {
             energy_kt: 0.0,
             variance: 0.0,
         };
         for image in &known.images {
-            let fine = first.fine_energy(second, &image.list, &image.relative);
+            let fine = fine_at(step, first, second, &image.list, &image.relative);
             let Some(estimate) = fine else {
                 return self.beyond_tables(known);
             };
+            let scale = self.calibration.of(&image.list).fine[step];
             sum.energy_kt += estimate.energy_kt;
-            sum.variance += estimate.deviation().powi(2);
+            sum.variance += (scale * estimate.deviation()).powi(2);
         }
         sum
     }
@@ -461,7 +463,7 @@ impl<P: SitePotential> Levels<P> {
         {
             EXPANDED => self.decided.expanded += 1,
             COARSE => self.decided.coarse += 1,
-            FINE => self.decided.fine += 1,
+            FINE..DIRECT => self.decided.fine += 1,
             _ => self.decided.direct += 1,
         }
     }

@@ -53,6 +53,7 @@ impl NearMaker {
     }
 
     /// A pair of charges (Å, e), each in its body's frame, with the square of their distance.
+    #[inline(always)]
     pub fn add(&mut self, first: [f32; 4], second: [f32; 4], square: f32) {
         let [x, y, z, charge] = second;
         let [sx, sy, sz, source] = first;
@@ -113,7 +114,7 @@ impl NearPairs {
 
     /// Adds the pairs' near energies at a pose to the lanes of `sum`, kT.
     #[inline(always)]
-    pub fn add<P: SitePotential>(
+    pub fn add<P: SitePotential, const FUSED: bool>(
         &self,
         split: &Split<P>,
         motion: &Motion,
@@ -129,7 +130,7 @@ impl NearPairs {
                     my[lane] - sy[lane],
                     mz[lane] - sz[lane],
                 );
-                sum[lane] += product[lane] * split.near_f32(dx * dx + dy * dy + dz * dz);
+                sum[lane] += product[lane] * split.near_f32::<FUSED>(dx * dx + dy * dy + dz * dz);
             }
         }
     }
@@ -206,7 +207,7 @@ mod tests {
             let from_reference = Motion::between(&from, &to);
             let fine = pairs.energy_kt(&split, &to, &from_reference);
             let mut sum = [0.0; BLOCK];
-            pairs.add(&split, &Motion::new(&to), &from_reference, &mut sum);
+            pairs.add::<_, true>(&split, &Motion::new(&to), &from_reference, &mut sum);
             let single = f64::from(sum.iter().sum::<f32>());
             assert!((fine - direct).abs() < 2e-4, "{case}: {fine} {direct}");
             assert!((single - direct).abs() < 1e-3, "{case}: {single} {direct}");

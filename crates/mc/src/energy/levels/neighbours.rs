@@ -65,10 +65,12 @@ impl Neighbours {
     }
 
     /// Position (Å) and charge (e) of all charges that may be near the point, and others.
+    #[inline(always)]
     pub fn of(&self, x: [f32; 3]) -> &[[f32; 4]] {
         &self.sites[self.range(x)]
     }
 
+    #[inline(always)]
     fn range(&self, x: [f32; 3]) -> Range<usize> {
         let mut cell = 0;
         for axis in (0..3).rev() {

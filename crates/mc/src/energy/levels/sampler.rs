@@ -2,11 +2,16 @@
 
 use super::fine::FINE;
 use super::lanes::{BLOCK, vectorised};
+use super::motion::{Block, length};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
+use crate::energy::fused::add;
 use protomer_kernel::Vec3;
 use std::f64::consts::PI;
+
+/// Of distances, Å.
+const ROUNDING: f32 = 1e-3;
 
 /// The Chebyshev points and the transform from values to coefficients.
 pub(super) struct Sampler {
@@ -46,7 +51,32 @@ impl Sampler {
 
 /// The charges in arrays of 16.
 pub(super) struct Sites {
-    blocks: Vec<[[f32; BLOCK]; 4]>,
+    blocks: Vec<Sixteen>,
+}
+
+/// Sixteen charges in a sphere around them.
+struct Sixteen {
+    /// x, y, z (Å) and charges (e).
+    charges: Block,
+    centre: [f32; 3],
+    radius: f32,
+}
+
+impl Sixteen {
+    fn new(charges: Block) -> Self {
+        let [x, y, z, _] = &charges;
+        let centre = [x, y, z].map(|of| of.iter().sum::<f32>() / BLOCK as f32);
+        let distance = |lane: usize| apart(centre, [x[lane], y[lane], z[lane]]);
+        Self {
+            centre,
+            radius: (0..BLOCK).map(distance).fold(0.0, f32::max),
+            charges,
+        }
+    }
+}
+
+fn apart(a: [f32; 3], b: [f32; 3]) -> f32 {
+    length([a[0] - b[0], a[1] - b[1], a[2] - b[2]])
 }
 
 impl Sites {
@@ -67,7 +97,7 @@ impl Sites {
             block
         };
         Self {
-            blocks: sites.chunks(BLOCK).map(block).collect(),
+            blocks: sites.chunks(BLOCK).map(block).map(Sixteen::new).collect(),
         }
     }
 
@@ -81,22 +111,18 @@ impl Sites {
         edge: f64,
     ) -> (Vec<f64>, f64) {
         let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * sampler.points[i]) as f32;
+        let middle = centre.map(|x| x as f32);
+        // Beyond the near part's range from all of the cell, the smooth part is the potential itself.
+        let range = split.radius_angstrom as f32 + 0.5 * edge as f32 * 3.0_f32.sqrt() + ROUNDING;
+        let is_near = |block: &&Sixteen| apart(block.centre, middle) < range + block.radius;
+        let (near, far): (Vec<&Sixteen>, Vec<&Sixteen>) = self.blocks.iter().partition(is_near);
         let mut values = Vec::with_capacity(FINE * FINE * FINE);
         for place in 0..FINE * FINE * FINE {
             let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
-            values.push(f64::from(
-                self.potential(split, [at(0, i), at(1, j), at(2, k)]),
-            ));
+            let place = [at(0, i), at(1, j), at(2, k)];
+            values.push(f64::from(split.potential_of(&near, &far, place)));
         }
-        (values, self.nearest(centre.map(|x| x as f32)))
-    }
-
-    vectorised! {
-        fn potential[potential_avx512, potential_avx2, sum]<P: SitePotential>(
-            self: &Self,
-            split: &Split<P>,
-            x: [f32; 3]
-        ) -> f32
+        (values, self.nearest(middle))
     }
 
     vectorised! {
@@ -108,30 +134,61 @@ impl Sites {
     }
 
     #[inline(always)]
-    fn sum<P: SitePotential, const FUSED: bool>(
-        &self,
-        split: &Split<P>,
-        [x, y, z]: [f32; 3],
-    ) -> f32 {
-        let mut sum = [0.0; BLOCK];
-        for [sx, sy, sz, charge] in &self.blocks {
-            for lane in 0..BLOCK {
-                let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
-                sum[lane] += charge[lane] * split.smooth_f32(dx * dx + dy * dy + dz * dz);
-            }
-        }
-        sum.iter().sum()
-    }
-
-    #[inline(always)]
     fn least_distance<const FUSED: bool>(&self, [x, y, z]: [f32; 3]) -> f64 {
         let mut least = [f32::INFINITY; BLOCK];
-        for [sx, sy, sz, _] in &self.blocks {
+        for block in &self.blocks {
+            let [sx, sy, sz, _] = &block.charges;
             for lane in 0..BLOCK {
                 let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
                 least[lane] = least[lane].min(dx * dx + dy * dy + dz * dz);
             }
         }
         f64::from(least.into_iter().fold(f32::INFINITY, f32::min)).sqrt()
+    }
+}
+
+impl<P: SitePotential> Split<P> {
+    vectorised! {
+        /// The smooth potential of charges at a place, kT/e: of those that may be within the near
+        /// part's range, and of those beyond.
+        fn potential_of[potential_avx512, potential_avx2, potential_sum](
+            self: &Self,
+            near: &[&Sixteen],
+            far: &[&Sixteen],
+            x: [f32; 3]
+        ) -> f32
+    }
+
+    #[inline(always)]
+    fn potential_sum<const FUSED: bool>(
+        &self,
+        near: &[&Sixteen],
+        far: &[&Sixteen],
+        x: [f32; 3],
+    ) -> f32 {
+        let mut sum = [0.0; BLOCK];
+        let smooth = |square| self.smooth_f32::<FUSED>(square);
+        near.iter()
+            .for_each(|block| add_charges::<FUSED>(block, x, smooth, &mut sum));
+        let whole = |square| self.potential.at_square_f32::<FUSED>(square);
+        far.iter()
+            .for_each(|block| add_charges::<FUSED>(block, x, whole, &mut sum));
+        sum.iter().sum()
+    }
+}
+
+/// Adds the potentials of sixteen charges at a place to the lanes of `sum`.
+#[inline(always)]
+fn add_charges<const FUSED: bool>(
+    block: &Sixteen,
+    [x, y, z]: [f32; 3],
+    potential: impl Fn(f32) -> f32,
+    sum: &mut [f32; BLOCK],
+) {
+    let [sx, sy, sz, charge] = &block.charges;
+    for lane in 0..BLOCK {
+        let (dx, dy, dz) = (x - sx[lane], y - sy[lane], z - sz[lane]);
+        let square = add::<FUSED>(dx, dx, add::<FUSED>(dy, dy, dz * dz));
+        sum[lane] = add::<FUSED>(charge[lane], potential(square), sum[lane]);
     }
 }

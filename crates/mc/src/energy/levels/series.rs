@@ -4,8 +4,9 @@
 //! lane of a vector unit for each product; the last lane holds coefficients of T_4.
 
 use super::field::{Field, Spots};
-use super::lanes::{BLOCK, add, sum_of_lanes};
+use super::lanes::{BLOCK, sum_of_lanes};
 use super::packed::{COARSE, LAST, Packed};
+use crate::energy::fused::add;
 
 /// The potential at a place (kT/e) with its first and second derivatives (per Å and Å²).
 #[derive(Debug, Clone, Copy)]

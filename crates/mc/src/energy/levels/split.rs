@@ -8,6 +8,7 @@
 //! ```
 
 use crate::energy::SitePotential;
+use crate::energy::fused::add;
 
 /// Number of coefficients of g.
 const TERMS: usize = 6;
@@ -43,12 +44,25 @@ impl<P: SitePotential> Split<P> {
         if square < radius_square { near } else { 0.0 }
     }
 
+    /// The smooth part at a squared distance.
+    #[inline(always)]
+    pub fn smooth(&self, square: f64) -> f64 {
+        let radius_square = self.radius_angstrom * self.radius_angstrom;
+        let outside = self.potential.at_square(square);
+        let inside = horner(&self.polynomial, square - radius_square);
+        if square < radius_square {
+            inside
+        } else {
+            outside
+        }
+    }
+
     /// The smooth part in single precision.
     #[inline(always)]
-    pub fn smooth_f32(&self, square: f32) -> f32 {
+    pub fn smooth_f32<const FUSED: bool>(&self, square: f32) -> f32 {
         let radius_square = (self.radius_angstrom * self.radius_angstrom) as f32;
-        let outside = self.potential.at_square_f32(square);
-        let inside = self.polynomial_f32(square - radius_square);
+        let outside = self.potential.at_square_f32::<FUSED>(square);
+        let inside = self.polynomial_f32::<FUSED>(square - radius_square);
         if square < radius_square {
             inside
         } else {
@@ -58,18 +72,18 @@ impl<P: SitePotential> Split<P> {
 
     /// The near part in single precision.
     #[inline(always)]
-    pub fn near_f32(&self, square: f32) -> f32 {
+    pub fn near_f32<const FUSED: bool>(&self, square: f32) -> f32 {
         let radius_square = (self.radius_angstrom * self.radius_angstrom) as f32;
-        let near =
-            self.potential.at_square_f32(square) - self.polynomial_f32(square - radius_square);
+        let near = self.potential.at_square_f32::<FUSED>(square)
+            - self.polynomial_f32::<FUSED>(square - radius_square);
         if square < radius_square { near } else { 0.0 }
     }
 
     #[inline(always)]
-    fn polynomial_f32(&self, s: f32) -> f32 {
+    fn polynomial_f32<const FUSED: bool>(&self, s: f32) -> f32 {
         let mut sum = self.single[TERMS - 1];
         for coefficient in self.single[..TERMS - 1].iter().rev() {
-            sum = sum * s + coefficient;
+            sum = add::<FUSED>(sum, s, *coefficient);
         }
         sum
     }
@@ -97,9 +111,12 @@ mod tests {
         for step in 1..600 {
             let t = 0.05 * f64::from(step);
             let (near, whole) = (split.near(t), yukawa.at_square(t));
-            let smooth = f64::from(split.smooth_f32(t as f32));
+            let smooth = f64::from(split.smooth_f32::<false>(t as f32));
+            assert!((near + split.smooth(t) - whole).abs() < 1e-13 * whole.max(1.0));
             assert!((near + smooth - whole).abs() < 1e-5 * whole.max(1.0));
-            assert!((f64::from(split.near_f32(t as f32)) - near).abs() < 1e-4 * whole.max(0.1));
+            assert!(
+                (f64::from(split.near_f32::<true>(t as f32)) - near).abs() < 1e-4 * whole.max(0.1)
+            );
         }
         // The jump of the smooth part's departure from its Taylor polynomial is of sixth order.
         let jump = |s: f64| (yukawa.at_square(9.0 + s) - horner(&split.polynomial, s)).abs();

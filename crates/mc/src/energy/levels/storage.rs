@@ -3,7 +3,7 @@
 //!
 //! | bytes | |
 //! |---|---|
-//! | 17 | `protomer table 7` and a line feed |
+//! | 17 | `protomer table 9` and a line feed |
 //! | 64 | the [fingerprint](Table::fingerprint) of charges and potential |
 //! | 4, then 36 each | number of nodes of the tree, and the nodes |
 //! | 4, then 16 each | number of points of the tree, and the points |
@@ -25,7 +25,7 @@ use std::io::{BufWriter, Read, Write};
 
 /// The first line; its number is raised when the layout changes, or when equal charges give other
 /// tables.
-const FIRST_LINE: &[u8; 17] = b"protomer table 7\n";
+const FIRST_LINE: &[u8; 17] = b"protomer table 9\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 impl<P: SitePotential> Table<P> {

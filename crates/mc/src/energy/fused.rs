@@ -1,0 +1,7 @@
+//! Multiply-add where it is one instruction.
+
+/// a b + c; `FUSED`: rounded once.
+#[inline(always)]
+pub(super) fn add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
+}
