@@ -5,9 +5,8 @@
 #   bash test.sh python     the Python package, and checks against other programs, only
 set -euo pipefail
 cd "$(dirname "$0")"
-# Most of the time goes into compiling once: no records for a next time, no line numbers for a debugger, and few
-# units, which share less between them.
-export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false CARGO_PROFILE_DEV_CODEGEN_UNITS=4
+# Most of the time goes into compiling once: no records for a next time, no line numbers for a debugger.
+export CARGO_INCREMENTAL=0 CARGO_PROFILE_DEV_DEBUG=false
 # Energy tables, kept from test to test but not from call to call.
 if [ -z "${PROTOMER_TEST_CACHE_DIR:-}" ]; then
     PROTOMER_TEST_CACHE_DIR=$(mktemp -d)

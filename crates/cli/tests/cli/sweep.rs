@@ -12,6 +12,16 @@ use std::time::Duration;
 const SWEEP: &str = "sweep ring.json --salt 50mM,300mM --replicas 2 --sweeps 1500 --equilibration 200 \
                      --seed 7 --log-every 5 --trajectory-every 50 --quiet";
 
+/// The same with another number of sweeps.
+fn sweep_of(sweeps: u32, equilibration: u32) -> String {
+    SWEEP
+        .replace("--sweeps 1500", &format!("--sweeps {sweeps}"))
+        .replace(
+            "--equilibration 200",
+            &format!("--equilibration {equilibration}"),
+        )
+}
+
 /// What must not depend on how the sweep came to its end: everything but the records' own history.
 fn results(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut files = contents(directory);
@@ -100,12 +110,7 @@ fn a_killed_sweep_with_exchange_goes_on_too() {
 /// with few charges move about ten times as fast by direct sums as by levels: their runs are longer.
 fn is_killed_and_goes_on(energy: &str, sweeps: u32, milliseconds: &[u64]) {
     let place = TemporaryFolder::that_keeps_tables();
-    let sweep = SWEEP
-        .replace("--sweeps 1500", &format!("--sweeps {sweeps}"))
-        .replace(
-            "--equilibration 200",
-            &format!("--equilibration {}", sweeps / 7),
-        );
+    let sweep = sweep_of(sweeps, sweeps / 7);
     is_ok(&place.run(&format!("{sweep} --energy {energy} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));
     let mut caught_at_work = 0;
@@ -179,8 +184,9 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
 #[test]
 fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
     let place = TemporaryFolder::new();
+    let sweep = sweep_of(200, 50);
     for energy in ["direct", "calibrated"] {
-        is_ok(&place.run(&format!("{SWEEP} --energy {energy} -o {energy}")));
+        is_ok(&place.run(&format!("{sweep} --energy {energy} -o {energy}")));
     }
     for replica in ["salt_0.050000M/replica_0", "salt_0.300000M/replica_1"] {
         let log = |energy: &str| columns(&place.path(&format!("{energy}/{replica}/log.csv")));
@@ -211,7 +217,7 @@ fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
 #[test]
 fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     let place = TemporaryFolder::new();
-    let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
+    let short = sweep_of(50, 20);
     let refused = |command: &str, words: &[&str]| {
         let output = place.run(command);
         assert_eq!(output.status.code(), Some(1), "{command}");
@@ -567,7 +573,7 @@ fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
 #[test]
 fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
     let place = TemporaryFolder::new();
-    let short = SWEEP.replace("--sweeps 1500", "--sweeps 50");
+    let short = sweep_of(50, 20);
     is_ok(&place.run(&format!("{short} --energy calibrated -o whole")));
     let output = place.run(&format!(
         "{short} --energy calibrated --memory-limit 1kB --threads 1 -o small"
