@@ -1,5 +1,6 @@
 //! What follows from a measured equation of state.
 
+use crate::error::Result;
 use crate::spline::Spline;
 
 /// Fewer packing fractions do not carry a spline; the point at zero comes to them.
@@ -21,8 +22,7 @@ pub struct Factor {
 /// f(φ) = ∫₀^φ (Z - 1)/φ' dφ',
 ///
 /// by a cubic spline through (Z - 1)/φ, which begins at B2 over the volume of a body. It is linear in
-/// the factors, so their errors propagate. The packing fractions ascend from above zero; fewer than
-/// [`FEWEST_TO_INTEGRATE`] give nothing.
+/// the factors, so their errors propagate. Fewer factors than [`FEWEST_TO_INTEGRATE`] give nothing.
 ///
 /// ```
 /// use protomer_hpmc::equation_of_state::{Factor, excess_free_energies};
@@ -33,29 +33,42 @@ pub struct Factor {
 ///     value: 1.0 + 4.0 * packing_fraction + 10.0 * packing_fraction.powi(2),
 ///     standard_error: 0.01,
 /// });
-/// let (free_energy_kt, _) = excess_free_energies(&factors, 4.0)[2];
+/// let (free_energy_kt, _) = excess_free_energies(&factors, 4.0)?[2];
 /// assert!((free_energy_kt - 1.65).abs() < 1e-12);
+/// # Ok::<(), protomer_hpmc::Error>(())
 /// ```
-pub fn excess_free_energies(factors: &[Factor], b2_over_volume: f64) -> Vec<(f64, f64)> {
+///
+/// # Errors
+/// If the packing fractions do not ascend from above zero.
+pub fn excess_free_energies(factors: &[Factor], b2_over_volume: f64) -> Result<Vec<(f64, f64)>> {
     if factors.len() < FEWEST_TO_INTEGRATE {
-        return Vec::new();
+        return Ok(Vec::new());
     }
-    let (mut x, mut y, mut errors) = (vec![0.0], vec![b2_over_volume], vec![0.0]);
-    for factor in factors {
-        x.push(factor.packing_fraction);
-        y.push((factor.value - 1.0) / factor.packing_fraction);
-        errors.push(factor.standard_error / factor.packing_fraction);
-    }
-    let integrals = Spline::through(x.clone(), y).integrals();
-    let mut variances = vec![0.0; x.len()];
-    for (number, error) in errors.iter().enumerate().skip(1) {
-        let mut one = vec![0.0; x.len()];
-        one[number] = *error;
-        let moved = Spline::through(x.clone(), one).integrals();
-        for (variance, part) in variances.iter_mut().zip(moved) {
+    let energies = integrals(factors, b2_over_volume, |_, factor| {
+        (factor.value - 1.0) / factor.packing_fraction
+    })?;
+    let mut variances = vec![0.0; factors.len()];
+    for moved in 0..factors.len() {
+        let moves = integrals(factors, 0.0, |number, factor| match number == moved {
+            true => factor.standard_error / factor.packing_fraction,
+            false => 0.0,
+        })?;
+        for (variance, part) in variances.iter_mut().zip(moves) {
             *variance += part * part;
         }
     }
     let errors = variances.iter().map(|variance| variance.sqrt());
-    integrals.into_iter().zip(errors).skip(1).collect()
+    Ok(energies.into_iter().zip(errors).collect())
+}
+
+/// The integrals from zero to each packing fraction of the spline through a value at zero and at each.
+fn integrals(
+    factors: &[Factor],
+    at_zero: f64,
+    value: impl Fn(usize, &Factor) -> f64,
+) -> Result<Vec<f64>> {
+    let others = factors.iter().enumerate();
+    let others = others.map(|(number, factor)| (factor.packing_fraction, value(number, factor)));
+    let spline = Spline::through(std::iter::once((0.0, at_zero)).chain(others))?;
+    Ok(spline.integrals().split_off(1))
 }

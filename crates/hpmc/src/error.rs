@@ -78,6 +78,22 @@ pub enum Error {
         /// What there is.
         known: &'static str,
     },
+    /// A spline needs more points.
+    #[error("there are {given} points; a spline needs at least {fewest}")]
+    FewPoints {
+        /// The number given.
+        given: usize,
+        /// The number needed.
+        fewest: usize,
+    },
+    /// The abscissas of a table do not ascend.
+    #[error("{second} follows {first}; give ascending values, each of them once")]
+    NotAscending {
+        /// The one.
+        first: f64,
+        /// The one after it.
+        second: f64,
+    },
     /// Two things that cannot be simulated in one box yet.
     #[error("{first} and {second} cannot be simulated together; leave one out")]
     NotTogether {

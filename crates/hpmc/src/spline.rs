@@ -1,5 +1,6 @@
 //! A cubic spline through points.
 
+use crate::error::{Error, Result};
 use crate::jet::Jet;
 
 /// A cubic spline through points, with ends of the third derivative of their neighbours (not a knot).
@@ -10,9 +11,38 @@ pub struct Spline {
     second: Vec<f64>,
 }
 
+/// Fewer points leave the ends undetermined.
+const FEWEST_POINTS: usize = 4;
+
 impl Spline {
-    /// Through points whose abscissas ascend; four or more.
-    pub fn through(x: Vec<f64>, y: Vec<f64>) -> Self {
+    /// Through four or more points (x, y) whose abscissas ascend.
+    ///
+    /// ```
+    /// use protomer_hpmc::spline::Spline;
+    ///
+    /// let cube = |x: f64| (x, x.powi(3));
+    /// let spline = Spline::through([0.0, 1.0, 2.0, 4.0].map(cube))?;
+    /// assert!((spline.integrals()[3] - 64.0).abs() < 1e-12);
+    /// assert!(Spline::through([1.0, 0.0, 2.0, 3.0].map(cube)).is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If there are fewer points, or two do not ascend.
+    pub fn through(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self> {
+        let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        if x.len() < FEWEST_POINTS {
+            return Err(Error::FewPoints {
+                given: x.len(),
+                fewest: FEWEST_POINTS,
+            });
+        }
+        if let Some(pair) = x.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(Error::NotAscending {
+                first: pair[0],
+                second: pair[1],
+            });
+        }
         let last = x.len() - 1;
         let h: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
         // Rows of the tridiagonal system for the second derivatives at the inner points, from which
@@ -51,7 +81,7 @@ impl Spline {
         }
         second[0] = second[1] - (second[2] - second[1]) * start;
         second[last] = second[last - 1] + (second[last - 1] - second[last - 2]) * end;
-        Self { x, y, second }
+        Ok(Self { x, y, second })
     }
 
     /// The abscissas of the first and of the last point.
@@ -86,14 +116,15 @@ impl Spline {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
 
     #[test]
     fn cubic_functions_are_integrated_exactly() {
-        let x = vec![0.0, 0.1, 0.4, 0.5, 0.9];
-        let y = x.iter().map(|x| 1.0 - 2.0 * x + x * x * x).collect();
-        let spline = Spline::through(x, y);
+        let x = [0.0, 0.1, 0.4, 0.5, 0.9];
+        let points = x.iter().map(|x| (*x, 1.0 - 2.0 * x + x * x * x));
+        let spline = Spline::through(points).unwrap();
         for (x, found) in spline.x.iter().zip(spline.integrals()) {
             let exact = x - x * x + 0.25 * x * x * x * x;
             assert!((found - exact).abs() < 1e-14, "{x}: {found} {exact}");

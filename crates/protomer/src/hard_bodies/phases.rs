@@ -359,7 +359,7 @@ fn read_table(name: &str, text: &str) -> Result<Spline> {
             x.len()
         );
     }
-    Ok(Spline::through(x, y))
+    Spline::through(x.into_iter().zip(y)).with_context(|| name.to_owned())
 }
 
 #[cfg(test)]

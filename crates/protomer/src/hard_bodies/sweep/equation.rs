@@ -125,7 +125,7 @@ impl StatePoint {
 }
 
 /// Adds the free energies of a fluid, by integration from no bodies.
-pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) {
+pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) -> Result<()> {
     let factors: Vec<Factor> = points
         .iter()
         .map(|point| Factor {
@@ -134,12 +134,13 @@ pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) {
             standard_error: point.compressibility_factor_error.unwrap_or(f64::NAN),
         })
         .collect();
-    let energies = excess_free_energies(&factors, b2_over_volume);
+    let energies = excess_free_energies(&factors, b2_over_volume)?;
     for (point, (energy_kt, error_kt)) in points.iter_mut().zip(energies) {
         point.excess_free_energy_per_body_kt = Some(energy_kt);
         point.excess_free_energy_per_body_error_kt =
             Some(error_kt).filter(|error| error.is_finite());
     }
+    Ok(())
 }
 
 fn with_error(value: f64, error: Option<f64>) -> String {

@@ -301,7 +301,7 @@ impl Campaign for Sweep<'_> {
             .collect();
         points.sort_by(|a, b| a.packing_fraction.total_cmp(&b.packing_fraction));
         if let Some(b2_over_volume) = self.b2_over_volume()? {
-            integrate(&mut points, b2_over_volume);
+            integrate(&mut points, b2_over_volume)?;
         }
         let equation = EquationOfState {
             settings: self.settings.clone(),
@@ -426,7 +426,7 @@ mod tests {
             ..blank.clone()
         };
         let mut points = [0.1, 0.25, 0.3, 0.4].map(at);
-        integrate(&mut points, 4.0);
+        integrate(&mut points, 4.0).unwrap();
         for point in &points {
             let packing = point.packing_fraction;
             let found = point.excess_free_energy_per_body_kt.unwrap();
