@@ -1,5 +1,6 @@
 //! The built-in comparison: how large the errors of the levels are in units of the variance model.
 
+use super::fine_energy::SHARPENED;
 use super::list::{List, ListEnergy};
 use super::maker::{COARSE_OPENING, PART_OF_DISTANCE};
 use super::neighbours::SKIN_ANGSTROM;
@@ -12,9 +13,6 @@ use serde::Serialize;
 
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
-
-/// The parts of the charges that fine energies sum directly, one step after the other.
-pub(super) const SHARPENED: [f64; 4] = [0.0, 0.02, 0.1, 0.5];
 
 /// Coarse errors have longer tails than a comparison of some hundred poses shows.
 const TAIL: f64 = 2.5;
@@ -72,22 +70,6 @@ pub struct Scales {
     pub energy: f64,
     /// Of its change with the same list.
     pub change: f64,
-}
-
-/// The fine energy of two bodies after this step of sharpening; `None` where the table of the first
-/// ends before.
-pub(super) fn fine_at<P: SitePotential>(
-    step: usize,
-    first: &Table<P>,
-    second: &Table<P>,
-    list: &List,
-    pose: &RelativePose,
-) -> Option<Estimate> {
-    let summed = (SHARPENED[step] * second.charges.len() as f64).ceil() as usize;
-    match summed {
-        0 => first.fine_energy(second, list, pose),
-        _ => first.sharpened_energy(second, list, pose, summed),
-    }
 }
 
 impl Calibration {
@@ -165,7 +147,7 @@ impl Compared {
         list: &List,
         pose: &RelativePose,
     ) -> Option<Self> {
-        let fine = first.fine_energy(second, list, pose)?;
+        let fine = first.fine_energy(second, list, pose, 0)?;
         let energy = list.energy(first, pose)?;
         Some(Self {
             list: energy,
@@ -221,7 +203,7 @@ impl Errors {
             if pose < DIRECT_POSES {
                 let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
                 for (step, ratios) in errors.fine.iter_mut().enumerate() {
-                    if let Some(fine) = fine_at(step, first, second, &list, &here) {
+                    if let Some(fine) = first.fine_energy(second, &list, &here, step) {
                         ratios.push((fine.energy_kt - direct).abs() / fine.deviation());
                     }
                 }

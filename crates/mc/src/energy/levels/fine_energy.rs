@@ -14,21 +14,30 @@ use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
+/// The steps of sharpening: the parts of the charges that are summed directly.
+pub(super) const SHARPENED: [f64; 4] = [0.0, 0.02, 0.1, 0.5];
+
 impl<P: SitePotential> Table<P> {
-    /// The energy with another body at this pose: all of its charges in the fine table, the near
-    /// pairs of a list that serves here one by one. `None` where the table ends before.
+    /// The energy with another body at this pose after this step of sharpening: its charges in the
+    /// fine table, and the near pairs of a list that serves here one by one. `None` where the table
+    /// ends before.
     pub(super) fn fine_energy(
         &self,
         other: &Self,
         list: &List,
         pose: &RelativePose,
+        step: usize,
     ) -> Option<Estimate> {
-        self.fine_energy_of(other.blocks(), list, pose)
+        let summed = (SHARPENED[step] * other.charges.len() as f64).ceil() as usize;
+        match summed {
+            0 => self.fine_energy_of(other.blocks(), list, pose),
+            _ => self.sharpened_energy(other, list, pose, summed),
+        }
     }
 
     /// The same without the table for this many of the charges, those that bring most of its
     /// variance.
-    pub(super) fn sharpened_energy(
+    fn sharpened_energy(
         &self,
         other: &Self,
         list: &List,

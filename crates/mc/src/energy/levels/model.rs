@@ -1,6 +1,7 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
-use super::calibration::{Calibration, MULTIPLE, SHARPENED, fine_at};
+use super::calibration::{Calibration, MULTIPLE};
+use super::fine_energy::SHARPENED;
 use super::list::List;
 use super::maker::COARSE_OPENING;
 use super::table::{Estimate, Table};
@@ -296,7 +297,7 @@ impl<P: SitePotential> Levels<P> {
             variance: 0.0,
         };
         for image in &known.images {
-            let fine = fine_at(step, first, second, &image.list, &image.relative);
+            let fine = first.fine_energy(second, &image.list, &image.relative, step);
             let Some(estimate) = fine else {
                 return self.beyond_tables(known);
             };
