@@ -204,11 +204,11 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;
 
-    fn source(place: Vec3, strength: f64) -> Source {
+    pub(crate) fn source(place: Vec3, strength: f64) -> Source {
         Source {
             place,
             strength,

@@ -196,15 +196,8 @@ impl Groups {
 mod tests {
     use super::*;
     use crate::edge_charges::EdgeCharges;
+    use crate::edge_charges::tests::source;
     use protomer_kernel::random::CounterRng;
-
-    fn source(place: Vec3, strength: f64) -> Source {
-        Source {
-            place,
-            strength,
-            least_distance_angstrom: 1e-3,
-        }
-    }
 
     fn edge(middle: Vec3, rng: &mut CounterRng, turn: usize) -> EdgePlace {
         EdgePlace {

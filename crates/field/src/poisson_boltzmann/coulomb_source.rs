@@ -34,6 +34,7 @@ use crate::point_charges::{PointCharges, Source};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
+use std::ops::Add;
 
 /// Edges are moved by this much, in spacings, so that no face passes through a charge that lies on the
 /// grid.
@@ -54,9 +55,9 @@ struct Crossing {
     direction: f64,
 }
 
-/// As many crossings at most see the same near charges,
+/// Crossings of a group, which sees the same charges as near.
 const MOST_CROSSINGS: usize = 40;
-/// and for fewer a polynomial of the far ones is not worth its cost.
+/// For fewer crossings a polynomial of the far charges is not worth its cost.
 const FEWEST_CROSSINGS: usize = 10;
 
 /// Points along the edge of a block, whose places see far charges as the same clusters.
@@ -78,7 +79,7 @@ pub(super) fn at_surface(
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
             let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
-            each_with_charges(&mut crossings, seen, &[], h, &mut |crossing, at_edge| {
+            each_with_charges(&mut crossings, seen, h, &mut |crossing, at_edge| {
                 let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
@@ -96,58 +97,77 @@ pub(super) fn at_surface(
     right
 }
 
-/// Visits each crossing with what charges do there. Those far from all crossings are seen as one
-/// polynomial, and the crossings taken in halves until there are few, with the charges far from
-/// them as another.
+/// Visits each crossing with what charges do there: those far from all crossings as one polynomial, of
+/// the others those far from a group of crossings as another, and the rest one by one.
 fn each_with_charges(
     crossings: &mut [Crossing],
     charges: Vec<Source>,
-    far: &[FarCharges],
     h: f64,
     visit: &mut dyn FnMut(&Crossing, AtEdge),
 ) {
-    let is_whole = far.is_empty();
-    if !is_whole && crossings.len() > MOST_CROSSINGS {
-        let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
-        let (axis, _) = (high - low).argmax();
-        let half = crossings.len() / 2;
-        crossings.select_nth_unstable_by(half, |a, b| {
-            let order = a.middle[axis].total_cmp(&b.middle[axis]);
-            order.then((a.inside, a.outside).cmp(&(b.inside, b.outside)))
-        });
-        let (first, second) = crossings.split_at_mut(half);
-        each_with_charges(first, charges.clone(), far, h, visit);
-        return each_with_charges(second, charges, far, h, visit);
+    let (far, near) = far_and_near(crossings, charges, h);
+    if crossings.len() <= MOST_CROSSINGS {
+        return each_with_far_and_near(crossings, &[far], near, h, visit);
     }
-    let mut far = far.to_vec();
-    let mut near = charges;
-    if crossings.len() >= FEWEST_CROSSINGS {
-        let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
-        let middle = 0.5 * (low + high);
-        let radius = crossings.iter().fold(0.0_f64, |radius, crossing| {
-            radius.max((crossing.middle - middle).norm())
-        });
-        let limit = (FAR_IN_RADII * radius).max(radius + (EXACT_IN_EDGES + 0.1) * h);
-        let is_near = |source: &Source| (source.place - middle).norm() < limit;
-        let (within, beyond) = near.into_iter().partition(is_near);
-        near = within;
-        let beyond: Vec<Source> = beyond;
-        far.push(FarCharges::new(&beyond, middle));
+    for group in groups(crossings) {
+        let (farther, near) = far_and_near(group, near.clone(), h);
+        each_with_far_and_near(group, &[far.clone(), farther], near, h, visit);
     }
-    if is_whole && crossings.len() > MOST_CROSSINGS {
-        return each_with_charges(crossings, near, &far, h, visit);
+}
+
+/// Halves along the longest edge of their box, again and again until they are few.
+fn groups(crossings: &mut [Crossing]) -> Vec<&mut [Crossing]> {
+    if crossings.len() <= MOST_CROSSINGS {
+        return vec![crossings];
     }
-    let origin = crossings
-        .first()
-        .map_or(Vec3::zeros(), |crossing| crossing.middle);
-    let near = EdgeCharges::new(near, origin);
+    let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
+    let (axis, _) = (high - low).argmax();
+    let half = crossings.len() / 2;
+    crossings.select_nth_unstable_by(half, |a, b| {
+        let order = a.middle[axis].total_cmp(&b.middle[axis]);
+        order.then((a.inside, a.outside).cmp(&(b.inside, b.outside)))
+    });
+    let (first, second) = crossings.split_at_mut(half);
+    let mut all = groups(first);
+    all.extend(groups(second));
+    all
+}
+
+/// The charges far from these crossings as a polynomial, if that is worth its cost, and the others.
+fn far_and_near(
+    crossings: &[Crossing],
+    charges: Vec<Source>,
+    h: f64,
+) -> (Option<FarCharges>, Vec<Source>) {
+    if crossings.len() < FEWEST_CROSSINGS {
+        return (None, charges);
+    }
+    let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
+    let middle = 0.5 * (low + high);
+    let radius = crossings.iter().fold(0.0_f64, |radius, crossing| {
+        radius.max((crossing.middle - middle).norm())
+    });
+    let limit = (FAR_IN_RADII * radius).max(radius + (EXACT_IN_EDGES + 0.1) * h);
+    let is_near = |source: &Source| (source.place - middle).norm() < limit;
+    let (near, far): (Vec<Source>, Vec<Source>) = charges.into_iter().partition(is_near);
+    (Some(FarCharges::new(&far, middle)), near)
+}
+
+fn each_with_far_and_near(
+    crossings: &[Crossing],
+    far: &[Option<FarCharges>],
+    near: Vec<Source>,
+    h: f64,
+    visit: &mut dyn FnMut(&Crossing, AtEdge),
+) {
+    let Some(first) = crossings.first() else {
+        return;
+    };
+    let near = EdgeCharges::new(near, first.middle);
     for crossing in crossings {
         let edge = crossing.edge(h);
-        let mut at_edge = near.at(&edge);
-        for charges in &far {
-            at_edge = at_edge + charges.at(&edge);
-        }
-        visit(crossing, at_edge);
+        let of_far = far.iter().flatten().map(|charges| charges.at(&edge));
+        visit(crossing, of_far.fold(near.at(&edge), AtEdge::add));
     }
 }
 
