@@ -10,7 +10,10 @@ from pathlib import Path
 
 ARRANGEMENTS = ["candidate_1", "candidate_2", "candidate_3", "candidate_4", "tilted"]
 COLUMNS = {"energy_kT": "energy (kT)", "bound_fraction": "bound bodies", "largest_cluster": "largest cluster"}
+# Between the means of all stacks and of all fluids, and between one stack and the fluids.
 MOST_STANDARD_ERRORS = 3.0
+MOST_STANDARD_DEVIATIONS = 4.0
+# Smaller differences do not matter.
 LEAST_DIFFERENCE = {"energy_kT": 1.0, "bound_fraction": 0.05, "largest_cluster": 0.5}
 
 
@@ -28,10 +31,15 @@ def estimate(replica, observable):
     return summary["mean"], summary["standard_error"]
 
 
-def agree(observable, one, other):
-    """Whether two means are the same within their errors, or within a difference that does not matter."""
-    allowed = MOST_STANDARD_ERRORS * math.hypot(one[1], other[1])
-    return abs(one[0] - other[0]) <= max(allowed, LEAST_DIFFERENCE[observable])
+def agree(observable, stacks, fluids):
+    """Whether the stacks have become what the fluids are: their mean, and each of them."""
+    (stack, stack_error), (fluid, fluid_error) = mean_and_error(stacks), mean_and_error(fluids)
+    of_means = MOST_STANDARD_ERRORS * math.hypot(stack_error, fluid_error)
+    of_each = MOST_STANDARD_DEVIATIONS * fluid_error * math.sqrt(len(fluids))
+    least = LEAST_DIFFERENCE[observable]
+    return abs(stack - fluid) <= max(of_means, least) and all(
+        abs(value - fluid) <= max(of_each, least) for value, _ in stacks
+    )
 
 
 def main(output):
@@ -46,7 +54,7 @@ def main(output):
             fluids = [estimate(sweep["replicas"][index][1], observable) for sweep in sweeps.values()]
             both = [mean_and_error(stacks), mean_and_error(fluids)]
             cells = [f"{value:.3g} ± {error:.2g}" for value, error in [*stacks, *both]]
-            print(f"| {1000 * salt:g} mM | " + " | ".join(cells) + f" | {'yes' if agree(observable, *both) else 'no'} |")
+            print(f"| {1000 * salt:g} mM | " + " | ".join(cells) + f" | {'yes' if agree(observable, stacks, fluids) else 'no'} |")
         print()
     for name, sweep in sweeps.items():
         print(f"{name}: {sweep['equilibration']}; exchanges:", sweep["exchanges"])

@@ -6,10 +6,14 @@ use crate::stability::run::{RunSettings, Start};
 use protomer_kernel::statistics::Summary;
 use serde::Serialize;
 
-/// Starts agree if the bound fractions differ by less than this many standard errors, or by less
-/// than [`LEAST_DIFFERENCE`].
+/// Starts agree if the means of each [`Observable`] differ by less than this many standard errors, or
+/// by less than matters.
 const STANDARD_ERRORS: f64 = 3.0;
-const LEAST_DIFFERENCE: f64 = 0.05;
+/// The differences that matter: of fractions of bodies or contacts, of a cluster (bodies), and of an
+/// energy (kT).
+const LEAST_FRACTION: f64 = 0.05;
+const LEAST_BODIES: f64 = 0.5;
+const LEAST_KT: f64 = 1.0;
 
 /// Where an assembly falls apart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -47,7 +51,7 @@ pub enum CountedContacts {
 impl Stability {
     /// From the replicas at each salt concentration. `native`: contacts of the assembly.
     pub fn new(settings: &RunSettings, replicas: &[Vec<ReplicaResult>], native: usize) -> Self {
-        let (equilibrated, equilibration) = equilibration(settings, replicas);
+        let (equilibrated, equilibration) = equilibration(settings, replicas, native);
         // At equilibrium bodies change places.
         let is_native = settings.exchange_every == 0 && settings.is_from_assembly();
         let contacts = |replica: &ReplicaResult| match is_native {
@@ -192,51 +196,185 @@ fn average(summaries: &[Summary]) -> (f64, f64) {
     (mean, spread.max(own).sqrt())
 }
 
-/// Whether both starts lead to the same bound fraction at every salt.
+/// What runs from both starts must agree in.
+struct Observable {
+    of: fn(&ReplicaResult) -> Option<Summary>,
+    /// Smaller differences do not matter.
+    least: f64,
+    /// Both means in words.
+    words: fn(f64, f64) -> String,
+}
+
+/// In the order in which a disagreement is named. A bound fraction alone would call a stack and the
+/// small groups of a fluid alike.
+fn observables(native: usize) -> [Observable; 4] {
+    [
+        Observable {
+            of: |replica| replica.bound_fraction,
+            least: LEAST_FRACTION,
+            words: |assembly, fluid| {
+                format!(
+                    "{assembly:.2} of the bodies touch another in runs from the assembly, and \
+                     {fluid:.2} in runs from the fluid"
+                )
+            },
+        },
+        Observable {
+            of: |replica| replica.contacts,
+            least: LEAST_FRACTION * native.max(1) as f64,
+            words: |assembly, fluid| {
+                format!(
+                    "{assembly:.1} pairs of bodies touch in runs from the assembly, and \
+                     {fluid:.1} in runs from the fluid"
+                )
+            },
+        },
+        Observable {
+            of: |replica| Some(replica.largest_cluster),
+            least: LEAST_BODIES,
+            words: |assembly, fluid| {
+                format!(
+                    "the largest cluster has {assembly:.1} bodies in runs from the assembly, and \
+                     {fluid:.1} in runs from the fluid"
+                )
+            },
+        },
+        Observable {
+            of: |replica| Some(replica.energy_kt),
+            least: LEAST_KT,
+            words: |assembly, fluid| {
+                format!(
+                    "the energy is {assembly:.1} kT in runs from the assembly, and {fluid:.1} kT in \
+                     runs from the fluid"
+                )
+            },
+        },
+    ]
+}
+
+/// Whether both starts lead to the same state at every salt.
 fn equilibration(
     settings: &RunSettings,
     replicas: &[Vec<ReplicaResult>],
+    native: usize,
 ) -> (Option<bool>, String) {
-    let mut furthest: Option<(f64, String)> = None;
-    let mut compared = false;
+    let mut by_start = Vec::with_capacity(replicas.len());
     for (salt_molar, replicas) in settings.salt_molar.iter().zip(replicas) {
-        let from = |start: Start| -> Vec<Summary> {
-            let replicas = replicas.iter();
-            let of_start =
-                replicas.filter(|replica| settings.starts.of_replica(replica.replica) == start);
-            of_start
-                .filter_map(|replica| replica.bound_fraction)
-                .collect()
+        let starts_there = |replica: &&ReplicaResult| {
+            settings.starts.of_replica(replica.replica) == Start::Assembly
         };
-        let (assembly, fluid) = (from(Start::Assembly), from(Start::Fluid));
-        if assembly.is_empty() || fluid.is_empty() {
-            continue;
-        }
-        compared = true;
-        let ((of_assembly, error), (of_fluid, other)) = (average(&assembly), average(&fluid));
-        let difference = (of_assembly - of_fluid).abs();
-        let allowed = (STANDARD_ERRORS * error.hypot(other)).max(LEAST_DIFFERENCE);
-        if difference > allowed && furthest.as_ref().is_none_or(|(most, _)| difference > *most) {
-            let words = format!(
-                "not equilibrated: at {} mM {of_assembly:.2} of the bodies touch another in runs \
-                 from the assembly, and {of_fluid:.2} in runs from the fluid; run longer, or \
-                 exchange more often (--exchange-every)",
-                1e3 * salt_molar
-            );
-            furthest = Some((difference, words));
+        let (assembly, fluid): (Vec<_>, Vec<_>) = replicas.iter().partition(starts_there);
+        if !assembly.is_empty() && !fluid.is_empty() {
+            by_start.push((*salt_molar, assembly, fluid));
         }
     }
-    match (compared, furthest) {
-        (false, _) => (
-            None,
-            "whether this is an equilibrium is not known: all runs start alike; --starts both begins \
-             half of them from a fluid"
-                .into(),
-        ),
-        (true, Some((_, words))) => (Some(false), words),
-        (true, None) => (
-            Some(true),
-            "runs from the assembly and from the fluid agree at every salt".into(),
-        ),
+    if by_start.is_empty() {
+        let words = "whether this is an equilibrium is not known: all runs start alike; --starts \
+                     both begins half of them from a fluid";
+        return (None, words.into());
+    }
+    for observable in observables(native) {
+        let differences = by_start.iter().filter_map(|(salt_molar, assembly, fluid)| {
+            let [assembly, fluid] = [assembly, fluid].map(|replicas| {
+                let summaries = replicas
+                    .iter()
+                    .filter_map(|replica| (observable.of)(replica));
+                summaries.collect::<Vec<Summary>>()
+            });
+            let difference = disagreement(&assembly, &fluid, observable.least)?;
+            Some((
+                difference,
+                *salt_molar,
+                average(&assembly).0,
+                average(&fluid).0,
+            ))
+        });
+        if let Some((_, salt_molar, assembly, fluid)) =
+            differences.max_by(|a, b| a.0.total_cmp(&b.0))
+        {
+            let words = format!(
+                "not equilibrated: at {} mM {}; run longer, or exchange more often \
+                 (--exchange-every)",
+                1e3 * salt_molar,
+                (observable.words)(assembly, fluid)
+            );
+            return (Some(false), words);
+        }
+    }
+    let words = "runs from the assembly and from the fluid agree at every salt";
+    (Some(true), words.into())
+}
+
+/// How far two means are apart, if that is more than their errors allow and more than `least`.
+fn disagreement(assembly: &[Summary], fluid: &[Summary], least: f64) -> Option<f64> {
+    if assembly.is_empty() || fluid.is_empty() {
+        return None;
+    }
+    let ((of_assembly, error), (of_fluid, other)) = (average(assembly), average(fluid));
+    let difference = (of_assembly - of_fluid).abs();
+    let allowed = (STANDARD_ERRORS * error.hypot(other)).max(least);
+    (difference > allowed).then_some(difference)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::run::{AcceptedFractions, Starts};
+
+    fn replica(replica: u32, [bound, contacts, cluster, energy]: [f64; 4]) -> ReplicaResult {
+        let summary = |mean| Summary {
+            mean,
+            standard_deviation: 0.0,
+            standard_error: 0.01,
+            autocorrelation_time: 0.5,
+            effective_samples: 100.0,
+        };
+        ReplicaResult {
+            replica,
+            r_g_angstrom: summary(50.0),
+            native_contacts: None,
+            largest_cluster: summary(cluster),
+            energy_kt: summary(energy),
+            accepted: AcceptedFractions {
+                translation_acceptance: 0.5,
+                rotation_acceptance: 0.5,
+            },
+            cluster_moved_mean: 1.0,
+            contacts: Some(summary(contacts)),
+            bound_fraction: Some(summary(bound)),
+            effective_bodies: None,
+        }
+    }
+
+    /// The verdict of one run from the assembly and one from a fluid.
+    fn verdict(assembly: [f64; 4], fluid: [f64; 4]) -> (Option<bool>, String) {
+        let settings = RunSettings {
+            salt_molar: vec![0.065],
+            starts: Starts::Both,
+            ..RunSettings::default()
+        };
+        let replicas = [vec![replica(0, assembly), replica(1, fluid)]];
+        equilibration(&settings, &replicas, 16)
+    }
+
+    #[test]
+    fn starts_must_agree_in_clusters_and_energies_too() {
+        let state = [0.95, 14.0, 5.0, -120.0];
+        assert_eq!(verdict(state, state).0, Some(true));
+        for (place, there, words) in [
+            (0, 0.8, "0.80 of the bodies touch another"),
+            (1, 20.0, "20.0 pairs of bodies touch"),
+            (2, 15.0, "the largest cluster has 15.0 bodies"),
+            (3, -146.0, "the energy is -146.0 kT"),
+        ] {
+            let mut assembly = state;
+            assembly[place] = there;
+            let (equilibrated, said) = verdict(assembly, state);
+            assert_eq!(equilibrated, Some(false));
+            assert!(said.contains(words) && said.contains("65 mM"), "{said}");
+        }
+        let mut nearly = state;
+        nearly[3] += 0.9;
+        assert_eq!(verdict(nearly, state).0, Some(true));
     }
 }
