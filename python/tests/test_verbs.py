@@ -118,7 +118,7 @@ def test_stopped_work_goes_on(ring, tmp_path):
 
 @pytest.fixture
 def python_hears_ctrl_c():
-    """A shell starts its background jobs deaf to Ctrl-C, and this test may run in one."""
+    """A shell starts its background jobs with Ctrl-C ignored, and this test may run in one."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)

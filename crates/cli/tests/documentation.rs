@@ -11,6 +11,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
+#[path = "common/cache.rs"]
+mod cache;
+
+use cache::Cache;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -228,30 +232,8 @@ fn run(line: &str, folder: &Path, cache: &Path) -> String {
         .collect()
 }
 
-/// The cache of energy tables, one for all pages, as on a reader's machine. `test.sh` has one for all
-/// tests.
-enum Cache {
-    OfAllTests(PathBuf),
-    Own(tempfile::TempDir),
-}
-
-impl Cache {
-    fn new() -> Self {
-        match std::env::var_os("PROTOMER_TEST_CACHE_DIR") {
-            Some(folder) => Self::OfAllTests(folder.into()),
-            None => Self::Own(tempfile::tempdir().unwrap()),
-        }
-    }
-
-    fn path(&self) -> &Path {
-        match self {
-            Self::OfAllTests(path) => path,
-            Self::Own(folder) => folder.path(),
-        }
-    }
-}
-
-/// Every page of a folder of `docs` shows what its commands print.
+/// Every page of a folder of `docs` shows what its commands print. Its pages share a cache of energy
+/// tables, as they would on a reader's machine.
 fn check_pages(folder: &str) {
     let mut pages: Vec<PathBuf> = std::fs::read_dir(root().join("docs").join(folder))
         .unwrap()

@@ -109,7 +109,7 @@ fn a_killed_sweep_with_exchange_goes_on_too() {
 /// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end. Bodies
 /// with few charges move about ten times as fast by direct sums as by levels: their runs are longer.
 fn is_killed_and_goes_on(energy: &str, sweeps: u32, milliseconds: &[u64]) {
-    let place = TemporaryFolder::that_keeps_tables();
+    let place = TemporaryFolder::new();
     let sweep = sweep_of(sweeps, sweeps / 7);
     is_ok(&place.run(&format!("{sweep} --energy {energy} --threads 1 -o whole")));
     let whole = results(&place.path("whole"));

@@ -8,8 +8,10 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
+mod cache;
 #[path = "../../../lattices/tests/common/mod.rs"]
 mod watcher;
+use cache::Cache;
 pub use watcher::Watcher;
 
 const CUBE: &str = "OFF\n8 12 0\n-5 -5 -5\n5 -5 -5\n5 5 -5\n-5 5 -5\n-5 -5 5\n5 -5 5\n5 5 5\n-5 5 5\n\
@@ -24,19 +26,16 @@ const RING: &str = r#"{"box_angstrom": [80, 80, 80],
   {"body": "a", "position_angstrom": [12, 12, 0], "orientation_wxyz": [1, 0, 0, 0]},
   {"body": "b", "position_angstrom": [0, 12, 0], "orientation_wxyz": [1, 0, 0, 0]}]}"#;
 
-/// `test.sh` has one cache of energy tables for all tests and names it here.
-const CACHE_OF_ALL_TESTS: &str = "PROTOMER_TEST_CACHE_DIR";
-
 /// Charges of the two bodies: x, y, z (Å), charge (e).
 pub const CHARGES: [&[[f64; 4]]; 2] = [
     &[[0.0, 0.0, 0.0, 4.0], [3.0, 0.0, 0.0, 1.0]],
     &[[0.0, 0.0, 0.0, -4.0], [0.0, 3.0, 0.0, -0.5]],
 ];
 
-/// A folder that is removed at the end.
+/// A folder that is removed at the end. Programs that run in it find the energy tables of earlier ones.
 pub struct TemporaryFolder {
     folder: tempfile::TempDir,
-    keeps_tables: bool,
+    cache: Cache,
 }
 
 impl TemporaryFolder {
@@ -44,7 +43,7 @@ impl TemporaryFolder {
     pub fn new() -> Self {
         let place = Self {
             folder: tempfile::tempdir().unwrap(),
-            keeps_tables: false,
+            cache: Cache::new(),
         };
         std::fs::write(place.path("cube.off"), CUBE).unwrap();
         for (name, charges) in ["a", "b"].into_iter().zip(CHARGES) {
@@ -61,14 +60,6 @@ impl TemporaryFolder {
         place
     }
 
-    /// The same, with a cache in `cache`: processes find the energy tables of earlier ones.
-    pub fn that_keeps_tables() -> Self {
-        Self {
-            keeps_tables: true,
-            ..Self::new()
-        }
-    }
-
     /// A path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
@@ -77,12 +68,8 @@ impl TemporaryFolder {
     /// The program with these arguments, words separated by spaces.
     pub fn command(&self, arguments: &str) -> Command {
         let mut command = program(arguments.split_whitespace());
-        if let Some(folder) = std::env::var_os(CACHE_OF_ALL_TESTS) {
-            command.env("PROTOMER_CACHE_DIR", folder);
-        } else if self.keeps_tables {
-            command.env("PROTOMER_CACHE_DIR", self.path("cache"));
-        }
         command
+            .env("PROTOMER_CACHE_DIR", self.cache.path())
             .current_dir(self.folder.path())
             .stdin(Stdio::null())
             .stdout(Stdio::null())
