@@ -5,6 +5,7 @@
 
 import json
 import math
+import random
 import sys
 from pathlib import Path
 
@@ -42,9 +43,32 @@ def agree(observable, stacks, fluids):
     )
 
 
+def crossing(salts, curve):
+    """The salt where a falling curve goes through one half, linear in the logarithm of the salt; 0 or infinity where it
+    is below or above one half throughout."""
+    if curve[0] < 0.5:
+        return 0.0
+    for (low, high), (above, below) in zip(zip(salts, salts[1:]), zip(curve, curve[1:])):
+        if above >= 0.5 > below:
+            return low * (high / low) ** ((above - 0.5) / (above - below))
+    return math.inf
+
+
+def half_salt(salts, runs, draws=2000):
+    """Where the mean of the runs goes through one half, and an interval of 95 % from runs drawn again."""
+
+    def of(chosen):
+        return crossing(salts, [sum(run[index] for run in chosen) / len(chosen) for index in range(len(salts))])
+
+    generator = random.Random(1)
+    drawn = sorted(of(generator.choices(runs, k=len(runs))) for _ in range(draws))
+    return of(runs), drawn[int(0.025 * draws)], drawn[int(0.975 * draws)]
+
+
 def main(output):
     sweeps = {name: json.loads((output / f"{name}.json").read_text()) for name in ARRANGEMENTS}
     salts = [row["salt_M"] for row in next(iter(sweeps.values()))["salts"]]
+    agreed = set(range(len(salts)))
     for observable, title in COLUMNS.items():
         print(f"| {title} | " + " | ".join(ARRANGEMENTS) + " | all stacks | all fluids | agree |")
         print("|---" * (len(ARRANGEMENTS) + 4) + "|")
@@ -53,9 +77,22 @@ def main(output):
             stacks = [estimate(sweep["replicas"][index][0], observable) for sweep in sweeps.values()]
             fluids = [estimate(sweep["replicas"][index][1], observable) for sweep in sweeps.values()]
             both = [mean_and_error(stacks), mean_and_error(fluids)]
+            if not agree(observable, stacks, fluids):
+                agreed.discard(index)
             cells = [f"{value:.3g} ± {error:.2g}" for value, error in [*stacks, *both]]
             print(f"| {1000 * salt:g} mM | " + " | ".join(cells) + f" | {'yes' if agree(observable, stacks, fluids) else 'no'} |")
         print()
+    kept = sorted(agreed)
+    runs = [
+        [sweep["replicas"][index][start]["bound_fraction"]["mean"] for index in kept]
+        for sweep in sweeps.values()
+        for start in (0, 1)
+    ]
+    names = ", ".join(f"{1000 * salts[index]:g} mM" for index in kept) or "no salt"
+    print(f"all three agree at {names}")
+    if kept:
+        middle, low, high = half_salt([1000 * salts[index] for index in kept], runs)
+        print(f"half of the bodies bound at {middle:.0f} mM (95 %: {low:.0f} to {high:.0f} mM; 0 and inf: outside these salts)")
     for name, sweep in sweeps.items():
         print(f"{name}: {sweep['equilibration']}; exchanges:", sweep["exchanges"])
 
