@@ -95,12 +95,14 @@ impl Forward<'_> {
             input: self.input,
             weights: self.weights,
         };
+        let relu = matches!(self.finish, Finish::Relu(_));
         // SAFETY: lengths are checked above.
         unsafe {
             match self.finish {
-                Finish::Plain(out) => convolution.all::<S, K, false>(rows, shift, out),
-                Finish::Relu(out) => convolution.all::<S, K, true>(rows, shift, out),
                 Finish::Pool(out, codes) => convolution.pooled::<S, K>(rows, shift, out, codes),
+                Finish::Plain(out) | Finish::Relu(out) => {
+                    convolution.all::<S, K>(rows, shift, relu, out);
+                }
             }
         }
     }
@@ -120,10 +122,11 @@ impl Rows<'_> {
     /// # Safety
     /// As for [`Rows::convolve`]; `scratch` holds a row or more.
     #[inline(always)]
-    unsafe fn all<S: Lanes, const K: usize, const RELU: bool>(
+    unsafe fn all<S: Lanes, const K: usize>(
         self,
         scratch: &mut [f32],
         shift: &[f32],
+        relu: bool,
         out: &mut [f32],
     ) {
         let [depth, height, width] = self.geometry.edges;
@@ -136,7 +139,7 @@ impl Rows<'_> {
                 let to = &mut out[(o * depth * height + row) * width..][..width];
                 for (to, from) in to.iter_mut().zip(scratch[o..].iter().step_by(stride)) {
                     let value = from + shift;
-                    *to = if RELU { positive(value) } else { value };
+                    *to = if relu { positive(value) } else { value };
                 }
             }
         }
@@ -260,29 +263,26 @@ impl Rows<'_> {
     ) -> bool {
         let all = self.tap_rows::<K>(z, y);
         let taps = &all[..K * K];
-        let Some(occupied) = &self.input.occupied else {
-            // SAFETY: the caller's promise.
-            unsafe { self.sweep::<S, K>(taps, None, out) };
-            return true;
-        };
-        let [_, _, width] = self.geometry.edges;
-        let [_, _, padded_width] = self.geometry.padded_edges();
-        let mut count = 0;
-        for tap in taps {
-            count += occupied.count(tap.input / padded_width);
-        }
-        if count == 0 {
-            out.fill(0.0);
-            return false;
-        }
-        // SAFETY: the caller's promise.
-        unsafe {
+        if let Some(occupied) = &self.input.occupied {
+            let [_, _, width] = self.geometry.edges;
+            let [_, _, padded_width] = self.geometry.padded_edges();
+            let mut count = 0;
+            for tap in taps {
+                count += occupied.count(tap.input / padded_width);
+            }
+            if count == 0 {
+                out.fill(0.0);
+                return false;
+            }
             if SCATTER_BELOW * count < K * K * width {
-                self.scatter::<S, K>(taps, occupied, out);
-            } else {
-                self.sweep::<S, K>(taps, Some(occupied), out);
+                // SAFETY: the caller's promise.
+                unsafe { self.scatter::<S, K>(taps, occupied, out) };
+                return true;
             }
         }
+        // In one place for both kinds of input: what it inlines is most of this crate's code.
+        // SAFETY: the caller's promise.
+        unsafe { self.sweep::<S, K>(taps, self.input.occupied.as_ref(), out) };
         true
     }
 
