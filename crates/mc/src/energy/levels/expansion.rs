@@ -142,8 +142,16 @@ impl Expansion {
         squares / (2 * AXES.len()) as f64
     }
 
-    /// The energy after a motion from the reference pose, kT.
-    pub fn energy_kt(&self, from_reference: &Motion) -> f32 {
+    vectorised! {
+        /// The energy after a motion from the reference pose, kT.
+        pub fn energy_kt[energy_avx512, energy_avx2, energy](
+            self: &Self,
+            from_reference: &Motion
+        ) -> f32
+    }
+
+    #[inline(always)]
+    fn energy<const FUSED: bool>(&self, from_reference: &Motion) -> f32 {
         let elements = from_reference.elements(self.centre);
         self.constant_kt + self.linear_kt(&elements) + self.quadratic_kt(&elements)
     }

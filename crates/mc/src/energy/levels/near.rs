@@ -13,6 +13,9 @@ use protomer_kernel::pose::RelativePose;
 /// Groups of pairs that are out of range at the reference pose.
 const GROUPS: usize = 4;
 
+/// Room for so many pairs of each group is made at once.
+const EXPECTED: usize = 256;
+
 /// Of sixteen pairs: places in the second body (x, y, z) and in the first, each in its own frame, Å;
 /// products of the charges, e².
 type Pairs = [[f32; BLOCK]; PARTS];
@@ -49,7 +52,7 @@ impl NearMaker {
             near_square,
             width_square,
             inverse_width: width_square.recip(),
-            groups: Default::default(),
+            groups: std::array::from_fn(|_| Vec::with_capacity(EXPECTED)),
             low: [f32::INFINITY; 3],
             high: [f32::NEG_INFINITY; 3],
         }
