@@ -5,10 +5,10 @@
 //! potential where the charge was. Summed over the charges, this is a quadratic form of the nine
 //! elements of ΔR and the three of d: its cost does not depend on how many charges there are.
 
+use super::derivatives::Derivatives;
 use super::field::{Field, Spots};
 use super::lanes::{BLOCK, sum_of_lanes, vectorised};
 use super::motion::{Block, Motion, length};
-use super::series::Derivatives;
 
 /// The motions at which the error is judged: about as far as close pairs drift.
 const TEST_ANGSTROM: f32 = 1.5;
@@ -89,9 +89,10 @@ impl Expansion {
             }
             // While the series of the next points come, those before are added.
             if let Some((spots, [x, y, z, charge])) = std::mem::replace(&mut waiting, next) {
+                let derivatives = field.derivatives::<FUSED>(&spots)?;
                 for lane in 0..BLOCK {
-                    let derivatives = field.derivatives::<FUSED>(&spots, lane)?;
-                    self.add_point([x[lane], y[lane], z[lane]], charge[lane], &derivatives);
+                    let place = [x[lane], y[lane], z[lane]];
+                    self.add_point(place, charge[lane], &derivatives[lane]);
                 }
             }
         }
@@ -141,8 +142,16 @@ impl Expansion {
         squares / (2 * AXES.len()) as f64
     }
 
-    /// The energy after a motion from the reference pose, kT.
-    pub fn energy_kt(&self, from_reference: &Motion) -> f32 {
+    vectorised! {
+        /// The energy after a motion from the reference pose, kT.
+        pub fn energy_kt[energy_avx512, energy_avx2, energy](
+            self: &Self,
+            from_reference: &Motion
+        ) -> f32
+    }
+
+    #[inline(always)]
+    fn energy<const FUSED: bool>(&self, from_reference: &Motion) -> f32 {
         let elements = from_reference.elements(self.centre);
         self.constant_kt + self.linear_kt(&elements) + self.quadratic_kt(&elements)
     }
@@ -170,7 +179,7 @@ impl Expansion {
     fn extent(&self, displacement: &Motion) -> f64 {
         let moved = length(displacement.apply(self.centre)) / TEST_ANGSTROM;
         let turned = displacement.turn() / TEST_RADIAN;
-        f64::from(moved).hypot(f64::from(turned))
+        f64::from((moved * moved + turned * turned).sqrt())
     }
 
     #[inline(always)]
@@ -231,7 +240,7 @@ mod tests {
         let energy = |[x, y, z, charge]: [f32; 4]| {
             let place = motion.apply([x, y, z]);
             let spots = field.locate(&place.map(|x| [x; BLOCK])).unwrap();
-            let value = field.derivatives::<false>(&spots, 0).unwrap().value;
+            let value = field.derivatives::<false>(&spots).unwrap()[0].value;
             f64::from(charge * value)
         };
         points().into_iter().map(energy).sum()

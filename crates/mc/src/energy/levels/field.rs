@@ -77,6 +77,14 @@ pub(super) struct Spots {
     pub edge: [f32; BLOCK],
 }
 
+impl Spots {
+    /// The coordinates of one point in its cell.
+    #[inline(always)]
+    pub fn place(&self, lane: usize) -> [f32; 3] {
+        [self.at[0][lane], self.at[1][lane], self.at[2][lane]]
+    }
+}
+
 impl Shell {
     /// Low and high end of a cell along each axis, Å.
     fn corners(&self, place: u32) -> [[f64; 2]; 3] {

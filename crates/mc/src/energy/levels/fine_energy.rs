@@ -5,9 +5,10 @@
 //! smooth potential itself there, summed over the other body's charges.
 
 use super::field::Spots;
-use super::lanes::{BLOCK, vectorised};
+use super::lanes::{BLOCK, sum_of_lanes, vectorised};
 use super::list::List;
 use super::motion::{Block, Motion};
+use super::neighbours::squares;
 use super::table::{Estimate, Table};
 use crate::charges::LANES;
 use crate::energy::SitePotential;
@@ -87,7 +88,8 @@ impl<P: SitePotential> Table<P> {
 
     vectorised! {
         /// The energy of charges (Å, e) in the smooth potential of this body, summed charge by
-        /// charge, kT.
+        /// charge, kT. Distances and sums are in double precision; the potential is in single
+        /// precision, whose errors of 10⁻⁷ of each term have random signs.
         fn smooth_energy_kt[smooth_avx512, smooth_avx2, smooth_sum](
             self: &Self,
             charges: &[(Vec3, f64)]
@@ -99,14 +101,21 @@ impl<P: SitePotential> Table<P> {
         let mut sum = [0.0; LANES];
         for group in self.charges.groups() {
             for (at, charge) in charges {
+                let (mut squares, mut potential) = ([0.0_f32; LANES], [0.0_f32; LANES]);
                 for lane in 0..LANES {
                     let (dx, dy, dz) = (
                         at.x - group.x[lane],
                         at.y - group.y[lane],
                         at.z - group.z[lane],
                     );
-                    let potential = self.split.smooth(dx * dx + dy * dy + dz * dz);
-                    sum[lane] += charge * group.charge_e[lane] * potential;
+                    squares[lane] = (dx * dx + dy * dy + dz * dz) as f32;
+                }
+                // A vector of single precision has twice the lanes: a loop of its own.
+                for lane in 0..LANES {
+                    potential[lane] = self.split.smooth_f32::<FUSED>(squares[lane]);
+                }
+                for lane in 0..LANES {
+                    sum[lane] += charge * group.charge_e[lane] * f64::from(potential[lane]);
                 }
             }
         }
@@ -184,13 +193,15 @@ impl<P: SitePotential> Table<P> {
 
     /// The near part of the potential at a place, kT/e.
     #[inline(always)]
-    fn near_potential<const FUSED: bool>(&self, [x, y, z]: [f32; 3]) -> f32 {
-        let mut potential = 0.0;
-        for [sx, sy, sz, charge] in self.neighbours.of([x, y, z]) {
-            let (dx, dy, dz) = (x - sx, y - sy, z - sz);
-            potential += charge * self.split.near_f32::<FUSED>(dx * dx + dy * dy + dz * dz);
+    fn near_potential<const FUSED: bool>(&self, place: [f32; 3]) -> f32 {
+        let mut potential = [0.0; BLOCK];
+        for block in self.neighbours.of(place) {
+            let squares = squares(block, place);
+            for lane in 0..BLOCK {
+                potential[lane] += block[3][lane] * self.split.near_f32::<FUSED>(squares[lane]);
+            }
         }
-        potential
+        sum_of_lanes(&potential)
     }
 }
 

@@ -2,11 +2,11 @@
 
 use super::expansion::Expansion;
 use super::fit::FIT_DISTANCE;
-use super::lanes::vectorised;
+use super::lanes::{BLOCK, vectorised};
 use super::list::{List, Part};
 use super::motion::{Block, Motion, blocks};
 use super::near::NearMaker;
-use super::neighbours::SKIN_ANGSTROM;
+use super::neighbours::{SKIN_ANGSTROM, squares};
 use super::table::Table;
 use super::tree::Node;
 use crate::energy::SitePotential;
@@ -145,12 +145,20 @@ impl<P: SitePotential> Maker<'_, P> {
     fn list_neighbours(&mut self, point: [f32; 4]) {
         let [x, y, z, _] = point;
         let at = self.motion.apply([x, y, z]);
-        for site in self.first.neighbours.of(at) {
-            let d = [site[0] - at[0], site[1] - at[1], site[2] - at[2]];
-            let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-            if square < self.reach * self.reach {
-                self.near.add(*site, point, square);
+        let reach_square = self.reach * self.reach;
+        let mut is_near = false;
+        for block in self.first.neighbours.of(at) {
+            let squares = squares(block, at);
+            for lane in 0..BLOCK {
+                if squares[lane] < reach_square {
+                    let site = [0, 1, 2, 3].map(|row: usize| block[row][lane]);
+                    self.near.add(site, point, squares[lane]);
+                    is_near = true;
+                }
             }
+        }
+        if is_near {
+            self.near.include(point);
         }
     }
 

@@ -10,7 +10,7 @@
 //!
 //! A table (`table`) holds a body's potential in its own frame in two parts (`split`): the smooth one
 //! as Chebyshev series in nested boxes of cells (`field`; sampled by `sampler`, stored as `fine` and
-//! `packed`, evaluated by `series`), the near one as charges to be summed pair by pair
+//! `packed`, evaluated by `series` and `derivatives`), the near one as charges to be summed pair by pair
 //! (`neighbours`, `near`). Far parts of the other body are stood for by equivalent charges (`tree`, `fit`). A
 //! list (`list`, chosen by `maker`) keeps which ones for a pair, so that errors before and after a
 //! move cancel, and an expansion of the far ones (`expansion`) in the pair's motion (`motion`).
@@ -26,6 +26,7 @@
 )]
 
 mod calibration;
+mod derivatives;
 mod expansion;
 mod field;
 mod fine;

@@ -13,6 +13,9 @@ use protomer_kernel::pose::RelativePose;
 /// Groups of pairs that are out of range at the reference pose.
 const GROUPS: usize = 4;
 
+/// Room for so many pairs of each group is made at once.
+const EXPECTED: usize = 256;
+
 /// Of sixteen pairs: places in the second body (x, y, z) and in the first, each in its own frame, Å;
 /// products of the charges, e².
 type Pairs = [[f32; BLOCK]; PARTS];
@@ -31,9 +34,10 @@ pub(super) struct NearPairs {
 /// Collects the pairs of a list.
 #[derive(Debug)]
 pub(super) struct NearMaker {
-    /// R², and by how much (Å²) squared distances of the next groups are larger.
+    /// R², by how much (Å²) squared distances of the next groups are larger, and its inverse.
     near_square: f32,
     width_square: f32,
+    inverse_width: f32,
     groups: [Vec<[f32; PARTS]>; GROUPS + 1],
     low: [f32; 3],
     high: [f32; 3],
@@ -42,25 +46,33 @@ pub(super) struct NearMaker {
 impl NearMaker {
     /// For pairs that are less than `skin` (Å) out of the near part's range.
     pub fn new(near_radius: f32, skin: f32) -> Self {
+        let near_square = near_radius * near_radius;
+        let width_square = ((near_radius + skin).powi(2) - near_square) / GROUPS as f32;
         Self {
-            near_square: near_radius * near_radius,
-            width_square: ((near_radius + skin).powi(2) - near_radius * near_radius)
-                / GROUPS as f32,
-            groups: Default::default(),
+            near_square,
+            width_square,
+            inverse_width: width_square.recip(),
+            groups: std::array::from_fn(|_| Vec::with_capacity(EXPECTED)),
             low: [f32::INFINITY; 3],
             high: [f32::NEG_INFINITY; 3],
         }
     }
 
-    /// A pair of charges (Å, e), each in its body's frame, with the square of their distance.
+    /// A pair of charges (Å, e), each in its body's frame, with the square of their distance; the
+    /// second must be [included](Self::include).
     #[inline(always)]
     pub fn add(&mut self, first: [f32; 4], second: [f32; 4], square: f32) {
         let [x, y, z, charge] = second;
         let [sx, sy, sz, source] = first;
-        let beyond = (square - self.near_square) / self.width_square;
+        let beyond = (square - self.near_square) * self.inverse_width;
         // Those in range are below zero.
         let group = ((beyond + 1.0).max(0.0) as usize).min(GROUPS);
         self.groups[group].push([x, y, z, sx, sy, sz, charge * source]);
+    }
+
+    /// A charge of the second body that is among the pairs.
+    #[inline(always)]
+    pub fn include(&mut self, [x, y, z, _]: [f32; 4]) {
         for (axis, place) in [x, y, z].into_iter().enumerate() {
             self.low[axis] = self.low[axis].min(place);
             self.high[axis] = self.high[axis].max(place);
@@ -146,12 +158,18 @@ impl NearPairs {
         let mut sum = [0.0_f64; BLOCK];
         let (r, t) = (&pose.rotation, &pose.translation);
         for block in self.in_range(split.radius_angstrom as f32, from_reference) {
+            let [x, y, z, sx, sy, sz, product] = block;
             for lane in 0..BLOCK {
-                let [x, y, z, sx, sy, sz, product] = block.map(|part| f64::from(part[lane]));
+                let (x, y, z) = (f64::from(x[lane]), f64::from(y[lane]), f64::from(z[lane]));
                 let along =
                     |axis: usize| r[(axis, 0)] * x + r[(axis, 1)] * y + r[(axis, 2)] * z + t[axis];
-                let (dx, dy, dz) = (along(0) - sx, along(1) - sy, along(2) - sz);
-                sum[lane] += product * split.near(dx * dx + dy * dy + dz * dz);
+                let (dx, dy, dz) = (
+                    along(0) - f64::from(sx[lane]),
+                    along(1) - f64::from(sy[lane]),
+                    along(2) - f64::from(sz[lane]),
+                );
+                let near = split.near(dx * dx + dy * dy + dz * dz);
+                sum[lane] += f64::from(product[lane]) * near;
             }
         }
         sum.iter().sum()
@@ -189,6 +207,7 @@ mod tests {
             let row = |x: Vec3, charge: f64| [x.x, x.y, x.z, charge].map(|x| x as f32);
             let square = (first - moved).norm_squared() as f32;
             maker.add(row(first, charges_e[0]), row(second, charges_e[1]), square);
+            maker.include(row(second, charges_e[1]));
             charges.push((first, second, charges_e[0] * charges_e[1]));
         }
         let pairs = maker.finish();

@@ -1,5 +1,7 @@
 //! Which charges of a body are near a point.
 
+use super::lanes::BLOCK;
+use super::motion::Block;
 use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
 use std::ops::Range;
@@ -14,10 +16,13 @@ pub(super) struct Neighbours {
     low: [f32; 3],
     inverse_edge: f32,
     cells: [i32; 3],
-    /// Where each cell's charges begin; one more at the end.
+    /// Where each cell's blocks begin; one more at the end.
     starts: Vec<u32>,
-    sites: Vec<[f32; 4]>,
+    blocks: Vec<Block>,
 }
+
+/// Where charges of lanes that are left over stand, Å: out of every range.
+const NOWHERE: f32 = 1e4;
 
 impl Neighbours {
     pub fn new(charges: &ChargeCloud, distance: f64) -> Self {
@@ -50,24 +55,24 @@ impl Neighbours {
             }
         }
         let mut starts = vec![0];
-        let mut sites = Vec::new();
+        let mut blocks = Vec::new();
         for cell in members {
-            sites.extend(cell);
-            starts.push(sites.len() as u32);
+            blocks.extend(cell.chunks(BLOCK).map(block));
+            starts.push(blocks.len() as u32);
         }
         Self {
             low: low.map(|x| x as f32).into(),
             inverse_edge: (1.0 / edge) as f32,
             cells: cells.into(),
             starts,
-            sites,
+            blocks,
         }
     }
 
     /// Position (Å) and charge (e) of all charges that may be near the point, and others.
     #[inline(always)]
-    pub fn of(&self, x: [f32; 3]) -> &[[f32; 4]] {
-        &self.sites[self.range(x)]
+    pub fn of(&self, x: [f32; 3]) -> &[Block] {
+        &self.blocks[self.range(x)]
     }
 
     #[inline(always)]
@@ -85,6 +90,32 @@ impl Neighbours {
     }
 
     pub fn memory_bytes(&self) -> usize {
-        4 * self.starts.len() + 16 * self.sites.len()
+        4 * self.starts.len() + size_of::<Block>() * self.blocks.len()
     }
+}
+
+/// Up to sixteen charges in lanes.
+fn block(charges: &[[f32; 4]]) -> Block {
+    let mut block = [
+        [NOWHERE; BLOCK],
+        [NOWHERE; BLOCK],
+        [NOWHERE; BLOCK],
+        [0.0; BLOCK],
+    ];
+    for (lane, charge) in charges.iter().enumerate() {
+        (0..4).for_each(|row| block[row][lane] = charge[row]);
+    }
+    block
+}
+
+/// The squared distances (Å²) of the charges of a block from a place.
+#[inline(always)]
+pub(super) fn squares(block: &Block, [x, y, z]: [f32; 3]) -> [f32; BLOCK] {
+    let [bx, by, bz, _] = block;
+    let mut squares = [0.0; BLOCK];
+    for lane in 0..BLOCK {
+        let (dx, dy, dz) = (bx[lane] - x, by[lane] - y, bz[lane] - z);
+        squares[lane] = dx * dx + dy * dy + dz * dz;
+    }
+    squares
 }

@@ -44,8 +44,8 @@ impl<P: SitePotential> Split<P> {
         if square < radius_square { near } else { 0.0 }
     }
 
-    /// The smooth part at a squared distance.
-    #[inline(always)]
+    /// The smooth part at a squared distance, for comparison.
+    #[cfg(test)]
     pub fn smooth(&self, square: f64) -> f64 {
         let radius_square = self.radius_angstrom * self.radius_angstrom;
         let outside = self.potential.at_square(square);
