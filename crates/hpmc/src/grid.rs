@@ -171,6 +171,7 @@ impl<const D: usize> Grid<D> {
         let (mut cells, mut times) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
         let mut shifts = [[0.0; 3]; D];
         let straight = self.straight(place);
+        let is_tilted = !self.space.is_rectangular();
         let mut stride = 1;
         for axis in 0..D {
             let n = self.cells[axis];
@@ -182,7 +183,8 @@ impl<const D: usize> Grid<D> {
                 let is_below = number == 0 && home == 0;
                 let is_above = number == 2 && beyond;
                 times[axis][number] = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
-                shifts[axis][number] = times[axis][number] * self.space.lengths()[axis];
+                shifts[axis][number] =
+                    times[axis][number] * self.space.lengths()[axis] - place[axis];
             }
             stride *= n;
         }
@@ -191,16 +193,11 @@ impl<const D: usize> Grid<D> {
             let (mut base, mut shift, mut rest) = (0, [0.0; D], row);
             for axis in 1..D {
                 base += cells[axis][rest % 3];
-                if self.space.is_rectangular() {
-                    shift[axis] = shifts[axis][rest % 3];
-                } else {
-                    self.space
-                        .add_edges(&mut shift, axis, times[axis][rest % 3]);
-                }
+                shift[axis] = shifts[axis][rest % 3];
                 rest /= 3;
             }
-            for axis in 0..D {
-                shift[axis] -= place[axis];
+            if is_tilted {
+                self.add_overhangs(&mut shift, &times, row);
             }
             let sideways = shift[0];
             for number in 0..3 {
@@ -228,6 +225,18 @@ impl<const D: usize> Grid<D> {
             }
         }
         false
+    }
+
+    /// Adds what the edges, passed so many times, overhang along earlier axes, for one row of cells.
+    fn add_overhangs(&self, shift: &mut [f64; D], times: &[[f64; 3]; D], row: usize) {
+        let mut rest = row;
+        for (axis, times) in times.iter().enumerate().skip(1) {
+            let edge = self.space.edge(axis);
+            for (x, part) in shift.iter_mut().zip(edge).take(axis) {
+                *x += times[rest % 3] * part;
+            }
+            rest /= 3;
+        }
     }
 
     /// The same where an edge has one cell.

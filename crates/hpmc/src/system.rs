@@ -317,7 +317,9 @@ impl<const D: usize> System<D> {
             *place = space.wrap(&moved);
         }
         self.sort();
-        if !self.has_overlaps() {
+        // A direction that separated two bodies before a small change still does.
+        let is_blocked = (0..self.len()).any(|body| self.collides(&self.where_it_is(body)));
+        if !is_blocked {
             return true;
         }
         (self.space, self.positions, self.grid) = before;
