@@ -880,6 +880,7 @@ class _Hpmc:
         points: int | str | None = None,
         pressure: float | str | None = None,
         anisotropic: bool = False,
+        triclinic: bool = False,
         seed: int | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
@@ -934,6 +935,8 @@ class _Hpmc:
             start
         anisotropic
             At constant pressure, change each edge of the box on its own; for crystals
+        triclinic
+            At constant pressure, change the lengths and the angles of the box; for crystals
         seed
             Seed of the random numbers [default: 1]
         time_limit
@@ -993,6 +996,7 @@ class _Hpmc:
                 "--points": points,
                 "--pressure": pressure,
                 "--anisotropic": anisotropic,
+                "--triclinic": triclinic,
                 "--seed": seed,
                 "--time-limit": time_limit,
                 "--checkpoint-every": checkpoint_every,
@@ -1024,6 +1028,7 @@ class _Hpmc:
         pressures: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         packing_fraction: float | str | None = None,
         anisotropic: bool = False,
+        triclinic: bool = False,
         seeds: int | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
@@ -1079,6 +1084,8 @@ class _Hpmc:
             With --pressures, the packing fraction of the start
         anisotropic
             With --pressures, change each edge of the box on its own; for crystals
+        triclinic
+            With --pressures, change the lengths and the angles of the box; for crystals
         seeds
             Runs at each condition: seeds 1, 2, ... [default: 1]
         time_limit
@@ -1134,6 +1141,7 @@ class _Hpmc:
                 "--pressures": pressures,
                 "--packing-fraction": packing_fraction,
                 "--anisotropic": anisotropic,
+                "--triclinic": triclinic,
                 "--seeds": seeds,
                 "--time-limit": time_limit,
                 "--checkpoint-every": checkpoint_every,

@@ -115,6 +115,28 @@ impl<const D: usize> HardBody<D> {
         error_of_heights(4.0 * D as f64 * self.outer_radius)
     }
 
+    /// Whether two of these bodies overlap: their corners, turned, and the way between their centres.
+    pub(crate) fn overlaps_at(
+        &self,
+        first: &[Block<D>],
+        second: &[Block<D>],
+        offset: &[f64; D],
+    ) -> bool {
+        let (inner, outer) = (2.0 * self.inner_radius, 2.0 * self.outer_radius);
+        let squared: f64 = offset.iter().map(|x| x * x).sum();
+        if squared < inner * inner || squared >= outer * outer {
+            return squared < outer * outer;
+        }
+        let pair = Pair {
+            first,
+            second,
+            offset: *offset,
+            reach: 2.0 * self.rounding_radius,
+            error: self.error_of_heights(),
+        };
+        pair.overlap(&mut { *offset }, || self.exact(&pair))
+    }
+
     /// The last word on two bodies that touch to within rounding.
     pub(crate) fn exact(&self, pair: &Pair<'_, D>) -> bool {
         if self.rounding_radius > 0.0 || self.faces.is_empty() {

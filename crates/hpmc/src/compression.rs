@@ -31,7 +31,7 @@ impl Compression {
     /// For a compressibility factor of about this size.
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
         // In a small box a pair must not meet two images of each other.
-        let room = 1.0 - 4.0 * system.body.outer_radius / system.shortest_edge();
+        let room = 1.0 - 4.0 * system.body.outer_radius / system.space.smallest_length();
         let largest = (RANGE / factor.max(1.0))
             .min(LARGEST)
             .min(room)
@@ -62,7 +62,7 @@ impl Compression {
     fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize)) {
         let outer = 2.0 * system.body.outer_radius;
         let range = outer / (1.0 - self.largest);
-        let grid = Grid::new(&system.edges, range, &system.positions);
+        let grid = Grid::new(&system.space, range, &system.positions);
         for body in 0..system.len() {
             let here = system.where_it_is(body);
             let but = body as u32;

@@ -1,4 +1,4 @@
-//! Crystals: unit cells with right angles, repeated until they hold all bodies.
+//! Crystals: unit cells of any shape, repeated until they hold all bodies.
 
 use crate::body::{HardBody, norm};
 use crate::reservoir::Depletant;
@@ -6,7 +6,8 @@ use crate::symmetry::{Symmetry, frame};
 use crate::system::System;
 use crate::{Error, Result, error::require};
 use nalgebra::Rotation3;
-use protomer_kernel::shape::separation::dot;
+use protomer_kernel::periodic_box::PeriodicBox;
+use protomer_kernel::shape::separation::{Block, dot};
 use protomer_kernel::{Rotation, Vec3};
 
 /// Names of unit cells, by dimension.
@@ -30,11 +31,11 @@ pub struct Site<const D: usize> {
     pub rotation: Rotation,
 }
 
-/// A unit cell with right angles.
+/// A unit cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitCell<const D: usize> {
-    /// The edges, relative to each other.
-    pub edges: [f64; D],
+    /// Its shape; the size does not matter.
+    pub space: PeriodicBox<D>,
     /// The sites.
     pub sites: Vec<Site<D>>,
 }
@@ -76,7 +77,7 @@ impl<const D: usize> UnitCell<D> {
             }
         };
         let mut cell = Self {
-            edges: std::array::from_fn(|axis| edges[axis]),
+            space: PeriodicBox::rectangular(std::array::from_fn(|axis| edges[axis]))?,
             sites: Vec::new(),
         };
         for place in places {
@@ -98,11 +99,12 @@ impl<const D: usize> UnitCell<D> {
             for other in 0..self.sites.len() {
                 for image in 0..27 {
                     let shift = [image % 3, image / 3 % 3, image / 9].map(|x| f64::from(x) - 1.0);
-                    let mut bond = Vec3::zeros();
-                    for axis in 0..D {
+                    let parts = std::array::from_fn(|axis| {
                         let [from, to] = [number, other].map(|site| self.sites[site].place[axis]);
-                        bond[axis] = (to - from + shift[axis]) * self.edges[axis];
-                    }
+                        to - from + shift[axis]
+                    });
+                    let along = self.space.at(&parts);
+                    let bond = Vec3::from_fn(|axis, _| along.get(axis).copied().unwrap_or(0.0));
                     if bond.norm() > SAME {
                         bonds.push(bond);
                     }
@@ -140,9 +142,6 @@ impl<const D: usize> UnitCell<D> {
     }
 
     fn check(&self) -> Result<()> {
-        for edge in self.edges {
-            require("an edge of the unit cell", edge, "positive", edge > 0.0)?;
-        }
         require(
             "the number of sites of the unit cell",
             self.sites.len() as f64,
@@ -230,8 +229,8 @@ pub(crate) struct Bond<const D: usize> {
 /// Bodies on all sites of repeated unit cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crystal<const D: usize> {
-    /// Edges of the box.
-    pub edges: [f64; D],
+    /// The box.
+    pub space: PeriodicBox<D>,
     /// The sites.
     pub positions: Vec<[f64; D]>,
     /// The orientations of the bodies on them.
@@ -253,7 +252,7 @@ impl<const D: usize> Crystal<D> {
     /// let cube = HardBody::<3>::new(&by_name("cube")?, 0.0)?;
     /// let cell = UnitCell::by_name("simple-cubic")?;
     /// let crystal = Crystal::new(&cell, &cube, 64, 0.512)?;
-    /// assert!((crystal.edges[0] - 5.0).abs() < 1e-12);
+    /// assert!((crystal.space.lengths()[0] - 5.0).abs() < 1e-12);
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn new(
@@ -280,13 +279,11 @@ impl<const D: usize> Crystal<D> {
             });
         }
         let cells = bodies / sites;
-        let repeats = repeats(&cell.edges, cells);
+        let edges = std::array::from_fn(|number| norm(&cell.space.edge(number)));
+        let repeats = repeats(&edges, cells);
         let volume = bodies as f64 * body.volume / packing_fraction;
-        let relative: f64 = (0..D)
-            .map(|axis| cell.edges[axis] * repeats[axis] as f64)
-            .product();
-        let scale = (volume / relative).powf(1.0 / D as f64);
-        let edge_of_cell = cell.edges.map(|edge| edge * scale);
+        let relative = cell.space.repeated(&repeats).volume();
+        let scaled = cell.space.scaled((volume / relative).powf(1.0 / D as f64));
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
         for number in 0..cells {
             let (mut rest, mut corner) = (number, [0.0; D]);
@@ -295,14 +292,13 @@ impl<const D: usize> Crystal<D> {
                 rest /= repeats[axis];
             }
             for site in &cell.sites {
-                positions.push(std::array::from_fn(|axis| {
-                    (corner[axis] + site.place[axis]) * edge_of_cell[axis]
-                }));
+                positions
+                    .push(scaled.at(&std::array::from_fn(|axis| corner[axis] + site.place[axis])));
                 rotations.push(site.rotation);
             }
         }
         Ok(Self {
-            edges: std::array::from_fn(|axis| edge_of_cell[axis] * repeats[axis] as f64),
+            space: scaled.repeated(&repeats),
             positions,
             rotations,
             cell: cell.clone(),
@@ -320,7 +316,7 @@ impl<const D: usize> Crystal<D> {
             System::new(
                 body.clone(),
                 depletants.to_vec(),
-                self.edges.map(|edge| edge * scale),
+                self.space.scaled(scale),
                 self.positions.iter().map(place).collect(),
                 self.rotations.clone(),
             )
@@ -349,10 +345,43 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
+    /// The first two bodies that overlap, over all images; the same number twice for a body and an image of it.
+    /// The box may be as small as it likes.
+    pub fn first_overlap(&self, body: &HardBody<D>) -> Option<[usize; 2]> {
+        let space = self.space.reduced();
+        let reach = 2.0 * body.outer_radius;
+        // Places in the box are less than an edge apart.
+        let images = space
+            .heights()
+            .map(|height| 1 + (reach / height).ceil() as usize);
+        let turned = |rotation: &Rotation| {
+            let mut corners = vec![[[0.0; 4]; D]; body.blocks()];
+            body.turned_into(rotation, &mut corners);
+            corners
+        };
+        let corners: Vec<Vec<Block<D>>> = self.rotations.iter().map(turned).collect();
+        let places: Vec<[f64; D]> = self.positions.iter().map(|x| space.wrap(x)).collect();
+        for first in 0..places.len() {
+            for second in first..places.len() {
+                let apart = std::array::from_fn(|axis| places[second][axis] - places[first][axis]);
+                let overlaps =
+                    |offset: &[f64; D]| body.overlaps_at(&corners[first], &corners[second], offset);
+                if offsets(&space, &apart, &images)
+                    .iter()
+                    .any(|offset| (first != second || norm(offset) > 0.0) && overlaps(offset))
+                {
+                    return Some([first, second]);
+                }
+            }
+        }
+        None
+    }
+
     /// The translations of the lattice to near sites: edges of the unit cell, and what is shorter.
     fn translations(&self, symmetry: &Symmetry) -> Vec<[f64; D]> {
-        let scale = self.edge_of_cell();
-        let longest = scale.iter().copied().fold(0.0, f64::max) * (1.0 + SAME);
+        let cell = self.scaled_cell();
+        let edges = (0..D).map(|number| norm(&cell.edge(number)));
+        let longest = edges.fold(0.0, f64::max) * (1.0 + SAME);
         let first = &self.cell.sites[0];
         let mut translations = Vec::new();
         for site in &self.cell.sites {
@@ -361,11 +390,11 @@ impl<const D: usize> Crystal<D> {
             }
             for image in 0..3_usize.pow(D as u32) {
                 let mut rest = image;
-                let translation: [f64; D] = std::array::from_fn(|axis| {
+                let translation = cell.at(&std::array::from_fn(|axis| {
                     let shift = (rest % 3) as f64 - 1.0;
                     rest /= 3;
-                    (site.place[axis] - first.place[axis] + shift) * scale[axis]
-                });
+                    site.place[axis] - first.place[axis] + shift
+                }));
                 let length = norm(&translation);
                 if length > SAME * longest && length <= longest {
                     translations.push(translation);
@@ -375,11 +404,11 @@ impl<const D: usize> Crystal<D> {
         translations
     }
 
-    fn edge_of_cell(&self) -> [f64; D] {
-        let volume: f64 = self.edges.iter().product();
-        let relative: f64 = self.cell.edges.iter().product();
-        let scale = (volume / self.cells as f64 / relative).powf(1.0 / D as f64);
-        self.cell.edges.map(|edge| edge * scale)
+    /// The unit cell in its size.
+    fn scaled_cell(&self) -> PeriodicBox<D> {
+        let volume = self.space.volume() / self.cells as f64;
+        let scale = (volume / self.cell.space.volume()).powf(1.0 / D as f64);
+        self.cell.space.scaled(scale)
     }
 
     /// The bonds between equal sites, with the translations across them.
@@ -395,10 +424,8 @@ impl<const D: usize> Crystal<D> {
             }
             let site_at = |place: &[f64; D]| {
                 let is_near = |other: &[f64; D]| {
-                    (0..D).all(|axis| {
-                        let apart = (other[axis] - place[axis] - along[axis]) / self.edges[axis];
-                        (apart - apart.round()).abs() * self.edges[axis] < SAME * norm(along)
-                    })
+                    let apart = std::array::from_fn(|axis| other[axis] - place[axis] - along[axis]);
+                    norm(&self.space.nearest_image(&apart)) < SAME * norm(along)
                 };
                 self.positions.iter().position(is_near)
             };
@@ -417,8 +444,31 @@ impl<const D: usize> Crystal<D> {
         let translations = sites
             .filter(|site| self.cell.is_translation(site, symmetry))
             .count();
-        self.edges.iter().product::<f64>() / (self.cells * translations.max(1)) as f64
+        self.space.volume() / (self.cells * translations.max(1)) as f64
     }
+}
+
+/// A displacement and its images by up to so many edges each way.
+fn offsets<const D: usize>(
+    space: &PeriodicBox<D>,
+    displacement: &[f64; D],
+    images: &[usize; D],
+) -> Vec<[f64; D]> {
+    let mut offsets = vec![*displacement];
+    for (edge, most) in images.iter().enumerate() {
+        let most = *most as i32;
+        let along = |offset: &[f64; D]| {
+            let mut images = Vec::new();
+            for times in -most..=most {
+                let mut image = *offset;
+                space.add_edges(&mut image, edge, f64::from(times));
+                images.push(image);
+            }
+            images
+        };
+        offsets = offsets.iter().flat_map(along).collect();
+    }
+    offsets
 }
 
 /// How often a cell is repeated along each axis, so that the longest edge of all is shortest.
@@ -492,6 +542,61 @@ mod tests {
             let found = densest(name, &ball::<2>(), 64);
             assert!((found - expected).abs() < 1e-7, "{name}: {found}");
         }
+    }
+
+    /// One unit cell, smaller than its bodies reach, says what many cells say.
+    #[test]
+    fn bodies_that_overlap_are_found_in_one_cell() {
+        let fcc = PI / 18.0_f64.sqrt();
+        let rhombohedral = UnitCell {
+            space: PeriodicBox::with_angles(&[1.0; 3], &[60.0; 3]).unwrap(),
+            ..UnitCell::by_name("simple-cubic").unwrap()
+        };
+        for (cell, at, densest) in [
+            (UnitCell::by_name("simple-cubic").unwrap(), [0, 0], PI / 6.0),
+            (UnitCell::by_name("fcc").unwrap(), [0, 1], fcc),
+            (rhombohedral, [0, 0], fcc),
+        ] {
+            let overlap = |packing: f64| {
+                let crystal = Crystal::new(&cell, &ball(), cell.sites.len(), packing);
+                crystal.unwrap().first_overlap(&ball())
+            };
+            assert_eq!(overlap(densest - 1e-6), None);
+            assert_eq!(overlap(densest + 1e-6), Some(at));
+        }
+        let solid = by_name("truncated-tetrahedron:0.6666666666666666").unwrap();
+        let body = HardBody::<3>::new(&solid, 0.0).unwrap();
+        let cell = UnitCell::by_name("diamond").unwrap();
+        let overlap = |packing: f64| {
+            let crystal = Crystal::new(&cell, &body, 8, packing).unwrap();
+            crystal.first_overlap(&body)
+        };
+        assert_eq!(overlap(23.0 / 24.0 - 1e-6), None);
+        assert_eq!(overlap(23.0 / 24.0 + 1e-6), Some([0, 1]));
+    }
+
+    /// The box of a tilted cell is as dense as that of a cubic one, and an oblique one of disks as a hexagonal
+    /// one with right angles.
+    #[test]
+    fn cells_with_angles_make_the_same_crystals() {
+        let rhombohedral = UnitCell {
+            space: PeriodicBox::with_angles(&[1.0; 3], &[60.0; 3]).unwrap(),
+            ..UnitCell::by_name("simple-cubic").unwrap()
+        };
+        let oblique = UnitCell {
+            space: PeriodicBox::with_angles(&[1.0; 2], &[120.0]).unwrap(),
+            ..UnitCell::by_name("square").unwrap()
+        };
+        let crystal = Crystal::new(&rhombohedral, &ball::<3>(), 60, 0.999).unwrap();
+        let Err(Error::Dense { largest, .. }) = crystal.system(&ball(), &[]) else {
+            unreachable!()
+        };
+        assert!((largest - PI / 18.0_f64.sqrt()).abs() < 1e-7, "{largest}");
+        let crystal = Crystal::new(&oblique, &ball::<2>(), 60, 0.999).unwrap();
+        let Err(Error::Dense { largest, .. }) = crystal.system(&ball(), &[]) else {
+            unreachable!()
+        };
+        assert!((largest - PI / 12.0_f64.sqrt()).abs() < 1e-7, "{largest}");
     }
 
     /// Both diamonds of Archimedean truncated tetrahedra close at 23/24; hexagons fill the plane.

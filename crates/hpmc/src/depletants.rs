@@ -152,19 +152,19 @@ impl<const D: usize> System<D> {
     /// of about `points` equal cells.
     pub fn free_volume(&self, radius: f64, points: usize, rng: &mut CounterRng) -> f64 {
         let width = (self.volume() / points.max(1) as f64).powf(1.0 / D as f64);
-        let cells = self
-            .edges
-            .map(|edge| (edge / width - 1e-9).ceil().max(1.0) as usize);
+        let lengths = self.space.lengths();
+        let cells = lengths.map(|length| (length / width - 1e-9).ceil().max(1.0) as usize);
         let range = self.body.outer_radius + radius;
         let count: usize = cells.iter().product();
         let mut free = 0;
         for number in 0..count {
-            let (mut rest, mut point) = (number, [0.0; D]);
+            let (mut rest, mut straight) = (number, [0.0; D]);
             for axis in 0..D {
                 let place = (rest % cells[axis]) as f64 + rng.uniform();
-                point[axis] = place * self.edges[axis] / cells[axis] as f64;
+                straight[axis] = place * lengths[axis] / cells[axis] as f64;
                 rest /= cells[axis];
             }
+            let point = self.space.sheared(&straight);
             let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
                 let from_body = near.offset.map(|x| -x);
                 self.covers(self.corners_of(near.body as usize), &from_body, radius)

@@ -55,6 +55,21 @@ pub enum Error {
         /// The largest at which they do not overlap.
         largest: f64,
     },
+    /// Two bodies overlap where none may.
+    #[error(
+        "{} at a packing fraction of {packing_fraction:.4}; give a lower one",
+        match .bodies {
+            [first, second] if first == second =>
+                format!("body {first} of the unit cell overlaps an image of itself"),
+            [first, second] => format!("bodies {first} and {second} of the unit cell overlap"),
+        }
+    )]
+    Overlap {
+        /// Their numbers in the order of the sites, from 1.
+        bodies: [usize; 2],
+        /// The packing fraction wanted.
+        packing_fraction: f64,
+    },
     /// The bodies do not fill whole unit cells.
     #[error(
         "{bodies} bodies are not a whole number of unit cells of {sites}; give a multiple of {sites}, such \

@@ -1,7 +1,10 @@
 //! Which bodies are near a place in a periodic box.
 //!
 //! Cells hold copies of the positions, in order of arrival, so that a look around reads memory in
-//! long runs. The box goes from 0 to its edge along each axis.
+//! long runs. They are equal parts of the box, as tilted as it is. A ball about a place meets no cell but the
+//! nearest ones if its radius is at most the distance between opposite faces of a cell.
+
+use protomer_kernel::periodic_box::PeriodicBox;
 
 /// A body in a cell.
 #[derive(Debug, Clone, Copy)]
@@ -23,13 +26,15 @@ pub(crate) struct Near<const D: usize> {
 
 /// With fewer cells along an edge, there is one, and offsets along it are wrapped.
 const FEWEST: usize = 3;
+/// Cells are wider than the range by what rounding could take from them.
+const ROUNDED: f64 = 1.0 - 1e-12;
 /// Room for bodies in a cell at first.
 const ROOM: usize = 8;
 
-/// Bodies sorted into cells at least as wide as a range.
+/// Bodies sorted into cells whose opposite faces are at least a range apart.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid<const D: usize> {
-    edges: [f64; D],
+    space: PeriodicBox<D>,
     cells: [usize; D],
     cells_per_length: [f64; D],
     room: usize,
@@ -40,23 +45,24 @@ pub(crate) struct Grid<const D: usize> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Sorts bodies; each edge is at least twice the range.
-    pub fn new(edges: &[f64; D], range: f64, positions: &[[f64; D]]) -> Self {
+    /// Sorts bodies; each length of the box is at least twice the range.
+    pub fn new(space: &PeriodicBox<D>, range: f64, positions: &[[f64; D]]) -> Self {
         // More cells than bodies would only be empty.
-        let volume: f64 = edges.iter().product();
+        let volume = space.volume();
         let width = (volume / (2 * positions.len()).max(1) as f64).powf(1.0 / D as f64);
+        let (lengths, heights) = (space.lengths(), space.heights());
         let mut cells = [1; D];
         for axis in 0..D {
-            let most = (edges[axis] / width).ceil();
-            let number = (edges[axis] / range).floor().min(most) as usize;
+            let most = (lengths[axis] / width).ceil();
+            let number = (heights[axis] / range * ROUNDED).floor().min(most) as usize;
             if number >= FEWEST {
                 cells[axis] = number;
             }
         }
         let mut grid = Self {
-            edges: *edges,
+            space: *space,
             cells,
-            cells_per_length: std::array::from_fn(|axis| cells[axis] as f64 / edges[axis]),
+            cells_per_length: std::array::from_fn(|axis| cells[axis] as f64 / lengths[axis]),
             room: if cells == [1; D] {
                 positions.len()
             } else {
@@ -106,14 +112,24 @@ impl<const D: usize> Grid<D> {
         (cell as u32, place)
     }
 
-    fn coordinate(&self, axis: usize, x: f64) -> usize {
-        ((x * self.cells_per_length[axis]) as usize).min(self.cells[axis] - 1)
+    /// The place in a rectangular box that is sheared to this one.
+    #[inline]
+    fn straight(&self, place: &[f64; D]) -> [f64; D] {
+        match self.space.is_rectangular() {
+            true => *place,
+            false => self.space.unsheared(place),
+        }
+    }
+
+    fn coordinate(&self, axis: usize, straight: f64) -> usize {
+        ((straight * self.cells_per_length[axis]) as usize).min(self.cells[axis] - 1)
     }
 
     fn cell(&self, position: &[f64; D]) -> usize {
+        let straight = self.straight(position);
         let mut cell = 0;
         for axis in (0..D).rev() {
-            cell = cell * self.cells[axis] + self.coordinate(axis, position[axis]);
+            cell = cell * self.cells[axis] + self.coordinate(axis, straight[axis]);
         }
         cell
     }
@@ -152,19 +168,23 @@ impl<const D: usize> Grid<D> {
         if self.cells.contains(&1) {
             return self.any_wrapped(place, squared_range, but, visit);
         }
-        let (mut cells, mut shifts) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
+        let (mut cells, mut times) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
+        let mut shifts = [[0.0; 3]; D];
+        let straight = self.straight(place);
+        let is_tilted = !self.space.is_rectangular();
         let mut stride = 1;
         for axis in 0..D {
             let n = self.cells[axis];
-            let home = self.coordinate(axis, place[axis]);
+            let home = self.coordinate(axis, straight[axis]);
             for (number, step) in [n - 1, 0, 1].into_iter().enumerate() {
                 let cell = home + step;
                 let beyond = cell >= n;
                 cells[axis][number] = stride * if beyond { cell - n } else { cell };
                 let is_below = number == 0 && home == 0;
                 let is_above = number == 2 && beyond;
-                let images = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
-                shifts[axis][number] = images * self.edges[axis] - place[axis];
+                times[axis][number] = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
+                shifts[axis][number] =
+                    times[axis][number] * self.space.lengths()[axis] - place[axis];
             }
             stride *= n;
         }
@@ -176,9 +196,13 @@ impl<const D: usize> Grid<D> {
                 shift[axis] = shifts[axis][rest % 3];
                 rest /= 3;
             }
+            if is_tilted {
+                self.add_overhangs(&mut shift, &times, row);
+            }
+            let sideways = shift[0];
             for number in 0..3 {
                 let cell = base + cells[0][number];
-                shift[0] = shifts[0][number];
+                shift[0] = sideways + shifts[0][number];
                 let from = cell * self.room;
                 let entries = &self.entries[from..from + self.filled[cell] as usize];
                 for entry in entries {
@@ -203,6 +227,18 @@ impl<const D: usize> Grid<D> {
         false
     }
 
+    /// Adds what the edges, passed so many times, overhang along earlier axes, for one row of cells.
+    fn add_overhangs(&self, shift: &mut [f64; D], times: &[[f64; 3]; D], row: usize) {
+        let mut rest = row;
+        for (axis, times) in times.iter().enumerate().skip(1) {
+            let edge = self.space.edge(axis);
+            for (x, part) in shift.iter_mut().zip(edge).take(axis) {
+                *x += times[rest % 3] * part;
+            }
+            rest /= 3;
+        }
+    }
+
     /// The same where an edge has one cell.
     fn any_wrapped(
         &self,
@@ -212,24 +248,21 @@ impl<const D: usize> Grid<D> {
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
         let steps = self.cells.map(|cells| if cells == 1 { 1 } else { 3 });
+        let straight = self.straight(place);
         for number in 0..steps.iter().product() {
             let (mut cell, mut rest, mut stride) = (0, number, 1);
             for axis in 0..D {
                 let n = self.cells[axis];
-                let home = self.coordinate(axis, place[axis]);
+                let home = self.coordinate(axis, straight[axis]);
                 cell += stride * ((home + n - 1 + rest % steps[axis]) % n);
                 rest /= steps[axis];
                 stride *= n;
             }
             let from = cell * self.room;
             for entry in &self.entries[from..from + self.filled[cell] as usize] {
-                let (mut offset, mut squared) = ([0.0; D], 0.0);
-                for axis in 0..D {
-                    let along = entry.position[axis] - place[axis];
-                    let edge = self.edges[axis];
-                    offset[axis] = along - edge * (along / edge).round();
-                    squared += offset[axis] * offset[axis];
-                }
+                let apart = std::array::from_fn(|axis| entry.position[axis] - place[axis]);
+                let offset = self.space.nearest_image(&apart);
+                let squared: f64 = offset.iter().map(|x| x * x).sum();
                 if squared < squared_range && entry.body != but {
                     let near = Near {
                         body: entry.body,

@@ -30,7 +30,7 @@ impl Walls {
     /// A body at the wall that rises by x is replaced by others that cross its area, so that the density
     /// of gaps falls about as exp(-(βP a + β m g) x).
     pub fn of<const D: usize>(system: &System<D>, gravity: &Gravity, pressure: f64) -> Self {
-        let edges = system.edges();
+        let edges = system.space().lengths();
         let width = 2.0 * system.body().outer_radius;
         let steepness = pressure * width.powi(D as i32 - 1) + gravity.weight_kt_per_length;
         let area: f64 = edges.iter().take(D - 1).product();
@@ -64,7 +64,7 @@ pub struct Heights(pub Vec<u64>);
 impl Heights {
     pub(crate) fn count<const D: usize>(&mut self, system: &System<D>) {
         self.0.resize(HEIGHT_BINS, 0);
-        let bins_per_length = HEIGHT_BINS as f64 / system.edges()[D - 1];
+        let bins_per_length = HEIGHT_BINS as f64 / system.space().lengths()[D - 1];
         for place in system.positions() {
             let bin = (place[D - 1] * bins_per_length) as usize;
             self.0[bin.min(HEIGHT_BINS - 1)] += 1;

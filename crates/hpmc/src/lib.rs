@@ -10,6 +10,7 @@
 //! |---|---|
 //! | [`body`] | a hard convex body, ready for tests of overlap |
 //! | [`reservoir`] | kinds of depletants |
+//! | [`box_moves`] | changes of the box at constant pressure |
 //! | [`system`] | bodies in a periodic box, and proposals of moves |
 //! | `trial` | one trial move |
 //! | [`crystal`] | unit cells, by name or of one's own, and crystals made of them |
@@ -33,6 +34,7 @@
 //! in kT.
 
 pub mod body;
+pub mod box_moves;
 pub mod compression;
 pub mod crystal;
 pub mod depletants;

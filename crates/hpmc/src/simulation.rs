@@ -1,20 +1,19 @@
 //! A run: equilibration, in which steps are tuned, and production, in which they are not.
 //!
-//! At constant pressure, a sweep ends with trial changes of the box by a factor uniform in its
-//! logarithm. With the volume V → V' it is accepted with
-//! min(1, exp[-βP(V' - V) + (N + 1) ln(V'/V)]) if no bodies overlap then (Wood, J. Chem. Phys. 48, 415
-//! (1968)). The factor is the same for all edges, or that of one edge at random.
+//! At constant pressure, a sweep ends with trial changes of the box (see [`box_moves`](crate::box_moves)).
 
 use crate::body::HardBody;
+use crate::box_moves::{BoxMoves, Pressure};
 use crate::compression::Compression;
 use crate::depletants::Counting;
 use crate::field::{Gravity, Nothing};
 use crate::heights::{Heights, Walls};
 use crate::reservoir::Depletant;
 use crate::start::Start;
-use crate::system::{Counts, MoveCounts, Steps, System};
+use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
 use protomer_kernel::Rotation;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 
@@ -29,13 +28,6 @@ const POINTS: u32 = 0;
 const BODIES: u32 = 1;
 /// Streams of the changes of the box, beside that of the moves.
 const BOX: u32 = 1 << 20;
-/// Trial changes of the box in a sweep. Most end at the first overlap, after a small part of a sweep.
-const BOX_TRIALS: u32 = 4;
-/// The first largest change of the logarithm of a volume, and the largest at all.
-const FIRST_BOX_STEP: f64 = 0.01;
-const LARGEST_BOX_STEP: f64 = 1.0;
-/// Fewer changes of the box say little about their acceptance.
-const ENOUGH_BOX_TRIALS: u64 = 40;
 
 /// What a run does.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,16 +60,6 @@ impl Default for Settings {
     }
 }
 
-/// A constant pressure.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Pressure {
-    /// βP, kT per volume; in a plane, per area.
-    pub kt_per_volume: f64,
-    /// Whether each edge of the box changes on its own.
-    pub is_anisotropic: bool,
-}
-
 /// Averages over one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
@@ -99,8 +81,10 @@ pub struct Sample {
 pub struct State {
     /// Sweeps done, with those of the equilibration.
     pub sweeps: u64,
-    /// Edges of the box.
-    pub edges: Vec<f64>,
+    /// Lengths of the box.
+    pub lengths: Vec<f64>,
+    /// Tilt factors of the box.
+    pub tilt_factors: Vec<f64>,
     /// Coordinates of the centres, body by body.
     pub positions: Vec<f64>,
     /// Orientations, scalar first.
@@ -115,10 +99,8 @@ pub struct State {
     pub tried: [MoveCounts; 2],
     /// Moves of the production.
     pub counts: MoveCounts,
-    /// Largest change of the logarithm of the volume.
-    pub box_step: f64,
-    /// Changes of the box since their step was tuned last.
-    pub box_counts: Counts,
+    /// Steps of the changes of the box.
+    pub box_moves: BoxMoves,
     /// Between walls: bodies by height, from samples of the production.
     pub heights: Vec<u64>,
 }
@@ -183,8 +165,7 @@ pub struct Simulation<const D: usize> {
     counting: Counting,
     tried: [MoveCounts; 2],
     counts: MoveCounts,
-    box_step: f64,
-    box_counts: Counts,
+    box_moves: BoxMoves,
     heights: Heights,
     compression: Compression,
 }
@@ -208,6 +189,7 @@ impl<const D: usize> Simulation<D> {
         let compression = Compression::new(&system, 1.0);
         let mut simulation = Self {
             settings: settings.clone(),
+            box_moves: BoxMoves::new(system.space()),
             system,
             sweeps: 0,
             steps,
@@ -215,8 +197,6 @@ impl<const D: usize> Simulation<D> {
             counting: Counting::Lost,
             tried: <[MoveCounts; 2]>::default(),
             counts: MoveCounts::default(),
-            box_step: FIRST_BOX_STEP,
-            box_counts: Counts::default(),
             heights: Heights::default(),
             compression,
         };
@@ -239,10 +219,8 @@ impl<const D: usize> Simulation<D> {
         state: &State,
     ) -> Result<Self> {
         let (positions, _) = state.positions.as_chunks::<D>();
-        let mut edges = [0.0; D];
-        for (edge, saved) in edges.iter_mut().zip(&state.edges) {
-            *edge = *saved;
-        }
+        let lengths = state.lengths.as_slice().try_into().unwrap_or([f64::NAN; D]);
+        let space = PeriodicBox::new(lengths, &state.tilt_factors)?;
         let rotation = |[w, x, y, z]: &[f64; 4]| {
             // The numbers are those of a rotation that was normalised before it was saved.
             Rotation::new_unchecked(nalgebra::Quaternion::new(*w, *x, *y, *z))
@@ -258,12 +236,12 @@ impl<const D: usize> Simulation<D> {
         let system = System::new(
             body.clone(),
             depletants.to_vec(),
-            edges,
+            space,
             positions.to_vec(),
             rotations,
         )?;
         let system = match settings.gravity {
-            Some(_) => system.between_walls(),
+            Some(_) => system.between_walls()?,
             None => system,
         };
         let compression = Compression::new(&system, state.rough_factor);
@@ -276,8 +254,7 @@ impl<const D: usize> Simulation<D> {
             counting: state.counting,
             tried: state.tried,
             counts: state.counts,
-            box_step: state.box_step,
-            box_counts: state.box_counts,
+            box_moves: state.box_moves.clone(),
             heights: Heights(state.heights.clone()),
             compression,
         })
@@ -292,7 +269,8 @@ impl<const D: usize> Simulation<D> {
         };
         State {
             sweeps: self.sweeps,
-            edges: self.system.edges().to_vec(),
+            lengths: self.system.space().lengths().to_vec(),
+            tilt_factors: self.system.space().tilt_factors(),
             positions: self.system.positions().as_flattened().to_vec(),
             orientations_wxyz: self.system.rotations().iter().map(wxyz).collect(),
             steps: self.steps,
@@ -300,8 +278,7 @@ impl<const D: usize> Simulation<D> {
             counting: self.counting,
             tried: self.tried,
             counts: self.counts,
-            box_step: self.box_step,
-            box_counts: self.box_counts,
+            box_moves: self.box_moves.clone(),
             heights: self.heights.0.clone(),
         }
     }
@@ -332,9 +309,14 @@ impl<const D: usize> Simulation<D> {
         &self.heights
     }
 
-    /// The accepted part of the changes of the box, since their step was tuned last.
+    /// The accepted part of the changes of the box, since their steps were tuned last.
     pub fn box_acceptance(&self) -> f64 {
-        self.box_counts.acceptance()
+        self.box_moves.acceptance()
+    }
+
+    /// The steps of the changes of the box.
+    pub fn box_moves(&self) -> &BoxMoves {
+        &self.box_moves
     }
 
     /// The steps.
@@ -373,8 +355,12 @@ impl<const D: usize> Simulation<D> {
             };
         }
         if let Some(pressure) = self.settings.pressure {
-            for number in 0..BOX_TRIALS {
-                self.change_box(&pressure, number);
+            for number in 0..pressure.freedom.trials() {
+                let (seed, stream) = (self.settings.seed, BOX + number);
+                let mut rng =
+                    CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
+                self.box_moves
+                    .change(&mut self.system, &pressure, number, &mut rng);
             }
         }
         self.sweeps += 1;
@@ -384,23 +370,6 @@ impl<const D: usize> Simulation<D> {
         } else {
             self.counts.add(&counts);
         }
-    }
-
-    fn change_box(&mut self, pressure: &Pressure, number: u32) {
-        let (seed, stream) = (self.settings.seed, BOX + number);
-        let mut rng = CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
-        let growth = self.box_step * rng.uniform_in(-1.0, 1.0);
-        let mut scales = [(growth / D as f64).exp(); D];
-        if pressure.is_anisotropic {
-            scales = [1.0; D];
-            scales[rng.index(D)] = growth.exp();
-        }
-        let change = self.system.volume() * (growth.exp() - 1.0);
-        let bodies = self.system.len() as f64;
-        let weight = (bodies + 1.0) * growth - pressure.kt_per_volume * change;
-        let is_likely = rng.uniform() < weight.exp();
-        let is_accepted = is_likely && self.system.try_rescale(&scales);
-        self.box_counts.note(is_accepted);
     }
 
     /// Tunes the steps and the range of compressions; at the end fixes them.
@@ -427,10 +396,8 @@ impl<const D: usize> Simulation<D> {
                 self.tried = <[MoveCounts; 2]>::default();
             }
         }
-        if !is_last && self.box_counts.trials >= ENOUGH_BOX_TRIALS {
-            let factor = (self.box_counts.acceptance() / ACCEPTANCE).clamp(0.5, 1.5);
-            self.box_step = (self.box_step * factor).min(LARGEST_BOX_STEP);
-            self.box_counts = Counts::default();
+        if !is_last {
+            self.box_moves.tune();
         }
         let rough = self.compression.rough_factor(&self.system);
         self.rough_factor += NEW_PART * (rough - self.rough_factor);
@@ -474,7 +441,8 @@ impl<const D: usize> Simulation<D> {
         let mut free = 0;
         for _ in 0..insertions {
             // Centres at random in the whole box, also where a wall is in the way.
-            let place = self.system.edges().map(|edge| edge * rng.uniform());
+            let parts = std::array::from_fn(|_| rng.uniform());
+            let place = self.system.space().at(&parts);
             let rotation = match D {
                 2 => {
                     let angle = std::f64::consts::TAU * rng.uniform();

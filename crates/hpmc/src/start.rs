@@ -11,6 +11,7 @@ use crate::field::Nothing;
 use crate::reservoir::Depletant;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::TAU;
@@ -147,10 +148,11 @@ fn random_fluid<const D: usize>(
         rotations.push(orientation::<D>(body, seed, number as u64));
     }
     let depletants = depletants.to_vec();
+    let space = PeriodicBox::rectangular(edges)?;
     let hard = System::new(
         body.clone(),
         depletants.clone(),
-        edges,
+        space,
         Vec::new(),
         Vec::new(),
     );
@@ -162,9 +164,10 @@ fn random_fluid<const D: usize>(
             bodies: bodies.ceil() as usize,
         });
     }
+    let wide = PeriodicBox::rectangular(wide)?;
     let mut system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
     if has_walls {
-        system = system.between_walls();
+        system = system.between_walls()?;
     }
     let (system, steps) = Compressor::new(system, seed).to(&edges)?;
     let System {
@@ -172,9 +175,9 @@ fn random_fluid<const D: usize>(
         rotations,
         ..
     } = system;
-    let mut system = System::new(body.clone(), depletants, edges, positions, rotations)?;
+    let mut system = System::new(body.clone(), depletants, space, positions, rotations)?;
     if has_walls {
-        system = system.between_walls();
+        system = system.between_walls()?;
     }
     Ok((system, steps))
 }
@@ -226,7 +229,7 @@ impl<const D: usize> Compressor<D> {
 
     fn to(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
         let mut shrinking = FIRST_SHRINKING;
-        while self.system.edges[0] > edges[0] {
+        while self.system.space.lengths()[0] > edges[0] {
             let before = self.system.clone();
             self.shrink(edges, 1.0 - shrinking)?;
             if self.repair() {
@@ -247,22 +250,22 @@ impl<const D: usize> Compressor<D> {
 
     /// Scales all lengths, down to the edges that are wanted.
     fn shrink(&mut self, edges: &[f64; D], scale: f64) -> Result<()> {
-        let scale = scale.max(edges[0] / self.system.edges[0]);
-        let is_last = scale * self.system.edges[0] <= edges[0];
-        let shrunk = match is_last {
+        let before = *self.system.space.lengths();
+        let scale = scale.max(edges[0] / before[0]);
+        let shrunk = match scale * before[0] <= edges[0] {
             true => *edges,
-            false => self.system.edges.map(|edge| edge * scale),
+            false => before.map(|edge| edge * scale),
         };
         let moved = |place: &[f64; D]| place.map(|x| x * scale);
         let system = System::new(
             self.system.body.clone(),
             Vec::new(),
-            shrunk,
+            PeriodicBox::rectangular(shrunk)?,
             self.system.positions.iter().map(moved).collect(),
             self.system.rotations.clone(),
         )?;
         self.system = match self.system.has_walls() {
-            true => system.between_walls(),
+            true => system.between_walls()?,
             false => system,
         };
         Ok(())

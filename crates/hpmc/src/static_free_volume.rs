@@ -3,10 +3,14 @@
 //! A line along the last axis meets each body swept by a depletant in an interval (see
 //! [`swept`](protomer_kernel::shape::swept)). What the intervals of all bodies leave of it is free. The
 //! free volume is the mean over lines through a grid of the first face of the box, and the scatter of the
-//! means over grids that are shifted against each other tells its error.
+//! means over grids that are shifted against each other tells its error. The lines stand upright on that face
+//! and are as long as the box is high: together they fill a prism that has the volume of the box and, repeated
+//! by its edges, fills space as the box does.
 
+use crate::body::HardBody;
 use crate::crystal::Crystal;
 use crate::{Error, Result, error::require};
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::swept::Swept;
@@ -35,7 +39,7 @@ struct Near {
 /// each edge.
 ///
 /// # Errors
-/// For bodies in a plane, and for numbers that are not positive.
+/// For bodies in a plane or that overlap, and for numbers that are not positive.
 ///
 /// ```
 /// use protomer_hpmc::body::HardBody;
@@ -78,8 +82,16 @@ pub fn static_free_volume(
             space: 3,
         });
     }
+    let body = HardBody::<3>::new(shape, rounding_radius)?;
+    if let Some(bodies) = crystal.first_overlap(&body) {
+        return Err(Error::Overlap {
+            bodies: bodies.map(|number| number + 1),
+            packing_fraction: crystal.positions.len() as f64 * body.volume / crystal.space.volume(),
+        });
+    }
     let bodies = Bodies::of(crystal, shape, radius)?;
-    let counts = [0, 1].map(|axis: usize| (crystal.edges[axis] * lines_per_length).ceil() as usize);
+    let lengths = crystal.space.lengths();
+    let counts = [0, 1].map(|axis: usize| (lengths[axis] * lines_per_length).ceil() as usize);
     let means: Vec<f64> = (0..GRIDS)
         .map(|grid| bodies.mean_over_lines(&counts, grid))
         .collect();
@@ -90,9 +102,9 @@ pub fn static_free_volume(
     })
 }
 
-/// All that a line in the box can meet.
+/// All that a line in the prism can meet.
 struct Bodies {
-    edges: [f64; 3],
+    space: PeriodicBox<3>,
     /// No body reaches farther from its centre.
     reach: f64,
     near: Vec<Near>,
@@ -100,7 +112,7 @@ struct Bodies {
 
 impl Bodies {
     fn of(crystal: &Crystal<3>, shape: &Shape, radius: f64) -> Result<Self> {
-        let edges = crystal.edges;
+        let space = crystal.space.reduced();
         let unplaced = Swept::new(shape, radius, &Pose::identity())?;
         let longest = unplaced
             .corners()
@@ -108,34 +120,38 @@ impl Bodies {
             .map(Vec3::norm)
             .fold(0.0, f64::max);
         let reach = longest + radius;
-        let images = edges.map(|edge| 1 + (reach / edge).floor() as i32);
+        // Edges that overhang by up to one length take images that far from the prism.
+        let overhang = if space.is_rectangular() { 1 } else { 3 };
+        let images = space
+            .heights()
+            .map(|height| overhang + (reach / height).floor() as i32);
+        let [x, y, z] = images;
         let mut near = Vec::new();
         for (place, rotation) in crystal.positions.iter().zip(&crystal.rotations) {
-            let (x, y, z) = (images[0], images[1], images[2]);
             for i in -x..=x {
                 for j in -y..=y {
                     for k in -z..=z {
-                        let shift = [i, j, k].map(f64::from);
-                        let mut centre = Vec3::from(*place);
-                        for axis in 0..3 {
-                            centre[axis] += shift[axis] * edges[axis];
+                        let mut centre = space.wrap(place);
+                        for (edge, times) in [i, j, k].into_iter().enumerate() {
+                            space.add_edges(&mut centre, edge, f64::from(times));
                         }
-                        let is_near = (0..3).all(|axis| {
-                            centre[axis] > -reach && centre[axis] < edges[axis] + reach
-                        });
-                        if is_near {
+                        if is_near_prism(&space, &centre, reach) {
+                            let position = Vec3::from(centre);
                             let pose = Pose {
-                                position: centre,
+                                position,
                                 rotation: *rotation,
                             };
                             let swept = Swept::new(shape, radius, &pose)?;
-                            near.push(Near { swept, centre });
+                            near.push(Near {
+                                swept,
+                                centre: position,
+                            });
                         }
                     }
                 }
             }
         }
-        Ok(Self { edges, reach, near })
+        Ok(Self { space, reach, near })
     }
 
     fn mean_over_lines(&self, counts: &[usize; 2], grid: u64) -> f64 {
@@ -144,19 +160,18 @@ impl Bodies {
         let mut sum = 0.0;
         for line in 0..counts[0] * counts[1] {
             let cell = [line % counts[0], line / counts[0]];
-            let mut origin = Vec3::zeros();
+            let mut parts = [0.0; 3];
             for axis in 0..2 {
-                let part = (cell[axis] as f64 + shift[axis]) / counts[axis] as f64;
-                origin[axis] = part * self.edges[axis];
+                parts[axis] = (cell[axis] as f64 + shift[axis]) / counts[axis] as f64;
             }
-            sum += self.free_part(&origin);
+            sum += self.free_part(&Vec3::from(self.space.at(&parts)));
         }
         sum / (counts[0] * counts[1]) as f64
     }
 
     /// The part of a line along the last axis, from one face of the box to the other, that is in no body.
     fn free_part(&self, origin: &Vec3) -> f64 {
-        let height = self.edges[2];
+        let height = self.space.lengths()[2];
         let mut covered = Vec::new();
         for body in &self.near {
             let apart = body.centre.xy() - origin.xy();
@@ -176,4 +191,16 @@ impl Bodies {
         }
         (free + f64::max(height - reached, 0.0)) / height
     }
+}
+
+/// Whether a place may be within a distance of the prism that stands upright on the first face of a box.
+fn is_near_prism(space: &PeriodicBox<3>, place: &[f64; 3], distance: f64) -> bool {
+    let [width, depth, height] = *space.lengths();
+    // The prism in the plane of its foot, sheared to a rectangle: along x a distance may look longer.
+    let [x, y, _] = space.unsheared(&[place[0], place[1], 0.0]);
+    let longer = distance * (1.0 + space.tilt_factors()[0].abs());
+    let is_along = |x: f64, length: f64, reach: f64| x > -reach && x < length + reach;
+    is_along(x, width, longer)
+        && is_along(y, depth, distance)
+        && is_along(place[2], height, distance)
 }

@@ -1,4 +1,4 @@
-//! Hard bodies in a periodic box with right angles: which places are free, and trial moves.
+//! Hard bodies in a periodic box: which places are free, and trial moves.
 //!
 //! A trial move takes a body at random and moves or turns it by a random step; steps and their
 //! opposites are equally likely. It is accepted if the body overlaps no other, if the field that acts
@@ -14,8 +14,9 @@ use crate::reservoir::Depletant;
 use crate::{Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
 use protomer_kernel::Rotation;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::separation::{Block, Pair};
+use protomer_kernel::shape::separation::{Block, Pair, dot};
 use rand_core::Rng;
 use serde::{Deserialize, Serialize};
 
@@ -110,7 +111,7 @@ pub(crate) struct Trial<const D: usize> {
 #[derive(Debug, Clone)]
 pub struct System<const D: usize> {
     pub(crate) body: HardBody<D>,
-    pub(crate) edges: [f64; D],
+    pub(crate) space: PeriodicBox<D>,
     has_walls: bool,
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) rotations: Vec<Rotation>,
@@ -125,24 +126,26 @@ pub struct System<const D: usize> {
 }
 
 impl<const D: usize> System<D> {
-    /// Bodies in a box from 0 to its edge along each axis. Places outside are wrapped. The bodies may
-    /// overlap; see [`overlaps`](Self::overlaps).
+    /// Bodies in a box with a corner at the origin. A box whose edges overhang far is replaced by one with
+    /// the same images (see [`PeriodicBox::reduced`]), and places outside are wrapped. The bodies may overlap;
+    /// see [`overlaps`](Self::overlaps).
     ///
     /// # Errors
     /// If a body could meet two images of another.
     pub fn new(
         body: HardBody<D>,
         depletants: Vec<Depletant>,
-        edges: [f64; D],
+        space: PeriodicBox<D>,
         positions: Vec<[f64; D]>,
         rotations: Vec<Rotation>,
     ) -> Result<Self> {
+        let space = space.reduced();
         let reach = depletants
             .iter()
             .map(|kind| kind.radius)
             .fold(0.0, f64::max);
         let range = 2.0 * (body.outer_radius + reach);
-        let edge = edges.iter().copied().fold(f64::INFINITY, f64::min);
+        let edge = space.smallest_length();
         if edge < 2.0 * range {
             let bodies = positions.len() as f64 * (2.0 * range / edge).powi(D as i32);
             return Err(Error::BoxTooSmall {
@@ -152,16 +155,13 @@ impl<const D: usize> System<D> {
             });
         }
         let blocks = body.blocks();
-        let places: Vec<[f64; D]> = positions
-            .iter()
-            .map(|place| std::array::from_fn(|axis| wrapped(place[axis], edges[axis])))
-            .collect();
+        let places: Vec<[f64; D]> = positions.iter().map(|place| space.wrap(place)).collect();
         let mut system = Self {
             turned: vec![[[0.0; 4]; D]; blocks],
             corners: vec![[[0.0; 4]; D]; blocks * places.len()],
-            grid: Grid::new(&edges, range, &places),
+            grid: Grid::new(&space, range, &places),
             body,
-            edges,
+            space,
             has_walls: false,
             positions: places,
             rotations,
@@ -179,8 +179,7 @@ impl<const D: usize> System<D> {
 
     /// Forgets everything but the places of the bodies: what follows depends on them alone.
     pub fn refresh(&mut self) {
-        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
-        self.grid = Grid::new(&self.edges, range, &self.positions);
+        self.sort();
         let empty = Slot {
             other: NOBODY,
             direction: [0.0; D],
@@ -203,24 +202,29 @@ impl<const D: usize> System<D> {
         &self.body
     }
 
-    /// Edges of the box.
-    pub fn edges(&self) -> &[f64; D] {
-        &self.edges
-    }
-
-    pub(crate) fn shortest_edge(&self) -> f64 {
-        self.edges.iter().copied().fold(f64::INFINITY, f64::min)
+    /// The box.
+    pub fn space(&self) -> &PeriodicBox<D> {
+        &self.space
     }
 
     /// Volume of the box; in a plane, area.
     pub fn volume(&self) -> f64 {
-        self.edges.iter().product()
+        self.space.volume()
     }
 
     /// The same bodies between hard walls at both ends of the last axis.
-    pub fn between_walls(mut self) -> Self {
+    ///
+    /// # Errors
+    /// In a box that is tilted.
+    pub fn between_walls(mut self) -> Result<Self> {
+        if !self.space.is_rectangular() {
+            return Err(Error::NotTogether {
+                first: "walls",
+                second: "a tilted box",
+            });
+        }
         self.has_walls = true;
-        self
+        Ok(self)
     }
 
     /// Whether there are walls.
@@ -238,7 +242,7 @@ impl<const D: usize> System<D> {
         self.positions.is_empty()
     }
 
-    /// The centres, from 0 to the edge along each axis.
+    /// The centres, in the box.
     pub fn positions(&self) -> &[[f64; D]] {
         &self.positions
     }
@@ -281,9 +285,7 @@ impl<const D: usize> System<D> {
     pub(crate) fn put_all(&mut self, positions: Vec<[f64; D]>, rotations: Vec<Rotation>) {
         self.positions = positions;
         for place in &mut self.positions {
-            for (x, edge) in place.iter_mut().zip(&self.edges) {
-                *x = wrapped(*x, *edge);
-            }
+            *place = self.space.wrap(place);
         }
         self.rotations = rotations;
         let blocks = self.body.blocks();
@@ -291,28 +293,36 @@ impl<const D: usize> System<D> {
             let corners = &mut self.corners[number * blocks..(number + 1) * blocks];
             self.body.turned_into(rotation, corners);
         }
-        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
-        self.grid = Grid::new(&self.edges, range, &self.positions);
+        self.sort();
     }
 
-    /// Scales the box and the places in it along each axis, unless bodies overlap then or meet two
-    /// images of each other; whether it did.
-    pub(crate) fn try_rescale(&mut self, scales: &[f64; D]) -> bool {
-        let before = (self.edges, self.positions.clone(), self.grid.clone());
-        for axis in 0..D {
-            self.edges[axis] *= scales[axis];
-            for place in &mut self.positions {
-                place[axis] = wrapped(place[axis] * scales[axis], self.edges[axis]);
-            }
-        }
+    /// Sorts the bodies into new cells.
+    fn sort(&mut self) {
         let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
-        if self.shortest_edge() >= 2.0 * range {
-            self.grid = Grid::new(&self.edges, range, &self.positions);
-            if !self.has_overlaps() {
-                return true;
-            }
+        self.grid = Grid::new(&self.space, range, &self.positions);
+    }
+
+    /// Deforms the box and the places in it by an upper triangular matrix (see [`PeriodicBox::deformed`]),
+    /// unless bodies overlap then or meet two images of each other; whether it did.
+    pub(crate) fn try_deform(&mut self, by: &[[f64; D]; D]) -> bool {
+        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+        let space = self.space.deformed(by).reduced();
+        if space.smallest_length() < 2.0 * range {
+            return false;
         }
-        (self.edges, self.positions, self.grid) = before;
+        let before = (self.space, self.positions.clone(), self.grid.clone());
+        self.space = space;
+        for place in &mut self.positions {
+            let moved = by.map(|row| dot(&row, place));
+            *place = space.wrap(&moved);
+        }
+        self.sort();
+        // A direction that separated two bodies before a small change still does.
+        let is_blocked = (0..self.len()).any(|body| self.collides(&self.where_it_is(body)));
+        if !is_blocked {
+            return true;
+        }
+        (self.space, self.positions, self.grid) = before;
         false
     }
 
@@ -326,7 +336,7 @@ impl<const D: usize> System<D> {
             }
         }
         let (place, rounding) = (trial.position[D - 1], self.body.rounding_radius);
-        let top = self.edges[D - 1] - (place + high + rounding);
+        let top = self.space.lengths()[D - 1] - (place + high + rounding);
         [place + low - rounding, top]
     }
 
@@ -335,7 +345,7 @@ impl<const D: usize> System<D> {
             return false;
         }
         let height = trial.position[D - 1];
-        let nearest = height.min(self.edges[D - 1] - height);
+        let nearest = height.min(self.space.lengths()[D - 1] - height);
         if nearest >= self.body.outer_radius || nearest < self.body.inner_radius {
             return nearest < self.body.inner_radius;
         }
@@ -366,19 +376,12 @@ impl<const D: usize> System<D> {
 
     /// Whether the body of a trial overlaps another when all distances are scaled.
     pub(crate) fn is_overlap(&self, trial: &Trial<D>, other: &Near<D>, scale: f64) -> bool {
-        let (inner, outer) = (2.0 * self.body.inner_radius, 2.0 * self.body.outer_radius);
-        let squared = other.squared * scale * scale;
-        if squared < inner * inner || squared >= outer * outer {
-            return squared < outer * outer;
-        }
-        let pair = Pair {
-            first: self.corners_of_trial(trial),
-            second: self.corners_of(other.body as usize),
-            offset: other.offset.map(|x| x * scale),
-            reach: 2.0 * self.body.rounding_radius,
-            error: self.body.error_of_heights(),
-        };
-        pair.overlap(&mut { other.offset }, || self.body.exact(&pair))
+        let (first, second) = (
+            self.corners_of_trial(trial),
+            self.corners_of(other.body as usize),
+        );
+        let offset = other.offset.map(|x| x * scale);
+        self.body.overlaps_at(first, second, &offset)
     }
 
     pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
@@ -502,23 +505,32 @@ impl<const D: usize> System<D> {
             trial.rotation = UnitQuaternion::new_normalize(turned);
             self.body.turned_into(&trial.rotation, &mut self.turned);
         } else {
-            let periodic = D - usize::from(self.has_walls);
-            for (axis, x) in trial.position.iter_mut().enumerate() {
+            for x in &mut trial.position {
                 *x += steps.translation * symmetric(rng);
-                if axis == periodic {
-                    break;
-                }
-                let edge = self.edges[axis];
-                if *x < 0.0 {
-                    *x += edge;
-                }
-                // Also where a tiny negative number has been rounded to the edge.
-                if *x >= edge {
-                    *x -= edge;
-                }
             }
+            self.return_to_box(&mut trial.position);
         }
         trial
+    }
+
+    /// Moves a place that is less than an edge outside of the box by that edge. There are no images beyond
+    /// walls.
+    #[inline]
+    fn return_to_box(&self, place: &mut [f64; D]) {
+        if !self.space.is_rectangular() {
+            *place = self.space.wrap(place);
+            return;
+        }
+        let periodic = D - usize::from(self.has_walls);
+        for (x, edge) in place.iter_mut().zip(self.space.lengths()).take(periodic) {
+            if *x < 0.0 {
+                *x += edge;
+            }
+            // Also where a tiny negative number has been rounded to the edge.
+            if *x >= *edge {
+                *x -= edge;
+            }
+        }
     }
 
     pub(crate) fn accept(&mut self, trial: &Trial<D>) {
@@ -535,27 +547,17 @@ impl<const D: usize> System<D> {
 
     /// From a place to the nearest image of another.
     pub(crate) fn nearest_image(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
-        let mut step = [0.0; D];
-        for axis in 0..D {
-            let (along, edge) = (to[axis] - from[axis], self.edges[axis]);
-            step[axis] = along - edge * (along / edge).round();
-        }
-        step
+        let apart = std::array::from_fn(|axis| to[axis] - from[axis]);
+        self.space.nearest_image(&apart)
     }
 
     /// The longest steps that make sense.
     pub(crate) fn longest_steps(&self) -> Steps {
         Steps {
-            translation: 0.5 * self.shortest_edge(),
+            translation: 0.5 * self.space.smallest_length(),
             rotation: LONGEST_TURN,
         }
     }
-}
-
-/// A coordinate in the box, from 0 to less than its edge.
-fn wrapped(x: f64, edge: f64) -> f64 {
-    let inside = x.rem_euclid(edge);
-    if inside < edge { inside } else { 0.0 }
 }
 
 /// A number in (-1, 1), as likely as its opposite.
@@ -581,5 +583,131 @@ impl Steps {
             longest.translation,
         );
         change(&mut self.rotation, &counts.rotation, longest.rotation);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::shape::builders::by_name;
+
+    /// A box in which a body of this range meets no two images of another, tilted by up to twice its lengths,
+    /// long and narrow or as wide as it is deep.
+    fn random_box<const D: usize>(rng: &mut CounterRng, range: f64) -> PeriodicBox<D> {
+        let longest = [2.5, 8.0][rng.index(2)];
+        let lengths = std::array::from_fn(|_| range * rng.uniform_in(2.0, longest));
+        let tilts = (0..D * (D - 1) / 2).map(|_| rng.uniform_in(-2.0, 2.0));
+        PeriodicBox::new(lengths, &tilts.collect::<Vec<_>>()).unwrap()
+    }
+
+    fn random_system<const D: usize>(name: &str, rng: &mut CounterRng) -> System<D> {
+        let body = HardBody::<D>::new(&by_name(name).unwrap(), 0.0).unwrap();
+        let space = random_box(rng, 2.0 * body.outer_radius);
+        let bodies = 1 + (0.2 * space.volume() / body.volume) as usize;
+        let (mut positions, mut rotations) = (Vec::new(), Vec::new());
+        for _ in 0..bodies {
+            positions.push(space.at(&std::array::from_fn(|_| rng.uniform_in(-1.0, 2.0))));
+            rotations.push(match D {
+                2 => Rotation::from_scaled_axis(rng.uniform() * protomer_kernel::Vec3::z()),
+                _ => rng.rotation(),
+            });
+        }
+        System::new(body, Vec::new(), space, positions, rotations).unwrap()
+    }
+
+    /// The bodies that one would overlap, over all images by up to so many edges.
+    fn overlaps_over_images<const D: usize>(system: &System<D>, trial: &Trial<D>) -> Vec<u32> {
+        const MOST: usize = 4;
+        let mut found = Vec::new();
+        for other in 0..system.len() {
+            for image in 0..(2 * MOST + 1).pow(D as u32) {
+                let mut rest = image;
+                let mut place = system.positions[other];
+                for edge in 0..D {
+                    let times = (rest % (2 * MOST + 1)) as f64 - MOST as f64;
+                    system.space.add_edges(&mut place, edge, times);
+                    rest /= 2 * MOST + 1;
+                }
+                let offset = std::array::from_fn(|axis| place[axis] - trial.position[axis]);
+                let near = Near {
+                    body: other as u32,
+                    offset,
+                    squared: dot(&offset, &offset),
+                };
+                if other != trial.body && system.is_overlap(trial, &near, 1.0) {
+                    found.push(other as u32);
+                }
+            }
+        }
+        found
+    }
+
+    fn overlaps_are_those_of_all_images<const D: usize>(name: &str) {
+        let (mut overlapping, mut free, mut collisions) = (0, 0, 0);
+        for number in 0..20 {
+            let mut rng = CounterRng::new(1, D as u32, number);
+            let mut system = random_system::<D>(name, &mut rng);
+            for body in 0..system.len() {
+                let here = system.where_it_is(body);
+                let expected = overlaps_over_images(&system, &here);
+                let mut found = Vec::new();
+                for other in 0..system.len() as u32 {
+                    let count = system.overlaps_of(&here, |counted| counted == other);
+                    found.extend(std::iter::repeat_n(other, count));
+                }
+                assert_eq!(found, expected, "{:?}", system.space);
+                overlapping += found.len();
+                free += usize::from(found.is_empty());
+                let steps = Steps {
+                    translation: 0.45 * system.space.smallest_length(),
+                    rotation: 1.0,
+                };
+                let trial = system.propose(&mut rng, &steps, Some(body));
+                let is_blocked = !overlaps_over_images(&system, &trial).is_empty();
+                assert_eq!(system.collides(&trial), is_blocked, "{:?}", system.space);
+                collisions += usize::from(is_blocked);
+            }
+        }
+        let kinds = [overlapping, free, collisions];
+        assert!(kinds.iter().all(|count| *count > 20), "{kinds:?}");
+    }
+
+    #[test]
+    fn overlaps_in_tilted_boxes_are_those_of_all_images() {
+        overlaps_are_those_of_all_images::<2>("polygon:4");
+        overlaps_are_those_of_all_images::<3>("cube");
+    }
+
+    /// A deformation that cannot be leaves everything as it was; one that can moves the bodies with the box.
+    #[test]
+    fn bodies_move_with_a_box_that_is_deformed() {
+        let mut deformed = 0;
+        for number in 0..20 {
+            let mut rng = CounterRng::new(2, 0, number);
+            let crowded = random_system::<3>("cube", &mut rng);
+            // So far apart that few overlap.
+            let apart = |place: &[f64; 3]| place.map(|x| 8.0 * x);
+            let places: Vec<[f64; 3]> = crowded.positions.iter().map(apart).collect();
+            let (space, rotations) = (crowded.space.scaled(8.0), crowded.rotations.clone());
+            let mut system =
+                System::new(crowded.body, Vec::new(), space, places.clone(), rotations).unwrap();
+            let before = system.clone();
+            let squeezed = [[0.01, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+            let by = [[1.2, 0.9, -0.7], [0.0, 1.1, 0.8], [0.0, 0.0, 1.3]];
+            if system.try_deform(&squeezed) || !system.try_deform(&by) {
+                assert_eq!(system.space, before.space);
+                assert_eq!(system.positions, before.positions);
+                continue;
+            }
+            deformed += 1;
+            for (place, before) in system.positions.iter().zip(&places) {
+                let moved = by.map(|row| dot(&row, before));
+                let off = std::array::from_fn(|axis| place[axis] - moved[axis]);
+                let left = system.space.nearest_image(&off);
+                assert!(dot(&left, &left) < 1e-18, "{left:?}");
+            }
+        }
+        assert!(deformed > 5, "{deformed}");
     }
 }

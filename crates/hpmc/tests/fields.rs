@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used)] // a test fails by panicking
 
 use protomer_hpmc::body::HardBody;
+use protomer_hpmc::box_moves::{Freedom, Pressure};
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::field::Gravity;
-use protomer_hpmc::simulation::{Pressure, Sample, Settings, Simulation};
+use protomer_hpmc::simulation::{Sample, Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::statistics::summarize;
@@ -40,12 +41,12 @@ fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
     );
 }
 
-fn pressed(kt_per_volume: f64, is_anisotropic: bool) -> Settings {
+fn pressed(kt_per_volume: f64, freedom: Freedom) -> Settings {
     Settings {
         equilibration_sweeps: 2000,
         pressure: Some(Pressure {
             kt_per_volume,
-            is_anisotropic,
+            freedom,
         }),
         ..Settings::default()
     }
@@ -57,7 +58,7 @@ fn an_ideal_gas_has_its_mean_volume() {
     let point = HardBody::<3>::ball(1e-4).unwrap();
     let packing = 2.0 * 20.0 * point.volume / 20.0;
     let start = Start::fluid(20, packing);
-    let (samples, simulation) = samples(&pressed(2.0, false), &point, &start, 4000);
+    let (samples, simulation) = samples(&pressed(2.0, Freedom::Volume), &point, &start, 4000);
     assert!((0.15..0.6).contains(&simulation.box_acceptance()));
     let volumes: Vec<f64> = samples
         .iter()
@@ -72,8 +73,8 @@ fn rods_on_a_ring_have_their_mean_length() {
     let rod = HardBody::<1>::ball(0.5).unwrap();
     let crystal = Crystal::new(&UnitCell::by_name("row").unwrap(), &rod, 12, 0.5).unwrap();
     let start = Start::Crystal(crystal);
-    for is_anisotropic in [false, true] {
-        let (samples, _) = samples(&pressed(3.0, is_anisotropic), &rod, &start, 20_000);
+    for freedom in [Freedom::Volume, Freedom::Lengths] {
+        let (samples, _) = samples(&pressed(3.0, freedom), &rod, &start, 20_000);
         let lengths: Vec<f64> = samples
             .iter()
             .map(|sample| 12.0 / sample.packing_fraction)
@@ -92,7 +93,7 @@ fn rods_on_a_ring_have_their_mean_length() {
 fn the_pressure_of_contacts_is_the_pressure() {
     let cube = HardBody::<3>::new(&by_name("cube").unwrap(), 0.0).unwrap();
     let start = Start::fluid(64, 0.3);
-    let (samples, simulation) = samples(&pressed(1.9, false), &cube, &start, 1000);
+    let (samples, simulation) = samples(&pressed(1.9, Freedom::Volume), &cube, &start, 1000);
     assert!((0.15..0.6).contains(&simulation.box_acceptance()));
     let series: Vec<f64> = samples
         .iter()
@@ -107,13 +108,13 @@ fn a_crystal_keeps_its_bodies_apart_when_each_edge_changes() {
     let cube = HardBody::<3>::new(&by_name("cube").unwrap(), 0.0).unwrap();
     let cell = UnitCell::by_name("simple-cubic").unwrap();
     let crystal = Crystal::new(&cell, &cube, 64, 0.62).unwrap();
-    for is_anisotropic in [false, true] {
+    for freedom in [Freedom::Volume, Freedom::Lengths] {
         let start = Start::Crystal(crystal.clone());
         // That no bodies overlap at the end is checked with the samples.
-        let (_, simulation) = samples(&pressed(9.0, is_anisotropic), &cube, &start, 10);
-        let [a, b, c] = simulation.system().edges();
+        let (_, simulation) = samples(&pressed(9.0, freedom), &cube, &start, 10);
+        let [a, b, c] = simulation.system().space().lengths();
         let are_equal = (a / b - 1.0).abs() < 1e-9 && (b / c - 1.0).abs() < 1e-9;
-        assert_eq!(are_equal, !is_anisotropic);
+        assert_eq!(are_equal, freedom == Freedom::Volume);
     }
 }
 
@@ -167,7 +168,7 @@ fn walls_bear_the_weight_of_bodies() {
     for (body, width) in [(ball, 2.1), (cube, 3.5)] {
         let start = between_walls(60, 0.2, [1.0, 1.0, 1.5]);
         let (samples, simulation) = samples(&falling(0.5), &body, &start, 2000);
-        let edges = simulation.system().edges();
+        let edges = simulation.system().space().lengths();
         assert!(edges[0] > width, "{edges:?}");
         let weight = 60.0 * 0.5 / (edges[0] * edges[1]);
         let series: Vec<f64> = samples

@@ -7,6 +7,7 @@ use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::einstein::EinsteinCrystal;
 use protomer_hpmc::frenkel_ladd::{Estimate, FreeEnergy, Measurement, share};
 use protomer_hpmc::symmetry::Symmetry;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::statistics::summarize;
 
@@ -73,6 +74,26 @@ fn rods_on_a_ring_have_their_exact_free_energy() {
     }
 }
 
+/// Spheres in an fcc crystal: the box of 125 primitive cells, with angles of 60 degrees, has the free energy of
+/// cubic boxes. A/(N kT) + ln N/(2N) is linear in 1/N (Polson et al., J. Chem. Phys. 112, 5339 (2000)); the line
+/// is that of cubic boxes of 108 to 500 in docs/validation/hard-shapes-free-energies.md.
+#[test]
+fn a_crystal_has_the_free_energy_of_its_cubic_box_in_a_rhombohedral_one() {
+    let ball = HardBody::<3>::ball(0.5).unwrap();
+    let cell = UnitCell {
+        space: PeriodicBox::with_angles(&[1.0; 3], &[60.0; 3]).unwrap(),
+        ..UnitCell::by_name("simple-cubic").unwrap()
+    };
+    let crystal = Crystal::new(&cell, &ball, 125, 1.15 * ball.volume).unwrap();
+    assert!(!crystal.space.is_rectangular());
+    let found = measure(&ball, &crystal, 300);
+    let n = 125.0_f64;
+    let expected = 6.2733 - 5.97 / n - n.ln() / (2.0 * n);
+    assert!(found.error_kt < 0.005, "{found:?}");
+    let off = found.total_kt - expected;
+    assert!(off.abs() < 4.0 * found.error_kt, "{expected}: {found:?}");
+}
+
 /// Rows of cubes slide; on springs of no strength they still belong to their sites.
 #[test]
 fn rows_that_slide_do_not_pass_their_neighbours() {
@@ -83,13 +104,14 @@ fn rows_that_slide_do_not_pass_their_neighbours() {
     let measurement = Measurement::new(&cube, &crystal, 3).unwrap();
     let mut walker = measurement.start(0, 0.0, 1.0).unwrap();
     walker.run(2000, true);
-    let spacing = crystal.edges[0] / 4.0;
+    let edge = crystal.space.lengths()[0];
+    let spacing = edge / 4.0;
     let (mut longest, displacements) = (0.0_f64, walker.springs().displacements());
     for (number, site) in crystal.positions.iter().enumerate() {
         for (other, place) in crystal.positions.iter().enumerate() {
             let apart = [0, 1, 2].map(|axis| {
-                let along = (place[axis] - site[axis]) / crystal.edges[axis];
-                (along - along.round()).abs() * crystal.edges[axis] / spacing
+                let along = (place[axis] - site[axis]) / edge;
+                (along - along.round()).abs() * edge / spacing
             });
             let is_bond = (apart.iter().sum::<f64>() - 1.0).abs() < 1e-9;
             for axis in [0, 1, 2]

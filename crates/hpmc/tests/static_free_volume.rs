@@ -5,6 +5,8 @@
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::static_free_volume::{StaticFreeVolume, static_free_volume};
+use protomer_kernel::Vec3;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::polytope::Polytope;
@@ -32,6 +34,42 @@ fn compare(rows: &[(f64, f64, f64, f64, f64)], lines_per_length: f64, floor: f64
             assert!(allowed < 2e-3, "{found:?}");
         }
     }
+}
+
+/// The same spheres in a cubic cell and in the primitive one, with angles of 60 degrees.
+#[test]
+fn the_free_volume_is_that_of_the_crystal_and_not_of_its_cell() {
+    let point = Shape::solid(&[Vec3::zeros()]).unwrap();
+    let ball = HardBody::<3>::ball(0.5).unwrap();
+    let primitive = UnitCell {
+        space: PeriodicBox::with_angles(&[1.0; 3], &[60.0; 3]).unwrap(),
+        ..UnitCell::by_name("simple-cubic").unwrap()
+    };
+    let free = |cell: &UnitCell<3>| {
+        let crystal = Crystal::new(cell, &ball, cell.sites.len(), 0.5).unwrap();
+        static_free_volume(&crystal, &point, 0.5, 0.2, 150.0).unwrap()
+    };
+    let [cubic, rhombohedral] =
+        [UnitCell::by_name("fcc").unwrap(), primitive].map(|cell| free(&cell));
+    let error = cubic.error.hypot(rhombohedral.error);
+    assert!(error < 1e-3 * cubic.fraction, "{cubic:?} {rhombohedral:?}");
+    let off = (cubic.fraction - rhombohedral.fraction).abs();
+    assert!(off < 4.0 * error, "{cubic:?} {rhombohedral:?}");
+}
+
+#[test]
+fn bodies_that_overlap_are_named() {
+    let shape = truncated_tetrahedron();
+    let body = HardBody::<3>::new(&shape, 0.0).unwrap();
+    let cell = UnitCell::by_name("diamond").unwrap();
+    let crystal = Crystal::new(&cell, &body, 8, 0.97).unwrap();
+    let refused = static_free_volume(&crystal, &shape, 0.0, 0.1, 10.0).unwrap_err();
+    assert!(
+        refused
+            .to_string()
+            .contains("bodies 1 and 2 of the unit cell overlap"),
+        "{refused}"
+    );
 }
 
 #[test]

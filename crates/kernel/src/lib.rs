@@ -6,6 +6,7 @@
 //! | [`electrolyte`] | a salt solution and its Bjerrum and Debye lengths |
 //! | [`pose`] | rigid motions: where a body is and how it is turned |
 //! | [`boundary`] | the space that bodies live in: open, periodic, or inside a spherical wall |
+//! | [`periodic_box`] | periodic boxes of any shape in one, two and three dimensions |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
 //! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
@@ -24,6 +25,7 @@ pub mod electrolyte;
 mod error;
 pub mod mesh;
 pub mod overlap;
+pub mod periodic_box;
 pub mod point_record;
 pub mod pose;
 pub mod potential;

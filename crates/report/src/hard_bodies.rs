@@ -27,6 +27,8 @@ const SWEEP: &str = "Equation of state";
 const MOST_ROWS: usize = 500;
 /// More bodies than this are slow to turn.
 const MOST_BODIES: usize = 512;
+/// Tilt factors of a box, in their order.
+const TILTS: [&str; 3] = ["tilt factor xy", "tilt factor xz", "tilt factor yz"];
 /// Points of a rounded corner in space, and in a plane.
 const ON_SPHERE: usize = 92;
 const ON_CIRCLE: usize = 24;
@@ -197,6 +199,21 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         ("Sweeps", result.sweeps.to_string()),
         ("Accepted moves", significant(result.acceptance, 3)),
     ];
+    if let Some(mean) = &result.mean_box {
+        let several = |numbers: &[f64], errors: &[Option<f64>]| {
+            let numbers = numbers.iter().zip(errors);
+            let words: Vec<String> = numbers.map(|(x, error)| with_error(*x, *error)).collect();
+            words.join(", ")
+        };
+        values.push((
+            "Lengths of the box",
+            several(&mean.lengths, &mean.length_errors),
+        ));
+        if !mean.tilt_factors.is_empty() {
+            let tilts = several(&mean.tilt_factors, &mean.tilt_factor_errors);
+            values.push(("Tilt factors of the box", tilts));
+        }
+    }
     if let Some(walls) = &result.walls {
         values.extend([
             (
@@ -249,6 +266,12 @@ fn course(rows: &[LogRow]) -> Figure {
     })];
     if changes {
         panels.push(panel("packing fraction", &|row| Some(row.packing_fraction)));
+    }
+    for (number, label) in TILTS.into_iter().enumerate() {
+        let tilt = |row: &LogRow| row.box_tilt_factors.get(number).copied();
+        if rows.iter().any(|row| tilt(row).is_some()) {
+            panels.push(panel(label, &tilt));
+        }
     }
     if rows.iter().any(|row| row.walls.is_some()) {
         panels.push(panel("mean height", &|row| Some(row.walls?.mean_height)));

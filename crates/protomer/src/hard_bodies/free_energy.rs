@@ -4,7 +4,7 @@
 //! DIR/  run.toml  run.json  log.csv  points.csv  crystal.gsd  checkpoint.bin
 //! ```
 
-use super::run::mean_and_error;
+use super::run::{mean_and_error, tilt_factors};
 use super::start::{BodyShape, cell_text, unit_cell};
 use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result, bail};
@@ -173,8 +173,11 @@ pub struct FreeEnergyResult {
     pub packing_fraction: f64,
     /// Bodies per volume.
     pub number_density: f64,
-    /// Edges of the box.
+    /// Lengths of the box.
     pub box_edges: Vec<f64>,
+    /// Tilt factors of the box, xy, xz and yz; none where its angles are right.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub box_tilt_factors: Vec<f64>,
     /// Proper rotations that leave the shape as it is.
     pub symmetry_order: usize,
     /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
@@ -558,7 +561,8 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             bodies: self.settings.bodies,
             packing_fraction: self.settings.packing_fraction,
             number_density: density,
-            box_edges: self.crystal.edges.to_vec(),
+            box_edges: self.crystal.space.lengths().to_vec(),
+            box_tilt_factors: tilt_factors(&self.crystal.space),
             symmetry_order: self.measurement.symmetry().rotations().len(),
             free_energy_per_body_kt: terms.total_kt,
             free_energy_per_body_error_kt: terms.error_kt,

@@ -18,7 +18,14 @@ pub struct LogRow {
     pub packing_fraction: f64,
     /// Between walls: what they bear, and how high the bodies are.
     pub walls: Option<Walls>,
+    /// Where more than the volume of the box changes, its lengths.
+    pub box_lengths: Vec<f64>,
+    /// The same of its tilt factors.
+    pub box_tilt_factors: Vec<f64>,
 }
+
+/// Columns of logs that were begun before boxes changed their shape.
+const WITHOUT_BOX: usize = 8;
 
 impl Row for LogRow {
     fn columns() -> Vec<&'static str> {
@@ -31,12 +38,17 @@ impl Row for LogRow {
             "lower_wall_pressure",
             "upper_wall_pressure",
             "mean_height",
+            "box_lengths",
+            "box_tilt_factors",
         ]
     }
 
-    /// Free volumes of several depletants are in one cell, with blanks between them.
+    /// Several numbers are in one cell, with blanks between them.
     fn to_cells(&self) -> Vec<String> {
-        let volumes: Vec<String> = self.free_volume.iter().map(f64::to_string).collect();
+        let several = |numbers: &[f64]| {
+            let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
+            words.join(" ")
+        };
         let of_walls = |value: fn(&Walls) -> f64| {
             self.walls
                 .map_or_else(String::new, |walls| value(&walls).to_string())
@@ -46,15 +58,18 @@ impl Row for LogRow {
             self.compressibility_factor.to_string(),
             self.insertion_probability
                 .map_or_else(String::new, |p| p.to_string()),
-            volumes.join(" "),
+            several(&self.free_volume),
             self.packing_fraction.to_string(),
             of_walls(|walls| walls.pressures[0]),
             of_walls(|walls| walls.pressures[1]),
             of_walls(|walls| walls.mean_height),
+            several(&self.box_lengths),
+            several(&self.box_tilt_factors),
         ]
     }
 
     fn from_cells(cells: &[String]) -> Option<Self> {
+        let (cells, in_box) = cells.split_at_checked(WITHOUT_BOX)?;
         let [
             sweep,
             factor,
@@ -68,6 +83,11 @@ impl Row for LogRow {
         else {
             return None;
         };
+        let [lengths, tilt_factors] = match in_box {
+            [] => ["", ""],
+            [lengths, tilt_factors] => [lengths.as_str(), tilt_factors.as_str()],
+            _ => return None,
+        };
         let insertion_probability = match insertion.as_str() {
             "" => None,
             number => Some(number.parse().ok()?),
@@ -79,14 +99,19 @@ impl Row for LogRow {
                 mean_height: height.parse().ok()?,
             }),
         };
-        let volumes = volumes.split_whitespace().map(|number| number.parse().ok());
+        let several = |words: &str| {
+            let numbers = words.split_whitespace().map(|word| word.parse().ok());
+            numbers.collect::<Option<Vec<f64>>>()
+        };
         Some(Self {
             sweep: sweep.parse().ok()?,
             compressibility_factor: factor.parse().ok()?,
             insertion_probability,
-            free_volume: volumes.collect::<Option<_>>()?,
+            free_volume: several(volumes)?,
             packing_fraction: packing.parse().ok()?,
             walls,
+            box_lengths: several(lengths)?,
+            box_tilt_factors: several(tilt_factors)?,
         })
     }
 }

@@ -5,7 +5,7 @@
 //! ```
 
 use super::log::LogRow;
-use super::settings::HardBodySettings;
+use super::settings::{Freedom, HardBodySettings};
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
 use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result};
@@ -17,6 +17,7 @@ use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::heights::Walls;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::statistics::{block_standard_error, summarize};
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
@@ -67,9 +68,15 @@ pub struct HardBodyResult {
     pub packing_fraction_error: Option<f64>,
     /// First edge of the box at the end.
     pub box_edge: f64,
-    /// Edges of the box at the end.
+    /// Lengths of the box at the end: Lx, Ly, Lz. With right angles they are its edges.
     #[serde(default)]
     pub box_edges: Vec<f64>,
+    /// Tilt factors of the box at the end, xy, xz and yz; in a plane xy; none where its angles are right.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub box_tilt_factors: Vec<f64>,
+    /// Where more than the volume of the box changes, its means.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub mean_box: Option<MeanBox>,
     /// Sweeps after the equilibration.
     pub sweeps: u64,
     /// Z = βP/ρ of the bodies by trial compressions. It does not hold what depletants add.
@@ -116,6 +123,65 @@ pub struct HardBodyResult {
     /// Each depletant.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub depletants: Vec<DepletantResult>,
+}
+
+/// The box on average. Tilt factors that belong to the same images count as different.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeanBox {
+    /// Lx, Ly, Lz.
+    pub lengths: Vec<f64>,
+    /// Their standard errors.
+    pub length_errors: Vec<Option<f64>>,
+    /// xy, xz and yz; in a plane xy.
+    pub tilt_factors: Vec<f64>,
+    /// Their standard errors.
+    pub tilt_factor_errors: Vec<Option<f64>>,
+}
+
+impl MeanBox {
+    /// Of the measurements; `None` where the box keeps its shape.
+    fn of(rows: &[LogRow]) -> Option<Self> {
+        let series = |of: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
+            let count = rows.first().map_or(0, |row| of(row).len());
+            let number = |number: usize| {
+                let numbers = rows.iter().filter_map(|row| of(row).get(number).copied());
+                mean_and_error(&numbers.collect::<Vec<f64>>())
+            };
+            (0..count).map(number).collect()
+        };
+        let (lengths, length_errors) = series(|row| &row.box_lengths).into_iter().unzip();
+        let (tilt_factors, tilt_factor_errors) =
+            series(|row| &row.box_tilt_factors).into_iter().unzip();
+        let found = Self {
+            lengths,
+            length_errors,
+            tilt_factors,
+            tilt_factor_errors,
+        };
+        (!found.lengths.is_empty()).then_some(found)
+    }
+
+    fn text(&self) -> String {
+        let several = |values: &[f64], errors: &[Option<f64>]| {
+            let numbers = values.iter().zip(errors);
+            let words: Vec<String> = numbers.map(|(x, error)| with_error(*x, *error)).collect();
+            words.join(", ")
+        };
+        let lengths = several(&self.lengths, &self.length_errors);
+        if self.tilt_factors.is_empty() {
+            return format!("box {lengths}");
+        }
+        let tilts = several(&self.tilt_factors, &self.tilt_factor_errors);
+        format!("box {lengths}; tilt factors {tilts}")
+    }
+}
+
+/// The tilt factors of a box; none where its angles are right.
+pub(super) fn tilt_factors<const D: usize>(space: &PeriodicBox<D>) -> Vec<f64> {
+    match space.is_rectangular() {
+        true => Vec::new(),
+        false => space.tilt_factors(),
+    }
 }
 
 /// Bodies under gravity between walls. The pressures differ by the weight over the area, whatever the
@@ -174,6 +240,7 @@ impl Answer for HardBodyResult {
                 )
             ),
         ];
+        lines.extend(self.mean_box.as_ref().map(MeanBox::text));
         if let Some(walls) = &self.walls {
             lines.push(format!(
                 "pressure at the lower wall {}, at the upper {}; weight per area {:.5}",
@@ -344,13 +411,8 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let (lower, lower_error) = mean(|walls| walls.pressures[0]);
         let (upper, upper_error) = mean(|walls| walls.pressures[1]);
         let (height, height_error) = mean(|walls| walls.mean_height);
-        let area: f64 = open
-            .simulation
-            .system()
-            .edges()
-            .iter()
-            .take(D - 1)
-            .product();
+        let lengths = open.simulation.system().space().lengths();
+        let area: f64 = lengths.iter().take(D - 1).product();
         Some(WallsResult {
             lower_pressure: lower,
             lower_pressure_error: lower_error,
@@ -451,6 +513,13 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             open.trials += (next - done) * self.settings.bodies as u64;
             if next > start && (next - start).is_multiple_of(period) {
                 let sample = open.simulation.sample();
+                let space = open.simulation.system().space();
+                let (lengths, tilt_factors) = match self.settings.pressure.map(|kept| kept.freedom)
+                {
+                    None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
+                    Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
+                    Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
+                };
                 let row = LogRow {
                     sweep: next,
                     compressibility_factor: sample.compressibility_factor,
@@ -458,6 +527,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                     free_volume: sample.free_volume,
                     packing_fraction: sample.packing_fraction,
                     walls: sample.walls,
+                    box_lengths: lengths,
+                    box_tilt_factors: tilt_factors,
                 };
                 open.log.append(&row)?;
                 open.rows.push(row);
@@ -518,8 +589,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             bodies: system.len(),
             packing_fraction: packing,
             packing_fraction_error: packing_error,
-            box_edge: system.edges()[0],
-            box_edges: system.edges().to_vec(),
+            box_edge: system.space().lengths()[0],
+            box_edges: system.space().lengths().to_vec(),
+            box_tilt_factors: tilt_factors(system.space()),
+            mean_box: MeanBox::of(rows),
             sweeps: open
                 .simulation
                 .sweeps()
@@ -598,7 +671,7 @@ fn start<const D: usize>(
 fn profile<const D: usize>(open: &Open<D>) -> String {
     let system = open.simulation.system();
     let parts = open.simulation.heights().parts();
-    let height = system.edges()[D - 1] / parts.len().max(1) as f64;
+    let height = system.space().lengths()[D - 1] / parts.len().max(1) as f64;
     let volume = system.volume() / parts.len().max(1) as f64;
     let mut table = String::from("height,number_density,packing_fraction\n");
     for (bin, part) in parts.iter().enumerate() {
@@ -630,6 +703,7 @@ fn ball_volume<const D: usize>(radius: f64) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::hard_bodies::settings::Pressure;
 
     fn run(settings: &HardBodySettings, path: &Path) -> HardBodyResult {
         let end = run_hard_bodies(settings, path, &Execution::default()).unwrap();
@@ -638,8 +712,7 @@ mod tests {
 
     #[test]
     fn a_run_that_stops_and_goes_on_writes_the_same_bytes() {
-        let folder = tempfile::tempdir().unwrap();
-        let short = HardBodySettings {
+        let plain = HardBodySettings {
             shape: "tetrahedron".into(),
             bodies: 64,
             packing_fraction: 0.1,
@@ -647,17 +720,34 @@ mod tests {
             sweeps: 100,
             trajectory_every: 50,
             insertions: 10,
-            depletants: super::super::settings::parse_depletants("0.1:5").unwrap(),
             ..HardBodySettings::default()
         };
+        stops_and_goes_on(&HardBodySettings {
+            depletants: super::super::settings::parse_depletants("0.1:5").unwrap(),
+            ..plain.clone()
+        });
+        // A fluid, whose box soon is so tilted that other edges describe it.
+        stops_and_goes_on(&HardBodySettings {
+            pressure: Some(Pressure {
+                kt_per_volume: 0.5,
+                freedom: Freedom::Shape,
+            }),
+            ..plain
+        });
+    }
+
+    fn stops_and_goes_on(short: &HardBodySettings) {
+        let folder = tempfile::tempdir().unwrap();
         let long = HardBodySettings {
             sweeps: 300,
             ..short.clone()
         };
         let [parts, whole] = ["parts", "whole"].map(|name| folder.path().join(name));
-        run(&short, &parts);
+        run(short, &parts);
         let (in_parts, at_once) = (run(&long, &parts), run(&long, &whole));
         assert_eq!(in_parts.sweeps, 300);
+        assert_eq!(in_parts.mean_box, at_once.mean_box);
+        assert_eq!(in_parts.mean_box.is_some(), short.pressure.is_some());
         assert_eq!(
             in_parts.compressibility_factor,
             at_once.compressibility_factor

@@ -2,9 +2,9 @@
 
 use super::start::FLUID;
 use anyhow::{Result, bail};
+pub use protomer_hpmc::box_moves::{Freedom, Pressure};
 pub use protomer_hpmc::field::Gravity;
 use protomer_hpmc::reservoir::Depletant;
-pub use protomer_hpmc::simulation::Pressure;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 

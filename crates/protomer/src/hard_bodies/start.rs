@@ -6,6 +6,7 @@ use protomer_common::input::InputFile;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::{Site, UnitCell};
 use protomer_io::atomic::sha256_hex;
+use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::{Rotation, Vec3};
 use std::path::Path;
@@ -115,10 +116,11 @@ fn rotation<const D: usize>(numbers: &[f64]) -> Option<Rotation> {
     }
 }
 
-/// A unit cell: a line `cell` with its edges, and a line `site` for each body, with its place in parts of
-/// the edges and, if it is turned, an angle in degrees (plane) or a quaternion (space).
+/// A unit cell: a line `cell` with its edges and, unless they are right, the angles between them (see
+/// [`PeriodicBox::with_angles`]), and a line `site` for each body, with its place in parts of the edges and,
+/// if it is turned, an angle in degrees (plane) or a quaternion (space).
 fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
-    let mut edges = None;
+    let mut space = None;
     let mut sites = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
@@ -126,16 +128,19 @@ fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
         let Some(kind) = words.next() else { continue };
         let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
         let parsed = numbers.and_then(|numbers| {
-            let (own, turn) = numbers.split_at_checked(D)?;
+            let (own, angles) = numbers.split_at_checked(D)?;
             let own: [f64; D] = own.try_into().ok()?;
-            match (kind, turn) {
-                ("cell", []) if edges.is_none() => edges = Some(own),
-                ("site", _) => sites.push(Site {
+            match (kind, angles) {
+                ("cell", angles) if space.is_none() => {
+                    space = Some(PeriodicBox::with_angles(&own, angles).ok()?);
+                }
+                ("site", []) => sites.push(Site {
                     place: own,
-                    rotation: match turn {
-                        [] => Rotation::identity(),
-                        turn => rotation::<D>(turn)?,
-                    },
+                    rotation: Rotation::identity(),
+                }),
+                ("site", turn) => sites.push(Site {
+                    place: own,
+                    rotation: rotation::<D>(turn)?,
                 }),
                 _ => return None,
             }
@@ -143,19 +148,24 @@ fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
         });
         if parsed.is_none() {
             bail!(
-                "{name}:{}: '{line}' is not understood; write 'cell' and {D} edges once, and for each \
+                "{name}:{}: '{line}' is not understood; write 'cell' and {D} edges once{}, and for each \
                  body 'site', {D} parts of the edges and, if it is turned, its {}",
                 number + 1,
-                if D == 2 {
-                    "angle in degrees"
-                } else {
-                    "quaternion (scalar first)"
+                match D {
+                    1 => "",
+                    2 => " (and the angle between them in degrees, if it is not right)",
+                    _ =>
+                        " (and the angles α, β and γ between them in degrees, if they are not right)",
+                },
+                match D {
+                    2 => "angle in degrees",
+                    _ => "quaternion (scalar first)",
                 }
             );
         }
     }
-    match (edges, sites.is_empty()) {
-        (Some(edges), false) => Ok(UnitCell { edges, sites }),
+    match (space, sites.is_empty()) {
+        (Some(space), false) => Ok(UnitCell { space, sites }),
         (None, _) => {
             bail!("{name}: the edges of the cell are missing; write 'cell' and {D} numbers")
         }
@@ -172,14 +182,25 @@ mod tests {
     fn cells_are_read_and_errors_name_the_line() {
         let text = "# two bodies\ncell 1 1, 2\nsite 0 0 0\nsite 0.5 0.5 0.5 1 0 0 1 # turned\n";
         let cell = parse_cell::<3>("file", text).unwrap();
-        assert_eq!((cell.edges, cell.sites.len()), ([1.0, 1.0, 2.0], 2));
+        assert_eq!(
+            (cell.space.lengths(), cell.sites.len()),
+            (&[1.0, 1.0, 2.0], 2)
+        );
         let angle = cell.sites[1].rotation.angle();
         assert!(
             (angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12,
             "{angle}"
         );
+        let oblique = parse_cell::<2>("file", "cell 2 1 120\nsite 0 0").unwrap();
+        let [xy] = oblique.space.tilt_factors()[..] else {
+            unreachable!()
+        };
+        assert!((xy + 3.0_f64.sqrt().recip()).abs() < 1e-12, "{xy}");
         for text in [
             "cell 1 1 1\nsite 0 0",
+            "site 0 0 0\ncell 1 1 1 90 90",
+            "site 0 0 0\ncell 1 1 1 60 60 130",
+            "site 0 0 0\ncell 1 1 0",
             "cell 1 1 1\ncell 1 1 1",
             "cell 1 1 1\nsite 0 0 0 0 0 0 0",
             "cell 1 1 1\natom 0 0 0",

@@ -69,11 +69,10 @@ impl Answer for StaticFreeVolumes {
     }
 }
 
-/// Computes the free volumes of a crystal for all packing fractions and depletants. Whether its bodies
-/// overlap is not checked.
+/// Computes the free volumes of a crystal for all packing fractions and depletants.
 ///
 /// # Errors
-/// For a shape in a plane, an unknown crystal, and numbers that are not positive.
+/// For a shape in a plane, an unknown crystal, bodies that overlap in it, and numbers that are not positive.
 ///
 /// ```
 /// use protomer::hard_bodies::static_free_volume::{StaticFreeVolumeSettings, static_free_volumes};
@@ -105,8 +104,7 @@ pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<Static
     let mut rows = Vec::new();
     for packing_fraction in settings.packing_fractions.iter().copied() {
         let crystal = Crystal::new(&cell, &body, cell.sites.len(), packing_fraction)?;
-        let shortest = crystal.edges.iter().copied().fold(f64::INFINITY, f64::min);
-        let lines_per_length = settings.lines as f64 / shortest;
+        let lines_per_length = settings.lines as f64 / crystal.space.smallest_length();
         for depletant_radius in settings.depletant_radii.iter().copied() {
             let found = static_free_volume(
                 &crystal,

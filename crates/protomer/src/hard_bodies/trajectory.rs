@@ -66,30 +66,35 @@ fn shape<const D: usize>(body: &HardBody<D>) -> Value {
     json!({ "type": kind, "rounding_radius": rounding, "vertices": vertices })
 }
 
-/// The data that changes from frame to frame; the box is centred on the origin.
+/// The data that changes from frame to frame; the box is centred on the origin, and given by its lengths and
+/// tilt factors.
 fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
-    let edges = system.edges();
+    let space = system.space();
+    let middle = space.at(&[0.5; D]);
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());
     for (place, rotation) in system.positions().iter().zip(system.rotations()) {
         let mut centre = [0.0_f32; 3];
         for axis in 0..D {
-            centre[axis] = (place[axis] - 0.5 * edges[axis]) as f32;
+            centre[axis] = (place[axis] - middle[axis]) as f32;
         }
         positions.extend(centre);
         let q = rotation.quaternion();
         orientations.extend([q.w, q.i, q.j, q.k].map(|x| x as f32));
     }
     // Without a depth a box is flat; a line is drawn as a strip.
-    let mut lengths = vec![0.0; 6];
-    for (length, edge) in lengths.iter_mut().zip(edges) {
-        *length = *edge as f32;
+    let mut numbers = vec![0.0; 6];
+    for (number, length) in numbers.iter_mut().zip(space.lengths()) {
+        *number = *length as f32;
+    }
+    for (number, factor) in numbers[3..].iter_mut().zip(space.tilt_factors()) {
+        *number = factor as f32;
     }
     if D == 1 {
-        lengths[1] = 2.0 * system.body().outer_radius as f32;
+        numbers[1] = 2.0 * system.body().outer_radius as f32;
     }
     vec![
         Chunk::new("configuration/step", 1, ChunkData::U64(vec![sweep])),
-        Chunk::new("configuration/box", 1, ChunkData::F32(lengths)),
+        Chunk::new("configuration/box", 1, ChunkData::F32(numbers)),
         Chunk::new("particles/N", 1, ChunkData::U32(vec![system.len() as u32])),
         Chunk::new("particles/position", 3, ChunkData::F32(positions)),
         Chunk::new("particles/orientation", 4, ChunkData::F32(orientations)),

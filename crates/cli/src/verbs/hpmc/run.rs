@@ -1,6 +1,6 @@
 //! `protomer hpmc run`: one run in its directory.
 
-use super::system::SystemArgs;
+use super::system::{SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -29,6 +29,9 @@ pub struct RunArgs {
     /// At constant pressure, change each edge of the box on its own; for crystals.
     #[arg(long, requires = "pressure")]
     anisotropic: bool,
+    /// At constant pressure, change the lengths and the angles of the box; for crystals.
+    #[arg(long, requires = "pressure", conflicts_with = "anisotropic")]
+    triclinic: bool,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -46,7 +49,7 @@ impl RunArgs {
             seed: self.seed,
             pressure: self.pressure.map(|kt_per_volume| Pressure {
                 kt_per_volume,
-                is_anisotropic: self.anisotropic,
+                freedom: freedom(self.anisotropic, self.triclinic),
             }),
             ..self.system.settings()?
         };

@@ -1,6 +1,6 @@
 //! `protomer hpmc sweep`: an equation of state in its directory.
 
-use super::system::SystemArgs;
+use super::system::{SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -52,6 +52,9 @@ pub struct SweepArgs {
     /// With --pressures, change each edge of the box on its own; for crystals.
     #[arg(long, requires = "pressures")]
     anisotropic: bool,
+    /// With --pressures, change the lengths and the angles of the box; for crystals.
+    #[arg(long, requires = "pressures", conflicts_with = "anisotropic")]
+    triclinic: bool,
     /// Runs at each condition: seeds 1, 2, ...
     #[arg(long, default_value_t = 1)]
     seeds: u64,
@@ -90,7 +93,7 @@ impl SweepArgs {
                 packing_fraction: self.packing_fraction.unwrap_or(of_a_run.packing_fraction),
                 pressure: self.pressures.first().map(|kt_per_volume| Pressure {
                     kt_per_volume: *kt_per_volume,
-                    is_anisotropic: self.anisotropic,
+                    freedom: freedom(self.anisotropic, self.triclinic),
                 }),
                 ..of_a_run
             },

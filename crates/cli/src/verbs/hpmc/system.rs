@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use clap::Args;
-use protomer::hard_bodies::settings::{Gravity, HardBodySettings, parse_depletants};
+use protomer::hard_bodies::settings::{Freedom, Gravity, HardBodySettings, parse_depletants};
 use protomer::hard_bodies::start::FLUID;
 
 /// Bodies, their box, and what is measured.
@@ -58,6 +58,15 @@ pub struct SystemArgs {
     /// Points per measurement, for free volumes [default: ten per body].
     #[arg(long, value_name = "NUMBER")]
     points: Option<usize>,
+}
+
+/// What of the box changes at constant pressure.
+pub fn freedom(anisotropic: bool, triclinic: bool) -> Freedom {
+    match (anisotropic, triclinic) {
+        (_, true) => Freedom::Shape,
+        (true, false) => Freedom::Lengths,
+        (false, false) => Freedom::Volume,
+    }
 }
 
 impl SystemArgs {

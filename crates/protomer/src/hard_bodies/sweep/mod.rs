@@ -126,7 +126,11 @@ impl HardBodySweepSettings {
                 self.seeds.len()
             );
         }
-        let is_anisotropic = self.run.pressure.is_some_and(|kept| kept.is_anisotropic);
+        let freedom = self
+            .run
+            .pressure
+            .map(|kept| kept.freedom)
+            .unwrap_or_default();
         let mut tasks: Vec<Task> = Vec::new();
         for seed in self.seeds.iter().copied() {
             for (condition, value) in values.iter().copied().enumerate() {
@@ -139,7 +143,7 @@ impl HardBodySweepSettings {
                     _ => {
                         settings.pressure = Some(Pressure {
                             kt_per_volume: value,
-                            is_anisotropic,
+                            freedom,
                         });
                     }
                 }

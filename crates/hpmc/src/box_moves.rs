@@ -1,0 +1,266 @@
+//! Trial changes of the box at constant pressure.
+//!
+//! A change deforms space: x → E x with an upper triangular E. It acts on the edges of the box, h → E h, and on
+//! the centres of the bodies alike, and leaves orientations as they are. It is refused if bodies overlap then.
+//!
+//! **What is sampled.** Boxes h = N diag(L) have lengths L and tilt factors n, the entries of N (see
+//! [`periodic_box`](protomer_kernel::periodic_box)). Places in parts of the edges make a state of N bodies
+//! weigh V^N exp(-βPV), and boxes are weighed by
+//!
+//! ```text
+//! V ∏ d(ln L_k) ∏ dn_kj = dV · (a measure on shapes)
+//! ```
+//!
+//! This is the measure on shapes that depends neither on how the box is turned nor on which edges describe
+//! the lattice of its images: the right Haar measure of the upper triangular matrices, the part of dh/V^D
+//! that is left when rotations are taken out. The volume of an ideal gas then has the density V^N exp(-βPV),
+//! as in a cube.
+//!
+//! **Detailed balance.** A change and its inverse are equally likely, so a change is accepted with
+//! min(1, J π'/π), where π = V^(N+1) exp(-βPV) is the density in ln L and n, and J the factor by which the
+//! change enlarges ∏ d(ln L) ∏ dn (Green, Biometrika 82, 711 (1995)):
+//!
+//! | change | E | ln(J π'/π) |
+//! |---|---|---|
+//! | volume | e^(g/D) | (N + 1) g - βP(V' - V) (Wood, J. Chem. Phys. 48, 415 (1968)) |
+//! | length along an axis, angles stay right | 1, but e^g there | the same |
+//! | stretch along i, and j is shorter | 1, but e^g at i, e^-g at j | 2 (j - i) g |
+//! | shear | 1, and s in row i, column j > i | 0 |
+//!
+//! The factor e^g at i multiplies the D - i tilt factors in row i by e^g and the i - 1 in column i by e^-g, so a
+//! stretch has J = e^((D + 1 - 2i) g - (D + 1 - 2j) g). Without tilt there are none of these, and J = 1. A shear
+//! adds s times row j of N to row i, which changes no volume in n.
+//!
+//! **Other edges.** E acts from the left, a change of edges h → h M with a matrix M of integers from the right, so
+//! it does not matter whether it comes before or after: edges that overhang far may be reduced at any time.
+//!
+//! **Bounds.** In a fluid no shape is better than another, so shapes would wander off. A stretch is refused
+//! if a length, at equal volume, would become more than twice or less than half of what it was at the start. With
+//! tilt, the same lattice of images can occur within these bounds with several sets of edges.
+
+use crate::system::{Counts, System};
+use protomer_kernel::periodic_box::PeriodicBox;
+use protomer_kernel::random::CounterRng;
+use serde::{Deserialize, Serialize};
+
+/// Acceptance that the steps are tuned to.
+const ACCEPTANCE: f64 = 0.3;
+/// Fewer changes say little about their acceptance.
+const ENOUGH: u64 = 40;
+/// The first largest step, and the largest at all.
+const FIRST_STEP: f64 = 0.01;
+const LARGEST_STEP: f64 = 1.0;
+/// A length of the box at equal volume stays within this factor of the first.
+const WIDEST: f64 = 2.0;
+
+/// What of the box changes at constant pressure.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Freedom {
+    /// The volume; the shape stays.
+    #[default]
+    Volume,
+    /// Each length on its own; angles stay right.
+    Lengths,
+    /// Volume, lengths and tilts.
+    Shape,
+}
+
+/// A constant pressure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pressure {
+    /// βP, kT per volume; in a plane, per area.
+    pub kt_per_volume: f64,
+    /// What of the box changes.
+    #[serde(default)]
+    pub freedom: Freedom,
+}
+
+/// A largest step and how changes with it were accepted since it was tuned last.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxStep {
+    /// The largest g or s.
+    pub largest: f64,
+    /// Changes since the last tuning.
+    pub counts: Counts,
+}
+
+impl Freedom {
+    /// Trial changes in a sweep. Most end at the first overlap, after a small part of a sweep.
+    pub(crate) fn trials(self) -> u32 {
+        match self {
+            Self::Volume | Self::Lengths => 4,
+            Self::Shape => 8,
+        }
+    }
+}
+
+impl Default for BoxStep {
+    fn default() -> Self {
+        Self {
+            largest: FIRST_STEP,
+            counts: Counts::default(),
+        }
+    }
+}
+
+impl BoxStep {
+    fn tune(&mut self) {
+        if self.counts.trials >= ENOUGH {
+            let factor = (self.counts.acceptance() / ACCEPTANCE).clamp(0.5, 1.5);
+            self.largest = (self.largest * factor).min(LARGEST_STEP);
+            self.counts = Counts::default();
+        }
+    }
+}
+
+/// The steps of all changes, and the shape at the start.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoxMoves {
+    /// Of the volume, or of one length.
+    pub volume: BoxStep,
+    /// Of a stretch.
+    pub stretch: BoxStep,
+    /// Of a shear.
+    pub shear: BoxStep,
+    /// Lengths of the box at the start, at a volume of one.
+    pub first_shape: Vec<f64>,
+}
+
+/// A deformation of space.
+#[derive(Debug, Clone, Copy)]
+enum Change {
+    /// By the logarithm of a factor of the volume.
+    Volume(f64),
+    /// Of the length along an axis, counted from zero, by the logarithm of a factor.
+    Length(usize, f64),
+    /// Of the first axis by the logarithm of a factor, and of the second by its inverse.
+    Stretch([usize; 2], f64),
+    /// Of the first axis, by a part of the coordinate along the second.
+    Shear([usize; 2], f64),
+}
+
+impl BoxMoves {
+    /// For a run that begins in this box.
+    pub(crate) fn new<const D: usize>(space: &PeriodicBox<D>) -> Self {
+        Self {
+            first_shape: shape(space).to_vec(),
+            ..Self::default()
+        }
+    }
+
+    /// The accepted part of all changes, since their steps were tuned last.
+    pub(crate) fn acceptance(&self) -> f64 {
+        let (mut trials, mut accepted) = (0, 0);
+        for step in [&self.volume, &self.stretch, &self.shear] {
+            trials += step.counts.trials;
+            accepted += step.counts.accepted;
+        }
+        Counts { trials, accepted }.acceptance()
+    }
+
+    pub(crate) fn tune(&mut self) {
+        for step in [&mut self.volume, &mut self.stretch, &mut self.shear] {
+            step.tune();
+        }
+    }
+
+    /// One trial change, with the numbers of a stream; `number` says which of a sweep.
+    pub(crate) fn change<const D: usize>(
+        &mut self,
+        system: &mut System<D>,
+        pressure: &Pressure,
+        number: u32,
+        rng: &mut CounterRng,
+    ) {
+        let change = self.propose::<D>(pressure.freedom, number, rng);
+        let by = change.deformation::<D>();
+        let is_likely = rng.uniform() < change.weight(system, pressure).exp();
+        let step = match change {
+            Change::Volume(_) | Change::Length(..) => &mut self.volume,
+            Change::Stretch(..) => &mut self.stretch,
+            Change::Shear(..) => &mut self.shear,
+        };
+        let is_allowed = match change {
+            Change::Stretch(..) => is_within(&self.first_shape, &system.space().deformed(&by)),
+            _ => true,
+        };
+        let is_accepted = is_likely && is_allowed && system.try_deform(&by);
+        step.counts.note(is_accepted);
+    }
+
+    /// Of eight changes of a shape, one is of the volume, three are stretches and four shears.
+    fn propose<const D: usize>(
+        &self,
+        freedom: Freedom,
+        number: u32,
+        rng: &mut CounterRng,
+    ) -> Change {
+        let part = rng.uniform_in(-1.0, 1.0);
+        let (growth, stretch) = (self.volume.largest * part, self.stretch.largest * part);
+        match (freedom, number % 8) {
+            (Freedom::Lengths, _) => Change::Length(rng.index(D), growth),
+            (Freedom::Volume, _) | (Freedom::Shape, 0) => Change::Volume(growth),
+            _ if D == 1 => Change::Volume(growth),
+            (_, 1 | 3 | 5) => Change::Stretch(pair::<D>(rng), stretch),
+            _ => Change::Shear(pair::<D>(rng), self.shear.largest * part),
+        }
+    }
+}
+
+/// Whether each length, at equal volume, is within its bounds.
+fn is_within<const D: usize>(first_shape: &[f64], space: &PeriodicBox<D>) -> bool {
+    let lengths = shape(space).into_iter().zip(first_shape);
+    let mut factors = lengths.map(|(length, first)| length / first);
+    factors.all(|factor| (WIDEST.recip()..=WIDEST).contains(&factor))
+}
+
+/// Two axes, the lower first.
+fn pair<const D: usize>(rng: &mut CounterRng) -> [usize; 2] {
+    match rng.index(D * (D - 1) / 2) {
+        0 => [0, 1],
+        1 => [0, 2],
+        _ => [1, 2],
+    }
+}
+
+/// The lengths at a volume of one.
+fn shape<const D: usize>(space: &PeriodicBox<D>) -> [f64; D] {
+    let unit = space.volume().powf(1.0 / D as f64);
+    space.lengths().map(|length| length / unit)
+}
+
+impl Change {
+    /// E, row by row.
+    fn deformation<const D: usize>(&self) -> [[f64; D]; D] {
+        let mut by = [[0.0; D]; D];
+        for (axis, row) in by.iter_mut().enumerate() {
+            row[axis] = match self {
+                Self::Volume(growth) => (growth / D as f64).exp(),
+                Self::Length(along, growth) if *along == axis => growth.exp(),
+                Self::Stretch([along, _], growth) if *along == axis => growth.exp(),
+                Self::Stretch([_, across], growth) if *across == axis => (-growth).exp(),
+                _ => 1.0,
+            };
+        }
+        if let Self::Shear([row, column], part) = self {
+            by[*row][*column] = *part;
+        }
+        by
+    }
+
+    /// ln(J π'/π).
+    fn weight<const D: usize>(&self, system: &System<D>, pressure: &Pressure) -> f64 {
+        match *self {
+            Self::Volume(growth) | Self::Length(_, growth) => {
+                let change = system.volume() * (growth.exp() - 1.0);
+                (system.len() as f64 + 1.0) * growth - pressure.kt_per_volume * change
+            }
+            Self::Stretch([along, across], growth) => 2.0 * (across as f64 - along as f64) * growth,
+            Self::Shear(..) => 0.0,
+        }
+    }
+}
