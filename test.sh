@@ -18,7 +18,7 @@ lints() {
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --locked -- -D warnings
     # The command line without networks and voxel sets, for those who do not need them.
-    cargo clippy --workspace --exclude protomer-python --no-default-features --locked -- -D warnings
+    cargo clippy -p protomer-cli --no-default-features --locked -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 }
 

@@ -1,6 +1,7 @@
 """Shared fixtures: the binary, the bundled structures, and small generated bodies."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,16 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 STRUCTURES = sorted((ROOT / "data" / "structures").glob("*.gz"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """Energy tables are kept from test to test, as a user's are from run to run, but not in the tester's own cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        # test.sh has one for all tests.
+        folder = os.environ.get("PROTOMER_TEST_CACHE_DIR") or str(tmp_path_factory.mktemp("cache"))
+        patch.setenv("PROTOMER_CACHE_DIR", folder)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """Small input for the tests: two variants of the bundled BPTI, and a ring of them."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,16 @@ import protomer as pm
 
 ROOT = Path(__file__).resolve().parents[2]
 BPTI = ROOT / "data" / "structures" / "5pti.cif.gz"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory):
+    """Energy tables are kept from test to test, as a user's are from run to run, but not in the tester's own cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        # test.sh has one for all tests.
+        folder = os.environ.get("PROTOMER_TEST_CACHE_DIR") or str(tmp_path_factory.mktemp("cache"))
+        patch.setenv("PROTOMER_CACHE_DIR", folder)
+        yield
 
 
 @pytest.fixture(scope="session")

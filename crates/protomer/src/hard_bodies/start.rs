@@ -116,6 +116,36 @@ fn rotation<const D: usize>(numbers: &[f64]) -> Option<Rotation> {
     }
 }
 
+/// A line of the file of a unit cell.
+enum CellLine<const D: usize> {
+    /// `cell`: edges, and angles between them in degrees.
+    Cell([f64; D], Vec<f64>),
+    /// `site`: a body.
+    Site(Site<D>),
+}
+
+/// `None` if the words do not make a line.
+fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
+    let (kind, numbers) = words.split_first()?;
+    let numbers: Option<Vec<f64>> = numbers.iter().map(|word| word.parse().ok()).collect();
+    let numbers = numbers?;
+    let (own, further) = numbers.split_at_checked(D)?;
+    let own: [f64; D] = own.try_into().ok()?;
+    match (*kind, further) {
+        ("cell", angles) if angles.is_empty() || angles.len() == D * (D - 1) / 2 => {
+            Some(CellLine::Cell(own, angles.to_vec()))
+        }
+        ("site", turn) => Some(CellLine::Site(Site {
+            place: own,
+            rotation: match turn {
+                [] => Rotation::identity(),
+                turn => rotation::<D>(turn)?,
+            },
+        })),
+        _ => None,
+    }
+}
+
 /// A unit cell: a line `cell` with its edges and, unless they are right, the angles between them (see
 /// [`PeriodicBox::with_angles`]), and a line `site` for each body, with its place in parts of the edges and,
 /// if it is turned, an angle in degrees (plane) or a quaternion (space).
@@ -124,44 +154,18 @@ fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
     let mut sites = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let line = line.split('#').next().unwrap_or_default().trim();
-        let mut words = line.split([' ', '\t', ',']).filter(|word| !word.is_empty());
-        let Some(kind) = words.next() else { continue };
-        let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok()).collect();
-        let parsed = numbers.and_then(|numbers| {
-            let (own, angles) = numbers.split_at_checked(D)?;
-            let own: [f64; D] = own.try_into().ok()?;
-            match (kind, angles) {
-                ("cell", angles) if space.is_none() => {
-                    space = Some(PeriodicBox::with_angles(&own, angles).ok()?);
-                }
-                ("site", []) => sites.push(Site {
-                    place: own,
-                    rotation: Rotation::identity(),
-                }),
-                ("site", turn) => sites.push(Site {
-                    place: own,
-                    rotation: rotation::<D>(turn)?,
-                }),
-                _ => return None,
+        let separated = line.split([' ', '\t', ',']);
+        let words: Vec<&str> = separated.filter(|word| !word.is_empty()).collect();
+        if words.is_empty() {
+            continue;
+        }
+        let place = format!("{name}:{}", number + 1);
+        match cell_line::<D>(&words) {
+            Some(CellLine::Cell(edges, angles)) if space.is_none() => {
+                space = Some(PeriodicBox::with_angles(&edges, &angles).context(place)?);
             }
-            Some(())
-        });
-        if parsed.is_none() {
-            bail!(
-                "{name}:{}: '{line}' is not understood; write 'cell' and {D} edges once{}, and for each \
-                 body 'site', {D} parts of the edges and, if it is turned, its {}",
-                number + 1,
-                match D {
-                    1 => "",
-                    2 => " (and the angle between them in degrees, if it is not right)",
-                    _ =>
-                        " (and the angles α, β and γ between them in degrees, if they are not right)",
-                },
-                match D {
-                    2 => "angle in degrees",
-                    _ => "quaternion (scalar first)",
-                }
-            );
+            Some(CellLine::Site(site)) => sites.push(site),
+            _ => bail!("{place}: '{line}' is not understood; {}", what_to_write(D)),
         }
     }
     match (space, sites.is_empty()) {
@@ -171,6 +175,24 @@ fn parse_cell<const D: usize>(name: &str, text: &str) -> Result<UnitCell<D>> {
         }
         (_, true) => bail!("{name}: there is no body; write 'site' and {D} parts of the edges"),
     }
+}
+
+fn what_to_write(dimensions: usize) -> String {
+    let (angles, turn) = match dimensions {
+        1 => ("", "quaternion (scalar first)"),
+        2 => (
+            " (and the angle between them in degrees, if it is not right)",
+            "angle in degrees",
+        ),
+        _ => (
+            " (and the angles α, β and γ between them in degrees, if they are not right)",
+            "quaternion (scalar first)",
+        ),
+    };
+    format!(
+        "write 'cell' and {dimensions} edges once{angles}, and for each body 'site', {dimensions} parts of the \
+         edges and, if it is turned, its {turn}"
+    )
 }
 
 #[cfg(test)]
@@ -205,7 +227,7 @@ mod tests {
             "cell 1 1 1\nsite 0 0 0 0 0 0 0",
             "cell 1 1 1\natom 0 0 0",
         ] {
-            let words = parse_cell::<3>("file", text).unwrap_err().to_string();
+            let words = format!("{:#}", parse_cell::<3>("file", text).unwrap_err());
             assert!(words.starts_with("file:2: "), "{words}");
         }
         assert!(parse_cell::<2>("file", "site 0 0").is_err());
