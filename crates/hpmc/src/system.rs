@@ -317,7 +317,7 @@ impl<const D: usize> System<D> {
             *place = space.wrap(&moved);
         }
         self.sort();
-        // A direction that separated two bodies before a small change still does.
+        // Pairs first try the direction that separated them last: after a small change it mostly still does.
         let is_blocked = (0..self.len()).any(|body| self.collides(&self.where_it_is(body)));
         if !is_blocked {
             return true;

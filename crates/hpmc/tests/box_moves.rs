@@ -2,24 +2,16 @@
 
 #![allow(clippy::unwrap_used)] // a test fails by panicking
 
+mod common;
+
+use common::pressed;
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::box_moves::{Freedom, Pressure};
+use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::statistics::{Summary, summarize};
-
-fn pressed(kt_per_volume: f64, freedom: Freedom) -> Settings {
-    Settings {
-        equilibration_sweeps: 2000,
-        pressure: Some(Pressure {
-            kt_per_volume,
-            freedom,
-        }),
-        ..Settings::default()
-    }
-}
 
 /// The boxes after every fifth sweep.
 fn boxes<const D: usize>(

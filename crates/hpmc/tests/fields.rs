@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used)] // a test fails by panicking
 
+mod common;
+
+use common::pressed;
 use protomer_hpmc::body::HardBody;
-use protomer_hpmc::box_moves::{Freedom, Pressure};
+use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::field::Gravity;
 use protomer_hpmc::simulation::{Sample, Settings, Simulation};
@@ -39,17 +42,6 @@ fn assert_mean(series: &[f64], exact: f64, precision: f64, what: &str) {
         off < 4.0 * found.standard_error,
         "{what}: {exact}, {found:?}"
     );
-}
-
-fn pressed(kt_per_volume: f64, freedom: Freedom) -> Settings {
-    Settings {
-        equilibration_sweeps: 2000,
-        pressure: Some(Pressure {
-            kt_per_volume,
-            freedom,
-        }),
-        ..Settings::default()
-    }
 }
 
 /// The volume of an ideal gas has the density V^N exp(-βPV), the mean (N + 1)/βP.
