@@ -28,7 +28,7 @@ from ._verbs import *  # noqa: F403
 from ._verbs import __all__ as _verb_names
 from ._assembly import Assembly, Frame, Trajectory
 from ._body import Body
-from . import dynamics
+from . import dynamics, structure
 from ._sets import VoxelSet
 from ._log import read_log
 from .results import *  # noqa: F403
@@ -53,6 +53,7 @@ __all__ = [
     "__version__",
     "dynamics",
     "read_log",
+    "structure",
     *_result_names,
     *_verb_names,
 ]
