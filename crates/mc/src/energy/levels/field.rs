@@ -125,12 +125,13 @@ impl Field {
         let sampler = Sampler::new();
         let sites = Sites::new(charges);
         let centres = field.number_cells(&sites);
+        let weights = truncation_weights();
         for (centre, edge) in centres {
             let (values, nearest) = sites.sample(split, &sampler, centre, edge);
             let series = sampler.series(&values);
             field.add_cell(
                 nearest as f32,
-                truncation_errors(&series),
+                truncation_errors(&series, &weights),
                 Fine::new(&series),
             );
         }
@@ -396,19 +397,27 @@ impl Field {
 
 /// Mean squares of what a series leaves out: of the coarse one, all other coefficients; of the fine
 /// one, no more than those it drops and the last ones along an axis, whose successors are smaller.
-/// Each factor T_n with n > 0 has the mean square 1/2.
-fn truncation_errors(series: &[f64]) -> [f32; 2] {
+fn truncation_errors(series: &[f64], weights: &[[f64; 2]]) -> [f32; 2] {
     let mut errors = [0.0; 2];
-    for (place, coefficient) in series.iter().enumerate() {
-        let orders = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
-        let halves = orders.iter().filter(|n| **n > 0).count() as i32;
-        let square = coefficient * coefficient * 0.5_f64.powi(halves);
-        let highest = orders.into_iter().max().unwrap_or(0);
-        let is_last = highest == FINE - 1 || !Fine::keeps(orders);
-        errors[0] += if Packed::keeps(orders) { 0.0 } else { square };
-        errors[1] += if is_last { square } else { 0.0 };
+    for (coefficient, weight) in series.iter().zip(weights) {
+        let square = coefficient * coefficient;
+        errors[0] += square * weight[0];
+        errors[1] += square * weight[1];
     }
     errors.map(|square| square as f32)
+}
+
+/// By how much the square of each coefficient counts in the errors of the coarse and of the fine
+/// series. Each factor T_n with n > 0 has the mean square 1/2.
+fn truncation_weights() -> Vec<[f64; 2]> {
+    let weights = |place: usize| {
+        let orders = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
+        let halves = orders.iter().filter(|n| **n > 0).count() as i32;
+        let mean_square = 0.5_f64.powi(halves);
+        let is_last = orders.contains(&(FINE - 1)) || !Fine::keeps(orders);
+        [!Packed::keeps(orders), is_last].map(|counts| if counts { mean_square } else { 0.0 })
+    };
+    (0..FINE * FINE * FINE).map(weights).collect()
 }
 
 /// The least k ≥ 0 with x below 2^k, from the exponent.

@@ -41,14 +41,16 @@ pub(super) fn fit<P: SitePotential>(
     let mut present = problem.start(charges, count);
     let mut cost = problem.residual(&present).norm_squared();
     let mut damping = 1e-3;
+    let mut slopes = problem.slopes(&present);
     for _ in 0..STEPS {
-        let Some(trial) = problem.step(&present, damping) else {
+        let Some(trial) = problem.step(&present, &slopes, damping) else {
             damping *= 10.0;
             continue;
         };
         let trial_cost = problem.residual(&trial).norm_squared();
         if trial_cost < cost {
             (present, cost, damping) = (trial, trial_cost, damping * 0.2);
+            slopes = problem.slopes(&present);
         } else {
             damping *= 6.0;
         }
@@ -61,6 +63,12 @@ pub(super) fn fit<P: SitePotential>(
         charges: present,
         error: (near / NEAR_POINTS as f64).sqrt(),
     }
+}
+
+/// Half of the first derivatives of the squared error, Jᵀr, and of its second ones, JᵀJ.
+struct Slopes {
+    gradient: DVector<f64>,
+    normal: DMatrix<f64>,
 }
 
 /// The potential that is to be met, at points with weights.
@@ -125,8 +133,7 @@ impl<'a, P: SitePotential> Problem<'a, P> {
         DVector::from_iterator(self.points.len(), found) - &self.wanted
     }
 
-    /// A Levenberg-Marquardt step; `None` where the normal equations have no solution.
-    fn step(&self, charges: &[(Vec3, f64)], damping: f64) -> Option<Vec<(Vec3, f64)>> {
+    fn slopes(&self, charges: &[(Vec3, f64)]) -> Slopes {
         let mut jacobian = DMatrix::zeros(self.points.len(), 4 * charges.len());
         for (row, (x, weight)) in self.points.iter().enumerate() {
             for (k, (y, charge)) in charges.iter().enumerate() {
@@ -140,13 +147,25 @@ impl<'a, P: SitePotential> Problem<'a, P> {
                 }
             }
         }
-        let gradient = jacobian.tr_mul(&self.residual(charges));
-        let mut normal = jacobian.tr_mul(&jacobian);
+        Slopes {
+            gradient: jacobian.tr_mul(&self.residual(charges)),
+            normal: jacobian.tr_mul(&jacobian),
+        }
+    }
+
+    /// A Levenberg-Marquardt step; `None` where the normal equations have no solution.
+    fn step(
+        &self,
+        charges: &[(Vec3, f64)],
+        slopes: &Slopes,
+        damping: f64,
+    ) -> Option<Vec<(Vec3, f64)>> {
+        let mut normal = slopes.normal.clone();
         let scale = normal.diagonal().max();
         for k in 0..normal.nrows() {
             normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * scale;
         }
-        let change = normal.cholesky()?.solve(&gradient);
+        let change = normal.cholesky()?.solve(&slopes.gradient);
         let moved = charges.iter().enumerate().map(|(k, (y, charge))| {
             let shift = Vec3::new(change[4 * k + 1], change[4 * k + 2], change[4 * k + 3]);
             (self.inside(y - shift), charge - change[4 * k])
