@@ -66,7 +66,7 @@ def test_layers_of_cubic_diamond_repeat_after_three_and_of_hexagonal_after_two()
         (hexagonal_diamond(5), np.array([0.0, 0.0, 1.0]), 2),
     ]:
         bond = np.linalg.norm(found._four_nearest(0)[1][0, 0])
-        correlation = found.autocorrelation(up=axis, spacing=0.07 * bond, width=0.09 * bond, reach=4.2 * bond)
+        correlation = found.autocorrelation(up=axis, spacing=0.09 * bond, width=0.085 * bond, reach=4.1 * bond)
         centre = len(correlation.lateral) // 2
         assert correlation.layer(0.0)[centre, centre] == pytest.approx(1.0)
         # Layers are 4/3 of a bond apart; a body stands above another where the stacking repeats.
@@ -76,7 +76,7 @@ def test_layers_of_cubic_diamond_repeat_after_three_and_of_hexagonal_after_two()
 
 
 def test_a_layer_has_six_neighbours() -> None:
-    correlation = cubic_diamond(4).autocorrelation(up=[1, 1, 1], spacing=0.1, width=0.15, reach=4.0)
+    correlation = cubic_diamond(4).autocorrelation(up=[1, 1, 1], spacing=0.15, width=0.15, reach=4.0)
     x, y = np.meshgrid(correlation.lateral, correlation.lateral, indexing="ij")
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     ring = np.abs(radius - np.sqrt(8.0)) < 0.3
@@ -108,7 +108,7 @@ def test_diffraction_has_the_symmetry_of_the_axis(along: list[int], fold: int) -
 
 def test_an_ideal_gas_has_no_structure() -> None:
     rng = np.random.default_rng(7)
-    frames, count, edge = 40, 400, 10.0
+    frames, count, edge = 20, 400, 10.0
     turns = rng.normal(size=(frames, count, 4))
     gas = Structure(
         rng.uniform(-edge / 2, edge / 2, size=(frames, count, 3)),
