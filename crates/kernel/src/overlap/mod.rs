@@ -44,7 +44,10 @@
 //!   decide nothing.
 //! * Lists of near triangles kept from trial to trial need too much room: a rotation of 0.04 rad
 //!   moves a far point of a body by 1 Å, so lists are rebuilt every few trials at the cost of several
-//!   queries.
+//!   queries. With a skin of 0.7 Å and 0.05 rad about the contact, and separate limits for every part
+//!   that was skipped, a test of the list of two bodies in contact costs less than the descent, but a
+//!   list has hundreds of pairs and takes some 40 µs to make: sixteen bodies close to contact made
+//!   21 000 moves per CPU-second instead of 42 000, the same decisions (2026-11-24).
 //! * A separating plane remembered for each pair of nodes at which the descent stopped, tested eight
 //!   at a time and fitted anew where it fails: on sixteen bodies close to contact a trial move then
 //!   visits 47 pairs of nodes instead of 258, but testing and fitting the planes costs what that

@@ -94,8 +94,11 @@ fn farther_images(
         Boundary::Periodic { lengths_angstrom } => *lengths_angstrom,
         Boundary::Open | Boundary::SphereWall { .. } => Vec3::repeat(f64::INFINITY),
     };
-    let shells = lengths.map(|length| (reach / length + 0.5).floor() as i64);
-    let range = |axis: usize| -shells[axis]..=shells[axis];
+    let range = |axis: usize| {
+        let first = ((-reach - nearest[axis]) / lengths[axis]).ceil() as i64;
+        let last = ((reach - nearest[axis]) / lengths[axis]).floor() as i64;
+        first..=last
+    };
     let (x, y, z) = (range(0), range(1), range(2));
     let cells = x.flat_map(move |i| {
         let z = z.clone();
@@ -130,4 +133,38 @@ pub(crate) fn require_room(system: &System, potential: &impl SitePotential) -> R
         });
     }
     Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn images_are_those_of_a_search_among_all() {
+        let mut rng = CounterRng::new(12, 0, 0);
+        let mut found_in_all = 0;
+        for _ in 0..200 {
+            let lengths = Vec3::from_fn(|_, _| rng.uniform_in(20.0, 90.0));
+            let nearest = lengths.map(|length| length * rng.uniform_in(-0.5, 0.5));
+            let reach = rng.uniform_in(5.0, 120.0);
+            let boundary = Boundary::periodic(lengths).unwrap();
+            let is_near = |displacement: &Vec3| displacement.norm() < reach;
+            let found: Vec<Vec3> = farther_images(&boundary, nearest, reach)
+                .filter(is_near)
+                .collect();
+            let mut expected = Vec::new();
+            for cell in 0..15 * 15 * 15 {
+                let cell = [cell / 225, cell / 15 % 15, cell % 15].map(|n| f64::from(n - 7));
+                let displacement = nearest + Vec3::from(cell).component_mul(&lengths);
+                if cell != [0.0; 3] && is_near(&displacement) {
+                    expected.push(displacement);
+                }
+            }
+            assert_eq!(found, expected);
+            found_in_all += found.len();
+        }
+        assert!(found_in_all > 1000, "{found_in_all}");
+    }
 }

@@ -28,7 +28,7 @@ pub(super) struct List {
     pub(super) expansion: Option<Expansion>,
     pub(super) near: NearPairs,
     /// All parts of the second body.
-    pub(super) parts: Vec<Part>,
+    pub(super) parts: Vec<Parts>,
     /// Variance of the energy of all points by the error model, kT².
     pub variance: f64,
     /// Whether some of the points are near the first body.
@@ -45,6 +45,46 @@ pub(super) struct Part {
     pub length: f32,
 }
 
+/// Sixteen parts.
+#[derive(Debug, Clone)]
+pub(super) struct Parts {
+    centre: [[f32; BLOCK]; 3],
+    radius: [f32; BLOCK],
+    limit: [f32; BLOCK],
+    length: [f32; BLOCK],
+}
+
+impl Parts {
+    /// These parts; empty lanes repeat the last.
+    pub fn new(parts: &[Part]) -> Vec<Self> {
+        let lanes = |parts: &[Part]| {
+            let part = |lane: usize| parts[lane.min(parts.len() - 1)];
+            let of = |value: fn(&Part) -> f32| std::array::from_fn(|lane| value(&part(lane)));
+            Self {
+                centre: [0, 1, 2].map(|axis| std::array::from_fn(|lane| part(lane).centre[axis])),
+                radius: of(|part| part.radius),
+                limit: of(|part| part.limit),
+                length: of(|part| part.length),
+            }
+        };
+        parts.chunks(BLOCK).map(lanes).collect()
+    }
+
+    /// Bounds on how far they move by a displacement, Å.
+    #[inline(always)]
+    fn distances(&self, displacement: &Motion) -> [f32; BLOCK] {
+        let [x, y, z] = &self.centre;
+        let [dx, dy, dz] = displacement.apply_lanes([x, y, z]);
+        let turn = displacement.turn();
+        let mut distances = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            let square = dx[lane] * dx[lane] + dy[lane] * dy[lane] + dz[lane] * dz[lane];
+            distances[lane] = square.sqrt() + turn * self.radius[lane];
+        }
+        distances
+    }
+}
+
 /// The energy of a list at a pose, kT.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ListEnergy {
@@ -59,10 +99,30 @@ pub(super) struct ListEnergy {
 impl List {
     /// Whether the points still serve at this pose.
     pub fn serves(&self, pose: &RelativePose) -> bool {
-        let motion = Motion::between(&self.reference, pose);
-        self.parts
-            .iter()
-            .all(|part| motion.distance(part.centre, part.radius) <= part.limit)
+        self.parts_stay(&Motion::between(&self.reference, pose))
+    }
+
+    vectorised! {
+        /// Whether no part moves farther than it may.
+        fn parts_stay[stay_avx512, stay_avx2, all_stay](
+            self: &Self,
+            displacement: &Motion
+        ) -> bool
+    }
+
+    #[inline(always)]
+    fn all_stay<const FUSED: bool>(&self, displacement: &Motion) -> bool {
+        for parts in &self.parts {
+            let distances = parts.distances(displacement);
+            let mut beyond = 0;
+            for lane in 0..BLOCK {
+                beyond |= i32::from(distances[lane] > parts.limit[lane]);
+            }
+            if beyond != 0 {
+                return false;
+            }
+        }
+        true
     }
 
     /// Variance of the change of the energy of all points from one pose to another by the error
@@ -75,13 +135,30 @@ impl List {
     /// errors of its points vary: 1 Å near the other body, more farther away; 1/3 rad everywhere.
     fn shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let motion = Motion::between(from, to);
-        let lengths = self
-            .parts
-            .iter()
-            .map(|part| motion.distance(part.centre, part.radius) / part.length);
-        let moved = f64::from(lengths.fold(ERRORS_PER_RADIAN * motion.turn(), f32::max));
+        let farthest = self.farthest_in_lengths(&motion);
+        let moved = f64::from((ERRORS_PER_RADIAN * motion.turn()).max(farthest));
         // In proportion to small moves, points cross into cells with other errors.
         (moved * (moved + CROSSINGS)).sqrt()
+    }
+
+    vectorised! {
+        /// How far the parts move at most, each in units of its length.
+        fn farthest_in_lengths[farthest_avx512, farthest_avx2, farthest](
+            self: &Self,
+            displacement: &Motion
+        ) -> f32
+    }
+
+    #[inline(always)]
+    fn farthest<const FUSED: bool>(&self, displacement: &Motion) -> f32 {
+        let mut most = [0.0_f32; BLOCK];
+        for parts in &self.parts {
+            let distances = parts.distances(displacement);
+            for lane in 0..BLOCK {
+                most[lane] = most[lane].max(distances[lane] / parts.length[lane]);
+            }
+        }
+        most.into_iter().fold(0.0, f32::max)
     }
 
     /// How much of the expansion's error changes from one pose to another.
@@ -176,5 +253,51 @@ impl List {
             near.add::<P, FUSED>(&first.split, &motion, &from_reference, &mut sum);
         }
         Some(sum.iter().map(|part| f64::from(*part)).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{Pose, Vec3};
+
+    #[test]
+    fn sixteen_parts_move_as_each_alone() {
+        let mut rng = CounterRng::new(41, 0, 0);
+        let part = |rng: &mut CounterRng| {
+            let centre: Vec3 = rng.vector_in_ball(30.0);
+            Part {
+                centre: centre.map(|x| x as f32).into(),
+                radius: rng.uniform_in(0.0, 9.0) as f32,
+                limit: rng.uniform_in(0.5, 4.0) as f32,
+                length: rng.uniform_in(1.0, 8.0) as f32,
+            }
+        };
+        let parts: Vec<Part> = (0..37).map(|_| part(&mut rng)).collect();
+        let lanes = Parts::new(&parts);
+        let relative = |pose: Pose| RelativePose::new(&Pose::identity(), &pose, &pose.position);
+        for _ in 0..50 {
+            let rotation = rng.rotation();
+            let from = Pose {
+                position: rng.vector_in_ball(40.0),
+                rotation,
+            };
+            let to = Pose {
+                position: from.position + rng.vector_in_ball(1.0),
+                rotation: rng.small_rotation(0.1) * rotation,
+            };
+            let displacement = Motion::between(&relative(from), &relative(to));
+            for (number, parts) in parts.chunks(BLOCK).enumerate() {
+                let distances = lanes[number].distances(&displacement);
+                for lane in 0..BLOCK {
+                    let part = parts[lane.min(parts.len() - 1)];
+                    let alone = displacement.distance(part.centre, part.radius);
+                    assert!((distances[lane] - alone).abs() < 1e-5, "{lane} {alone}");
+                    assert_eq!(lanes[number].limit[lane], part.limit);
+                    assert_eq!(lanes[number].length[lane], part.length);
+                }
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::expansion::Expansion;
 use super::fit::FIT_DISTANCE;
 use super::lanes::{BLOCK, vectorised};
-use super::list::{List, Part};
+use super::list::{List, Part, Parts};
 use super::motion::{Block, Motion, blocks};
 use super::near::NearMaker;
 use super::neighbours::{SKIN_ANGSTROM, squares};
@@ -184,7 +184,7 @@ impl<P: SitePotential> Maker<'_, P> {
             far_points,
             expansion,
             near: self.near.finish(),
-            parts,
+            parts: Parts::new(&parts),
             variance: f64::from(self.variance) + ROUNDING_VARIANCE,
             is_contact,
         }
