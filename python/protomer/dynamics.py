@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import unknown
-from ._result import missing, new_axes
+from ._frames import read_frames
+from ._result import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,20 +71,15 @@ class Motion:
         ------
         MissingFileError
             If there is no trajectory; also a `FileNotFoundError`
+        ValueError
+            If no frame is left
 
         Examples
         --------
         >>> motion = pm.dynamics.Motion.read("squares")                # doctest: +SKIP
         >>> t, msd = motion.displacement()                             # doctest: +SKIP
         """
-        import gsd.hoomd
-
-        path = Path(run)
-        path = path / "trajectory.gsd" if path.is_dir() else path
-        if not path.exists():
-            raise missing(f"there is no {path}; a run writes it unless trajectory_every is 0", path)
-        with gsd.hoomd.open(str(path), "r") as file:
-            frames = [frame for frame in file][skip:]
+        frames = read_frames(run, skip)
         flat = frames[0].configuration.dimensions == 2
 
         def column(name: str) -> Numbers:

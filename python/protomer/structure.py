@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._result import missing, new_axes
+from ._frames import read_frames
+from ._result import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -172,17 +173,7 @@ class Structure:
         >>> crystal = pm.structure.Structure.read("tetrahedra")       # doctest: +SKIP
         >>> crystal.diamond().cubic.mean()                            # doctest: +SKIP
         """
-        import gsd.hoomd
-
-        path = Path(run)
-        path = path / "trajectory.gsd" if path.is_dir() else path
-        if not path.exists():
-            raise missing(f"there is no {path}; a run writes it unless trajectory_every is 0", path)
-        with gsd.hoomd.open(str(path), "r") as file:
-            total = len(file)
-            frames = [frame for frame in file][skip:]
-        if not frames:
-            raise ValueError(f"{path} has {total} frames; skip fewer than these (skip is {skip})")
+        frames = read_frames(run, skip)
 
         def column(of: Any) -> Numbers:
             return np.array([of(frame) for frame in frames], dtype=np.float64)

@@ -131,3 +131,12 @@ def test_each_shape_of_a_mixture_is_a_word_of_its_own(tmp_path) -> None:  # type
     settings = tomllib.loads((tmp_path / "mixture" / "run.toml").read_text())
     assert settings["shape"] == ["disk", "ellipse:2,1"]
     assert settings["share"] == [3.0, 1.0]
+
+
+def test_frames_that_are_not_there_are_told(tmp_path) -> None:
+    settings = {"bodies": 16, "packing_fraction": 0.3, "equilibration": 10, "sweeps": 20, "trajectory_every": 10}
+    pm.hpmc.run(shape="polygon:4", output=tmp_path / "squares", **settings)
+    with pytest.raises(ValueError, match="skip fewer than these"):
+        Motion.read(tmp_path / "squares", skip=50)
+    with pytest.raises(FileNotFoundError):
+        Motion.read(tmp_path / "nothing")

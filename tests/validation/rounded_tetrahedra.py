@@ -21,22 +21,25 @@ CIRCUMRADIUS = 11**0.5 / (6 * 2**0.5)
 ROUNDINGS = [0.0, 0.025, 0.05, 0.1]
 REACH = 1.0
 BINS = 61
+# Sweeps before the measurement, and between frames of the trajectory.
+EQUILIBRATION = 20000
+EVERY = 60
 
 
 def run(protomer: str, output: Path, rounding: float, sweeps: str) -> Path:
     directory = output / f"rounding_{rounding}"
     words = (
         *("hpmc", "run", "-q", "--shape", SHAPE, "--rounding", rounding * CIRCUMRADIUS),
-        *("--bodies", 216, "--packing-fraction", 0.5, "--equilibration", 20000, "--sweeps", sweeps),
-        *("--sample-every", 1000, "--trajectory-every", 60, "--threads", 1, "-o", directory),
+        *("--bodies", 216, "--packing-fraction", 0.5, "--equilibration", EQUILIBRATION, "--sweeps", sweeps),
+        *("--sample-every", 1000, "--trajectory-every", EVERY, "--threads", 1, "-o", directory),
     )
     subprocess.run([protomer, *map(str, words)], check=True)
     return directory
 
 
-def corners_of_faces(structure: Structure) -> dict[str, np.ndarray]:
-    """Directions of the hexagons and of the triangles: the three nearest corners make a triangle, which looks away from
-    a hexagon."""
+def directions_of_faces(structure: Structure) -> dict[str, np.ndarray]:
+    """Directions of the hexagons and of the triangles. A corner and the two nearest to it are a triangle, opposite to a
+    hexagon."""
     vertices = structure.vertices
     apart = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
     triangles = [vertices[np.argsort(row)[:3]].mean(axis=0) for row in apart]
@@ -53,10 +56,9 @@ def main() -> None:
     protomer, output, sweeps = sys.argv[1], Path(sys.argv[2]), sys.argv[3]
     print("| rounding / circumradius | frames | hexagons, kT at distance | triangles, kT at distance |\n|---|---|---|---|")
     for rounding in ROUNDINGS:
-        # The first third of the frames is the equilibration's.
-        structure = Structure.read(run(protomer, output, rounding, sweeps), skip=334)
+        structure = Structure.read(run(protomer, output, rounding, sweeps), skip=EQUILIBRATION // EVERY + 1)
         potential = structure.mean_force(REACH, BINS)
-        faces = corners_of_faces(structure)
+        faces = directions_of_faces(structure)
         wells = [well(potential, faces[name]) for name in ("hexagons", "triangles")]
         print(f"| {rounding} | {len(structure.positions)} | {wells[0]} | {wells[1]} |", flush=True)
 

@@ -1,0 +1,31 @@
+"""Frames of the trajectories that runs of bodies write."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ._result import missing
+
+
+def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
+    """The frames of a run's `trajectory.gsd`, or of the file itself, without the first `skip`.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no trajectory; also a `FileNotFoundError`
+    ValueError
+        If no frame is left
+    """
+    import gsd.hoomd
+
+    path = Path(run)
+    path = path / "trajectory.gsd" if path.is_dir() else path
+    if not path.exists():
+        raise missing(f"there is no {path}; a run writes it unless trajectory_every is 0", path)
+    with gsd.hoomd.open(str(path), "r") as file:
+        frames = [frame for frame in file]
+    if len(frames) <= skip:
+        raise ValueError(f"{path} has {len(frames)} frames; skip fewer than these (skip is {skip})")
+    return frames[skip:]
