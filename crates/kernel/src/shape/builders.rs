@@ -9,7 +9,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// The names, with their numbers, as help and errors list them.
 pub const NAMES: &str = "tetrahedron, cube, octahedron, dodecahedron, icosahedron, \
-     truncated-tetrahedron:T (0 to 1: twice the part of an edge that is cut off), cuboid:A,B,C, \
+     truncated-octahedron, rhombic-dodecahedron, truncated-tetrahedron:T (0 to 1: twice the part of an edge that is cut off), cuboid:A,B,C, \
      prism:N,HEIGHT and polygon:N";
 
 /// Of a polygon, or of the base of a prism.
@@ -31,6 +31,8 @@ pub fn by_name(name: &str) -> Result<Shape> {
         ("octahedron", []) => Shape::solid(&signed([FRAC_1_SQRT_2, 0.0, 0.0])),
         ("dodecahedron", []) => Shape::solid(&dodecahedron()),
         ("icosahedron", []) => Shape::solid(&signed([0.0, 0.5, 0.5 * golden_ratio()])),
+        ("truncated-octahedron", []) => Shape::solid(&truncated_octahedron()),
+        ("rhombic-dodecahedron", []) => Shape::solid(&rhombic_dodecahedron()),
         ("truncated-tetrahedron", [part]) if (0.0..=1.0).contains(part) => {
             Shape::solid(&truncated_tetrahedron(*part))
         }
@@ -104,6 +106,22 @@ fn dodecahedron() -> Vec<Vec3> {
     points
 }
 
+/// All permutations of 0, 1 and 2 with all signs are √2 apart.
+fn truncated_octahedron() -> Vec<Vec3> {
+    let [one, two] = [FRAC_1_SQRT_2, 2.0 * FRAC_1_SQRT_2];
+    let mut points = signed([0.0, one, two]);
+    points.extend(signed([0.0, two, one]));
+    points
+}
+
+/// The corners of a cube, and a corner above each of its faces.
+fn rhombic_dodecahedron() -> Vec<Vec3> {
+    let edge = 2.0 / 3.0_f64.sqrt();
+    let mut points = cuboid([edge; 3]);
+    points.extend(signed([edge, 0.0, 0.0]));
+    points
+}
+
 /// The even permutations of three numbers with all signs.
 fn signed([a, b, c]: [f64; 3]) -> Vec<Vec3> {
     let mut points = Vec::new();
@@ -149,6 +167,8 @@ mod tests {
             ),
             ("truncated-tetrahedron:1", 6, 2.0_f64.sqrt() / 24.0),
             ("truncated-tetrahedron:0", 4, 2.0_f64.sqrt() / 12.0),
+            ("truncated-octahedron", 24, 8.0 * 2.0_f64.sqrt()),
+            ("rhombic-dodecahedron", 14, 16.0 / 9.0 * 3.0_f64.sqrt()),
             ("prism:6,2", 12, 3.0 * 3.0_f64.sqrt()),
             ("polygon:7", 7, 1.0),
         ] {

@@ -234,6 +234,8 @@ mod tests {
             ("dodecahedron", 20, 30, 12),
             ("icosahedron", 12, 30, 20),
             ("truncated-tetrahedron:0.6667", 12, 18, 8),
+            ("truncated-octahedron", 24, 36, 14),
+            ("rhombic-dodecahedron", 14, 24, 12),
             ("prism:6,1", 12, 18, 8),
         ] {
             let body = Polytope::of(&by_name(name).unwrap()).unwrap();
