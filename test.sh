@@ -17,8 +17,9 @@ fi
 lints() {
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --locked -- -D warnings
-    # The command line without networks and voxel sets, for those who do not need them.
-    cargo clippy -p protomer-cli --no-default-features --locked -- -D warnings
+    # The command line without networks and voxel sets, for those who do not need them. Dependencies
+    # have the features that they have above, so only our own crates are checked once more.
+    cargo clippy --workspace --no-default-features --locked -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 }
 

@@ -5,7 +5,6 @@ use protomer_crystal::CrystalError;
 use protomer_field::FieldError;
 use protomer_io::IoError;
 use protomer_kernel::KernelError;
-use protomer_learn::LearnError;
 use protomer_mc::McError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileNotFoundError, PyValueError};
@@ -124,7 +123,7 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
             }
             _ => {}
         }
-        if let Some(LearnError::Settings(_)) = cause.downcast_ref() {
+        if is_setting_of_a_network(cause) {
             return ConfigError::new_err(message);
         }
         match kernel_error(cause) {
@@ -148,6 +147,17 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
         }
     }
     ProtomerError::new_err(message)
+}
+
+#[cfg(feature = "learning")]
+fn is_setting_of_a_network(cause: &(dyn std::error::Error + 'static)) -> bool {
+    use protomer_learn::LearnError;
+    matches!(cause.downcast_ref(), Some(LearnError::Settings(_)))
+}
+
+#[cfg(not(feature = "learning"))]
+fn is_setting_of_a_network(_: &(dyn std::error::Error + 'static)) -> bool {
+    false
 }
 
 /// The kernel error that this is, or that another crate passes on.
