@@ -8,7 +8,7 @@ use common::{bench_folder, bench_system, icosphere};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
-use protomer_mc::energy::levels::{Levels, Table};
+use protomer_mc::energy::levels::{Calibration, Levels, Table};
 use protomer_mc::energy::{DirectSum, Effort, EnergyModel, Pairs};
 use protomer_mc::scatter::scattered;
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
@@ -203,4 +203,36 @@ fn stored_tables_come_back_bit_for_bit_and_damage_is_noticed() {
     }
     bytes.push(0);
     assert!(refused(&bytes, 40.0), "too long");
+}
+
+#[test]
+fn stored_comparisons_come_back_bit_for_bit_and_damage_is_noticed() {
+    let mut rng = CounterRng::new(38, 0, 0);
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    let system = eight_bodies(30, 0.3, cube(300.0), &mut rng);
+    let charges = &system.body_type(0).charges;
+    let tables = [Arc::new(Table::new(charges, &yukawa, 40.0))];
+    let calibration = Calibration::of_system(&yukawa, &system, &tables);
+    let table = Table::fingerprint(charges, &yukawa, 40.0);
+    let fingerprint = Calibration::fingerprint(&[table.clone()]);
+    let mut bytes = Vec::new();
+    calibration.write_to(&mut bytes, &fingerprint).unwrap();
+    assert_eq!(
+        Calibration::read_from(&bytes[..], &fingerprint).unwrap(),
+        calibration
+    );
+    let other = Calibration::fingerprint(&[table.clone(), table]);
+    let refused = |bytes: &[u8], fingerprint: &str| {
+        let read = Calibration::read_from(bytes, fingerprint);
+        matches!(read, Err(McError::UnusableTable(_)))
+    };
+    assert!(refused(&bytes, &other), "of other tables");
+    for place in 0..bytes.len() {
+        let mut changed = bytes.clone();
+        changed[place] ^= 1;
+        assert!(refused(&changed, &fingerprint), "changed at {place}");
+        assert!(refused(&bytes[..place], &fingerprint), "cut at {place}");
+    }
+    bytes.push(0);
+    assert!(refused(&bytes, &fingerprint), "too long");
 }

@@ -1,12 +1,13 @@
-//! The tables of energies by levels: made once per kind of body and potential, kept on the disk for
-//! the next run, shared by all threads of a run, and bounded in memory.
+//! The tables of energies by levels and the comparisons of their levels: made once per kind of body and
+//! potential, kept on the disk for the next run, shared by all threads of a run, and bounded in memory.
 
 use crate::stability::disk_cache::DiskCache;
 use anyhow::{Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::energy::levels::{Levels, Table, table_reach_angstrom};
-use protomer_mc::{BodyType, System};
+use protomer_mc::energy::levels::{Calibration, Levels, Table, table_reach_angstrom};
+use protomer_mc::{BodyType, McError, System};
 use std::collections::HashMap;
+use std::io::{Read, Write};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -39,8 +40,10 @@ struct Disk {
 struct Made {
     /// By the hash of what they are made of.
     tables: HashMap<String, Arc<PotentialTable>>,
-    /// Held while a table is made, so that nobody makes it a second time and different ones are
-    /// made side by side.
+    /// By the hash of the tables that are compared.
+    calibrations: HashMap<String, Calibration>,
+    /// Held while a table or a comparison is made, so that nobody makes it a second time and different
+    /// ones are made side by side.
     making: HashMap<String, Arc<Mutex<()>>>,
 }
 
@@ -107,14 +110,49 @@ impl EnergyTables {
         })
     }
 
-    /// The model of energies by levels for this system, with its tables from here.
+    /// The model of energies by levels for this system, with its tables and the comparison of their
+    /// levels from here.
     ///
     /// # Errors
     /// As [`of`](Self::of).
     pub fn levels(&self, system: &System, yukawa: Yukawa) -> Result<Levels<Yukawa>> {
         let reach_angstrom = table_reach_angstrom(&yukawa, system);
         let tables = self.of(system.types(), &yukawa, reach_angstrom)?;
-        Ok(Levels::with_tables(yukawa, system, tables))
+        let calibration = self.calibration(system, &yukawa, reach_angstrom, &tables);
+        Ok(Levels::with_calibration(yukawa, tables, calibration))
+    }
+
+    fn calibration(
+        &self,
+        system: &System,
+        yukawa: &Yukawa,
+        reach_angstrom: f64,
+        tables: &[Arc<PotentialTable>],
+    ) -> Calibration {
+        let fingerprint = |index: usize| {
+            let charges = &system.types()[index].charges;
+            PotentialTable::fingerprint(charges, yukawa, reach_angstrom)
+        };
+        let placed: Vec<String> = system.placed_types().into_iter().map(fingerprint).collect();
+        let key = Calibration::fingerprint(&placed);
+        let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
+        let _mine = locked(&making);
+        if let Some(calibration) = locked(&self.made).calibrations.get(&key) {
+            return *calibration;
+        }
+        let on_disk = self
+            .disk
+            .as_ref()
+            .and_then(|disk| disk.load(&key, |file| Calibration::read_from(file, &key)));
+        let calibration = on_disk.unwrap_or_else(|| {
+            let made = Calibration::of_system(yukawa, system, tables);
+            if let Some(disk) = &self.disk {
+                disk.store(&key, |file| made.write_to(file, &key));
+            }
+            made
+        });
+        locked(&self.made).calibrations.insert(key, calibration);
+        calibration
     }
 
     /// Memory of the tables that are there now, bytes.
@@ -145,42 +183,38 @@ impl EnergyTables {
         yukawa: &Yukawa,
         reach: f64,
     ) -> PotentialTable {
-        if let Some(table) = self
-            .disk
-            .as_ref()
-            .and_then(|disk| disk.load(key, kind, yukawa, reach))
-        {
+        let on_disk = self.disk.as_ref().and_then(|disk| {
+            disk.load(key, |file| {
+                PotentialTable::read_from(file, &kind.charges, yukawa, reach)
+            })
+        });
+        if let Some(table) = on_disk {
             self.loaded.fetch_add(1, Ordering::Relaxed);
             return table;
         }
         let table = PotentialTable::new(&kind.charges, yukawa, reach);
         self.computed.fetch_add(1, Ordering::Relaxed);
         if let Some(disk) = &self.disk {
-            disk.store(key, &table);
+            disk.store(key, |file| table.write_to(file, key));
         }
         table
     }
 }
 
 impl Disk {
-    fn load(
+    fn load<T>(
         &self,
         key: &str,
-        kind: &BodyType,
-        yukawa: &Yukawa,
-        reach: f64,
-    ) -> Option<PotentialTable> {
-        let read = |file: &mut dyn std::io::Read| {
-            PotentialTable::read_from(file, &kind.charges, yukawa, reach)
-        };
+        read: impl FnOnce(&mut dyn Read) -> Result<T, McError>,
+    ) -> Option<T> {
         self.cache.load(key, read).unwrap_or_else(|error| {
             (self.warn)(&format!("warning: {error:#}; they are computed"));
             None
         })
     }
 
-    fn store(&self, key: &str, table: &PotentialTable) {
-        if let Err(error) = self.cache.store(key, |file| table.write_to(file, key))
+    fn store(&self, key: &str, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) {
+        if let Err(error) = self.cache.store(key, write)
             && !self.refused.swap(true, Ordering::Relaxed)
         {
             (self.warn)(&format!(
@@ -237,6 +271,8 @@ pub fn in_units(bytes: u64) -> String {
 mod tests {
     use super::*;
     use crate::stability::bench::bodies::two_kinds;
+    use protomer_kernel::{Boundary, Pose, Vec3};
+    use protomer_mc::energy::EnergyModel;
 
     fn yukawa(debye_angstrom: f64) -> Yukawa {
         Yukawa::uncut(7.0, 1.0 / debye_angstrom).unwrap()
@@ -269,6 +305,36 @@ mod tests {
         assert!(warm.all_from_cache());
         warm.of(&types, &yukawa(9.5), 40.0).unwrap();
         assert!(!warm.all_from_cache());
+    }
+
+    #[test]
+    fn comparisons_of_levels_come_back_from_memory_and_from_the_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let types = two_kinds(3, 4, 1).unwrap();
+        let apart = Pose {
+            position: Vec3::new(60.0, 0.0, 0.0),
+            ..Pose::identity()
+        };
+        let bodies = [(0, Pose::identity()), (1, apart)];
+        let system = System::new(types, &bodies, Boundary::Open).unwrap();
+        let tables = || {
+            EnergyTables::default()
+                .with_cache(DiskCache::new(folder.path()), |line| panic!("{line}"))
+        };
+        let report = |tables: &EnergyTables| {
+            let levels = tables.levels(&system, yukawa(9.6)).unwrap();
+            levels.levels().unwrap().calibration
+        };
+        let entries = || folder.path().read_dir().unwrap().count();
+        let (cold, warm) = (tables(), tables());
+        let made = report(&cold);
+        assert!(made.poses > 0);
+        // Two tables and their comparison.
+        assert_eq!(entries(), 3);
+        assert_eq!(report(&cold), made);
+        assert_eq!(report(&warm), made);
+        assert_eq!(entries(), 3);
+        assert!(warm.all_from_cache());
     }
 
     #[test]

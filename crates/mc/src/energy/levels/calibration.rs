@@ -6,10 +6,12 @@ use super::maker::{COARSE_OPENING, PART_OF_DISTANCE};
 use super::neighbours::SKIN_ANGSTROM;
 use super::table::{Estimate, Table};
 use crate::energy::{SitePotential, pair_energy_kt};
+use crate::system::System;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Pose, Vec3};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
@@ -73,8 +75,20 @@ pub struct Scales {
 }
 
 impl Calibration {
+    /// Compares the levels for the types that bodies of a system have; `tables` are those of all its
+    /// types.
+    pub fn of_system<P: SitePotential>(
+        potential: &P,
+        system: &System,
+        tables: &[Arc<Table<P>>],
+    ) -> Self {
+        let placed = system.placed_types().into_iter();
+        let placed: Vec<&Table<P>> = placed.map(|index| &*tables[index]).collect();
+        Self::new(potential, &placed)
+    }
+
     /// Compares the levels on random poses of each pair of types.
-    pub fn new<P: SitePotential>(potential: &P, types: &[&Table<P>]) -> Self {
+    fn new<P: SitePotential>(potential: &P, types: &[&Table<P>]) -> Self {
         let mut errors = Errors::default();
         for (number, first) in types.iter().enumerate() {
             for second in &types[number..] {

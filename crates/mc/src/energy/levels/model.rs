@@ -95,15 +95,21 @@ const FINE: usize = 2;
 const DIRECT: usize = FINE + SHARPENED.len();
 
 impl<P: SitePotential> Levels<P> {
-    /// The model for this potential and system, with a table for each of its body types.
+    /// The model for this potential and system, with a table for each of its body types. Their levels
+    /// are compared here.
     pub fn with_tables(potential: P, system: &System, tables: Vec<Arc<Table<P>>>) -> Self {
-        let types: Vec<&Table<P>> = system
-            .placed_types()
-            .into_iter()
-            .map(|index| &*tables[index])
-            .collect();
+        let calibration = Calibration::of_system(&potential, system, &tables);
+        Self::with_calibration(potential, tables, calibration)
+    }
+
+    /// The model with tables whose levels have been compared.
+    pub fn with_calibration(
+        potential: P,
+        tables: Vec<Arc<Table<P>>>,
+        calibration: Calibration,
+    ) -> Self {
         Self {
-            calibration: Calibration::new(&potential, &types),
+            calibration,
             potential,
             tables,
             tolerance_kt: None,

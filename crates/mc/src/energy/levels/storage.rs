@@ -1,5 +1,5 @@
-//! Tables that outlive the process: what takes long to make, between a line that says of what it is
-//! and a hash of all before it.
+//! Tables, and comparisons of their levels, that outlive the process: what takes long to make, between
+//! a line that says of what it is and a hash of all before it.
 //!
 //! | bytes | |
 //! |---|---|
@@ -11,9 +11,14 @@
 //! | 32 | SHA-256 of everything before |
 //!
 //! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
+//!
+//! A comparison is the line `protomer calibration 1`, its fingerprint, 19 numbers of 8 bytes each, and
+//! the hash.
 
+use super::calibration::{Calibration, ListScales, Scales};
 use super::field::Field;
 use super::fine::Fine;
+use super::fine_energy::SHARPENED;
 use super::sampler::Sites;
 use super::table::Table;
 use super::tree::{Node, Tree};
@@ -27,6 +32,9 @@ use std::io::{BufWriter, Read, Write};
 /// tables.
 const FIRST_LINE: &[u8; 17] = b"protomer table 9\n";
 const FINGERPRINT_LENGTH: usize = 64;
+
+/// The first line of a comparison; its number is raised when equal tables give another one.
+const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 1\n";
 
 impl<P: SitePotential> Table<P> {
     /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
@@ -57,19 +65,10 @@ impl<P: SitePotential> Table<P> {
     /// # Errors
     /// If the writer fails.
     pub fn write_to(&self, writer: impl Write, fingerprint: &str) -> std::io::Result<()> {
-        let hashing = Hashing {
-            inner: writer,
-            hash: Sha256::new(),
-        };
-        let mut writer = BufWriter::with_capacity(1 << 16, hashing);
-        writer.write_all(FIRST_LINE)?;
-        writer.write_all(fingerprint.as_bytes())?;
-        self.tree.write_to(&mut writer)?;
-        self.field.write_to(&mut writer)?;
-        let Hashing { mut inner, hash } =
-            writer.into_inner().map_err(|error| error.into_error())?;
-        inner.write_all(&hash.finalize())?;
-        inner.flush()
+        write_hashed(writer, FIRST_LINE, fingerprint, |writer| {
+            self.tree.write_to(writer)?;
+            self.field.write_to(writer)
+        })
     }
 
     /// Reads what [`write_to`](Self::write_to) wrote for these charges under this potential: the
@@ -84,37 +83,148 @@ impl<P: SitePotential> Table<P> {
         potential: &P,
         reach_angstrom: f64,
     ) -> Result<Self> {
-        let unusable = |what: &str| McError::UnusableTable(what.to_owned());
-        let failed = |error: std::io::Error| match error.kind() {
-            std::io::ErrorKind::UnexpectedEof => unusable("they end too early"),
-            _ => McError::UnusableTable(error.to_string()),
-        };
-        let mut reader = Hashing {
-            inner: reader,
-            hash: Sha256::new(),
-        };
-        if bytes::<17>(&mut reader).map_err(failed)? != *FIRST_LINE {
-            return Err(unusable("they are of another kind or version"));
-        }
+        let mut reader = Hashing::new(reader);
         let fingerprint = Self::fingerprint(charges, potential, reach_angstrom);
-        if bytes::<FINGERPRINT_LENGTH>(&mut reader).map_err(failed)? != *fingerprint.as_bytes() {
-            return Err(unusable(
-                "they are of other charges, another potential or another kind of processor",
-            ));
-        }
+        read_head(&mut reader, FIRST_LINE, &fingerprint)?;
         let tree = Tree::read_from(&mut reader, charges).map_err(failed)?;
         let mut field = Self::empty_field(charges, potential, reach_angstrom);
         let cells = field.number_cells(&Sites::new(charges)).len();
         field.read_cells(cells, &mut reader).map_err(failed)?;
-        let Hashing { mut inner, hash } = reader;
-        if hash.finalize()[..] != bytes::<32>(&mut inner).map_err(failed)? {
-            return Err(unusable("their checksum is wrong"));
-        }
-        if inner.read(&mut [0]).map_err(failed)? != 0 {
-            return Err(unusable("there is more than they need"));
-        }
+        read_hash(reader)?;
         Ok(Self::assemble(charges, potential, tree, field))
     }
+}
+
+impl Calibration {
+    /// The SHA-256, in hexadecimal, of the tables that are compared: the [fingerprint of
+    /// each](Table::fingerprint), in the order of the types.
+    pub fn fingerprint(tables: &[String]) -> String {
+        let mut hash = Sha256::new();
+        hash.update(FIRST_LINE_OF_CALIBRATION);
+        tables.iter().for_each(|table| hash.update(table));
+        hexadecimal(hash)
+    }
+
+    /// Writes the comparison. `fingerprint` is that of the tables that were compared.
+    ///
+    /// # Errors
+    /// If the writer fails.
+    pub fn write_to(&self, writer: impl Write, fingerprint: &str) -> std::io::Result<()> {
+        write_hashed(writer, FIRST_LINE_OF_CALIBRATION, fingerprint, |writer| {
+            let lists = [self.contact, self.distant];
+            let counts = [f64::from(self.poses), f64::from(self.exceeded)];
+            let numbers = lists.iter().flat_map(numbers_of).chain(counts);
+            let mut numbers = numbers.chain([self.largest]);
+            numbers.try_for_each(|number| writer.write_all(&number.to_le_bytes()))
+        })
+    }
+
+    /// Reads what [`write_to`](Self::write_to) wrote with this fingerprint: the same comparison, bit
+    /// for bit.
+    ///
+    /// # Errors
+    /// [`McError::UnusableTable`] if the bytes end early, go on too long, were changed, or are of
+    /// other tables.
+    pub fn read_from(reader: impl Read, fingerprint: &str) -> Result<Self> {
+        let mut reader = Hashing::new(reader);
+        read_head(&mut reader, FIRST_LINE_OF_CALIBRATION, fingerprint)?;
+        let mut number = || bytes::<8>(&mut reader).map(f64::from_le_bytes);
+        let mut read = || {
+            Ok(Self {
+                contact: scales_from(&mut number)?,
+                distant: scales_from(&mut number)?,
+                poses: number()? as u32,
+                exceeded: number()? as u32,
+                largest: number()?,
+            })
+        };
+        let calibration = read().map_err(failed)?;
+        read_hash(reader)?;
+        Ok(calibration)
+    }
+}
+
+/// The numbers of [`ListScales`], in the order in which [`scales_from`] reads them.
+fn numbers_of(scales: &ListScales) -> Vec<f64> {
+    let both = [scales.coarse, scales.expansion];
+    let mut numbers: Vec<f64> = both.iter().flat_map(|of| [of.energy, of.change]).collect();
+    numbers.extend(scales.fine);
+    numbers
+}
+
+fn scales_from(number: &mut impl FnMut() -> std::io::Result<f64>) -> std::io::Result<ListScales> {
+    let mut both = || {
+        Ok::<_, std::io::Error>(Scales {
+            energy: number()?,
+            change: number()?,
+        })
+    };
+    let (coarse, expansion) = (both()?, both()?);
+    let mut fine = [0.0; SHARPENED.len()];
+    for scale in &mut fine {
+        *scale = number()?;
+    }
+    Ok(ListScales {
+        coarse,
+        expansion,
+        fine,
+    })
+}
+
+fn unusable(what: &str) -> McError {
+    McError::UnusableTable(what.to_owned())
+}
+
+fn failed(error: std::io::Error) -> McError {
+    match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => unusable("they end too early"),
+        _ => McError::UnusableTable(error.to_string()),
+    }
+}
+
+/// Writes a first line, a fingerprint, a content, and the hash of all three.
+fn write_hashed<W: Write>(
+    writer: W,
+    first_line: &[u8],
+    fingerprint: &str,
+    content: impl FnOnce(&mut BufWriter<Hashing<W>>) -> std::io::Result<()>,
+) -> std::io::Result<()> {
+    let mut writer = BufWriter::with_capacity(1 << 16, Hashing::new(writer));
+    writer.write_all(first_line)?;
+    writer.write_all(fingerprint.as_bytes())?;
+    content(&mut writer)?;
+    let Hashing { mut inner, hash } = writer.into_inner().map_err(|error| error.into_error())?;
+    inner.write_all(&hash.finalize())?;
+    inner.flush()
+}
+
+/// Reads a first line and a fingerprint, which must be these.
+fn read_head<const N: usize>(
+    reader: &mut impl Read,
+    first_line: &[u8; N],
+    fingerprint: &str,
+) -> Result<()> {
+    if bytes::<N>(reader).map_err(failed)? != *first_line {
+        return Err(unusable("they are of another kind or version"));
+    }
+    if bytes::<FINGERPRINT_LENGTH>(reader).map_err(failed)? != *fingerprint.as_bytes() {
+        return Err(unusable(
+            "they are of other charges, another potential or another kind of processor",
+        ));
+    }
+    Ok(())
+}
+
+/// Reads the hash of what was read before, with which the bytes must end.
+fn read_hash(reader: Hashing<impl Read>) -> Result<()> {
+    let Hashing { mut inner, hash } = reader;
+    if hash.finalize()[..] != bytes::<32>(&mut inner).map_err(failed)? {
+        return Err(unusable("their checksum is wrong"));
+    }
+    if inner.read(&mut [0]).map_err(failed)? != 0 {
+        return Err(unusable("there is more than they need"));
+    }
+    Ok(())
 }
 
 impl Tree {
@@ -250,6 +360,13 @@ fn hexadecimal(hash: Sha256) -> String {
 struct Hashing<T> {
     inner: T,
     hash: Sha256,
+}
+
+impl<T> Hashing<T> {
+    fn new(inner: T) -> Self {
+        let hash = Sha256::new();
+        Self { inner, hash }
+    }
 }
 
 impl<T: Write> Write for Hashing<T> {

@@ -1,16 +1,15 @@
 //! Moves from a prepared state, measured.
 
-use crate::stability::energy_tables::{EnergyTables, PotentialTable};
+use crate::stability::energy_tables::EnergyTables;
 use crate::stability::run::EnergyMode;
 use anyhow::Result;
 use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
-use protomer_mc::energy::levels::{Levels, table_reach_angstrom};
+use protomer_mc::energy::levels::Levels;
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use protomer_results::Interrupt;
-use std::sync::Arc;
 
 /// Rates are measured over at least this many moves where moves are cheap (what overlap tests
 /// remember fills up at first), and over so many times the direct sum's where they are not.
@@ -24,7 +23,8 @@ pub(super) struct Prepared {
     yukawa: Yukawa,
     energy: EnergyMode,
     tolerance_kt: f64,
-    tables: Vec<Arc<PotentialTable>>,
+    /// Of the modes that have tables.
+    levels: Option<Levels<Yukawa>>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
@@ -70,13 +70,11 @@ impl Prepared {
         tables: &EnergyTables,
     ) -> Result<Self> {
         let clock = ProcessClock::start();
-        let tables = match energy {
-            EnergyMode::Calibrated | EnergyMode::Approximate => tables.of(
-                system.types(),
-                &yukawa,
-                table_reach_angstrom(&yukawa, system),
-            )?,
-            EnergyMode::None | EnergyMode::Direct => Vec::new(),
+        let levels = match energy {
+            EnergyMode::Calibrated | EnergyMode::Approximate => {
+                Some(tables.levels(system, yukawa)?)
+            }
+            EnergyMode::None | EnergyMode::Direct => None,
         };
         let setup_seconds = clock.seconds();
         Ok(Self {
@@ -84,14 +82,15 @@ impl Prepared {
             yukawa,
             energy,
             tolerance_kt,
-            tables,
+            levels,
             setup_seconds,
         })
     }
 
-    /// A model of energies by levels with the prepared tables.
+    /// A model of energies by levels, with the prepared tables if this mode has them.
     pub(super) fn levels(&self) -> Levels<Yukawa> {
-        Levels::with_tables(self.yukawa, &self.system, self.tables.clone())
+        let prepared = self.levels.clone();
+        prepared.unwrap_or_else(|| Levels::for_system(self.yukawa, &self.system))
     }
 
     /// The energy model of this mode.
@@ -193,7 +192,7 @@ impl Prepared {
             if run == 0 {
                 decisions.truncate(moves as usize);
                 timing.decisions = decisions;
-                let tables = self.tables.iter().map(|table| table.memory_bytes()).sum();
+                let tables = self.levels.as_ref().map_or(0, EnergyModel::memory_bytes);
                 timing.memory_bytes = simulation.energy_memory_bytes().max(tables);
             }
             if timing.watch.seconds() >= seconds || interrupt.is_requested() {
