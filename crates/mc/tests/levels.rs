@@ -210,18 +210,23 @@ fn stored_comparisons_come_back_bit_for_bit_and_damage_is_noticed() {
     let mut rng = CounterRng::new(38, 0, 0);
     let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
     let system = eight_bodies(30, 0.3, cube(300.0), &mut rng);
-    let charges = &system.body_type(0).charges;
-    let tables = [Arc::new(Table::new(charges, &yukawa, 40.0))];
+    let types = system.types().iter();
+    let tables: Vec<_> = types
+        .clone()
+        .map(|kind| Arc::new(Table::new(&kind.charges, &yukawa, 40.0)))
+        .collect();
     let calibration = Calibration::of_system(&yukawa, &system, &tables);
-    let table = Table::fingerprint(charges, &yukawa, 40.0);
-    let fingerprint = Calibration::fingerprint(&[table.clone()]);
+    let names: Vec<String> = types
+        .map(|kind| Table::fingerprint(&kind.charges, &yukawa, 40.0))
+        .collect();
+    let fingerprint = Calibration::fingerprint(&names);
     let mut bytes = Vec::new();
     calibration.write_to(&mut bytes, &fingerprint).unwrap();
     assert_eq!(
         Calibration::read_from(&bytes[..], &fingerprint).unwrap(),
         calibration
     );
-    let other = Calibration::fingerprint(&[table.clone(), table]);
+    let other = Calibration::fingerprint(&names[1..]);
     let refused = |bytes: &[u8], fingerprint: &str| {
         let read = Calibration::read_from(bytes, fingerprint);
         matches!(read, Err(McError::UnusableTable(_)))

@@ -92,18 +92,18 @@ fn a_killed_sweep_goes_on_as_if_nothing_had_happened_on_any_number_of_threads() 
 
 #[test]
 fn a_killed_sweep_with_calibrated_energies_goes_on_too() {
-    is_killed_and_goes_on("calibrated", 120, &[4, 64]);
+    is_killed_and_goes_on("calibrated", 40, &[4, 64]);
 }
 
 #[test]
 fn a_killed_sweep_with_approximate_energies_goes_on_too() {
-    is_killed_and_goes_on("approximate --tolerance 1e-5", 120, &[4, 64]);
+    is_killed_and_goes_on("approximate --tolerance 1e-5", 40, &[4, 64]);
 }
 
 #[test]
 fn a_killed_sweep_with_exchange_goes_on_too() {
     let options = "calibrated --exchange-every 7 --starts both";
-    is_killed_and_goes_on(options, 120, &[4, 64]);
+    is_killed_and_goes_on(options, 40, &[4, 64]);
 }
 
 /// Kills a sweep again and again, each time so long after its next checkpoint, then lets it end. Bodies
@@ -183,7 +183,7 @@ fn parts_in_many_processes_make_the_same_sweep_and_a_killed_one_costs_its_own() 
 #[test]
 fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
     let place = TemporaryFolder::new();
-    let sweep = sweep_of(200, 50);
+    let sweep = sweep_of(80, 20);
     for energy in ["direct", "calibrated"] {
         is_ok(&place.run(&format!("{sweep} --energy {energy} -o {energy}")));
     }
@@ -216,7 +216,7 @@ fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
 #[test]
 fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     let place = TemporaryFolder::new();
-    let short = sweep_of(50, 20);
+    let short = sweep_of(16, 6);
     let refused = |command: &str, words: &[&str]| {
         let output = place.run(command);
         assert_eq!(output.status.code(), Some(1), "{command}");
@@ -572,7 +572,7 @@ fn exit_reasons(directory: &Path, name: &str) -> Vec<String> {
 #[test]
 fn a_start_that_fails_leaves_its_reason_and_can_be_tried_again() {
     let place = TemporaryFolder::new();
-    let short = sweep_of(50, 20);
+    let short = sweep_of(16, 6);
     is_ok(&place.run(&format!("{short} --energy calibrated -o whole")));
     let output = place.run(&format!(
         "{short} --energy calibrated --memory-limit 1kB --threads 1 -o small"

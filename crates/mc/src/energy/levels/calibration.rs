@@ -83,7 +83,8 @@ impl Calibration {
         tables: &[Arc<Table<P>>],
     ) -> Self {
         let placed = system.placed_types().into_iter();
-        let placed: Vec<&Table<P>> = placed.map(|index| &*tables[index]).collect();
+        let table = |index: usize| tables.get(index).map(Arc::as_ref);
+        let placed: Vec<&Table<P>> = placed.filter_map(table).collect();
         Self::new(potential, &placed)
     }
 
