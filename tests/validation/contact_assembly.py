@@ -2,7 +2,7 @@
 
     python tests/validation/contact_assembly.py PROTOMER OUTPUT [SHAPE ...]
 
-A thousand bodies of one shape repel each other by the smooth sum. They are compressed slowly from a fluid and held with a
+A thousand bodies of one shape repel each other by the smooth sum. They are compressed slowly from a dilute lattice, which melts, and held with a
 global thermostat at a packing fraction of 0.55, which counts each body with its layer. The script prints how the bodies stand
 to their neighbours beside the same numbers of perfect crystals, and draws the radial distribution and the diffraction pattern.
 The runs continue where they were stopped. Needs `pip install './python[plot,dynamics]'`.
@@ -22,11 +22,11 @@ import matplotlib.pyplot as plt
 import protomer as pm
 
 PROTOMER, OUTPUT = sys.argv[1], Path(sys.argv[2])
-SHAPES = {"cube": "sc", "rhombic-dodecahedron": "fcc", "truncated-octahedron": "bcc"}
+SHAPES = ("cube", "rhombic-dodecahedron", "truncated-octahedron")
 BODIES, PACKING = 1000, 0.55
 COMPRESS, EQUILIBRATE, STEPS, TIME_STEP = 400_000, 200_000, 400_000, 5e-4
 
-# Cells of the perfect crystals: edges in units of the distance of sites, and sites in units of the edges.
+# Cells of the perfect crystals: edges, and sites in units of the edges.
 CELLS = {
     "sc": ([1.0, 1.0, 1.0], [[0, 0, 0]]),
     "bcc": ([1.0, 1.0, 1.0], [[0, 0, 0], [0.5, 0.5, 0.5]]),
@@ -87,7 +87,7 @@ def draw(shape: str, structure: pm.structure.Structure, file: Path) -> None:
     right.pcolormesh(k, k, np.log10(pattern + 0.1).T, shading="nearest", cmap="magma")
     right.set_aspect("equal")
     right.set_xlabel("wave number")
-    figure.suptitle(f"1000 {shape}s at a packing fraction of {PACKING}")
+    figure.suptitle(f"{BODIES} bodies at a packing fraction of {PACKING}: {shape}")
     figure.savefig(file, dpi=110)
     plt.close(figure)
 
@@ -113,7 +113,7 @@ def main() -> None:
         print(f"| {name}, perfect | " + " | ".join(f"{number:+.3f}" for number in numbers) + " | | | | |")
     for shape in sys.argv[3:] or SHAPES:
         structure = pm.structure.Structure.read(run(shape))
-        for frame, when in ((0, "compressed"), (-1, "at the end")):
+        for frame, when in ((0, "equilibrated"), (-1, "at the end")):
             box = freud.box.Box.cube(structure.boxes[frame][0])
             found = fingerprint((box, structure.positions[frame].astype(np.float32)))
             parts = matched(found, perfect)

@@ -44,7 +44,11 @@ fn a_changed_byte_is_said_and_mended() {
     let cold = run("");
     let kept = contents(&place.path("cache"));
     assert_eq!(kept.len(), 3);
+    // Only a table that is changed makes tables anew.
+    let length_of_a_table = kept.values().map(Vec::len).max().unwrap() / 2;
     for (name, bytes) in &kept {
+        let is_table = bytes.len() > length_of_a_table;
+        let expected = (!is_table, result(&cold).1);
         let file = place.path("cache").join(name);
         let mut changed = bytes.clone();
         changed[bytes.len() / 2] ^= 1;
@@ -55,14 +59,14 @@ fn a_changed_byte_is_said_and_mended() {
             "{}",
             message(&mended)
         );
-        assert_eq!(result(&mended).1, result(&cold).1);
+        assert_eq!(result(&mended), expected);
         assert!(contents(&place.path("cache")) == kept);
         // Another file under this name.
         let other = kept.keys().find(|other| *other != name).unwrap();
         std::fs::copy(place.path("cache").join(other), &file).unwrap();
         let quiet = run(" --quiet");
         assert_eq!(message(&quiet), "");
-        assert_eq!(result(&quiet).1, result(&cold).1);
+        assert_eq!(result(&quiet), expected);
         assert!(contents(&place.path("cache")) == kept);
     }
 }

@@ -9,8 +9,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
 /// The names, with their numbers, as help and errors list them.
 pub const NAMES: &str = "tetrahedron, cube, octahedron, dodecahedron, icosahedron, \
-     truncated-octahedron, rhombic-dodecahedron, truncated-tetrahedron:T (0 to 1: twice the part of an edge that is cut off), cuboid:A,B,C, \
-     prism:N,HEIGHT and polygon:N";
+     truncated-octahedron, rhombic-dodecahedron, truncated-tetrahedron:T (0 to 1: twice the part of \
+     an edge that is cut off), cuboid:A,B,C, prism:N,HEIGHT and polygon:N";
 
 /// Of a polygon, or of the base of a prism.
 const MOST_CORNERS: f64 = 1000.0;

@@ -122,6 +122,7 @@ impl EnergyTables {
         Ok(Levels::with_calibration(yukawa, tables, calibration))
     }
 
+    /// The comparison of the levels of these tables: made once, then from memory or from the disk.
     fn calibration(
         &self,
         system: &System,
@@ -140,19 +141,22 @@ impl EnergyTables {
         if let Some(calibration) = locked(&self.made).calibrations.get(&key) {
             return *calibration;
         }
-        let on_disk = self
-            .disk
-            .as_ref()
-            .and_then(|disk| disk.load(&key, |file| Calibration::read_from(file, &key)));
-        let calibration = on_disk.unwrap_or_else(|| {
-            let made = Calibration::of_system(yukawa, system, tables);
-            if let Some(disk) = &self.disk {
-                disk.store(&key, |file| made.write_to(file, &key));
-            }
-            made
-        });
+        let calibration =
+            self.load_or_compare(&key, || Calibration::of_system(yukawa, system, tables));
         locked(&self.made).calibrations.insert(key, calibration);
         calibration
+    }
+
+    fn load_or_compare(&self, key: &str, compare: impl FnOnce() -> Calibration) -> Calibration {
+        let Some(disk) = &self.disk else {
+            return compare();
+        };
+        let kept = disk.load(key, |file| Calibration::read_from(file, key));
+        kept.unwrap_or_else(|| {
+            let calibration = compare();
+            disk.store(key, |file| calibration.write_to(file, key));
+            calibration
+        })
     }
 
     /// Memory of the tables that are there now, bytes.

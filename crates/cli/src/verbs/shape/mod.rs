@@ -16,8 +16,9 @@ use std::path::PathBuf;
 /// The shape is the convex hull of the points of a file: text with two columns (a polygon) or three
 /// (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a disk or a ball.
 /// Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
-/// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron;
-/// 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
+/// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with
+/// edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of
+/// length 1), polygon:N (area 1).
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct ShapeArgs {
