@@ -22,8 +22,9 @@ from matplotlib import pyplot  # noqa: E402
 
 CONTACT_GAP_ANGSTROM = 5.0
 EQUILIBRATION_SWEEPS = 500
-# Contacts are followed from this sweep on, over these numbers of frames (of 500 sweeps).
-LATE_SWEEP = 1000
+# Contacts are followed from this sweep on, over these numbers of frames (of 5000 sweeps).
+FRAME_SWEEPS = 5000
+LATE_SWEEP = 10000
 LAGS = (1, 4)
 NATIVE_DISTANCE_ANGSTROM = 8.0
 NATIVE_ANGLE_RAD = np.radians(30.0)
@@ -249,7 +250,8 @@ def tables(rows, lost, cpu):
             late = np.nanmean(values[:, sweeps >= 0.75 * sweeps[-1]], axis=1)
             cells.append(spread(late, 3 if key.endswith("by_chance") else 1))
         print(f"| {start} {salt} | " + " | ".join(cells) + " |")
-    print(f"\nContacts from sweep {LATE_SWEEP} on that are there 500 and 2000 sweeps later as well\n")
+    later = " and ".join(str(lag * FRAME_SWEEPS) for lag in LAGS)
+    print(f"\nContacts from sweep {LATE_SWEEP} on that are there {later} sweeps later as well\n")
     for start, salt in runs:
         cells = []
         for lag in LAGS:

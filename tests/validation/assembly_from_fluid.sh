@@ -30,7 +30,7 @@ start() {
     [ "$(cat "$folder/sweeps" 2>/dev/null || true)" != "$sweeps" ] || return 0
     TIMEFORMAT=%U
     { time $protomer simulate "$1" --salt "$3" --seed "$4" --sweeps "$sweeps" --equilibration 500 --cluster-moves 4 \
-        --energy direct --log-every 100 --trajectory-every 500 -j 1 -q -o "$folder" 2>"$output/messages"; } \
+        --log-every 1000 --trajectory-every 5000 -j 1 -q -o "$folder" 2>"$output/messages"; } \
         2>"$output/cpu_seconds" || status=$?
     cat "$output/cpu_seconds" >>"$folder/cpu_seconds"
     if [ "$status" -ne 0 ]; then

@@ -6,6 +6,7 @@
 //! is certain.
 
 mod direct;
+mod far_field;
 mod fused;
 pub mod levels;
 mod none;
@@ -17,6 +18,7 @@ pub mod terms;
 mod with_terms;
 
 pub use direct::DirectSum;
+pub use far_field::FarField;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
 pub use potential::SitePotential;

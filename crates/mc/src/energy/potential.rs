@@ -4,7 +4,9 @@
 //! different bodies. Direct sums, tables, trees and their errors are written once, over
 //! [`SitePotential`]; screened charges are its first implementation.
 
+use super::far_field::FarField;
 use super::fused::add;
+use crate::charges::ChargeCloud;
 use protomer_kernel::potential::{Yukawa, exp_of_minus};
 
 /// A pair potential v(r) of sites of unit strength, a smooth function of the squared distance t = r²
@@ -23,6 +25,12 @@ pub trait SitePotential: Copy + Send + Sync + 'static {
     /// The distance beyond which two sites whose strengths multiply to `product` hold less than
     /// `energy_kt`, Å.
     fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64;
+
+    /// The multipoles of charges, as [`far_reach_angstrom`](Self::far_reach_angstrom) wants them.
+    fn far_field(&self, charges: &ChargeCloud) -> FarField;
+
+    /// The distance of origins beyond which two bodies hold less than `energy_kt`, Å.
+    fn far_reach_angstrom(&self, bodies: [&FarField; 2], energy_kt: f64) -> f64;
 
     /// The distance at which the potential jumps to zero, if it does.
     fn cutoff_angstrom(&self) -> Option<f64>;
@@ -73,6 +81,14 @@ impl SitePotential for Yukawa {
 
     fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64 {
         Yukawa::reach_angstrom(self, product, energy_kt)
+    }
+
+    fn far_field(&self, charges: &ChargeCloud) -> FarField {
+        FarField::new(charges, self)
+    }
+
+    fn far_reach_angstrom(&self, [first, second]: [&FarField; 2], energy_kt: f64) -> f64 {
+        first.reach_angstrom(second, self, energy_kt)
     }
 
     fn cutoff_angstrom(&self) -> Option<f64> {

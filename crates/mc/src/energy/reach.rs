@@ -45,6 +45,19 @@ impl Reach {
         reach
     }
 
+    /// A shorter one, from [multipoles](super::FarField).
+    pub fn of_multipoles(system: &System, potential: &impl SitePotential) -> Self {
+        let types = system.types().iter();
+        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
+        let mut distances = Vec::with_capacity(fields.len() * fields.len());
+        for first in &fields {
+            for second in &fields {
+                distances.push(potential.far_reach_angstrom([first, second], NEGLIGIBLE_KT));
+            }
+        }
+        Self::of_types(system, distances)
+    }
+
     /// The reach of these distances (Å), by the types of the first and the second body.
     pub fn of_types(system: &System, by_types: Vec<f64>) -> Self {
         let mut reach = Self {

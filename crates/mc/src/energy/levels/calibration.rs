@@ -1,10 +1,10 @@
 //! The built-in comparison: how large the errors of the levels are in units of the variance model.
 
-use super::fine_energy::SHARPENED;
 use super::list::{List, ListEnergy};
 use super::maker::{COARSE_OPENING, PART_OF_DISTANCE};
 use super::neighbours::SKIN_ANGSTROM;
-use super::table::{Estimate, Table};
+use super::sharpening::STEPS;
+use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::{SitePotential, pair_energy_kt};
 use crate::system::System;
 use protomer_kernel::pose::RelativePose;
@@ -60,9 +60,8 @@ pub struct ListScales {
     pub coarse: Scales,
     /// Of expansions of the far points.
     pub expansion: Scales,
-    /// Of fine energies: of all charges, and of those left when the least certain 2 %, 10 % and 50 %
-    /// are summed directly.
-    pub fine: [f64; SHARPENED.len()],
+    /// Of fine energies: of all charges, and of those left in the table after each step of sharpening.
+    pub fine: [f64; 1 + STEPS],
 }
 
 /// Of an energy and of its changes.
@@ -127,8 +126,8 @@ struct ListErrors {
     coarse_changes: Vec<ListError>,
     expanded: Vec<ListError>,
     expanded_changes: Vec<ListError>,
-    /// Of fine energies, by step of sharpening, over the square root of the model's variance.
-    fine: [Vec<f64>; SHARPENED.len()],
+    /// Of fine energies, by steps of sharpening, over the square root of the model's variance.
+    fine: [Vec<f64>; 1 + STEPS],
 }
 
 /// An error of an energy from a list, or of its change, kT, beside the variances of the model.
@@ -162,7 +161,7 @@ impl Compared {
         list: &List,
         pose: &RelativePose,
     ) -> Option<Self> {
-        let fine = first.fine_energy(second, list, pose, 0)?;
+        let fine = first.fine_energy(second, list, pose)?;
         let energy = list.energy(first, pose)?;
         Some(Self {
             list: energy,
@@ -216,11 +215,11 @@ impl Errors {
                 errors.add_changes(&list, [&at_here, &at_there], [&here, &there]);
             }
             if pose < DIRECT_POSES {
-                let direct = pair_energy_kt(potential, &first.charges, &second.charges, &here);
-                for (step, ratios) in errors.fine.iter_mut().enumerate() {
-                    if let Some(fine) = first.fine_energy(second, &list, &here, step) {
-                        ratios.push((fine.energy_kt - direct).abs() / fine.deviation());
-                    }
+                let direct_kt = pair_energy_kt(potential, &first.charges, &second.charges, &here);
+                let estimates = fine_estimates(first, second, at_here.fine, &here);
+                for (ratios, fine) in errors.fine.iter_mut().zip(estimates) {
+                    let error_kt = (fine.energy_kt - direct_kt).abs();
+                    ratios.push(error_kt / fine_deviation(fine.variance));
                 }
             }
         }
@@ -239,6 +238,32 @@ impl Errors {
             largest: in_deviations.into_iter().fold(0.0, f64::max),
         }
     }
+}
+
+/// The fine energy of a pair, and after each step of sharpening.
+fn fine_estimates<P: SitePotential>(
+    first: &Table<P>,
+    second: &Table<P>,
+    fine: Estimate,
+    pose: &RelativePose,
+) -> Vec<Estimate> {
+    let mut estimates = vec![fine];
+    let Some(ranking) = first.ranking(second, pose) else {
+        return estimates;
+    };
+    let mut energy_kt = fine.energy_kt;
+    for step in 0..STEPS {
+        let Some(correction_kt) = first.correction_kt(second, pose, &ranking, step) else {
+            return estimates;
+        };
+        energy_kt += correction_kt;
+        let variance = ranking.variance(step);
+        estimates.push(Estimate {
+            energy_kt,
+            variance,
+        });
+    }
+    estimates
 }
 
 impl ListErrors {

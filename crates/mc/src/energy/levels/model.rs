@@ -1,10 +1,10 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
 use super::calibration::{Calibration, MULTIPLE};
-use super::fine_energy::SHARPENED;
 use super::list::List;
 use super::maker::COARSE_OPENING;
-use super::table::{Estimate, Table};
+use super::sharpening::{Ranking, STEPS};
+use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
@@ -63,7 +63,7 @@ struct Known {
     expanded_kt: f64,
     coarse_kt: OnceLock<f64>,
     /// By level from [`FINE`] on.
-    fine: [OnceLock<Estimate>; SHARPENED.len()],
+    fine: [OnceLock<Estimate>; 1 + STEPS],
     direct_kt: OnceLock<f64>,
 }
 
@@ -76,6 +76,8 @@ struct Image {
     close_kt: f64,
     /// Variance of the list's expansion by the error model, kT².
     expansion_variance: f64,
+    /// The order in which charges leave the fine table; `None` where that ends before.
+    ranking: OnceLock<Option<Ranking>>,
 }
 
 /// A pair in a decision: its energy after the move and before.
@@ -92,7 +94,7 @@ struct Change {
 const EXPANDED: usize = 0;
 const COARSE: usize = 1;
 const FINE: usize = 2;
-const DIRECT: usize = FINE + SHARPENED.len();
+const DIRECT: usize = FINE + 1 + STEPS;
 
 impl<P: SitePotential> Levels<P> {
     /// The model for this potential and system, with a table for each of its body types. Their levels
@@ -147,7 +149,7 @@ impl<P: SitePotential> Levels<P> {
     }
 
     fn prepare(&mut self, system: &System) {
-        self.reach = Reach::new(system, &self.potential);
+        self.reach = Reach::of_multipoles(system, &self.potential);
         self.proposed.clear();
     }
 
@@ -208,6 +210,7 @@ impl<P: SitePotential> Levels<P> {
                 list,
                 close_kt: energy.map_or(f64::NAN, |energy| energy.close_kt),
                 expansion_variance: energy.map_or(0.0, |energy| energy.expansion_variance),
+                ranking: OnceLock::new(),
             });
         }
         let mut known = Known {
@@ -255,8 +258,7 @@ impl<P: SitePotential> Levels<P> {
                 (energy_kt, variances.sum())
             }
             FINE..DIRECT => {
-                let step = level - FINE;
-                let estimate = known.fine[step].get_or_init(|| self.fine_estimate(known, step));
+                let estimate = self.fine_estimate(known, level - FINE);
                 (estimate.energy_kt, estimate.variance)
             }
             _ => (self.direct_kt(known), 0.0),
@@ -294,24 +296,58 @@ impl<P: SitePotential> Levels<P> {
         sum.unwrap_or_else(|| self.direct_kt(known))
     }
 
-    /// The sum over the images, each with the charges of the second body in the fine table of the
-    /// first, but for those that this step of sharpening sums directly.
-    fn fine_estimate(&self, known: &Known, step: usize) -> Estimate {
-        let (first, second) = self.tables_of(known.types);
-        let mut sum = Estimate {
-            energy_kt: 0.0,
-            variance: 0.0,
-        };
-        for image in &known.images {
-            let fine = first.fine_energy(second, &image.list, &image.relative, step);
-            let Some(estimate) = fine else {
-                return self.beyond_tables(known);
+    /// From the fine tables after so many steps of sharpening; the direct sum where they end before.
+    fn fine_estimate(&self, known: &Known, steps: usize) -> Estimate {
+        *known.fine[steps].get_or_init(|| {
+            let estimate = match steps.checked_sub(1) {
+                None => self.in_fine_tables(known),
+                Some(step) => self.sharpened(known, step),
             };
-            let scale = self.calibration.of(&image.list).fine[step];
-            sum.energy_kt += estimate.energy_kt;
-            sum.variance += (scale * estimate.deviation()).powi(2);
+            estimate.unwrap_or_else(|| Estimate {
+                energy_kt: self.direct_kt(known),
+                variance: 0.0,
+            })
+        })
+    }
+
+    /// The sum over the images, each with the charges of the second body in the fine table of the
+    /// first.
+    fn in_fine_tables(&self, known: &Known) -> Option<Estimate> {
+        let (first, second) = self.tables_of(known.types);
+        let (mut energy_kt, mut variance) = (0.0, 0.0);
+        for image in &known.images {
+            let fine = first.fine_energy(second, &image.list, &image.relative)?;
+            energy_kt += fine.energy_kt;
+            variance += self.fine_variance(image, 0, fine.variance);
         }
-        sum
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
+    }
+
+    /// The estimate before this step of sharpening, with what the step adds.
+    fn sharpened(&self, known: &Known, step: usize) -> Option<Estimate> {
+        let (first, second) = self.tables_of(known.types);
+        let (mut energy_kt, mut variance) = (self.fine_estimate(known, step).energy_kt, 0.0);
+        for image in &known.images {
+            let pose = &image.relative;
+            let ranking = image.ranking.get_or_init(|| first.ranking(second, pose));
+            let ranking = ranking.as_ref()?;
+            energy_kt += first.correction_kt(second, pose, ranking, step)?;
+            variance += self.fine_variance(image, 1 + step, ranking.variance(step));
+        }
+        Some(Estimate {
+            energy_kt,
+            variance,
+        })
+    }
+
+    /// Of the fine energy of an image after so many steps of sharpening, kT²; `modelled` by the error
+    /// model.
+    fn fine_variance(&self, image: &Image, steps: usize, modelled: f64) -> f64 {
+        let scale = self.calibration.of(&image.list).fine[steps];
+        (scale * fine_deviation(modelled)).powi(2)
     }
 
     fn direct_kt(&self, known: &Known) -> f64 {
@@ -327,13 +363,6 @@ impl<P: SitePotential> Levels<P> {
             };
             known.images.iter().map(energy).sum()
         })
-    }
-
-    fn beyond_tables(&self, known: &Known) -> Estimate {
-        Estimate {
-            energy_kt: self.direct_kt(known),
-            variance: 0.0,
-        }
     }
 
     /// Of the energy of an image from its list, kT².
@@ -497,12 +526,12 @@ impl Known {
 
 /// How far from its charges a table must reach for this system, Å.
 pub fn table_reach_angstrom<P: SitePotential>(potential: &P, system: &System) -> f64 {
-    Reach::new(system, potential).largest_angstrom()
+    Reach::of_multipoles(system, potential).largest_angstrom()
 }
 
 impl<P: SitePotential> EnergyModel for Levels<P> {
     fn range_angstrom(&self, system: &System) -> f64 {
-        Reach::new(system, &self.potential).largest_angstrom()
+        Reach::of_multipoles(system, &self.potential).largest_angstrom()
     }
 
     fn require_room(&self, system: &System) -> Result<()> {
@@ -586,9 +615,10 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
 
     /// Quick energies are those of fine tables.
     fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+        let reach_of_all = Reach::new(system, &self.potential);
         sum_of_pairs(system, of, |pair| match effort {
             Effort::Quick => self.energy_alone_kt(pair).map(Some),
-            Effort::Full => direct_energy_kt(&self.potential, &self.reach, pair),
+            Effort::Full => direct_energy_kt(&self.potential, &reach_of_all, pair),
         })
     }
 

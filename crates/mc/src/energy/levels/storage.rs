@@ -12,14 +12,14 @@
 //!
 //! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
 //!
-//! A comparison is the line `protomer calibration 1`, its fingerprint, 19 numbers of 8 bytes each, and
+//! A comparison is the line `protomer calibration 2`, its fingerprint, 23 numbers of 8 bytes each, and
 //! the hash.
 
 use super::calibration::{Calibration, ListScales, Scales};
 use super::field::Field;
 use super::fine::Fine;
-use super::fine_energy::SHARPENED;
 use super::sampler::Sites;
+use super::sharpening::STEPS;
 use super::table::Table;
 use super::tree::{Node, Tree};
 use crate::charges::ChargeCloud;
@@ -34,7 +34,7 @@ const FIRST_LINE: &[u8; 17] = b"protomer table 9\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 /// The first line of a comparison; its number is raised when equal tables give another one.
-const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 1\n";
+const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 2\n";
 
 impl<P: SitePotential> Table<P> {
     /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
@@ -160,7 +160,7 @@ fn scales_from(number: &mut impl FnMut() -> std::io::Result<f64>) -> std::io::Re
         })
     };
     let (coarse, expansion) = (both()?, both()?);
-    let mut fine = [0.0; SHARPENED.len()];
+    let mut fine = [0.0; 1 + STEPS];
     for scale in &mut fine {
         *scale = number()?;
     }

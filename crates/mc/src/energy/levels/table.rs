@@ -87,11 +87,9 @@ impl<P: SitePotential> Table<P> {
     }
 }
 
-impl Estimate {
-    /// The standard deviation with a floor for roundings of single precision, kT.
-    pub(super) fn deviation(&self) -> f64 {
-        (self.variance + 1e-10).sqrt()
-    }
+/// The standard deviation of a fine energy with a floor for roundings of single precision, kT.
+pub(super) fn fine_deviation(variance: f64) -> f64 {
+    (variance + 1e-10).sqrt()
 }
 
 /// Near pairs are few if the radius follows the density of the charges.
