@@ -5,7 +5,7 @@
 #   bash tests/validation/assembly_from_fluid.sh STRUCTURE OUTPUT
 #
 # STRUCTURE is GFP, PDB entry 1EMA (protomer fetch 1EMA). One core; stopped and called again, it continues, and
-# with more SWEEPS it runs on. REPLICAS and NATIVE_REPLICAS are the numbers of runs per salt concentration.
+# with more SWEEPS it runs on. REPLICAS and NATIVE_REPLICAS are the numbers of runs at each of the SALTS.
 set -euo pipefail
 structure=$1 output=$2
 sweeps=${SWEEPS:-1000} replicas=${REPLICAS:-3} native_replicas=${NATIVE_REPLICAS:-1}
@@ -41,7 +41,7 @@ start() {
     echo "$2 $3 replica $4: $(cat "$output/cpu_seconds") CPU-seconds"
 }
 
-salts="10mM 50mM 100mM 300mM"
+salts=${SALTS:-10mM 50mM 100mM 300mM}
 for replica in $(seq "$replicas"); do
     fluid=$output/fluid_$replica.json
     [ -e "$fluid" ] || $protomer assemble fluid "$output/plus.body" "$output/minus.body" --counts 8,8 --box 500 \

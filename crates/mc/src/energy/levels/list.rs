@@ -11,6 +11,10 @@ use super::near::NearPairs;
 use super::table::Table;
 use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
+use std::sync::OnceLock;
+
+/// The potential beyond the reach varies over some such distance.
+const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;
 
 /// The variance of the errors' change at small moves, in units of that at large ones.
 const CROSSINGS: f64 = 0.3;
@@ -25,7 +29,9 @@ pub(super) struct List {
     pub(super) points: Vec<Block>,
     /// Points farther away, at most moves replaced by their [`Expansion`].
     pub(super) far_points: Vec<Block>,
-    pub(super) expansion: Option<Expansion>,
+    pub(super) far_centre: [f32; 3],
+    /// Made when the pair has moved; `None` where the table ends before.
+    pub(super) expansion: OnceLock<Option<Expansion>>,
     pub(super) near: NearPairs,
     /// All parts of the second body.
     pub(super) parts: Vec<Parts>,
@@ -165,30 +171,61 @@ impl List {
     pub fn expansion_shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let step = Motion::between(from, to);
         let from_reference = [from, to].map(|pose| Motion::between(&self.reference, pose));
-        let expansion = self.expansion.as_ref();
+        let expansion = self.expansion.get().and_then(Option::as_ref);
         expansion.map_or(0.0, |expansion| {
             expansion.shift(from_reference.each_ref(), &step)
         })
     }
 
-    /// The energy at this pose; `None` where the table of the first body ends before.
+    /// The energy at the reference pose, of all points; `None` where the table of the first body ends
+    /// before.
+    pub fn energy_at_reference<P: SitePotential>(&self, first: &Table<P>) -> Option<ListEnergy> {
+        let close_kt = self.close_energy(first, &self.reference)?;
+        Some(ListEnergy {
+            expanded_kt: close_kt + self.far_energy(first, &self.reference)?,
+            close_kt,
+            expansion_variance: 0.0,
+        })
+    }
+
+    /// The same at a pose that the list serves, with the expansion in place of the far points.
     pub fn energy<P: SitePotential>(
         &self,
         first: &Table<P>,
         pose: &RelativePose,
     ) -> Option<ListEnergy> {
-        let close_kt = self.points_energy(first, &self.points, Some(&self.near), pose)?;
-        let mut energy = ListEnergy {
-            expanded_kt: close_kt,
-            close_kt,
-            expansion_variance: 0.0,
+        let close_kt = self.close_energy(first, pose)?;
+        let (far_kt, expansion_variance) = match self.expansion(first) {
+            Some(expansion) => {
+                let motion = Motion::between(&self.reference, pose);
+                let far_kt = f64::from(expansion.energy_kt(&motion));
+                (far_kt, expansion.variance(&motion))
+            }
+            None => (self.far_energy(first, pose)?, 0.0),
         };
-        if let Some(expansion) = &self.expansion {
-            let motion = Motion::between(&self.reference, pose);
-            energy.expanded_kt += f64::from(expansion.energy_kt(&motion));
-            energy.expansion_variance = expansion.variance(&motion);
+        Some(ListEnergy {
+            expanded_kt: close_kt + far_kt,
+            close_kt,
+            expansion_variance,
+        })
+    }
+
+    /// Worth its price only for a pair that moves little.
+    fn expansion<P: SitePotential>(&self, first: &Table<P>) -> Option<&Expansion> {
+        let make = || {
+            let reference = Motion::new(&self.reference);
+            let (field, length_angstrom) = (&first.field, EXPANSION_LENGTH_ANGSTROM);
+            let (centre, points) = (self.far_centre, &self.far_points);
+            Expansion::new(field, &reference, centre, points, length_angstrom)
+        };
+        match self.far_points[..] {
+            [] => None,
+            _ => self.expansion.get_or_init(make).as_ref(),
         }
-        Some(energy)
+    }
+
+    fn close_energy<P: SitePotential>(&self, first: &Table<P>, pose: &RelativePose) -> Option<f64> {
+        self.points_energy(first, &self.points, Some(&self.near), pose)
     }
 
     /// The energy of the far points at this pose, kT; `None` where the table of the first body ends

@@ -1,6 +1,6 @@
 //! Chooses the points of a list.
 
-use super::expansion::Expansion;
+use super::expansion::centre;
 use super::fit::FIT_DISTANCE;
 use super::lanes::{BLOCK, vectorised};
 use super::list::{List, Part, Parts};
@@ -11,6 +11,7 @@ use super::table::Table;
 use super::tree::Node;
 use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
+use std::sync::OnceLock;
 
 /// Radii of a node at which its equivalent charges stand for it.
 pub(super) const COARSE_OPENING: f32 = 1.0;
@@ -18,8 +19,6 @@ pub(super) const COARSE_OPENING: f32 = 1.0;
 /// Points farther away may move by this part of their distance.
 pub(super) const PART_OF_DISTANCE: f32 = 0.3;
 
-/// The potential beyond the reach varies over some such distance.
-const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;
 /// Of single precision, kT².
 const ROUNDING_VARIANCE: f64 = 1e-9;
 
@@ -165,24 +164,15 @@ impl<P: SitePotential> Maker<'_, P> {
     fn finish(mut self, reference: &RelativePose) -> List {
         let parts = self.parts();
         let is_contact = !self.points.is_empty();
-        let (mut points, mut far_points) = (blocks(&self.points), blocks(&self.far_points));
+        let (points, far_points) = (blocks(&self.points), blocks(&self.far_points));
         self.variance += TABLE_WEIGHT * self.table_variance(&points);
         self.variance += TABLE_WEIGHT * self.table_variance(&far_points);
-        let expansion = Expansion::new(
-            &self.first.field,
-            &self.motion,
-            &self.far_points,
-            &far_points,
-            EXPANSION_LENGTH_ANGSTROM,
-        );
-        if expansion.is_none() {
-            points.append(&mut far_points);
-        }
         List {
             reference: *reference,
             points,
             far_points,
-            expansion,
+            far_centre: centre(&self.far_points),
+            expansion: OnceLock::new(),
             near: self.near.finish(),
             parts: Parts::new(&parts),
             variance: f64::from(self.variance) + ROUNDING_VARIANCE,

@@ -198,11 +198,14 @@ impl<P: SitePotential> Levels<P> {
             let kept = before
                 .and_then(|known| known.images.get(number))
                 .filter(|image| image.list.serves(&relative));
-            let list = match kept {
-                Some(image) => Arc::clone(&image.list),
-                None => Arc::new(List::new(first, second, &relative, COARSE_OPENING)),
+            let (list, energy) = match kept {
+                Some(image) => (Arc::clone(&image.list), image.list.energy(first, &relative)),
+                None => {
+                    let list = List::new(first, second, &relative, COARSE_OPENING);
+                    let energy = list.energy_at_reference(first);
+                    (Arc::new(list), energy)
+                }
             };
-            let energy = list.energy(first, &relative);
             let sum = expanded_kt.zip(energy);
             expanded_kt = sum.map(|(sum, energy)| sum + energy.expanded_kt);
             images.push(Image {
