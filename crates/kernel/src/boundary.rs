@@ -55,10 +55,9 @@ impl Boundary {
     /// The shortest image of a displacement, Å.
     pub fn minimum_image(&self, displacement: Vec3) -> Vec3 {
         match self {
-            Boundary::Periodic { lengths_angstrom } => displacement
-                .zip_map(lengths_angstrom, |d, length| {
-                    d - length * (d / length).round()
-                }),
+            Boundary::Periodic { lengths_angstrom } => {
+                displacement.zip_map(lengths_angstrom, nearest_image)
+            }
             Boundary::Open | Boundary::SphereWall { .. } => displacement,
         }
     }
@@ -110,6 +109,14 @@ impl Boundary {
                 4.0 / 3.0 * std::f64::consts::PI * radius_angstrom.powi(3)
             }
         }
+    }
+}
+
+/// Most displacements are short already; rounding is a call on many processors.
+fn nearest_image(displacement: f64, length: f64) -> f64 {
+    match displacement.abs() < 0.5 * length {
+        true => displacement,
+        false => displacement - length * (displacement / length).round(),
     }
 }
 

@@ -66,6 +66,7 @@ mod error;
 pub mod exchange;
 pub mod hard;
 pub mod moves;
+mod neighbours;
 pub mod observables;
 pub mod pair;
 pub mod reweighting;

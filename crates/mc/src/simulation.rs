@@ -8,13 +8,14 @@ use crate::moves::binding;
 use crate::moves::proposal::Proposal;
 use crate::moves::step_sizes::Tuner;
 use crate::moves::{BindingMove, HalfTurn, Kind, StepSizes, cluster, single};
+use crate::neighbours::Neighbours;
 use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, survival};
 use crate::statistics::Statistics;
 use crate::system::{System, Trial};
 use crate::{McError, Result, Settings};
-use protomer_kernel::cells::{CellList, require_minimum_image};
+use protomer_kernel::cells::require_minimum_image;
 use protomer_kernel::random::{CounterRng, Purpose};
-use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_kernel::{Boundary, Pose};
 use std::ops::ControlFlow;
 
 /// How a call of [`Simulation::run_until`] ended.
@@ -61,7 +62,7 @@ pub struct Simulation {
     sweep: u64,
     energy: Box<dyn EnergyModel>,
     hard: HardBodies,
-    cells: CellList,
+    neighbours: Neighbours,
     tuners: Vec<Tuner>,
     statistics: Statistics,
     native_contacts: Vec<(usize, usize)>,
@@ -92,7 +93,7 @@ impl Simulation {
         replica: u32,
     ) -> Result<Self> {
         settings.check()?;
-        let cells = neighbour_cells(&system, energy.as_ref())?;
+        let neighbours = neighbours(&system, energy.as_ref())?;
         let pairs = overlapping_pairs(&system);
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs });
@@ -118,7 +119,7 @@ impl Simulation {
             seed,
             replica,
             energy,
-            cells,
+            neighbours,
             tuners,
         })
     }
@@ -148,7 +149,7 @@ impl Simulation {
         }
         energy.restore(&system, &checkpoint.energies)?;
         Ok(Self {
-            cells: neighbour_cells(&system, energy.as_ref())?,
+            neighbours: neighbours(&system, energy.as_ref())?,
             hard: HardBodies::new(system.len()),
             near: Vec::new(),
             settings: checkpoint.settings,
@@ -186,7 +187,7 @@ impl Simulation {
     /// As [`Simulation::energy_at_kt`].
     pub(crate) fn take_poses(&mut self, poses: &[Pose]) -> Result<()> {
         self.system = self.system.with_poses(poses);
-        self.cells = neighbour_cells(&self.system, self.energy.as_ref())?;
+        self.neighbours = neighbours(&self.system, self.energy.as_ref())?;
         self.hard = HardBodies::new(self.system.len());
         self.energy.reset(&self.system)
     }
@@ -305,7 +306,8 @@ impl Simulation {
             body,
             pose: self.system.tidy(pose),
         };
-        self.cells.candidates(&trial.pose.position, &mut self.near);
+        let place = &trial.pose.position;
+        self.neighbours.find(&self.system, place, &mut self.near);
         self.near.retain(|partner| *partner != body);
         if self.hard.blocks(&trial, &self.near) {
             return Ok(false);
@@ -335,7 +337,7 @@ impl Simulation {
             &turn,
             hard,
             energy,
-            &self.cells,
+            &self.neighbours,
             &mut rng,
         )?;
         let turned = |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
@@ -428,7 +430,7 @@ impl Simulation {
     /// bit for bit, those used for the energies.
     fn move_bodies(&mut self, poses: &[(usize, Pose)]) {
         for (body, pose) in poses {
-            self.cells
+            self.neighbours
                 .moved(*body, &self.system.pose(*body).position, &pose.position);
             self.system.set_pose(*body, *pose);
         }
@@ -517,14 +519,13 @@ pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
     energy.require_room(system)
 }
 
-/// Cells wide enough for both surfaces and charges.
-fn neighbour_cells(system: &System, energy: &dyn EnergyModel) -> Result<CellList> {
+/// In a range that holds both surfaces and charges.
+fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
     require_room(system, energy)?;
     let range = system
         .hard_range_angstrom()
         .max(energy.range_angstrom(system));
-    let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
-    Ok(CellList::new(system.boundary(), range, &positions))
+    Ok(Neighbours::new(system, range))
 }
 
 /// Translations beyond half the box, or two diameters in open space, are useless.

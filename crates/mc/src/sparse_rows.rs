@@ -35,10 +35,9 @@ impl<T: Clone> SparseRows<T> {
         }
     }
 
-    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, T)> + '_ {
-        self.rows[row]
-            .iter()
-            .map(|(column, value)| (*column as usize, value.clone()))
+    pub(crate) fn row(&self, row: usize) -> impl Iterator<Item = (usize, &T)> + Clone {
+        let entries = self.rows[row].iter();
+        entries.map(|(column, value)| (*column as usize, value))
     }
 }
 
@@ -73,25 +72,29 @@ impl<T: Clone> PairTable<T> {
         proposed: impl Iterator<Item = (usize, usize, T)>,
     ) {
         let has_moved = |body: usize| moved.binary_search(&body).is_ok();
+        let mut stay = Vec::new();
+        for (first, second, value) in proposed {
+            if has_moved(first) != has_moved(second) {
+                self.set(first, second, value);
+                stay.push((first, second));
+            }
+        }
+        stay.sort_unstable();
+        let is_left = |pair: (usize, usize)| stay.binary_search(&pair).is_err();
         for &body in moved {
-            let left: Vec<usize> = self
-                .row(body)
-                .map(|entry| entry.0)
+            let partners = self.row(body).map(|entry| entry.0);
+            let left: Vec<usize> = partners
                 .filter(|partner| !has_moved(*partner))
+                .filter(|partner| is_left((body.min(*partner), body.max(*partner))))
                 .collect();
             for partner in left {
                 self.remove(body, partner);
             }
         }
-        for (first, second, value) in proposed {
-            if has_moved(first) != has_moved(second) {
-                self.set(first, second, value);
-            }
-        }
     }
 
     /// The partners of a body, ascending, with their values.
-    pub(crate) fn row(&self, body: usize) -> impl Iterator<Item = (usize, T)> + '_ {
+    pub(crate) fn row(&self, body: usize) -> impl Iterator<Item = (usize, &T)> + Clone {
         self.0.row(body)
     }
 
@@ -100,7 +103,7 @@ impl<T: Clone> PairTable<T> {
         (0..self.0.rows.len()).flat_map(move |first| {
             self.row(first)
                 .filter(move |(second, _)| first < *second)
-                .map(move |(second, value)| (first, second, value))
+                .map(move |(second, value)| (first, second, value.clone()))
         })
     }
 }

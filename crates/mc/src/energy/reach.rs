@@ -84,12 +84,20 @@ impl Reach {
         self.largest
     }
 
+    fn of_pair(&self, pair: &Pair<'_>) -> f64 {
+        let (first, second) = pair.type_indices();
+        self.by_types[first * self.types + second]
+    }
+
+    /// Whether any image of the second body interacts with the first.
+    pub fn is_met(&self, pair: &Pair<'_>) -> bool {
+        pair.displacement.norm_squared() < self.of_pair(pair).powi(2)
+    }
+
     /// Where the images of the second body are that interact with the first: displacements of the
     /// origins, Å, the nearest image first.
     pub fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = Vec3> + use<> {
-        let (first, second) = pair.type_indices();
-        let reach = self.by_types[first * self.types + second];
-        let nearest = pair.displacement;
+        let (reach, nearest) = (self.of_pair(pair), pair.displacement);
         let is_near = move |displacement: &Vec3| displacement.norm_squared() < reach * reach;
         std::iter::once(nearest)
             .chain(farther_images(pair.boundary(), nearest, reach))
@@ -108,6 +116,9 @@ fn farther_images(
         Boundary::Open | Boundary::SphereWall { .. } => Vec3::repeat(f64::INFINITY),
     };
     let range = |axis: usize| {
+        if reach + nearest[axis].abs() < lengths[axis] {
+            return 0..=0;
+        }
         let first = ((-reach - nearest[axis]) / lengths[axis]).ceil() as i64;
         let last = ((reach - nearest[axis]) / lengths[axis]).floor() as i64;
         first..=last

@@ -16,9 +16,9 @@
 use crate::Result;
 use crate::energy::EnergyModel;
 use crate::hard::HardBodies;
+use crate::neighbours::Neighbours;
 use crate::system::{System, Trial};
 use nalgebra::{Quaternion, Unit};
-use protomer_kernel::cells::CellList;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 
@@ -108,7 +108,7 @@ pub(crate) fn grow(
     turn: &HalfTurn,
     hard: &mut HardBodies,
     energy: &mut dyn EnergyModel,
-    cells: &CellList,
+    neighbours: &Neighbours,
     rng: &mut CounterRng,
 ) -> Result<Vec<usize>> {
     let mut in_cluster = vec![false; system.len()];
@@ -121,8 +121,8 @@ pub(crate) fn grow(
             body,
             pose: system.tidy(turn.apply(system.pose(body))),
         };
-        cells.candidates(&trial.pose.position, &mut near);
-        cells.candidates(&system.pose(body).position, &mut near_old);
+        neighbours.around(&trial.pose.position, &mut near);
+        neighbours.around(&system.pose(body).position, &mut near_old);
         merge(&mut near, &near_old);
         for &partner in &near {
             if in_cluster[partner] {

@@ -5,7 +5,7 @@
 
 use super::expansion::Expansion;
 use super::field::Spots;
-use super::lanes::{BLOCK, vectorised};
+use super::lanes::{BLOCK, prefetch, vectorised};
 use super::motion::{Block, Motion};
 use super::near::NearPairs;
 use super::table::Table;
@@ -35,6 +35,10 @@ pub(super) struct List {
     pub(super) near: NearPairs,
     /// All parts of the second body.
     pub(super) parts: Vec<Parts>,
+    /// Of the sphere around the second body's origin that holds its charges, Å.
+    pub(super) radius: f32,
+    /// The least [length](Part::length) of a part, Å.
+    pub(super) least_length: f32,
     /// Variance of the energy of all points by the error model, kT².
     pub variance: f64,
     /// Whether some of the points are near the first body.
@@ -103,32 +107,37 @@ pub(super) struct ListEnergy {
 }
 
 impl List {
+    /// Asks for what the energy of a pair that moves a little needs.
+    pub fn prefetch(&self) {
+        self.parts.first().into_iter().for_each(prefetch);
+        self.points.first().into_iter().for_each(prefetch);
+    }
+
     /// Whether the points still serve at this pose.
     pub fn serves(&self, pose: &RelativePose) -> bool {
-        self.parts_stay(&Motion::between(&self.reference, pose))
+        self.slack_angstrom(pose) >= 0.0
+    }
+
+    /// How far every charge of the second body may move from this pose while the points serve, Å;
+    /// negative where they do not.
+    pub fn slack_angstrom(&self, pose: &RelativePose) -> f32 {
+        self.least_slack(&Motion::between(&self.reference, pose))
     }
 
     vectorised! {
-        /// Whether no part moves farther than it may.
-        fn parts_stay[stay_avx512, stay_avx2, all_stay](
-            self: &Self,
-            displacement: &Motion
-        ) -> bool
+        fn least_slack[slack_avx512, slack_avx2, slack](self: &Self, displacement: &Motion) -> f32
     }
 
     #[inline(always)]
-    fn all_stay<const FUSED: bool>(&self, displacement: &Motion) -> bool {
+    fn slack<const FUSED: bool>(&self, displacement: &Motion) -> f32 {
+        let mut least = [f32::INFINITY; BLOCK];
         for parts in &self.parts {
             let distances = parts.distances(displacement);
-            let mut beyond = 0;
             for lane in 0..BLOCK {
-                beyond |= i32::from(distances[lane] > parts.limit[lane]);
-            }
-            if beyond != 0 {
-                return false;
+                least[lane] = least[lane].min(parts.limit[lane] - distances[lane]);
             }
         }
-        true
+        least.into_iter().fold(f32::INFINITY, f32::min)
     }
 
     /// Variance of the change of the energy of all points from one pose to another by the error
@@ -141,7 +150,11 @@ impl List {
     /// errors of its points vary: 1 Å near the other body, more farther away; 1/3 rad everywhere.
     fn shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let motion = Motion::between(from, to);
-        let farthest = self.farthest_in_lengths(&motion);
+        let farthest = match self.is_contact {
+            true => self.farthest_in_lengths(&motion),
+            // Parts that are all far away have similar lengths, and need not be looked at.
+            false => motion.distance([0.0; 3], self.radius) / self.least_length,
+        };
         let moved = f64::from((ERRORS_PER_RADIAN * motion.turn()).max(farthest));
         // In proportion to small moves, points cross into cells with other errors.
         (moved * (moved + CROSSINGS)).sqrt()

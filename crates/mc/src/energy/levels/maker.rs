@@ -163,6 +163,7 @@ impl<P: SitePotential> Maker<'_, P> {
 
     fn finish(mut self, reference: &RelativePose) -> List {
         let parts = self.parts();
+        let lengths = parts.iter().map(|part| part.length);
         let is_contact = !self.points.is_empty();
         let (points, far_points) = (blocks(&self.points), blocks(&self.far_points));
         self.variance += TABLE_WEIGHT * self.table_variance(&points);
@@ -174,6 +175,8 @@ impl<P: SitePotential> Maker<'_, P> {
             far_centre: centre(&self.far_points),
             expansion: OnceLock::new(),
             near: self.near.finish(),
+            radius: self.second.charges.radius_angstrom() as f32,
+            least_length: lengths.fold(f32::INFINITY, f32::min),
             parts: Parts::new(&parts),
             variance: f64::from(self.variance) + ROUNDING_VARIANCE,
             is_contact,

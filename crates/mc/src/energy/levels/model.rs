@@ -1,8 +1,10 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
 use super::calibration::{Calibration, MULTIPLE};
+use super::lanes::prefetch;
 use super::list::List;
 use super::maker::COARSE_OPENING;
+use super::motion::Motion;
 use super::sharpening::{Ranking, STEPS};
 use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::direct::direct_energy_kt;
@@ -16,6 +18,7 @@ use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
 use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
+use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
 
 /// How many decisions each level made.
@@ -59,11 +62,12 @@ pub struct Levels<P> {
 struct Known {
     /// The types of the two bodies.
     types: (usize, usize),
-    images: Vec<Image>,
+    /// Most pairs have one.
+    images: SmallVec<[Image; 1]>,
     expanded_kt: f64,
     coarse_kt: OnceLock<f64>,
-    /// By level from [`FINE`] on.
-    fine: [OnceLock<Estimate>; 1 + STEPS],
+    /// By level from [`FINE`] on. Few pairs need them.
+    fine: OnceLock<Box<[OnceLock<Estimate>; 1 + STEPS]>>,
     direct_kt: OnceLock<f64>,
 }
 
@@ -72,12 +76,14 @@ struct Known {
 struct Image {
     relative: RelativePose,
     list: Arc<List>,
+    /// No less is the list's [slack](List::slack_angstrom) at this pose, Å.
+    slack_angstrom: f32,
     /// The energy without the list's far points, kT.
     close_kt: f64,
     /// Variance of the list's expansion by the error model, kT².
     expansion_variance: f64,
     /// The order in which charges leave the fine table; `None` where that ends before.
-    ranking: OnceLock<Option<Ranking>>,
+    ranking: OnceLock<Option<Box<Ranking>>>,
 }
 
 /// A pair in a decision: its energy after the move and before.
@@ -153,12 +159,26 @@ impl<P: SitePotential> Levels<P> {
         self.proposed.clear();
     }
 
+    /// Asks for what is known of a body's pairs. In a large system it is far from the processor, in
+    /// three steps from pointer to pointer; those of all pairs are taken at once.
+    fn prefetch(&self, body: usize) {
+        let known = self.energies.row(body).map(|(_, known)| known);
+        known.clone().for_each(|known| prefetch(known.as_ref()));
+        let images = known.flat_map(|known| &known.images);
+        let lists = images.map(|image| image.list.as_ref());
+        lists.clone().for_each(prefetch);
+        lists.for_each(List::prefetch);
+    }
+
     fn tables_of(&self, (first, second): (usize, usize)) -> (&Table<P>, &Table<P>) {
         (&self.tables[first], &self.tables[second])
     }
 
     /// The poses of the images that count; none beyond the reach.
     fn image_poses(&self, pair: &Pair<'_>) -> Vec<RelativePose> {
+        if !self.reach.is_met(pair) {
+            return Vec::new();
+        }
         let images = self.reach.images(pair);
         images.map(|image| pair.relative_image(&image)).collect()
     }
@@ -193,17 +213,17 @@ impl<P: SitePotential> Levels<P> {
         before: Option<&Known>,
     ) -> Result<Arc<Known>> {
         let (first, second) = self.tables_of(pair.type_indices());
-        let (mut images, mut expanded_kt) = (Vec::with_capacity(poses.len()), Some(0.0));
+        let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
-            let kept = before
-                .and_then(|known| known.images.get(number))
-                .filter(|image| image.list.serves(&relative));
-            let (list, energy) = match kept {
-                Some(image) => (Arc::clone(&image.list), image.list.energy(first, &relative)),
+            let image = before.and_then(|known| known.images.get(number));
+            let kept = image.and_then(|image| image.list_at(&relative));
+            let (list, slack_angstrom, energy) = match kept {
+                Some((list, slack)) => (Arc::clone(list), slack, list.energy(first, &relative)),
                 None => {
                     let list = List::new(first, second, &relative, COARSE_OPENING);
                     let energy = list.energy_at_reference(first);
-                    (Arc::new(list), energy)
+                    let slack_angstrom = list.slack_angstrom(&relative);
+                    (Arc::new(list), slack_angstrom, energy)
                 }
             };
             let sum = expanded_kt.zip(energy);
@@ -211,6 +231,7 @@ impl<P: SitePotential> Levels<P> {
             images.push(Image {
                 relative,
                 list,
+                slack_angstrom,
                 close_kt: energy.map_or(f64::NAN, |energy| energy.close_kt),
                 expansion_variance: energy.map_or(0.0, |energy| energy.expansion_variance),
                 ranking: OnceLock::new(),
@@ -221,7 +242,7 @@ impl<P: SitePotential> Levels<P> {
             images,
             expanded_kt: 0.0,
             coarse_kt: OnceLock::new(),
-            fine: Default::default(),
+            fine: OnceLock::new(),
             direct_kt: OnceLock::new(),
         };
         // Where the tables end, the direct sum is all there is.
@@ -301,7 +322,8 @@ impl<P: SitePotential> Levels<P> {
 
     /// From the fine tables after so many steps of sharpening; the direct sum where they end before.
     fn fine_estimate(&self, known: &Known, steps: usize) -> Estimate {
-        *known.fine[steps].get_or_init(|| {
+        let fine = known.fine.get_or_init(Box::default);
+        *fine[steps].get_or_init(|| {
             let estimate = match steps.checked_sub(1) {
                 None => self.in_fine_tables(known),
                 Some(step) => self.sharpened(known, step),
@@ -335,7 +357,8 @@ impl<P: SitePotential> Levels<P> {
         let (mut energy_kt, mut variance) = (self.fine_estimate(known, step).energy_kt, 0.0);
         for image in &known.images {
             let pose = &image.relative;
-            let ranking = image.ranking.get_or_init(|| first.ranking(second, pose));
+            let make = || first.ranking(second, pose).map(Box::new);
+            let ranking = image.ranking.get_or_init(make);
             let ranking = ranking.as_ref()?;
             energy_kt += first.correction_kt(second, pose, ranking, step)?;
             variance += self.fine_variance(image, 1 + step, ranking.variance(step));
@@ -523,7 +546,23 @@ impl Known {
     /// Whether the lists serve at all of these poses.
     fn serves(&self, poses: &[RelativePose]) -> bool {
         let mut images = self.images.iter().zip(poses);
-        self.images.len() == poses.len() && images.all(|(image, pose)| image.list.serves(pose))
+        let all_serve = images.all(|(image, pose)| image.list_at(pose).is_some());
+        self.images.len() == poses.len() && all_serve
+    }
+}
+
+impl Image {
+    /// The list, if it serves at this pose, and its slack there, Å. Most moves are shorter than the
+    /// slack that was left, and the parts need not be looked at.
+    fn list_at(&self, pose: &RelativePose) -> Option<(&Arc<List>, f32)> {
+        let moved = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
+        let left = self.slack_angstrom - moved;
+        let slack = if left >= 0.0 {
+            left
+        } else {
+            self.list.slack_angstrom(pose)
+        };
+        (slack >= 0.0).then_some((&self.list, slack))
     }
 }
 
@@ -578,12 +617,11 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
-        let mut both: Vec<usize> = self
-            .energies
-            .row(trial.body)
-            .map(|(partner, _)| partner)
-            .collect();
-        both.extend_from_slice(partners);
+        self.prefetch(trial.body);
+        let row = self.energies.row(trial.body);
+        let mut both: Vec<usize> = row.map(|(partner, _)| partner).collect();
+        let is_met = |partner: &&usize| self.reach.is_met(&trial.pair(**partner));
+        both.extend(partners.iter().filter(is_met));
         both.sort_unstable();
         both.dedup();
         let mut changes = Vec::with_capacity(both.len());

@@ -12,7 +12,7 @@
 //!
 //! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
 //!
-//! A comparison is the line `protomer calibration 2`, its fingerprint, 23 numbers of 8 bytes each, and
+//! A comparison is the line `protomer calibration 3`, its fingerprint, 23 numbers of 8 bytes each, and
 //! the hash.
 
 use super::calibration::{Calibration, ListScales, Scales};
@@ -34,7 +34,7 @@ const FIRST_LINE: &[u8; 17] = b"protomer table 9\n";
 const FINGERPRINT_LENGTH: usize = 64;
 
 /// The first line of a comparison; its number is raised when equal tables give another one.
-const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 2\n";
+const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 3\n";
 
 impl<P: SitePotential> Table<P> {
     /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
