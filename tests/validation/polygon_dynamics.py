@@ -2,6 +2,8 @@
 
     python tests/validation/polygon_dynamics.py OUTPUT [BODIES [TIME]]
 
+Bodies are compressed over 3 time units and equilibrated as long as they are followed.
+
 Runs `protomer md run` (global thermostat, smooth form, layer counted) for n = 3 to 9 and disks at each
 density with three seeds, and analyses the trajectories with `protomer.dynamics`: the least local slope
 of the mean squared displacement and where it is, the bond-orientational order, and the relaxation
@@ -22,7 +24,7 @@ from protomer.dynamics import Seeds
 HERE = Path(__file__).resolve().parent
 PROTOMER = os.environ.get("PROTOMER", str(HERE / "../../target/release/protomer"))
 SHAPES = {**{f"polygon:{n}": n for n in range(3, 10)}, "disk": 1}
-DENSITIES = [float(x) for x in os.environ.get("DENSITIES", "0.5,0.65,0.68,0.75").split(",")]
+DENSITIES = [float(x) for x in os.environ.get("DENSITIES", "0.5,0.6,0.65,0.68,0.7,0.72,0.75,0.78").split(",")]
 SEEDS = (1, 2, 3)
 TIME_STEP = 5e-4
 # Bond order of each shape: k and the number of neighbours.
@@ -34,7 +36,7 @@ def simulate(output: Path, shape: str, density: float, seed: int, bodies: int, t
     words = [
         PROTOMER, "md", "run", "--shape", shape, "--bodies", bodies, "--packing-fraction", density, "--seed", seed,
         "--ensemble", "nvt", "--relaxation-time", 1, "--time-step", TIME_STEP, "--steps", round(time / TIME_STEP),
-        "--compress-steps", 6000, "--equilibrate-steps", 6000, "--trajectory-every", 40, "--log-every", 1000,
+        "--compress-steps", 6000, "--equilibrate-steps", round(time / TIME_STEP), "--trajectory-every", 40, "--log-every", 1000,
         "-o", folder, "--json", "-q", "-j", 1,
     ]
     subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True)

@@ -162,7 +162,7 @@ impl Compared {
         pose: &RelativePose,
     ) -> Option<Self> {
         let fine = first.fine_energy(second, list, pose)?;
-        let energy = list.energy(first, pose)?;
+        let energy = list.expanded_energy(first, pose)?;
         Some(Self {
             list: energy,
             coarse_kt: energy.close_kt + list.far_energy(first, pose)?,

@@ -12,6 +12,11 @@ use super::table::Table;
 use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// An expansion costs as much as half a dozen energies of all points. Where cluster moves are made, many
+/// lists are used only once or twice.
+const USES_OF_ALL_POINTS: u32 = 3;
 
 /// The potential beyond the reach varies over some such distance.
 const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;
@@ -22,7 +27,7 @@ const CROSSINGS: f64 = 0.3;
 const ERRORS_PER_RADIAN: f32 = 3.0;
 
 /// The points of one pair.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct List {
     pub reference: RelativePose,
     /// Points in the coarse table at every move.
@@ -30,8 +35,10 @@ pub(super) struct List {
     /// Points farther away, at most moves replaced by their [`Expansion`].
     pub(super) far_points: Vec<Block>,
     pub(super) far_centre: [f32; 3],
-    /// Made when the pair has moved; `None` where the table ends before.
+    /// Made when the pair has moved a few times; `None` where the table ends before.
     pub(super) expansion: OnceLock<Option<Expansion>>,
+    /// How many energies were found at poses other than the reference.
+    pub(super) uses: AtomicU32,
     pub(super) near: NearPairs,
     /// All parts of the second body.
     pub(super) parts: Vec<Parts>,
@@ -190,50 +197,63 @@ impl List {
         })
     }
 
-    /// The energy at the reference pose, of all points; `None` where the table of the first body ends
-    /// before.
-    pub fn energy_at_reference<P: SitePotential>(&self, first: &Table<P>) -> Option<ListEnergy> {
-        let close_kt = self.close_energy(first, &self.reference)?;
-        Some(ListEnergy {
-            expanded_kt: close_kt + self.far_energy(first, &self.reference)?,
-            close_kt,
-            expansion_variance: 0.0,
-        })
-    }
-
-    /// The same at a pose that the list serves, with the expansion in place of the far points.
-    pub fn energy<P: SitePotential>(
+    /// The energy of all points at this pose; `None` where the table of the first body ends before.
+    pub fn energy_of_points<P: SitePotential>(
         &self,
         first: &Table<P>,
         pose: &RelativePose,
     ) -> Option<ListEnergy> {
         let close_kt = self.close_energy(first, pose)?;
-        let (far_kt, expansion_variance) = match self.expansion(first) {
-            Some(expansion) => {
-                let motion = Motion::between(&self.reference, pose);
-                let far_kt = f64::from(expansion.energy_kt(&motion));
-                (far_kt, expansion.variance(&motion))
-            }
-            None => (self.far_energy(first, pose)?, 0.0),
-        };
         Some(ListEnergy {
-            expanded_kt: close_kt + far_kt,
+            expanded_kt: close_kt + self.far_energy(first, pose)?,
             close_kt,
-            expansion_variance,
+            expansion_variance: 0.0,
         })
     }
 
-    /// Worth its price only for a pair that moves little.
-    fn expansion<P: SitePotential>(&self, first: &Table<P>) -> Option<&Expansion> {
-        let make = || {
-            let reference = Motion::new(&self.reference);
-            let (field, length_angstrom) = (&first.field, EXPANSION_LENGTH_ANGSTROM);
-            let (centre, points) = (self.far_centre, &self.far_points);
-            Expansion::new(field, &reference, centre, points, length_angstrom)
+    /// The same with the expansion in place of the far points once the list has been used a few times.
+    pub fn energy<P: SitePotential>(
+        &self,
+        first: &Table<P>,
+        pose: &RelativePose,
+    ) -> Option<ListEnergy> {
+        let uses = self.uses.fetch_add(1, Ordering::Relaxed);
+        match self.far_points.is_empty() || uses < USES_OF_ALL_POINTS {
+            true => self.energy_of_points(first, pose),
+            false => self.expanded_energy(first, pose),
+        }
+    }
+
+    /// The same with the expansion.
+    pub fn expanded_energy<P: SitePotential>(
+        &self,
+        first: &Table<P>,
+        pose: &RelativePose,
+    ) -> Option<ListEnergy> {
+        let Some(expansion) = self.expansion.get_or_init(|| self.expand(first)) else {
+            return self.energy_of_points(first, pose);
         };
-        match self.far_points[..] {
+        let motion = Motion::between(&self.reference, pose);
+        let close_kt = self.close_energy(first, pose)?;
+        Some(ListEnergy {
+            expanded_kt: close_kt + f64::from(expansion.energy_kt(&motion)),
+            close_kt,
+            expansion_variance: expansion.variance(&motion),
+        })
+    }
+
+    fn expand<P: SitePotential>(&self, first: &Table<P>) -> Option<Expansion> {
+        let reference = Motion::new(&self.reference);
+        let (centre, points) = (self.far_centre, &self.far_points);
+        match points[..] {
             [] => None,
-            _ => self.expansion.get_or_init(make).as_ref(),
+            _ => Expansion::new(
+                &first.field,
+                &reference,
+                centre,
+                points,
+                EXPANSION_LENGTH_ANGSTROM,
+            ),
         }
     }
 

@@ -12,6 +12,7 @@ use super::tree::Node;
 use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
+use std::sync::atomic::AtomicU32;
 
 /// Radii of a node at which its equivalent charges stand for it.
 pub(super) const COARSE_OPENING: f32 = 1.0;
@@ -174,6 +175,7 @@ impl<P: SitePotential> Maker<'_, P> {
             far_points,
             far_centre: centre(&self.far_points),
             expansion: OnceLock::new(),
+            uses: AtomicU32::new(0),
             near: self.near.finish(),
             radius: self.second.charges.radius_angstrom() as f32,
             least_length: lengths.fold(f32::INFINITY, f32::min),

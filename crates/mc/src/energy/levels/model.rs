@@ -221,7 +221,7 @@ impl<P: SitePotential> Levels<P> {
                 Some((list, slack)) => (Arc::clone(list), slack, list.energy(first, &relative)),
                 None => {
                     let list = List::new(first, second, &relative, COARSE_OPENING);
-                    let energy = list.energy_at_reference(first);
+                    let energy = list.energy_of_points(first, &relative);
                     let slack_angstrom = list.slack_angstrom(&relative);
                     (Arc::new(list), slack_angstrom, energy)
                 }
