@@ -131,6 +131,11 @@ impl List {
         self.least_slack(&Motion::between(&self.reference, pose))
     }
 
+    /// Whether a list made where the pair is would serve where it goes.
+    pub fn spans(&self, from: &RelativePose, to: &RelativePose) -> bool {
+        self.least_slack(&Motion::between(from, to)) >= 0.0
+    }
+
     vectorised! {
         fn least_slack[slack_avx512, slack_avx2, slack](self: &Self, displacement: &Motion) -> f32
     }

@@ -439,7 +439,8 @@ impl<P: SitePotential> Levels<P> {
         self.first_energies += 1;
         // Within a tolerance energies are functions of the poses alone.
         let keeps_lists = self.tolerance_kt.is_none();
-        let has_drifted = old.as_ref().is_some_and(|known| !known.serves(&poses));
+        let is_due = |known: &Arc<Known>| !known.serves(&poses) && known.span(&poses);
+        let has_drifted = old.as_ref().is_some_and(is_due);
         if keeps_lists && has_drifted && !poses.is_empty() {
             // New lists for where the pair is now.
             old = self.known(&trial.system.pair(trial.body, partner))?;
@@ -548,6 +549,13 @@ impl Known {
         let mut images = self.images.iter().zip(poses);
         let all_serve = images.all(|(image, pose)| image.list_at(pose).is_some());
         self.images.len() == poses.len() && all_serve
+    }
+
+    /// Whether lists made where the pair is would serve at all of these poses. They do not where a
+    /// cluster move takes it.
+    fn span(&self, poses: &[RelativePose]) -> bool {
+        let mut images = self.images.iter().zip(poses);
+        images.all(|(image, pose)| image.list.spans(&image.relative, pose))
     }
 }
 
