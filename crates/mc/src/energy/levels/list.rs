@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 /// An expansion costs as much as half a dozen energies of all points. Where cluster moves are made, many
 /// lists are used only once or twice.
-const USES_OF_ALL_POINTS: u32 = 3;
+const USES_OF_ALL_POINTS: u32 = 2;
 
 /// The potential beyond the reach varies over some such distance.
 const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;

@@ -76,7 +76,7 @@ struct Known {
 struct Image {
     relative: RelativePose,
     list: Arc<List>,
-    /// No less is the list's [slack](List::slack_angstrom) at this pose, Å.
+    /// At most the list's [slack](List::slack_angstrom) at this pose, Å.
     slack_angstrom: f32,
     /// The energy without the list's far points, kT.
     close_kt: f64,
@@ -85,6 +85,9 @@ struct Image {
     /// The order in which charges leave the fine table; `None` where that ends before.
     ranking: OnceLock<Option<Box<Ranking>>>,
 }
+
+/// Lists that serve at the poses of a pair's images, with their slack there, Å.
+type Lists = SmallVec<[Option<(Arc<List>, f32)>; 1]>;
 
 /// A pair in a decision: its energy after the move and before.
 struct Change {
@@ -201,24 +204,26 @@ impl<P: SitePotential> Levels<P> {
         let poses = self.image_poses(pair);
         match poses.is_empty() {
             true => Ok(None),
-            false => self.known_at(pair, poses, None).map(Some),
+            false => self.known_at(pair, poses, Lists::new()).map(Some),
         }
     }
 
-    /// The pair with images at these relative poses.
+    /// The pair with images at these relative poses, and lists where some serve there.
     fn known_at(
         &self,
         pair: &Pair<'_>,
         poses: Vec<RelativePose>,
-        before: Option<&Known>,
+        mut lists: Lists,
     ) -> Result<Arc<Known>> {
         let (first, second) = self.tables_of(pair.type_indices());
         let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
-            let image = before.and_then(|known| known.images.get(number));
-            let kept = image.and_then(|image| image.list_at(&relative));
+            let kept = lists.get_mut(number).and_then(Option::take);
             let (list, slack_angstrom, energy) = match kept {
-                Some((list, slack)) => (Arc::clone(list), slack, list.energy(first, &relative)),
+                Some((list, slack)) => {
+                    let energy = list.energy(first, &relative);
+                    (list, slack, energy)
+                }
                 None => {
                     let list = List::new(first, second, &relative, COARSE_OPENING);
                     let energy = list.energy_of_points(first, &relative);
@@ -438,21 +443,21 @@ impl<P: SitePotential> Levels<P> {
         let poses = self.image_poses(&pair);
         self.first_energies += 1;
         // Within a tolerance energies are functions of the poses alone.
-        let keeps_lists = self.tolerance_kt.is_none();
-        let is_due = |known: &Arc<Known>| !known.serves(&poses) && known.span(&poses);
-        let has_drifted = old.as_ref().is_some_and(is_due);
-        if keeps_lists && has_drifted && !poses.is_empty() {
-            // New lists for where the pair is now.
-            old = self.known(&trial.system.pair(trial.body, partner))?;
-            if let Some(fresh) = &old {
-                self.energies.set(trial.body, partner, Arc::clone(fresh));
+        let mut lists = Lists::new();
+        if let Some(known) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
+            lists = known.lists_at(&poses);
+            if known.is_due(&poses, &lists) {
+                // New lists for where the pair is now.
+                old = self.known(&trial.system.pair(trial.body, partner))?;
+                if let Some(fresh) = &old {
+                    lists = fresh.lists_at(&poses);
+                    self.energies.set(trial.body, partner, Arc::clone(fresh));
+                }
             }
         }
-        let new = if poses.is_empty() {
-            None
-        } else {
-            let before = old.as_deref().filter(|_| keeps_lists);
-            Some(self.known_at(&pair, poses, before)?)
+        let new = match poses.is_empty() {
+            true => None,
+            false => Some(self.known_at(&pair, poses, lists)?),
         };
         if new.is_none() && old.is_none() {
             return Ok(None);
@@ -544,33 +549,34 @@ impl<P: SitePotential> Levels<P> {
 }
 
 impl Known {
-    /// Whether the lists serve at all of these poses.
-    fn serves(&self, poses: &[RelativePose]) -> bool {
-        let mut images = self.images.iter().zip(poses);
-        let all_serve = images.all(|(image, pose)| image.list_at(pose).is_some());
-        self.images.len() == poses.len() && all_serve
+    /// The lists of the images that serve at these poses.
+    fn lists_at(&self, poses: &[RelativePose]) -> Lists {
+        let images = self.images.iter().zip(poses);
+        images.map(|(image, pose)| image.list_at(pose)).collect()
     }
 
-    /// Whether lists made where the pair is would serve at all of these poses. They do not where a
+    /// Whether lists made where the pair is would serve where its own do not. None would where a
     /// cluster move takes it.
-    fn span(&self, poses: &[RelativePose]) -> bool {
-        let mut images = self.images.iter().zip(poses);
-        images.all(|(image, pose)| image.list.spans(&image.relative, pose))
+    fn is_due(&self, poses: &[RelativePose], lists: &Lists) -> bool {
+        let mut images = self.images.iter().zip(poses).zip(lists);
+        let spans = |((image, pose), list): ((&Image, &RelativePose), &Option<_>)| {
+            list.is_some() || image.list.spans(&image.relative, pose)
+        };
+        lists.iter().any(Option::is_none) && images.all(spans)
     }
 }
 
 impl Image {
     /// The list, if it serves at this pose, and its slack there, Å. Most moves are shorter than the
     /// slack that was left, and the parts need not be looked at.
-    fn list_at(&self, pose: &RelativePose) -> Option<(&Arc<List>, f32)> {
+    fn list_at(&self, pose: &RelativePose) -> Option<(Arc<List>, f32)> {
         let moved = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
         let left = self.slack_angstrom - moved;
-        let slack = if left >= 0.0 {
-            left
-        } else {
-            self.list.slack_angstrom(pose)
+        let slack = match left >= 0.0 {
+            true => left,
+            false => self.list.slack_angstrom(pose),
         };
-        (slack >= 0.0).then_some((&self.list, slack))
+        (slack >= 0.0).then(|| (Arc::clone(&self.list), slack))
     }
 }
 
@@ -618,7 +624,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
             let pair = system.pair(saved.first, saved.second);
             let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
             let poses = std::iter::once(nearest).chain(saved.images_at.iter().copied());
-            let known = self.known_at(&pair, poses.collect(), None)?;
+            let known = self.known_at(&pair, poses.collect(), Lists::new())?;
             self.energies.set(saved.first, saved.second, known);
         }
         Ok(())
