@@ -79,7 +79,7 @@ impl Default for SuiteSettings {
             few_charges: 500,
             threads: vec![1, 2],
             moves: None,
-            replica_moves: [40_000, 500, 2_000],
+            replica_moves: [40_000, 10_000, 2_000],
             tolerance_kt: DEFAULT_TOLERANCE_KT,
             seconds_per_rate: 1.0,
             edge_divisions: 14,
