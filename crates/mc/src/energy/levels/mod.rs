@@ -5,7 +5,7 @@
 //! | expanded | points chosen for the pair and kept while it moves little: the nearer ones in the coarse table, the others as a quadratic function of how the pair has moved |
 //! | coarse | all of these points in the coarse table |
 //! | fine | all charges of one body in the fine table of the other |
-//! | sharpened | the same, but for the least certain of the charges, from 1 % to 60 % of them, which are summed directly |
+//! | sharpened | the same, but for the least certain of the charges, from 1 % to 60 % of them, which are summed directly (`sharpening`) |
 //! | direct | all pairs of charges |
 //!
 //! A table (`table`) holds a body's potential in its own frame in two parts (`split`): the smooth one
