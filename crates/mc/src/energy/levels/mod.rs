@@ -17,9 +17,10 @@
 //!
 //! Poses that have nothing to do with each other take the fine level without a list (`fine_energy`).
 //!
-//! A decision (`model`) starts at the first level with an error by a variance model and goes up, the
-//! least certain pair first, while the random number is within [`MULTIPLE`] standard deviations of
-//! the change of the energy. The model's scale is found by comparison of the levels (`calibration`).
+//! A decision (`model`; `known` holds what was found for a pair) starts at the first level with an
+//! error by a variance model and goes up, the least certain pair first, while the random number is
+//! within [`MULTIPLE`] standard deviations of the change of the energy. The model's scale is found by
+//! comparison of the levels (`calibration`).
 #![allow(
     clippy::needless_range_loop,
     reason = "a lane runs through several arrays at once"
@@ -32,6 +33,7 @@ mod field;
 mod fine;
 mod fine_energy;
 mod fit;
+mod known;
 mod lanes;
 mod list;
 mod maker;

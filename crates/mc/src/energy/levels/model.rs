@@ -1,11 +1,11 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
 use super::calibration::{Calibration, MULTIPLE};
+use super::known::{Image, Known, Lists};
 use super::lanes::prefetch;
 use super::list::List;
 use super::maker::COARSE_OPENING;
-use super::motion::Motion;
-use super::sharpening::{Ranking, STEPS};
+use super::sharpening::STEPS;
 use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
@@ -56,38 +56,6 @@ pub struct Levels<P> {
     decided: Decided,
     first_energies: u64,
 }
-
-/// What is known of one pair of bodies at one pose.
-#[derive(Debug)]
-struct Known {
-    /// The types of the two bodies.
-    types: (usize, usize),
-    /// Most pairs have one.
-    images: SmallVec<[Image; 1]>,
-    expanded_kt: f64,
-    coarse_kt: OnceLock<f64>,
-    /// By level from [`FINE`] on. Few pairs need them.
-    fine: OnceLock<Box<[OnceLock<Estimate>; 1 + STEPS]>>,
-    direct_kt: OnceLock<f64>,
-}
-
-/// One image of the second body that counts.
-#[derive(Debug)]
-struct Image {
-    relative: RelativePose,
-    list: Arc<List>,
-    /// At most the list's [slack](List::slack_angstrom) at this pose, Å.
-    slack_angstrom: f32,
-    /// The energy without the list's far points, kT.
-    close_kt: f64,
-    /// Variance of the list's expansion by the error model, kT².
-    expansion_variance: f64,
-    /// The order in which charges leave the fine table; `None` where that ends before.
-    ranking: OnceLock<Option<Box<Ranking>>>,
-}
-
-/// Lists that serve at the poses of a pair's images, with their slack there, Å.
-type Lists = SmallVec<[Option<(Arc<List>, f32)>; 1]>;
 
 /// A pair in a decision: its energy after the move and before.
 struct Change {
@@ -545,38 +513,6 @@ impl<P: SitePotential> Levels<P> {
             self.proposed
                 .extend(change.new.map(|known| (first, second, known)));
         }
-    }
-}
-
-impl Known {
-    /// The lists of the images that serve at these poses.
-    fn lists_at(&self, poses: &[RelativePose]) -> Lists {
-        let images = self.images.iter().zip(poses);
-        images.map(|(image, pose)| image.list_at(pose)).collect()
-    }
-
-    /// Whether lists made where the pair is would serve where its own do not. None would where a
-    /// cluster move takes it.
-    fn is_due(&self, poses: &[RelativePose], lists: &Lists) -> bool {
-        let mut images = self.images.iter().zip(poses).zip(lists);
-        let spans = |((image, pose), list): ((&Image, &RelativePose), &Option<_>)| {
-            list.is_some() || image.list.spans(&image.relative, pose)
-        };
-        lists.iter().any(Option::is_none) && images.all(spans)
-    }
-}
-
-impl Image {
-    /// The list, if it serves at this pose, and its slack there, Å. Most moves are shorter than the
-    /// slack that was left, and the parts need not be looked at.
-    fn list_at(&self, pose: &RelativePose) -> Option<(Arc<List>, f32)> {
-        let moved = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
-        let left = self.slack_angstrom - moved;
-        let slack = match left >= 0.0 {
-            true => left,
-            false => self.list.slack_angstrom(pose),
-        };
-        (slack >= 0.0).then(|| (Arc::clone(&self.list), slack))
     }
 }
 
