@@ -130,3 +130,13 @@ fn nothing_is_put_into_a_voxel_set() {
     is_ok(&place.run("framework tables -q -o tables"));
     is_ok(&place.run("man -o tables"));
 }
+
+#[test]
+fn a_shape_keeps_its_name_beside_a_folder_of_that_name() {
+    let place = TemporaryFolder::new();
+    std::fs::create_dir(place.path("cube")).unwrap();
+    std::fs::create_dir(place.path("runs")).unwrap();
+    is_ok(&place.run("shape cube --json"));
+    let refused = message(&place.run("shape runs --json"));
+    assert!(refused.contains("runs is a folder"), "{refused}");
+}

@@ -114,8 +114,10 @@ pub fn measure_shape(
 /// Names the file and the line, or lists the names.
 pub fn read_shape(file_or_name: &str) -> Result<Shape> {
     let path = Path::new(file_or_name);
-    if !path.exists() {
-        return Ok(builders::by_name(file_or_name)?);
+    // A run of cubes may stand in a folder `cube`.
+    let named = builders::by_name(file_or_name);
+    if !path.exists() || path.is_dir() && named.is_ok() {
+        return Ok(named?);
     }
     let file = InputFile::read(path)?;
     if MeshFormat::from_name(&file.name).is_ok() {
