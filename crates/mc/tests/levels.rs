@@ -78,8 +78,13 @@ fn assert_same_decisions(system: &System, yukawa: Yukawa, sweeps: u64) {
 #[test]
 fn decisions_are_those_of_the_direct_sum() {
     let mut rng = CounterRng::new(33, 0, 0);
-    // The last box is so small that images beyond the nearest count.
-    for (debye, charge, edge) in [(9.6, 0.3, 300.0), (3.0, 1.0, 120.0), (9.6, 0.2, 90.0)] {
+    // In the third box images beyond the nearest count; the last is wide enough for cells.
+    for (debye, charge, edge) in [
+        (9.6, 0.3, 300.0),
+        (3.0, 1.0, 120.0),
+        (9.6, 0.2, 90.0),
+        (3.0, 1.0, 400.0),
+    ] {
         let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
         let system = eight_bodies(50, charge, cube(edge), &mut rng);
         assert_same_decisions(&system, yukawa, 60);

@@ -522,8 +522,10 @@ pub fn table_reach_angstrom<P: SitePotential>(potential: &P, system: &System) ->
 }
 
 impl<P: SitePotential> EnergyModel for Levels<P> {
+    /// That of the direct sum: a cluster move draws a random number for each body in the cells of this
+    /// size around a place, and must draw the same ones.
     fn range_angstrom(&self, system: &System) -> f64 {
-        Reach::of_multipoles(system, &self.potential).largest_angstrom()
+        Reach::new(system, &self.potential).largest_angstrom()
     }
 
     fn require_room(&self, system: &System) -> Result<()> {
