@@ -120,7 +120,7 @@ impl<P: SitePotential> Table<P> {
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
-mod tests {
+pub(super) mod tests {
     use super::super::maker::COARSE_OPENING;
     use super::*;
     use crate::charges::ChargeCloud;
@@ -129,8 +129,9 @@ mod tests {
     use protomer_kernel::random::CounterRng;
     use protomer_kernel::{Pose, Vec3};
 
-    #[test]
-    fn it_is_the_direct_sum_near_and_far() {
+    /// The tables of two bodies at poses from touching, where charges are 1.5 Å apart, to 90 Å, with
+    /// their direct sum, kT.
+    pub fn for_each_pose(mut check: impl FnMut([&Table<Yukawa>; 2], &RelativePose, f64, String)) {
         let mut rng = CounterRng::new(71, 0, 0);
         let mut cloud = |radius: f64| {
             let mut charges: Vec<(Vec3, f64)> = Vec::new();
@@ -143,28 +144,36 @@ mod tests {
         let mut rng = CounterRng::new(72, 0, 0);
         for debye in [3.04, 9.6, 30.0] {
             let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
-            let tables = clouds.each_ref().map(|of| Table::new(of, &yukawa, 120.0));
+            let [first, second] = clouds.each_ref().map(|of| Table::new(of, &yukawa, 120.0));
             for case in 0..60 {
-                // From touching, where charges are 1.5 Å apart, to 90 Å.
                 let distance = 27.5 + 1e-4 * f64::from(case).powi(3) * 2.9;
                 let position = rng.unit_vector() * distance;
-                let pose = Pose {
-                    position,
-                    rotation: rng.rotation(),
-                };
-                let relative = RelativePose::new(&Pose::identity(), &pose, &position);
-                let expected = pair_energy_kt(&yukawa, &clouds[0], &clouds[1], &relative);
-                let list = List::new(&tables[0], &tables[1], &relative, COARSE_OPENING);
-                let [first, second] = &tables;
-                let fine = first.fine_energy(second, &list, &relative).unwrap();
-                let error = (fine.energy_kt - expected).abs();
-                assert!(error < 3e-4, "{debye} {distance} {error}");
-                let found = tables[0].energy_alone_kt(&tables[1], &relative).unwrap();
-                assert!(
-                    (found - expected).abs() < 1e-3,
-                    "{debye} {distance} {found} {expected}"
+                let rotation = rng.rotation();
+                let pose = Pose { position, rotation };
+                let pose = RelativePose::new(&Pose::identity(), &pose, &position);
+                let direct_kt = pair_energy_kt(&yukawa, &clouds[0], &clouds[1], &pose);
+                check(
+                    [&first, &second],
+                    &pose,
+                    direct_kt,
+                    format!("{debye} {distance}"),
                 );
             }
         }
+    }
+
+    #[test]
+    fn it_is_the_direct_sum_near_and_far() {
+        for_each_pose(|[first, second], pose, direct_kt, case| {
+            let list = List::new(first, second, pose, COARSE_OPENING);
+            let fine = first.fine_energy(second, &list, pose).unwrap();
+            let error = (fine.energy_kt - direct_kt).abs();
+            assert!(error < 3e-4, "{case} {error}");
+            let alone = first.energy_alone_kt(second, pose).unwrap();
+            assert!(
+                (alone - direct_kt).abs() < 1e-3,
+                "{case} {alone} {direct_kt}"
+            );
+        });
     }
 }

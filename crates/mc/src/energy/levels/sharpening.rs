@@ -155,13 +155,10 @@ impl<P: SitePotential> Table<P> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::fine_energy::tests::for_each_pose;
     use super::super::list::List;
     use super::super::maker::COARSE_OPENING;
     use super::*;
-    use crate::charges::ChargeCloud;
-    use crate::energy::pair_energy_kt;
-    use protomer_kernel::Pose;
-    use protomer_kernel::potential::Yukawa;
     use protomer_kernel::random::CounterRng;
 
     #[test]
@@ -189,38 +186,17 @@ mod tests {
 
     #[test]
     fn energies_come_closer_to_the_direct_sum_with_each_step() {
-        let mut rng = CounterRng::new(71, 0, 0);
-        let mut cloud = |radius: f64| {
-            let mut charges: Vec<(Vec3, f64)> = Vec::new();
-            for _ in 0..300 {
-                charges.push((rng.vector_in_ball(radius), rng.uniform_in(-0.6, 0.7)));
+        for_each_pose(|[first, second], pose, direct_kt, case| {
+            let list = List::new(first, second, pose, COARSE_OPENING);
+            let mut energy_kt = first.fine_energy(second, &list, pose).unwrap().energy_kt;
+            let ranking = first.ranking(second, pose).unwrap();
+            let most = [2e-4, 1e-4, 5e-5, 3e-5, 2e-5];
+            for (step, most) in most.into_iter().enumerate() {
+                let correction = first.correction_kt(second, pose, &ranking, step);
+                energy_kt += correction.unwrap();
+                let error = (energy_kt - direct_kt).abs();
+                assert!(error < most, "{case} {step} {error}");
             }
-            ChargeCloud::new(&charges)
-        };
-        let clouds = [cloud(15.0), cloud(11.0)];
-        let mut rng = CounterRng::new(72, 0, 0);
-        for debye in [3.04, 9.6, 30.0] {
-            let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
-            let [first, second] = clouds.each_ref().map(|of| Table::new(of, &yukawa, 120.0));
-            for case in 0..60 {
-                // From touching, where charges are 1.5 Å apart, to 90 Å.
-                let distance = 27.5 + 1e-4 * f64::from(case).powi(3) * 2.9;
-                let position = rng.unit_vector() * distance;
-                let rotation = rng.rotation();
-                let pose = Pose { position, rotation };
-                let pose = RelativePose::new(&Pose::identity(), &pose, &position);
-                let expected = pair_energy_kt(&yukawa, &clouds[0], &clouds[1], &pose);
-                let list = List::new(&first, &second, &pose, COARSE_OPENING);
-                let mut energy_kt = first.fine_energy(&second, &list, &pose).unwrap().energy_kt;
-                let ranking = first.ranking(&second, &pose).unwrap();
-                let most = [2e-4, 1e-4, 5e-5, 3e-5, 2e-5];
-                for (step, most) in most.into_iter().enumerate() {
-                    let correction = first.correction_kt(&second, &pose, &ranking, step);
-                    energy_kt += correction.unwrap();
-                    let error = (energy_kt - expected).abs();
-                    assert!(error < most, "{debye} {distance} {step} {error}");
-                }
-            }
-        }
+        });
     }
 }
