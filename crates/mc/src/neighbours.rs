@@ -12,11 +12,12 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    pub(crate) fn new(system: &System, range_angstrom: f64) -> Self {
+    /// Cells are for the range; bodies beyond the reach, which is no longer, are not found.
+    pub(crate) fn new(system: &System, range_angstrom: f64, reach_angstrom: f64) -> Self {
         let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
         Self {
             cells: CellList::new(system.boundary(), range_angstrom, &positions),
-            square_angstrom2: range_angstrom.powi(2),
+            square_angstrom2: reach_angstrom.powi(2),
         }
     }
 

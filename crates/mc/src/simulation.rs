@@ -522,10 +522,10 @@ pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
 /// In a range that holds both surfaces and charges.
 fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
     require_room(system, energy)?;
-    let range = system
-        .hard_range_angstrom()
-        .max(energy.range_angstrom(system));
-    Ok(Neighbours::new(system, range))
+    let hard = system.hard_range_angstrom();
+    let range = hard.max(energy.range_angstrom(system));
+    let reach = hard.max(energy.reach_angstrom(system));
+    Ok(Neighbours::new(system, range, reach))
 }
 
 /// Translations beyond half the box, or two diameters in open space, are useless.

@@ -91,6 +91,12 @@ pub trait EnergyModel: Send {
     /// they never do.
     fn range_angstrom(&self, system: &System) -> f64;
 
+    /// The same where the model knows of a shorter one. Random numbers depend on the range, and may not
+    /// depend on how energies are found.
+    fn reach_angstrom(&self, system: &System) -> f64 {
+        self.range_angstrom(system)
+    }
+
     /// Whether the box, if there is one, suits the interaction.
     ///
     /// # Errors

@@ -112,6 +112,11 @@ impl EnergyModel for WithTerms {
         of_terms.max(self.charges.range_angstrom(system))
     }
 
+    fn reach_angstrom(&self, system: &System) -> f64 {
+        let of_terms = self.terms.reach(system).largest_angstrom();
+        of_terms.max(self.charges.reach_angstrom(system))
+    }
+
     fn require_room(&self, system: &System) -> Result<()> {
         self.charges.require_room(system)?;
         let range_angstrom = self.terms.reach(system).largest_angstrom();

@@ -528,6 +528,10 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         Reach::new(system, &self.potential).largest_angstrom()
     }
 
+    fn reach_angstrom(&self, system: &System) -> f64 {
+        table_reach_angstrom(&self.potential, system)
+    }
+
     fn require_room(&self, system: &System) -> Result<()> {
         require_room(system, &self.potential)
     }

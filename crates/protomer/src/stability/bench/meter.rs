@@ -109,6 +109,10 @@ impl EnergyModel for Metered {
         self.inner.range_angstrom(system)
     }
 
+    fn reach_angstrom(&self, system: &System) -> f64 {
+        self.inner.reach_angstrom(system)
+    }
+
     fn require_room(&self, system: &System) -> Result<()> {
         self.inner.require_room(system)
     }
