@@ -8,7 +8,7 @@ use crate::export::{StructureFormat, write_structure};
 use anyhow::{Context, Result};
 use protomer_body::Body;
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, has_atoms};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{remove_abandoned, write_atomically};
 use protomer_kernel::{Pose, Vec3};
 use protomer_mc::energy::terms::EnergyParts;
 use std::path::Path;
@@ -83,11 +83,13 @@ fn placed<'a>(
     }
 }
 
-/// Removes the files of an earlier end of the same run, which may have had more poses.
+/// Removes the files of an earlier end of the same run, which may have had more poses or have been
+/// killed while it wrote one.
 fn remove_earlier(folder: &Path) -> Result<()> {
     if !folder.is_dir() {
         return Ok(());
     }
+    remove_abandoned(folder)?;
     let context = || format!("cannot clear the folder {}", folder.display());
     for entry in folder.read_dir().with_context(context)? {
         let path = entry.with_context(context)?.path();
@@ -163,6 +165,7 @@ ATOM      2  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
             assert_eq!(names(&folder).len(), 2 * number);
         }
         std::fs::write(folder.join("notes.txt"), "mine").unwrap();
+        std::fs::write(folder.join(".pose_02.pdb.12-3.partial"), "killed").unwrap();
         write(directory.path(), [&body; 2], &poses(1), &[]).unwrap();
         assert_eq!(names(&folder), ["notes.txt", "pose_01.cif", "pose_01.pdb"]);
         let pose = Pose::from_wxyz(Vec3::new(8.0, 0.0, 0.0), [0.5, 0.5, -0.5, 0.5]);
