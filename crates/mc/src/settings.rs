@@ -1,5 +1,6 @@
 //! The settings of a simulation.
 
+use crate::energy::certified::Certified;
 use crate::energy::levels::Levels;
 use crate::energy::{DirectSum, EnergyModel, NoCharges};
 use crate::system::System;
@@ -26,7 +27,9 @@ pub enum Interaction {
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same, with the same decisions, by levels of rising accuracy.
+    /// The same, with the same decisions by proven bounds.
+    YukawaCertified(Yukawa),
+    /// The same, with the same decisions by a model of the errors, by levels of rising accuracy.
     YukawaCalibrated(Yukawa),
     /// The same to within a likely error for each pair of bodies.
     YukawaApproximate {
@@ -43,6 +46,9 @@ impl Interaction {
         match self {
             Interaction::HardOnly => Box::new(NoCharges),
             Interaction::YukawaDirect(yukawa) => Box::new(DirectSum::new(*yukawa)),
+            Interaction::YukawaCertified(yukawa) => {
+                Box::new(Certified::for_system(*yukawa, system))
+            }
             Interaction::YukawaCalibrated(yukawa) => Box::new(Levels::for_system(*yukawa, system)),
             Interaction::YukawaApproximate {
                 yukawa,

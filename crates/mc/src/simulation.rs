@@ -1,7 +1,7 @@
 //! The loop: sweeps of trial moves.
 
 use crate::checkpoint::{Checkpoint, type_names};
-use crate::energy::levels::LevelReport;
+use crate::energy::LevelReport;
 use crate::energy::{Effort, EnergyModel, PairEnergy, Pairs, compared_kt};
 use crate::hard::{HardBodies, overlapping_pairs};
 use crate::moves::binding;

@@ -1,4 +1,4 @@
-//! Energies by levels make the decisions of the direct sum.
+//! Energies by levels, calibrated or certified, make the decisions of the direct sum.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,6 +8,7 @@ use common::{bench_folder, bench_system, icosphere};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_mc::energy::certified::Certified;
 use protomer_mc::energy::levels::{Calibration, Levels, Table};
 use protomer_mc::energy::{DirectSum, Effort, EnergyModel, Pairs};
 use protomer_mc::scatter::scattered;
@@ -68,11 +69,17 @@ fn trajectory(system: &System, model: Box<dyn EnergyModel>, sweeps: u64) -> (Vec
 
 fn assert_same_decisions(system: &System, yukawa: Yukawa, sweeps: u64) {
     let (direct, accepted) = trajectory(system, Box::new(DirectSum::new(yukawa)), sweeps);
-    let levels = Box::new(Levels::for_system(yukawa, system));
-    let (by_levels, also) = trajectory(system, levels, sweeps);
-    assert_eq!(direct, by_levels, "every pose to the last bit");
+    let models: [Box<dyn EnergyModel>; 2] = [
+        Box::new(Levels::for_system(yukawa, system)),
+        Box::new(Certified::for_system(yukawa, system)),
+    ];
+    for model in models {
+        let (by_levels, also) = trajectory(system, model, sweeps);
+        assert_eq!(direct, by_levels, "every pose to the last bit");
+        assert_eq!(accepted, also);
+    }
     let moves = 8 * sweeps;
-    assert!(accepted == also && accepted > moves / 20 && accepted < moves * 19 / 20);
+    assert!(accepted > moves / 20 && accepted < moves * 19 / 20);
 }
 
 #[test]
@@ -128,8 +135,15 @@ fn decisions_on_the_benchmark_state_are_those_of_the_direct_sum() {
         simulation.trial_moves(5000, &mut note).unwrap();
         decisions
     };
-    let levels = decisions(Box::new(Levels::for_system(yukawa, &system)));
-    assert_eq!(levels, decisions(Box::new(DirectSum::new(yukawa))));
+    let direct = decisions(Box::new(DirectSum::new(yukawa)));
+    assert_eq!(
+        decisions(Box::new(Levels::for_system(yukawa, &system))),
+        direct
+    );
+    assert_eq!(
+        decisions(Box::new(Certified::for_system(yukawa, &system))),
+        direct
+    );
 }
 
 #[test]

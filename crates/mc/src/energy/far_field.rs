@@ -22,6 +22,8 @@ const ORDERS: usize = 16;
 /// Terms of the series. They fall by half or more with each order: what is left out is below 10⁻¹⁷ of
 /// the sum of magnitudes.
 const TERMS: usize = 64;
+/// The series are used from this many radii of a body on: their terms halve with each order.
+const CONVERGING_RADII: f64 = 2.0;
 /// The radii ρ that are tried, in radii of the second body.
 const SPHERES: [f64; 6] = [2.0, 2.5, 3.0, 4.0, 6.0, 10.0];
 /// The least radius of a body, Å: that of a single charge at its origin would be zero.
@@ -92,18 +94,52 @@ impl FarField {
         if of_magnitudes.is_infinite() || potential.is_cut() {
             return of_magnitudes;
         }
+        let largest_energy_kt = self.largest_energy_kt(other, potential);
+        let (mut low, mut high) = (0.0, of_magnitudes);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match largest_energy_kt(middle) < energy_kt {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        high
+    }
+
+    /// The most that this body and another can hold, kT, as a function of the distance of their origins
+    /// (Å) that nowhere rises.
+    pub fn largest_energy_kt<'a>(
+        &'a self,
+        other: &'a Self,
+        potential: &'a Yukawa,
+    ) -> impl Fn(f64) -> f64 + 'a {
+        let product = self.sum_of_magnitudes_e * other.sum_of_magnitudes_e;
+        let radii = self.radius_angstrom + other.radius_angstrom;
         let ways = [(self, other), (other, self)];
-        let reaches = ways.into_iter().flat_map(|(source, probe)| {
-            let within = |sphere: f64| {
-                let sphere_angstrom = sphere * probe.radius_angstrom;
+        let spheres = ways.into_iter().flat_map(|(source, probe)| {
+            SPHERES.map(|radii| {
+                let sphere_angstrom = radii * probe.radius_angstrom;
                 let seen_e = probe.strength_within_e(sphere_angstrom, potential);
-                let distance =
-                    source.distance_angstrom(seen_e, of_magnitudes, potential, energy_kt);
-                sphere_angstrom + distance
-            };
-            SPHERES.map(within)
+                (source, sphere_angstrom, seen_e)
+            })
         });
-        reaches.fold(of_magnitudes, f64::min)
+        let spheres: Vec<_> = spheres.collect();
+        move |distance_angstrom| {
+            let mut least = match distance_angstrom > radii {
+                true => product * potential.energy_kt(distance_angstrom - radii),
+                false => f64::INFINITY,
+            };
+            if potential.is_cut() {
+                return least;
+            }
+            for (source, sphere_angstrom, seen_e) in &spheres {
+                let to_sphere = distance_angstrom - sphere_angstrom;
+                if to_sphere >= CONVERGING_RADII * source.radius_angstrom {
+                    least = least.min(seen_e * source.largest_potential(to_sphere, potential));
+                }
+            }
+            least
+        }
     }
 
     /// (Σ_l (2l+1) (M_l / i_l(κρ))²)^½, e.
@@ -124,26 +160,6 @@ impl FarField {
             .map(term)
             .sum::<f64>()
             .sqrt()
-    }
-
-    /// Where F times a charge is this energy: between twice the radius and `farthest_angstrom`, or the
-    /// nearer of these.
-    fn distance_angstrom(
-        &self,
-        charge_e: f64,
-        farthest_angstrom: f64,
-        potential: &Yukawa,
-        energy_kt: f64,
-    ) -> f64 {
-        let (mut low, mut high) = (2.0 * self.radius_angstrom, farthest_angstrom);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            match self.largest_potential(middle, potential) * charge_e < energy_kt {
-                true => high = middle,
-                false => low = middle,
-            }
-        }
-        high
     }
 
     /// F at a distance from the origin, kT/e.

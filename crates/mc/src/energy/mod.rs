@@ -5,6 +5,7 @@
 //! budget?". The direct sum answers by summing; a model with bounds may stop as soon as the answer
 //! is certain.
 
+pub mod certified;
 mod direct;
 mod far_field;
 mod fused;
@@ -149,7 +150,7 @@ pub trait EnergyModel: Send {
     }
 
     /// What decisions rest on, of a model that makes them by levels.
-    fn levels(&self) -> Option<levels::LevelReport> {
+    fn levels(&self) -> Option<LevelReport> {
         None
     }
 
@@ -177,6 +178,24 @@ pub trait EnergyModel: Send {
         }
         total
     }
+}
+
+/// What decisions by levels rest on.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum LevelReport {
+    /// Of [`Levels`](levels::Levels).
+    Calibrated {
+        /// How many decisions each level made.
+        decided_by_level: levels::Decided,
+        /// The built-in comparison.
+        calibration: levels::Calibration,
+    },
+    /// Of [`Certified`](certified::Certified).
+    Certified {
+        /// How many decisions each level made.
+        decided_by_level: certified::DecidedByBounds,
+    },
 }
 
 /// How an energy is found.

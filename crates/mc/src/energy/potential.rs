@@ -22,6 +22,9 @@ pub trait SitePotential: Copy + Send + Sync + 'static {
     /// The first Taylor coefficients of v as a function of t = r², about this squared distance.
     fn taylor<const N: usize>(&self, square_angstrom2: f64) -> [f64; N];
 
+    /// The largest |∂ⁿv|/n!, along any line, at this distance and all larger ones, kT/Åⁿ.
+    fn derivative_bound(&self, order: usize, distance_angstrom: f64) -> f64;
+
     /// The distance beyond which two sites whose strengths multiply to `product` hold less than
     /// `energy_kt`, Å.
     fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64;
@@ -31,6 +34,10 @@ pub trait SitePotential: Copy + Send + Sync + 'static {
 
     /// The distance of origins beyond which two bodies hold less than `energy_kt`, Å.
     fn far_reach_angstrom(&self, bodies: [&FarField; 2], energy_kt: f64) -> f64;
+
+    /// The most that two bodies can hold at these distances of their origins (Å, ascending), kT; nowhere
+    /// rising.
+    fn far_energies_kt(&self, bodies: [&FarField; 2], distances_angstrom: &[f64]) -> Vec<f64>;
 
     /// The distance at which the potential jumps to zero, if it does.
     fn cutoff_angstrom(&self) -> Option<f64>;
@@ -79,6 +86,28 @@ impl SitePotential for Yukawa {
         f
     }
 
+    /// By the addition theorem, the series of v in powers of a step s is
+    ///
+    /// v(|x - s|) = λ_B κ Σ_l (2l+1) i_l(κs) k_l(κr) P_l(cos γ).
+    ///
+    /// The powers of s in i_l have no negative coefficient, nor has k_l a negative value: no coefficient of
+    /// sⁿ is larger than for γ = 0, towards the origin, where it is |dⁿv/drⁿ|/n!. That falls with r:
+    ///
+    /// λ_B / rⁿ⁺¹ · exp(-κr) Σ_{j≤n} (κr)^j / j!.
+    fn derivative_bound(&self, order: usize, distance_angstrom: f64) -> f64 {
+        if self.is_cut() {
+            return f64::INFINITY;
+        }
+        let screened = self.inverse_debye_length_per_angstrom * distance_angstrom;
+        let (mut term, mut sum) = (1.0, 1.0);
+        for j in 1..=order {
+            term *= screened / j as f64;
+            sum += term;
+        }
+        let power = distance_angstrom.powi(order as i32 + 1);
+        self.bjerrum_length_angstrom * (-screened).exp() * sum / power
+    }
+
     fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64 {
         Yukawa::reach_angstrom(self, product, energy_kt)
     }
@@ -89,6 +118,18 @@ impl SitePotential for Yukawa {
 
     fn far_reach_angstrom(&self, [first, second]: [&FarField; 2], energy_kt: f64) -> f64 {
         first.reach_angstrom(second, self, energy_kt)
+    }
+
+    fn far_energies_kt(
+        &self,
+        [first, second]: [&FarField; 2],
+        distances_angstrom: &[f64],
+    ) -> Vec<f64> {
+        let largest_energy_kt = first.largest_energy_kt(second, self);
+        let distances = distances_angstrom.iter();
+        distances
+            .map(|distance| largest_energy_kt(*distance))
+            .collect()
     }
 
     fn cutoff_angstrom(&self) -> Option<f64> {

@@ -6,7 +6,7 @@
 
 use super::reach::Reach;
 use super::terms::Terms;
-use super::{Effort, EnergyModel, PairEnergy, Pairs, all_pairs, finite, levels, sum_of_pairs};
+use super::{Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, finite, sum_of_pairs};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{McError, Result};
@@ -189,7 +189,7 @@ impl EnergyModel for WithTerms {
         self.charges.error_bound_kt()
     }
 
-    fn levels(&self) -> Option<levels::LevelReport> {
+    fn levels(&self) -> Option<LevelReport> {
         self.charges.levels()
     }
 

@@ -4,6 +4,7 @@
 use crate::stability::disk_cache::DiskCache;
 use anyhow::{Result, bail};
 use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::certified::{Cells, Certified};
 use protomer_mc::energy::levels::{Calibration, Levels, Table, table_reach_angstrom};
 use protomer_mc::{BodyType, McError, System};
 use std::collections::HashMap;
@@ -40,6 +41,8 @@ struct Disk {
 struct Made {
     /// By the hash of what they are made of.
     tables: HashMap<String, Arc<PotentialTable>>,
+    /// By the same hash; never on the disk, because a cell is made where a charge comes.
+    cells: HashMap<String, Arc<Cells<Yukawa>>>,
     /// By the hash of the tables that are compared.
     calibrations: HashMap<String, Calibration>,
     /// Held while a table or a comparison is made, so that nobody makes it a second time and different
@@ -122,6 +125,18 @@ impl EnergyTables {
         Ok(Levels::with_calibration(yukawa, tables, calibration))
     }
 
+    /// The model of energies with proven bounds for this system, with cells that all its models share.
+    pub fn certified(&self, system: &System, yukawa: Yukawa) -> Certified<Yukawa> {
+        let reach_angstrom = Certified::cell_reach_angstrom(&yukawa, system);
+        let cells = |kind: &Arc<BodyType>| {
+            let key = PotentialTable::fingerprint(&kind.charges, &yukawa, reach_angstrom);
+            let new = || Arc::new(Cells::new(&kind.charges, &yukawa, reach_angstrom));
+            Arc::clone(locked(&self.made).cells.entry(key).or_insert_with(new))
+        };
+        let cells = system.types().iter().map(cells).collect();
+        Certified::with_cells(yukawa, system, cells)
+    }
+
     /// The comparison of the levels of these tables: made once, then from memory or from the disk.
     fn calibration(
         &self,
@@ -159,13 +174,12 @@ impl EnergyTables {
         })
     }
 
-    /// Memory of the tables that are there now, bytes.
+    /// Memory of the tables and cells that are there now, bytes.
     pub fn memory_bytes(&self) -> usize {
-        locked(&self.made)
-            .tables
-            .values()
-            .map(|table| table.memory_bytes())
-            .sum()
+        let made = locked(&self.made);
+        let tables = made.tables.values().map(|table| table.memory_bytes());
+        let cells = made.cells.values().map(|cells| cells.memory_bytes());
+        tables.sum::<usize>() + cells.sum::<usize>()
     }
 
     fn table(&self, kind: &BodyType, yukawa: &Yukawa, reach: f64) -> Result<Arc<PotentialTable>> {
@@ -276,7 +290,6 @@ mod tests {
     use super::*;
     use crate::stability::bench::bodies::two_kinds;
     use protomer_kernel::{Boundary, Pose, Vec3};
-    use protomer_mc::energy::EnergyModel;
 
     fn yukawa(debye_angstrom: f64) -> Yukawa {
         Yukawa::uncut(7.0, 1.0 / debye_angstrom).unwrap()
@@ -327,7 +340,7 @@ mod tests {
         };
         let report = |tables: &EnergyTables| {
             let levels = tables.levels(&system, yukawa(9.6)).unwrap();
-            levels.levels().unwrap().calibration
+            levels.calibration()
         };
         let entries = || folder.path().read_dir().unwrap().count();
         let (cold, warm) = (tables(), tables());

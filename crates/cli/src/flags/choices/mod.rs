@@ -30,6 +30,9 @@ choices! {
     Energy for protomer::stability::run::EnergyMode {
         /// The direct sum over all pairs of charges.
         Direct,
+        /// Intervals that surely hold the sum, refined until they decide: the decisions of the direct
+        /// sum, proven. Slower than calibrated energies.
+        Certified,
         /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a
         /// variance model of the errors that is calibrated at the start.
         Calibrated,

@@ -45,7 +45,7 @@ macro_rules! vectorised {
         $visible fn $name$(<$generic: $bound>)?($self: $receiver $(, $argument: $type)*) -> $out {
             #[cfg(target_arch = "x86_64")]
             {
-                use $crate::energy::levels::lanes::{has_avx2, has_avx512};
+                use $crate::energy::levels::{has_avx2, has_avx512};
                 if has_avx512() {
                     // SAFETY: the processor has the features that the function is compiled for.
                     return unsafe { $self.$avx512($($argument),*) };
@@ -71,12 +71,12 @@ macro_rules! vectorised {
         }
     };
 }
-pub(super) use vectorised;
+pub(in crate::energy) use vectorised;
 
 /// Whether the processor has the widest vectors that methods are [`vectorised`] for.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-pub(super) fn has_avx512() -> bool {
+pub(in crate::energy) fn has_avx512() -> bool {
     is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512dq")
         && is_x86_feature_detected!("avx512vl")
@@ -87,6 +87,6 @@ pub(super) fn has_avx512() -> bool {
 /// Whether the processor has the next widest.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-pub(super) fn has_avx2() -> bool {
+pub(in crate::energy) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }

@@ -10,8 +10,8 @@ use super::table::{Estimate, Table, fine_deviation};
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
-    Effort, EnergyModel, PairEnergy, Pairs, SitePotential, all_pairs, finite, pair_energy_kt,
-    sum_of_pairs,
+    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, SitePotential, all_pairs, finite,
+    pair_energy_kt, sum_of_pairs,
 };
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -32,15 +32,6 @@ pub struct Decided {
     pub fine: u64,
     /// With a direct sum for one pair of bodies or more.
     pub direct: u64,
-}
-
-/// What decisions by levels rest on.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct LevelReport {
-    /// How many decisions each level made.
-    pub decided_by_level: Decided,
-    /// The built-in comparison.
-    pub calibration: Calibration,
 }
 
 /// Energies by levels.
@@ -118,6 +109,11 @@ impl<P: SitePotential> Levels<P> {
     /// How many decisions each level made.
     pub fn decided(&self) -> Decided {
         self.decided
+    }
+
+    /// The built-in comparison.
+    pub fn calibration(&self) -> Calibration {
+        self.calibration
     }
 
     /// How many pair energies were found at the first level.
@@ -620,7 +616,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     fn levels(&self) -> Option<LevelReport> {
-        Some(LevelReport {
+        Some(LevelReport::Calibrated {
             decided_by_level: self.decided,
             calibration: self.calibration,
         })

@@ -6,6 +6,7 @@ use anyhow::Result;
 use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
+use protomer_mc::energy::certified::Certified;
 use protomer_mc::energy::levels::Levels;
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
@@ -25,6 +26,8 @@ pub(super) struct Prepared {
     tolerance_kt: f64,
     /// Of the modes that have tables.
     levels: Option<Levels<Yukawa>>,
+    /// Whose copies share their cells.
+    certified: Certified<Yukawa>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
@@ -74,8 +77,9 @@ impl Prepared {
             EnergyMode::Calibrated | EnergyMode::Approximate => {
                 Some(tables.levels(system, yukawa)?)
             }
-            EnergyMode::None | EnergyMode::Direct => None,
+            EnergyMode::None | EnergyMode::Direct | EnergyMode::Certified => None,
         };
+        let certified = tables.certified(system, yukawa);
         let setup_seconds = clock.seconds();
         Ok(Self {
             system: system.clone(),
@@ -83,6 +87,7 @@ impl Prepared {
             energy,
             tolerance_kt,
             levels,
+            certified,
             setup_seconds,
         })
     }
@@ -98,6 +103,7 @@ impl Prepared {
         match self.energy {
             EnergyMode::None => Box::new(NoCharges),
             EnergyMode::Direct => Box::new(DirectSum::new(self.yukawa)),
+            EnergyMode::Certified => Box::new(self.certified.clone()),
             EnergyMode::Calibrated => Box::new(self.levels()),
             EnergyMode::Approximate => Box::new(self.levels().with_tolerance(self.tolerance_kt)),
         }
@@ -160,7 +166,7 @@ impl Prepared {
         let fewest = match self.energy {
             EnergyMode::Direct => 0,
             EnergyMode::None => FEWEST_CHEAP_MOVES,
-            EnergyMode::Calibrated | EnergyMode::Approximate => {
+            EnergyMode::Certified | EnergyMode::Calibrated | EnergyMode::Approximate => {
                 FEWEST_CHEAP_MOVES.min(MOST_TIMES_THE_DIRECT_SUM.saturating_mul(moves))
             }
         };

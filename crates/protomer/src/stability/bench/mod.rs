@@ -30,7 +30,7 @@ use anyhow::Result;
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::{ProcessClock, Stopwatch};
 use protomer_io::atomic::sha256_hex;
-use protomer_mc::energy::levels::LevelReport;
+use protomer_mc::energy::LevelReport;
 use protomer_mc::{Settings, Simulation};
 use serde::Serialize;
 use std::sync::Arc;

@@ -97,9 +97,10 @@ fn affordable_moves(charges: usize) -> u64 {
 }
 
 /// Energy modes of the part on charges: the direct sum before those that are compared with it.
-const MODES: [EnergyMode; 4] = [
+const MODES: [EnergyMode; 5] = [
     EnergyMode::None,
     EnergyMode::Direct,
+    EnergyMode::Certified,
     EnergyMode::Calibrated,
     EnergyMode::Approximate,
 ];

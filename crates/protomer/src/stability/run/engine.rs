@@ -173,6 +173,9 @@ impl Engine {
     ) -> Result<Box<dyn EnergyModel>> {
         let levels = |yukawa: Yukawa| self.tables.levels(&self.system()?, yukawa);
         let charges: Box<dyn EnergyModel> = match self.settings(run, interaction)?.interaction {
+            Interaction::YukawaCertified(yukawa) => {
+                Box::new(self.tables.certified(&self.system()?, yukawa))
+            }
             Interaction::YukawaCalibrated(yukawa) => Box::new(levels(yukawa)?),
             Interaction::YukawaApproximate {
                 yukawa,
@@ -284,12 +287,13 @@ impl Engine {
             Some(energy) => energy,
             None => self.costs(interaction, trials)?.fastest(),
         };
-        let by_levels = matches!(energy, EnergyMode::Calibrated | EnergyMode::Approximate);
+        let by_levels = !matches!(energy, EnergyMode::Direct | EnergyMode::None);
         if by_levels && interaction.cutoff_angstrom.is_finite() {
             bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");
         }
         let interaction = match energy {
             EnergyMode::None => Interaction::HardOnly,
+            EnergyMode::Certified => Interaction::YukawaCertified(interaction.yukawa()?),
             EnergyMode::Calibrated => Interaction::YukawaCalibrated(interaction.yukawa()?),
             EnergyMode::Direct => Interaction::YukawaDirect(interaction.yukawa()?),
             EnergyMode::Approximate => Interaction::YukawaApproximate {

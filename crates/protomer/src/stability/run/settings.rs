@@ -137,6 +137,9 @@ pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 pub enum EnergyMode {
     /// The direct sum over all pairs of charges.
     Direct,
+    /// Intervals that surely hold the sum, refined until they decide: the decisions of the direct sum,
+    /// proven.
+    Certified,
     /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a variance
     /// model of the errors that is calibrated at the start.
     Calibrated,
@@ -150,7 +153,7 @@ pub enum EnergyMode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Promise {
-    /// By construction.
+    /// By construction, or by proven bounds.
     Certified,
     /// By a variance model of the errors, calibrated at the start.
     Calibrated,
@@ -162,7 +165,7 @@ impl EnergyMode {
     /// In what sense this mode makes the decisions of the direct sum.
     pub fn promise(self) -> Promise {
         match self {
-            EnergyMode::Direct => Promise::Certified,
+            EnergyMode::Direct | EnergyMode::Certified => Promise::Certified,
             EnergyMode::Calibrated => Promise::Calibrated,
             EnergyMode::Approximate | EnergyMode::None => Promise::None,
         }
@@ -172,6 +175,7 @@ impl EnergyMode {
     pub fn name(self) -> &'static str {
         match self {
             EnergyMode::Direct => "direct",
+            EnergyMode::Certified => "certified",
             EnergyMode::Calibrated => "calibrated",
             EnergyMode::Approximate => "approximate",
             EnergyMode::None => "none",

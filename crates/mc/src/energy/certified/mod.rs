@@ -1,0 +1,28 @@
+//! The direct sum's decisions by proven bounds.
+//!
+//! | level | energy of a pair | error, at most |
+//! |---|---|---|
+//! | far | none | the energy itself, from the multipoles of both bodies ([`FarField`](super::FarField)) |
+//! | cells | the charges of one body in the potential of the other, a polynomial in each cell of space | Σ of charge times the cell's bound (`cells`) |
+//! | direct | all pairs of charges | none |
+//!
+//! A decision adds the intervals of all pairs, before the move and after it, and refines the widest one
+//! until the random number lies outside. No estimate and no fitted number enters.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `cells` | an octree of cells around a body, made where they are needed, and energies in it |
+//! | `series` | the polynomial through 8³ Chebyshev points, and how far it can be from the function |
+//! | `model` | the levels of a pair, and decisions |
+
+#![allow(
+    clippy::needless_range_loop,
+    reason = "a lane runs through several arrays at once"
+)]
+
+mod cells;
+mod model;
+mod series;
+
+pub use cells::{Cells, Interval};
+pub use model::{Certified, DecidedByBounds};

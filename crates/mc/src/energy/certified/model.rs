@@ -1,0 +1,392 @@
+//! The levels of a pair of bodies, and decisions that hold for every value in their intervals.
+
+use super::cells::{Cells, Interval};
+use crate::energy::direct::direct_energy_kt;
+use crate::energy::reach::{Reach, require_room};
+use crate::energy::{
+    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, SitePotential, all_pairs, finite,
+    pair_energy_kt, sum_of_pairs,
+};
+use crate::sparse_rows::PairTable;
+use crate::system::{Pair, System, Trial};
+use crate::{BodyType, Result};
+use protomer_kernel::pose::RelativePose;
+use serde::Serialize;
+use smallvec::SmallVec;
+use std::sync::{Arc, OnceLock};
+
+/// How many decisions each level made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct DecidedByBounds {
+    /// From the distances of bodies alone.
+    pub far: u64,
+    /// With the charges of one body in the cells of the other, for one pair of bodies or more.
+    pub cells: u64,
+    /// With a direct sum for one pair of bodies or more.
+    pub direct: u64,
+}
+
+/// Energies with proven bounds.
+#[derive(Debug, Clone)]
+pub struct Certified<P> {
+    potential: P,
+    cells: Vec<Arc<Cells<P>>>,
+    far: FarEnergies,
+    reach: Reach,
+    energies: PairTable<Arc<Known>>,
+    proposed: Vec<Arc<Known>>,
+    decided: DecidedByBounds,
+}
+
+/// What is known of a pair of bodies at one pose.
+#[derive(Debug)]
+struct Known {
+    bodies: (usize, usize),
+    types: (usize, usize),
+    /// Of the images of the second body that count, in the frame of the first.
+    images: SmallVec<[RelativePose; 1]>,
+    /// The most that they hold together, kT.
+    far_kt: f64,
+    in_cells: OnceLock<Option<Interval>>,
+    direct_kt: OnceLock<f64>,
+}
+
+/// One energy in a decision: of a pair after the move, or before it with the opposite sign.
+struct Summand {
+    known: Arc<Known>,
+    sign: f64,
+    level: usize,
+    interval: Interval,
+}
+
+const FAR: usize = 0;
+const CELLS: usize = 1;
+const DIRECT: usize = 2;
+
+/// The most that bodies of two types can hold, by the distance of their origins.
+#[derive(Debug, Clone, Default)]
+struct FarEnergies {
+    types: usize,
+    by_types: Vec<Vec<f64>>,
+}
+
+impl FarEnergies {
+    /// Between the distances of the table that of the smaller one holds.
+    const STEP_ANGSTROM: f64 = 1.0;
+    /// The longest table; beyond it that of its end holds.
+    const MOST_STEPS: f64 = 4096.0;
+
+    fn new<P: SitePotential>(system: &System, potential: &P, reach_angstrom: f64) -> Self {
+        let types = system.types().iter();
+        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
+        let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;
+        let distances: Vec<f64> = (0..=steps)
+            .map(|step| step as f64 * Self::STEP_ANGSTROM)
+            .collect();
+        let mut by_types = Vec::with_capacity(fields.len() * fields.len());
+        for first in &fields {
+            for second in &fields {
+                by_types.push(potential.far_energies_kt([first, second], &distances));
+            }
+        }
+        Self {
+            types: fields.len(),
+            by_types,
+        }
+    }
+
+    fn at(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
+        let energies = &self.by_types[first * self.types + second];
+        let step = (distance_angstrom / Self::STEP_ANGSTROM) as usize;
+        energies
+            .get(step)
+            .or(energies.last())
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+}
+
+impl<P: SitePotential> Certified<P> {
+    /// The model for this potential and system. Its cells are made where they are needed.
+    pub fn for_system(potential: P, system: &System) -> Self {
+        let reach_angstrom = Self::cell_reach_angstrom(&potential, system);
+        let cells =
+            |kind: &Arc<BodyType>| Arc::new(Cells::new(&kind.charges, &potential, reach_angstrom));
+        let cells = system.types().iter().map(cells).collect();
+        Self::with_cells(potential, system, cells)
+    }
+
+    /// The model with the cells of each body type, which others may use at the same time.
+    pub fn with_cells(potential: P, system: &System, cells: Vec<Arc<Cells<P>>>) -> Self {
+        let reach = Reach::of_multipoles(system, &potential);
+        Self {
+            potential,
+            cells,
+            far: FarEnergies::new(system, &potential, reach.largest_angstrom()),
+            reach,
+            energies: PairTable::new(0),
+            proposed: Vec::new(),
+            decided: DecidedByBounds::default(),
+        }
+    }
+
+    /// How far from a body's origin charges of another interact with it, Å.
+    pub fn cell_reach_angstrom(potential: &P, system: &System) -> f64 {
+        let radius = |kind: &Arc<BodyType>| kind.charge_radius_angstrom();
+        let largest = system.types().iter().map(radius).fold(0.0, f64::max);
+        Reach::of_multipoles(system, potential).largest_angstrom() + largest
+    }
+
+    /// How many decisions each level made.
+    pub fn decided(&self) -> DecidedByBounds {
+        self.decided
+    }
+
+    fn prepare(&mut self, system: &System) {
+        self.reach = Reach::of_multipoles(system, &self.potential);
+        self.proposed.clear();
+    }
+
+    /// The pair at its present pose; `None` beyond the reach.
+    fn known(&self, pair: &Pair<'_>) -> Option<Arc<Known>> {
+        if !self.reach.is_met(pair) {
+            return None;
+        }
+        let images = self.reach.images(pair);
+        self.known_at(pair, images.map(|image| pair.relative_image(&image)))
+    }
+
+    fn known_at(
+        &self,
+        pair: &Pair<'_>,
+        images: impl Iterator<Item = RelativePose>,
+    ) -> Option<Arc<Known>> {
+        let (types, images) = (pair.type_indices(), images.collect::<SmallVec<_>>());
+        let far_kt = |image: &RelativePose| self.far.at(types, image.translation.norm());
+        let known = Known {
+            bodies: (pair.first, pair.second),
+            types,
+            far_kt: images.iter().map(far_kt).sum(),
+            images,
+            in_cells: OnceLock::new(),
+            direct_kt: OnceLock::new(),
+        };
+        (!known.images.is_empty()).then(|| Arc::new(known))
+    }
+
+    /// The energy of a pair at one level; the error names a pair whose energy is not finite.
+    fn interval(&self, known: &Known, level: usize) -> Result<Interval> {
+        let (energy_kt, error_kt) = match level {
+            FAR => (0.0, known.far_kt),
+            CELLS => match self.in_cells(known) {
+                Some(interval) => return Ok(interval),
+                None => return self.interval(known, DIRECT),
+            },
+            _ => (self.direct_kt(known)?, 0.0),
+        };
+        Ok(Interval {
+            energy_kt,
+            error_kt,
+        })
+    }
+
+    /// The sum over the images, each with the charges of the second body in the cells of the first;
+    /// `None` if one lies beyond them.
+    fn in_cells(&self, known: &Known) -> Option<Interval> {
+        let (first, second) = known.types;
+        let (cells, charges) = (&self.cells[first], self.cells[second].charges());
+        let add = |sum: Interval, image| {
+            let image = cells.energy_with(charges, image)?;
+            Some(Interval {
+                energy_kt: sum.energy_kt + image.energy_kt,
+                error_kt: sum.error_kt + image.error_kt,
+            })
+        };
+        let sum = || known.images.iter().try_fold(Interval::default(), add);
+        *known.in_cells.get_or_init(sum)
+    }
+
+    fn direct_kt(&self, known: &Known) -> Result<f64> {
+        let (first, second) = known.types;
+        let charges = [first, second].map(|index| self.cells[index].charges());
+        let energy = |image| pair_energy_kt(&self.potential, charges[0], charges[1], image);
+        let sum = || known.images.iter().map(energy).sum();
+        let (first, second) = known.bodies;
+        finite(first, second, *known.direct_kt.get_or_init(sum))
+    }
+
+    /// Whether the energy rises by less than the threshold, for every value in the intervals.
+    fn rises_less(&mut self, mut summands: Vec<Summand>, threshold_kt: f64) -> Result<bool> {
+        loop {
+            let rise: f64 = summands.iter().map(Summand::signed_kt).sum();
+            let error: f64 = summands.iter().map(|of| of.interval.error_kt).sum();
+            let is_settled = (rise - threshold_kt).abs() > error;
+            let open = summands.iter_mut().filter(|of| of.level < DIRECT);
+            let widest = open.max_by(|a, b| a.interval.error_kt.total_cmp(&b.interval.error_kt));
+            let Some(widest) = widest.filter(|_| !is_settled) else {
+                self.count(&summands);
+                return Ok(rise < threshold_kt);
+            };
+            widest.level += 1;
+            widest.interval = self.interval(&widest.known, widest.level)?;
+        }
+    }
+
+    fn count(&mut self, summands: &[Summand]) {
+        let levels = summands.iter().map(|of| of.level);
+        match levels.max().unwrap_or(FAR) {
+            FAR => self.decided.far += 1,
+            CELLS => self.decided.cells += 1,
+            _ => self.decided.direct += 1,
+        }
+    }
+
+    /// The energy with a partner before the move.
+    fn before(&self, known: &Arc<Known>) -> Summand {
+        Summand::new(Arc::clone(known), -1.0)
+    }
+
+    /// The energy with a partner after the move, if they interact there; it is proposed.
+    fn after(&mut self, trial: &Trial<'_>, partner: usize) -> Option<Summand> {
+        let known = self.known(&trial.pair(partner))?;
+        self.proposed.push(Arc::clone(&known));
+        Some(Summand::new(known, 1.0))
+    }
+
+    /// What is reported: a function of the pose alone.
+    fn reported(&self, known: &Known) -> Interval {
+        let unknown = Interval {
+            energy_kt: f64::NAN,
+            error_kt: f64::INFINITY,
+        };
+        self.interval(known, CELLS).unwrap_or(unknown)
+    }
+}
+
+impl Summand {
+    /// From the distance alone.
+    fn new(known: Arc<Known>, sign: f64) -> Self {
+        let interval = Interval {
+            energy_kt: 0.0,
+            error_kt: known.far_kt,
+        };
+        Self {
+            known,
+            sign,
+            level: FAR,
+            interval,
+        }
+    }
+
+    fn signed_kt(&self) -> f64 {
+        self.sign * self.interval.energy_kt
+    }
+}
+
+impl<P: SitePotential> EnergyModel for Certified<P> {
+    /// That of the direct sum, so that cluster moves draw the same random numbers.
+    fn range_angstrom(&self, system: &System) -> f64 {
+        Reach::new(system, &self.potential).largest_angstrom()
+    }
+
+    fn reach_angstrom(&self, system: &System) -> f64 {
+        Reach::of_multipoles(system, &self.potential).largest_angstrom()
+    }
+
+    fn require_room(&self, system: &System) -> Result<()> {
+        require_room(system, &self.potential)
+    }
+
+    fn reset(&mut self, system: &System) -> Result<()> {
+        self.prepare(system);
+        self.energies = all_pairs(system, |pair| {
+            let Some(known) = self.known(pair) else {
+                return Ok(None);
+            };
+            self.interval(&known, CELLS)?;
+            Ok(Some(known))
+        })?;
+        Ok(())
+    }
+
+    fn pairs(&self) -> Vec<PairEnergy> {
+        let reported = |(first, second, known): (usize, usize, Arc<Known>)| PairEnergy {
+            computed_at: known.images.first().copied(),
+            images_at: known.images.iter().skip(1).copied().collect(),
+            ..PairEnergy::new(first, second, self.reported(&known).energy_kt)
+        };
+        self.energies.pairs().map(reported).collect()
+    }
+
+    /// Energies are found anew where they were found first.
+    fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
+        self.prepare(system);
+        self.energies = PairTable::new(system.len());
+        for saved in pairs {
+            let pair = system.pair(saved.first, saved.second);
+            let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
+            let images = std::iter::once(nearest).chain(saved.images_at.iter().copied());
+            if let Some(known) = self.known_at(&pair, images) {
+                self.energies.set(saved.first, saved.second, known);
+            }
+        }
+        Ok(())
+    }
+
+    fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
+        let row = self.energies.row(trial.body);
+        let mut summands: Vec<Summand> = row.map(|(_, known)| self.before(known)).collect();
+        for &partner in partners {
+            summands.extend(self.after(trial, partner));
+        }
+        self.rises_less(summands, budget_kt)
+    }
+
+    fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
+        let before = self.energies.get(trial.body, partner);
+        let mut summands: Vec<Summand> = before.iter().map(|known| self.before(known)).collect();
+        summands.extend(self.after(trial, partner));
+        Ok(!self.rises_less(summands, threshold_kt)?)
+    }
+
+    fn commit(&mut self, moved: &[usize]) {
+        let proposed = self.proposed.drain(..).map(|known| {
+            let (first, second) = known.bodies;
+            (first, second, known)
+        });
+        self.energies.take_over(moved, proposed);
+    }
+
+    fn reject(&mut self) {
+        self.proposed.clear();
+    }
+
+    fn error_bound_kt(&self) -> f64 {
+        let pairs = self.energies.pairs();
+        let errors = pairs.map(|(_, _, known)| self.reported(&known).error_kt);
+        errors.fold(0.0, f64::max)
+    }
+
+    /// Quick energies are those of cells.
+    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+        let reach_of_all = Reach::new(system, &self.potential);
+        sum_of_pairs(system, of, |pair| match effort {
+            Effort::Quick => {
+                let known = self.known(pair);
+                let energy = known.map(|known| self.interval(&known, CELLS));
+                Ok(energy.transpose()?.map(|interval| interval.energy_kt))
+            }
+            Effort::Full => direct_energy_kt(&self.potential, &reach_of_all, pair),
+        })
+    }
+
+    fn levels(&self) -> Option<LevelReport> {
+        Some(LevelReport::Certified {
+            decided_by_level: self.decided,
+        })
+    }
+
+    fn memory_bytes(&self) -> usize {
+        self.cells.iter().map(|cells| cells.memory_bytes()).sum()
+    }
+}

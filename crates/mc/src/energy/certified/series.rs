@@ -1,0 +1,178 @@
+//! Polynomials through 8³ Chebyshev points of a cube.
+//!
+//! With half edge h and n points along each axis, interpolation along one axis misses a function f by at
+//! most h^n / (2^(n-1) n!) sup |∂^n f|, and enlarges what another axis missed by at most the Lebesgue
+//! constant Λ. Along three axes, therefore,
+//!
+//! |f - L f| ≤ (1 + Λ + Λ²) / 2^(n-1) · h^n sup |∂^n f| / n!.
+//!
+//! What is stored is less: T_i(x) T_j(y) T_k(z) with j + k < n, in single precision. No Chebyshev polynomial is
+//! larger than 1, so that the error of this is at most the sum of the coefficients' changes.
+
+use std::f64::consts::PI;
+
+/// Points along each axis, n.
+pub(super) const POINTS: usize = 8;
+
+/// Pairs of orders in y and z that are stored.
+const ROWS: usize = POINTS * (POINTS + 1) / 2;
+
+/// Stored coefficients: the lanes of a row are the orders in x; of the rows, j runs fastest, then k.
+#[derive(Debug)]
+pub(super) struct Series([[f32; POINTS]; ROWS]);
+
+impl Series {
+    /// From all coefficients, x fastest, then y, then z; with the largest error that storing them brings.
+    fn new(coefficients: &[f64]) -> (Self, f64) {
+        let (mut rows, mut row, mut change) = ([[0.0; POINTS]; ROWS], 0, 0.0);
+        for (number, of_x) in coefficients.chunks_exact(POINTS).enumerate() {
+            let (j, k) = (number % POINTS, number / POINTS);
+            let is_stored = j + k < POINTS;
+            for (lane, coefficient) in of_x.iter().enumerate() {
+                let stored = if is_stored { *coefficient as f32 } else { 0.0 };
+                change += (coefficient - f64::from(stored)).abs();
+                if is_stored {
+                    rows[row][lane] = stored;
+                }
+            }
+            row += usize::from(is_stored);
+        }
+        (Self(rows), change)
+    }
+}
+
+/// The points and the transform from values to coefficients.
+#[derive(Debug)]
+pub(super) struct Chebyshev {
+    /// From 1 to -1.
+    pub points: [f64; POINTS],
+    transform: [[f64; POINTS]; POINTS],
+    /// (1 + Λ + Λ²) / 2^(n-1).
+    pub interpolation: f64,
+    /// Λ³: how much larger than errors of the values those of the polynomial can be.
+    pub amplification: f64,
+}
+
+impl Chebyshev {
+    pub fn new() -> Self {
+        let n = POINTS as f64;
+        let angle = |i: usize| PI * (i as f64 + 0.5) / n;
+        let weight = |order: usize| if order == 0 { 1.0 } else { 2.0 } / n;
+        let coefficient = |order: usize, i: usize| weight(order) * (order as f64 * angle(i)).cos();
+        // Of these points, the Lebesgue function is largest at the ends.
+        let cotangents = (0..POINTS).map(|i| 1.0 / (0.5 * angle(i)).tan());
+        let lebesgue = cotangents.sum::<f64>() / n;
+        Self {
+            points: std::array::from_fn(|i| angle(i).cos()),
+            transform: std::array::from_fn(|order| std::array::from_fn(|i| coefficient(order, i))),
+            interpolation: (1.0 + lebesgue + lebesgue * lebesgue)
+                / f64::from(1_u32 << (POINTS - 1)),
+            amplification: lebesgue.powi(3),
+        }
+    }
+
+    /// The series through values at the points (x runs fastest, then y, then z), with the largest
+    /// error of what is stored.
+    pub fn series(&self, values: &[f64]) -> (Series, f64) {
+        let mut from = values.to_vec();
+        for stride in [1, POINTS, POINTS * POINTS] {
+            let mut to = vec![0.0; from.len()];
+            for (place, to) in to.iter_mut().enumerate() {
+                let order = place / stride % POINTS;
+                let start = place - order * stride;
+                let term = |i: usize| self.transform[order][i] * from[start + i * stride];
+                *to = (0..POINTS).map(term).sum();
+            }
+            from = to;
+        }
+        Series::new(&from)
+    }
+}
+
+/// a b + c; `FUSED`: where multiply-add is one instruction.
+#[inline(always)]
+fn add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
+    if FUSED { a.mul_add(b, c) } else { a * b + c }
+}
+
+/// The value of a series at a place in the cube, coordinates from -1 to 1.
+#[inline(always)]
+pub(super) fn value<const FUSED: bool>(Series(rows): &Series, at: [f64; 3]) -> f64 {
+    let [of_x, of_y, of_z] = at.map(polynomials);
+    let (mut lanes, mut first) = ([0.0; POINTS], 0);
+    for k in 0..POINTS {
+        let mut in_plane = [0.0; POINTS];
+        for j in 0..POINTS - k {
+            for lane in 0..POINTS {
+                let coefficient = f64::from(rows[first + j][lane]);
+                in_plane[lane] = add::<FUSED>(coefficient, of_y[j], in_plane[lane]);
+            }
+        }
+        first += POINTS - k;
+        for lane in 0..POINTS {
+            lanes[lane] = add::<FUSED>(in_plane[lane], of_z[k], lanes[lane]);
+        }
+    }
+    let mut sum = 0.0;
+    for lane in 0..POINTS {
+        sum = add::<FUSED>(lanes[lane], of_x[lane], sum);
+    }
+    sum
+}
+
+/// T_0 to T_7 at t.
+#[inline(always)]
+fn polynomials(t: f64) -> [f64; POINTS] {
+    let mut of = [1.0; POINTS];
+    of[1] = t;
+    for order in 2..POINTS {
+        of[order] = 2.0 * t * of[order - 1] - of[order - 2];
+    }
+    of
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn polynomials_of_seventh_order_are_found_exactly_and_others_within_the_bound() {
+        let chebyshev = Chebyshev::new();
+        assert!((chebyshev.amplification.cbrt() - 2.36).abs() < 0.02);
+        let mut rng = CounterRng::new(3, 0, 0);
+        let exact =
+            |[x, y, z]: [f64; 3]| (1.0 + x - 0.3 * x.powi(7)) * (y.powi(3) - 2.0) * z.powi(4);
+        // Of 1/(a - x - y - z) the n-th derivative along an axis is n!/(a - x - y - z)^(n+1).
+        let a = 5.0;
+        let smooth = |[x, y, z]: [f64; 3]| 1.0 / (a - x - y - z);
+        let bound = chebyshev.interpolation / f64::powi(a - 3.0, POINTS as i32 + 1);
+        let mut largest: f64 = 0.0;
+        for (function, bound) in [
+            (&exact as &dyn Fn([f64; 3]) -> f64, 1e-13),
+            (&smooth, bound),
+        ] {
+            let mut values = Vec::new();
+            for place in 0..POINTS.pow(3) {
+                let at = [
+                    place % POINTS,
+                    place / POINTS % POINTS,
+                    place / POINTS / POINTS,
+                ];
+                values.push(function(at.map(|i| chebyshev.points[i])));
+            }
+            let (series, change) = chebyshev.series(&values);
+            let bound = bound + change;
+            for _ in 0..2000 {
+                let at = [0; 3].map(|_| rng.uniform_in(-1.0, 1.0));
+                for found in [value::<true>(&series, at), value::<false>(&series, at)] {
+                    let error = (found - function(at)).abs();
+                    assert!(error < bound, "{at:?} {error} {bound}");
+                    largest = largest.max(error);
+                }
+            }
+        }
+        // The bound is not a thousand times too large.
+        assert!(largest > 1e-3 * bound, "{largest} {bound}");
+    }
+}
