@@ -145,8 +145,36 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
             Some(_) => return GeometryError::new_err(message),
             None => {}
         }
+        if let Some(error) = cause.downcast_ref() {
+            return of_hard_bodies(error, message);
+        }
+        if let Some(error) = cause.downcast_ref() {
+            return of_motion(error, message);
+        }
     }
     ProtomerError::new_err(message)
+}
+
+fn of_hard_bodies(error: &protomer_hpmc::Error, message: String) -> PyErr {
+    use protomer_hpmc::Error;
+    match error {
+        Error::Jammed { .. } | Error::Dense { .. } | Error::Overlap { .. } => {
+            GeometryError::new_err(message)
+        }
+        _ => ConfigError::new_err(message),
+    }
+}
+
+fn of_motion(error: &protomer_md::Error, message: String) -> PyErr {
+    use protomer_md::Error;
+    match error {
+        Error::Overlap | Error::Met { .. } | Error::OverlappingParts { .. } | Error::NoVolume => {
+            GeometryError::new_err(message)
+        }
+        Error::Diverged => ConvergenceError::new_err(message),
+        Error::OtherBodies => CheckpointError::new_err(message),
+        _ => ConfigError::new_err(message),
+    }
 }
 
 #[cfg(feature = "learning")]
@@ -166,6 +194,9 @@ fn kernel_error<'a>(cause: &'a (dyn std::error::Error + 'static)) -> Option<&'a 
         return Some(error);
     }
     if let Some(BodyError::Kernel(error)) = cause.downcast_ref() {
+        return Some(error);
+    }
+    if let Some(protomer_hpmc::Error::Shape(error)) = cause.downcast_ref() {
         return Some(error);
     }
     cause.downcast_ref()

@@ -93,6 +93,11 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     pm.framework.rotating_squares(side=2, angle=25, ks=1000, kh=0, write=tmp_path / "squares.toml")
     with pytest.raises(pm.ConvergenceError, match="no minimum"):
         pm.framework(tmp_path / "squares.toml", load="y", stress="1GPa")
+    few = {"bodies": 4, "packing_fraction": 0.5}
+    with pytest.raises(pm.ConfigError, match="more bodies"):
+        pm.md.run(shape="polygon:4", **few, steps=10, output=tmp_path / "md")
+    with pytest.raises(pm.ConfigError, match="at least"):
+        pm.hpmc.run(shape="cube", **few, sweeps=10, output=tmp_path / "hpmc")
     with pytest.raises(pm.ProtomerError, match="nowhere.json"):
         pm.inspect("nowhere.json", salt="0.1M")
     assert issubclass(pm.ParseError, ValueError)

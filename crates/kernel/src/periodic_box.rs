@@ -107,7 +107,12 @@ impl<const D: usize> PeriodicBox<D> {
         for angle in angles_degrees {
             let holds = *angle > 0.0 && *angle < 180.0;
             let between = "between 0 and 180 degrees";
-            require("an angle between edges", *angle, between, holds)?;
+            require(
+                "an angle between the edges of the box",
+                *angle,
+                between,
+                holds,
+            )?;
         }
         if angles_degrees.is_empty() {
             return Self::rectangular(*edges);
@@ -124,8 +129,10 @@ impl<const D: usize> PeriodicBox<D> {
         if let [alpha, beta, _] = angles_degrees {
             let y = (cosine(*alpha) - cosine(*beta) * cosine(gamma)) / sine;
             let squared = 1.0 - cosine(*beta).powi(2) - y * y;
-            let solid = "such that the three angles close around a corner";
-            require("an angle between edges", gamma, solid, squared > 0.0)?;
+            let solid = "such that three edges meet in a corner: each angle smaller than the sum of \
+                the other two, and all three together below 360 degrees";
+            let quantity = "the angle between the first two edges of the box";
+            require(quantity, gamma, solid, squared > 0.0)?;
             directions.push(vec![cosine(*beta), y, squared.sqrt()]);
         }
         let (mut lengths, mut tilts) = ([0.0; D], [[0.0; D]; D]);

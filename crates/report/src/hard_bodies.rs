@@ -7,7 +7,7 @@ use super::{data, figures, provenance};
 use anyhow::{Context, Result, bail};
 use protomer::hard_bodies::free_energy::FreeEnergyResult;
 use protomer::hard_bodies::log::LogRow;
-use protomer::hard_bodies::run::HardBodyResult;
+use protomer::hard_bodies::result::HardBodyResult;
 use protomer::hard_bodies::sweep::EquationOfState;
 use protomer_common::answer::Answer;
 use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};

@@ -4,7 +4,7 @@
 //! DIR/  run.toml  run.json  log.csv  points.csv  crystal.gsd  checkpoint.bin
 //! ```
 
-use super::run::{mean_and_error, tilt_factors};
+use super::result::{mean_and_error, tilt_factors};
 use super::start::{BodyShape, cell_text, unit_cell};
 use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result, bail};

@@ -5,6 +5,7 @@
 //! | [`settings`] | the settings of a run |
 //! | [`start`] | bodies and starts from names and files |
 //! | [`run`] | one run in its directory |
+//! | [`result`] | what it found |
 //! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
 //! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
@@ -14,6 +15,7 @@
 pub mod free_energy;
 pub mod log;
 pub mod phases;
+pub mod result;
 pub mod run;
 pub mod settings;
 pub mod start;

@@ -5,11 +5,13 @@
 //! ```
 
 use super::log::LogRow;
+use super::result::{
+    DepletantResult, HardBodyResult, MeanBox, WallsResult, mean_and_error, tilt_factors,
+};
 use super::settings::{Freedom, HardBodySettings};
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
 use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result};
-use protomer_common::answer::Answer;
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
 use protomer_hpmc::body::HardBody;
@@ -17,8 +19,6 @@ use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::heights::Walls;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
-use protomer_kernel::periodic_box::PeriodicBox;
-use protomer_kernel::statistics::{block_standard_error, summarize};
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
     Work, drive, log, settings,
@@ -49,237 +49,6 @@ const LAYOUT: Layout = Layout {
     ],
     is_result: |_| false,
 };
-
-/// The result of a run. Lengths are in the unit of the shape.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct HardBodyResult {
-    /// The file or the name.
-    pub shape: String,
-    /// 2 or 3.
-    pub dimension: usize,
-    /// Radius that rounds the shape.
-    pub rounding_radius: f64,
-    /// Bodies.
-    pub bodies: usize,
-    /// The part of the box that they fill; at constant pressure its mean.
-    pub packing_fraction: f64,
-    /// At constant pressure, its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub packing_fraction_error: Option<f64>,
-    /// First edge of the box at the end.
-    pub box_edge: f64,
-    /// Lengths of the box at the end: Lx, Ly, Lz. With right angles they are its edges.
-    #[serde(default)]
-    pub box_edges: Vec<f64>,
-    /// Tilt factors of the box at the end, xy, xz and yz; in a plane xy; none where its angles are right.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub box_tilt_factors: Vec<f64>,
-    /// Where more than the volume of the box changes, its means.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub mean_box: Option<MeanBox>,
-    /// Sweeps after the equilibration.
-    pub sweeps: u64,
-    /// Z = βP/ρ of the bodies by trial compressions. It does not hold what depletants add.
-    pub compressibility_factor: f64,
-    /// Its standard error.
-    pub compressibility_factor_error: Option<f64>,
-    /// βP times the volume of a body.
-    pub reduced_pressure: f64,
-    /// The accepted part of the trial moves.
-    pub acceptance: f64,
-    /// Largest step of a coordinate.
-    pub translation_step: f64,
-    /// Largest component of a rotation step.
-    pub rotation_step: f64,
-    /// Trial moves per second of processor time in this process; `None` if it made none.
-    pub trial_moves_per_cpu_second: Option<f64>,
-    /// The part of inserted bodies that overlap none.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub insertion_probability: Option<f64>,
-    /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub insertion_probability_error: Option<f64>,
-    /// Excess chemical potential, kT.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_kt: Option<f64>,
-    /// Its standard error, kT.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_error_kt: Option<f64>,
-    /// Free volume of the first depletant, as a part of the box.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub free_volume_fraction: Option<f64>,
-    /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub free_volume_fraction_error: Option<f64>,
-    /// The constant pressure βP, kT per volume.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub pressure_kt_per_volume: Option<f64>,
-    /// The accepted part of the changes of the box.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub box_acceptance: Option<f64>,
-    /// What the walls bear.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub walls: Option<WallsResult>,
-    /// Each depletant.
-    #[serde(skip_serializing_if = "Vec::is_empty", default)]
-    pub depletants: Vec<DepletantResult>,
-}
-
-/// The box on average. Tilt factors that belong to the same images count as different.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct MeanBox {
-    /// Lx, Ly, Lz.
-    pub lengths: Vec<f64>,
-    /// Their standard errors.
-    pub length_errors: Vec<Option<f64>>,
-    /// xy, xz and yz; in a plane xy.
-    pub tilt_factors: Vec<f64>,
-    /// Their standard errors.
-    pub tilt_factor_errors: Vec<Option<f64>>,
-}
-
-impl MeanBox {
-    /// Of the measurements; `None` where the box keeps its shape.
-    fn of(rows: &[LogRow]) -> Option<Self> {
-        let series = |of: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
-            let count = rows.first().map_or(0, |row| of(row).len());
-            let number = |number: usize| {
-                let numbers = rows.iter().filter_map(|row| of(row).get(number).copied());
-                mean_and_error(&numbers.collect::<Vec<f64>>())
-            };
-            (0..count).map(number).collect()
-        };
-        let (lengths, length_errors) = series(|row| &row.box_lengths).into_iter().unzip();
-        let (tilt_factors, tilt_factor_errors) =
-            series(|row| &row.box_tilt_factors).into_iter().unzip();
-        let found = Self {
-            lengths,
-            length_errors,
-            tilt_factors,
-            tilt_factor_errors,
-        };
-        (!found.lengths.is_empty()).then_some(found)
-    }
-
-    fn text(&self) -> String {
-        let several = |values: &[f64], errors: &[Option<f64>]| {
-            let numbers = values.iter().zip(errors);
-            let words: Vec<String> = numbers.map(|(x, error)| with_error(*x, *error)).collect();
-            words.join(", ")
-        };
-        let lengths = several(&self.lengths, &self.length_errors);
-        if self.tilt_factors.is_empty() {
-            return format!("box {lengths}");
-        }
-        let tilts = several(&self.tilt_factors, &self.tilt_factor_errors);
-        format!("box {lengths}; tilt factors {tilts}")
-    }
-}
-
-/// The tilt factors of a box; none where its angles are right.
-pub(super) fn tilt_factors<const D: usize>(space: &PeriodicBox<D>) -> Vec<f64> {
-    match space.is_rectangular() {
-        true => Vec::new(),
-        false => space.tilt_factors(),
-    }
-}
-
-/// Bodies under gravity between walls. The pressures differ by the weight over the area, whatever the
-/// bodies are.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct WallsResult {
-    /// βP at the lower wall, kT per volume, from the bodies near it.
-    pub lower_pressure: f64,
-    /// Its standard error.
-    pub lower_pressure_error: Option<f64>,
-    /// βP at the upper wall.
-    pub upper_pressure: f64,
-    /// Its standard error.
-    pub upper_pressure_error: Option<f64>,
-    /// The weight of all bodies over the area of a wall, kT per volume.
-    pub weight_per_area: f64,
-    /// Mean height of the centres over the lower wall.
-    pub mean_height: f64,
-    /// Its standard error.
-    pub mean_height_error: Option<f64>,
-}
-
-/// What was measured of a depletant.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct DepletantResult {
-    /// Radius.
-    pub radius: f64,
-    /// Number density in the reservoir.
-    pub fugacity: f64,
-    /// The part of the reservoir that the depletants would fill if they did not overlap.
-    pub reservoir_packing_fraction: f64,
-    /// The part of the box that is open to their centres.
-    pub free_volume_fraction: f64,
-    /// Its standard error.
-    pub free_volume_fraction_error: Option<f64>,
-}
-
-impl Answer for HardBodyResult {
-    fn text(&self) -> String {
-        let mut lines = vec![
-            format!(
-                "{} bodies ({}), packing fraction {}, {} sweeps",
-                self.bodies,
-                self.shape,
-                match self.pressure_kt_per_volume {
-                    None => self.packing_fraction.to_string(),
-                    Some(_) => with_error(self.packing_fraction, self.packing_fraction_error),
-                },
-                self.sweeps
-            ),
-            format!(
-                "compressibility factor {}",
-                with_error(
-                    self.compressibility_factor,
-                    self.compressibility_factor_error
-                )
-            ),
-        ];
-        lines.extend(self.mean_box.as_ref().map(MeanBox::text));
-        if let Some(walls) = &self.walls {
-            lines.push(format!(
-                "pressure at the lower wall {}, at the upper {}; weight per area {:.5}",
-                with_error(walls.lower_pressure, walls.lower_pressure_error),
-                with_error(walls.upper_pressure, walls.upper_pressure_error),
-                walls.weight_per_area
-            ));
-            lines.push(format!(
-                "mean height {}",
-                with_error(walls.mean_height, walls.mean_height_error)
-            ));
-        }
-        if let Some(potential) = self.excess_chemical_potential_kt {
-            lines.push(format!(
-                "excess chemical potential {} kT",
-                with_error(potential, self.excess_chemical_potential_error_kt)
-            ));
-        }
-        for kind in &self.depletants {
-            lines.push(format!(
-                "depletants of radius {}: free volume fraction {}",
-                kind.radius,
-                with_error(kind.free_volume_fraction, kind.free_volume_fraction_error)
-            ));
-        }
-        lines.push(format!(
-            "{:.1} % of the moves accepted",
-            100.0 * self.acceptance
-        ));
-        lines.join("\n")
-    }
-}
-
-fn with_error(value: f64, error: Option<f64>) -> String {
-    match error {
-        Some(error) => format!("{value:.5} ± {error:.5}"),
-        None => format!("{value:.5}"),
-    }
-}
 
 /// Runs or continues hard bodies in a directory.
 ///
@@ -681,13 +450,6 @@ fn profile<const D: usize>(open: &Open<D>) -> String {
         table.push_str(&format!("{middle},{density},{packing}\n"));
     }
     table
-}
-
-/// The mean of a series and its standard error by blocks; of a short series, by its autocorrelation.
-pub(super) fn mean_and_error(series: &[f64]) -> (f64, Option<f64>) {
-    let summary = summarize(series);
-    let error = block_standard_error(series).unwrap_or(summary.standard_error);
-    (summary.mean, Some(error).filter(|error| error.is_finite()))
 }
 
 fn ball_volume<const D: usize>(radius: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! An equation of state: what the runs of a sweep measured, at each condition.
 
 use super::HardBodySweepSettings;
-use crate::hard_bodies::run::HardBodyResult;
+use crate::hard_bodies::result::HardBodyResult;
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_hpmc::equation_of_state::{Factor, excess_free_energies};

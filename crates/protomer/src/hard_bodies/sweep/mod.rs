@@ -9,7 +9,8 @@ mod equation;
 
 pub use equation::{EquationOfState, StatePoint};
 
-use super::run::{HardBodyResult, run_hard_bodies};
+use super::result::HardBodyResult;
+use super::run::run_hard_bodies;
 use super::settings::{HardBodySettings, Pressure};
 use super::start::{BodyShape, FLUID, cell_text};
 use anyhow::{Context, Error, Result, bail};
