@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from ._protomer import ParseError
 from ._result import missing
 
 
@@ -15,6 +16,8 @@ def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
     ------
     MissingFileError
         If there is no trajectory; also a `FileNotFoundError`
+    ParseError
+        If the file is not a GSD trajectory
     ValueError
         If no frame is left
     """
@@ -24,8 +27,11 @@ def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
     path = path / "trajectory.gsd" if path.is_dir() else path
     if not path.exists():
         raise missing(f"there is no {path}; a run writes it unless trajectory_every is 0", path)
-    with gsd.hoomd.open(str(path), "r") as file:
-        frames = [frame for frame in file]
+    try:
+        with gsd.hoomd.open(str(path), "r") as file:
+            frames = [frame for frame in file]
+    except (RuntimeError, OSError) as error:
+        raise ParseError(f"{path} cannot be read as a GSD trajectory ({error}); give the directory of a run, or its trajectory.gsd") from error
     if len(frames) <= skip:
         raise ValueError(f"{path} has {len(frames)} frames; skip fewer than these (skip is {skip})")
     return frames[skip:]

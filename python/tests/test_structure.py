@@ -160,6 +160,8 @@ def test_a_run_is_read_with_its_shape(tmp_path) -> None:
         Structure.read(run, skip=100)
     with pytest.raises(FileNotFoundError):
         Structure.read(tmp_path / "nothing")
+    with pytest.raises(pm.ParseError, match="log.csv cannot be read as a GSD trajectory"):
+        Structure.read(run / "log.csv")
 
 
 def test_plots_are_drawn() -> None:

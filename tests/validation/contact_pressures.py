@@ -8,7 +8,7 @@ contact distance. The contact distance is that at which the energy of two aligne
 term of the contact point, four of squares, eight (smooth) or twenty (face sum) of cubes. The last
 columns give the pressure of hard bodies at 0.150 and at that distance, and the distance at which
 hard bodies have the pressure that was measured, between two more runs.
-The command is $PROTOMER, or target/release/protomer.
+The command is $PROTOMER, or target/release/protomer; $LENGTH (1) makes all runs so many times longer.
 """
 
 import json
@@ -26,8 +26,9 @@ TERMS = {
 }
 PACKINGS = {"polygon:4": (0.3, 0.5, 0.6), "cube": (0.2, 0.3, 0.4)}
 BODIES = {"polygon:4": 144, "cube": 125}
-SWEEPS = {"polygon:4": 12000, "cube": 8000}
-STEPS = {"polygon:4": 30000, "cube": 12000}
+LENGTH = int(os.environ.get("LENGTH", "1"))
+SWEEPS = {"polygon:4": 12000 * LENGTH, "cube": 8000 * LENGTH}
+STEPS = {"polygon:4": 30000 * LENGTH, "cube": 12000 * LENGTH}
 
 
 def run(*words: object) -> dict:
