@@ -96,6 +96,12 @@ fn decisions_are_those_of_the_direct_sum() {
         let system = eight_bodies(50, charge, cube(edge), &mut rng);
         assert_same_decisions(&system, yukawa, 60);
     }
+    let wall = Boundary::SphereWall {
+        radius_angstrom: 45.0,
+    };
+    let without_salt = Yukawa::uncut(7.0, 0.0).unwrap();
+    let system = eight_bodies(50, 0.05, wall, &mut rng);
+    assert_same_decisions(&system, without_salt, 60);
 }
 
 /// `cargo test --release -p protomer-mc --test levels -- --ignored`

@@ -28,6 +28,8 @@ const CONVERGING_RADII: f64 = 2.0;
 const SPHERES: [f64; 6] = [2.0, 2.5, 3.0, 4.0, 6.0, 10.0];
 /// The least radius of a body, Å: that of a single charge at its origin would be zero.
 const LEAST_RADIUS_ANGSTROM: f64 = 1.0;
+/// Of sums of charges, of the sum of their magnitudes: multipoles may be smaller by so much.
+const ROUNDING: f64 = 1e-12;
 /// Halvings of the interval in which the reach lies.
 const HALVINGS: usize = 40;
 
@@ -125,20 +127,21 @@ impl FarField {
         });
         let spheres: Vec<_> = spheres.collect();
         move |distance_angstrom| {
-            let mut least = match distance_angstrom > radii {
-                true => product * potential.energy_kt(distance_angstrom - radii),
-                false => f64::INFINITY,
-            };
-            if potential.is_cut() {
-                return least;
+            if distance_angstrom <= radii {
+                return f64::INFINITY;
             }
+            let of_magnitudes = product * potential.energy_kt(distance_angstrom - radii);
+            if potential.is_cut() {
+                return of_magnitudes;
+            }
+            let mut least = of_magnitudes;
             for (source, sphere_angstrom, seen_e) in &spheres {
                 let to_sphere = distance_angstrom - sphere_angstrom;
                 if to_sphere >= CONVERGING_RADII * source.radius_angstrom {
                     least = least.min(seen_e * source.largest_potential(to_sphere, potential));
                 }
             }
-            least
+            least + ROUNDING * of_magnitudes
         }
     }
 
