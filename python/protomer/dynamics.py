@@ -112,16 +112,17 @@ class Motion:
 
     def orientation(self, symmetry: int = 1) -> tuple[Numbers, Numbers]:
         """⟨cos n Δθ⟩ with n the symmetry of the polygon, whose corners cannot be told apart."""
-        return self.lags(), self._over_origins(lambda now, then: np.cos(symmetry * (now - then)), self._angles())
+        angles = symmetry * self._angles()
+        return self.lags(), self._products_over_origins(np.stack([np.cos(angles), np.sin(angles)], axis=-1))
 
     def velocity(self) -> tuple[Numbers, Numbers]:
         """⟨v(0)·v(t)⟩/⟨v²⟩."""
-        found = self._over_origins(lambda now, then: (now * then).sum(axis=-1), self.velocities)
+        found = self._products_over_origins(self.velocities)
         return self.lags(), np.asarray(found / found[0])
 
     def spinning(self) -> tuple[Numbers, Numbers]:
         """⟨L(0)·L(t)⟩/⟨L²⟩ of the angular momenta in the frames of the bodies."""
-        found = self._over_origins(lambda now, then: (now * then).sum(axis=-1), self.spins)
+        found = self._products_over_origins(self.spins)
         return self.lags(), np.asarray(found / found[0])
 
     def bond_order(self, k: int, neighbours: int, frame: int = -1) -> NDArray[np.complex128]:
@@ -143,6 +144,15 @@ class Motion:
     def _over_origins(of: Callable[[Any, Any], Any], values: Numbers) -> Numbers:
         count = len(values)
         return np.array([np.mean(of(values[lag:], values[: count - lag])) for lag in range(count)])
+
+    @staticmethod
+    def _products_over_origins(values: Numbers) -> Numbers:
+        """⟨a(0)·a(t)⟩ by a Fourier transform, with as many zeros as frames (Wiener and Khinchin)."""
+        count, bodies = values.shape[:2]
+        transformed = np.fft.rfft(values.reshape(count, -1), 2 * count, axis=0)
+        power = np.sum(np.abs(transformed) ** 2, axis=1)
+        sums = np.fft.irfft(power, 2 * count)[:count]
+        return np.asarray(sums / (bodies * (count - np.arange(count))))
 
 
 def free_flight_displacement(times: Numbers, mass: float, kt: float, dimension: int = 2) -> Numbers:
@@ -251,9 +261,13 @@ class Seeds:
                 unknown("quantity", quantity, _CURVES)
 
     def relaxation_times(self) -> dict[str, tuple[float, float]]:
-        """Of the velocities and of the angular momenta: mean and standard error over the runs."""
+        """Of the velocities, of the angular momenta and, in a plane, of the orientations.
+
+        Mean and standard error over the runs; not a number where a run is too short for the correlation to fall to 1/e.
+        """
         times = {}
-        for quantity in ("velocity", "spinning"):
+        in_plane = all(motion.angles_rad is not None for motion in self.motions)
+        for quantity in ("velocity", "spinning", "orientation")[: 3 if in_plane else 2]:
             found = np.array([relaxation_time(*self._of(motion, quantity)) for motion in self.motions])
             mean, error = _mean_and_error(found)
             times[quantity] = (float(mean), float(error))

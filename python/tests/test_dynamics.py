@@ -54,6 +54,20 @@ def test_free_flight_has_its_exact_limits() -> None:
     assert free_flight_displacement(np.array([0.2]), 2.0, 0.5)[0] == pytest.approx(0.02)
 
 
+def test_correlations_are_the_means_over_all_origins() -> None:
+    """Fourier transforms beside plain sums."""
+    rng = np.random.default_rng(3)
+    values = rng.normal(size=(37, 5, 3)).cumsum(axis=0)
+    walk = motion(np.linspace(0.0, 3.6, 37), values, velocities=values, spins=2.0 * values)
+    means = [np.mean((values[lag:] * values[: 37 - lag]).sum(axis=-1)) for lag in range(37)]
+    for correlation in (walk.velocity()[1], walk.spinning()[1]):
+        np.testing.assert_allclose(correlation, np.array(means) / means[0], rtol=1e-12, atol=1e-12)
+    angles = values[..., 0]
+    turned = motion(np.linspace(0.0, 3.6, 37), values, angles_rad=angles)
+    means = [np.mean(np.cos(4.0 * (angles[lag:] - angles[: 37 - lag]))) for lag in range(37)]
+    np.testing.assert_allclose(turned.orientation(4)[1], means, rtol=1e-12, atol=1e-12)
+
+
 def test_langevin_velocities_relax_with_their_friction() -> None:
     t = np.linspace(0.0, 10.0, 1001)
     assert relaxation_time(t, np.exp(-2.0 * t)) == pytest.approx(0.5)

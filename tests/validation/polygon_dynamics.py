@@ -7,7 +7,7 @@ Bodies are compressed over 3 time units and equilibrated as long as they are fol
 Runs `protomer md run` (global thermostat, smooth form, layer counted) for n = 3 to 9 and disks at each
 density with three seeds, and analyses the trajectories with `protomer.dynamics`: the least local slope
 of the mean squared displacement and where it is, the bond-orientational order, and the relaxation
-times of velocities and of angular momenta; means and standard errors over the seeds.
+times of velocities, of angular momenta and of orientations (⟨cos nΔθ⟩, n the symmetry); means and standard errors over the seeds.
 The command is $PROTOMER, or target/release/protomer.
 """
 
@@ -53,8 +53,38 @@ def row(shape: str, density: float, seeds: Seeds) -> dict:
     return {
         "shape": shape, "density": density, "least slope": (float(slope[least]), float(error[least])),
         "at": float(t[least]), "last slope": (float(slope[-1]), float(error[-1])), "order": order,
-        "velocity": times["velocity"], "spinning": times["spinning"],
+        "velocity": times["velocity"], "spinning": times["spinning"], "orientation": times["orientation"],
     }
+
+
+def draw(rows: list[dict], path: Path) -> None:
+    """Least slope, order and ratio of times against the density, with the errors over the seeds."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.2), layout="constrained")
+    colours = plt.get_cmap("viridis")(np.linspace(0.0, 0.9, 7))
+    for number, shape in enumerate(SHAPES):
+        of_shape = [row for row in rows if row["shape"] == shape]
+        density = [row["density"] for row in of_shape]
+        style = {"color": "black", "linestyle": "--"} if shape == "disk" else {"color": colours[number]}
+        label = "disks" if shape == "disk" else f"n = {shape.split(':')[1]}"
+        for ax, quantity in zip(axes, ("least slope", "order"), strict=False):
+            value, error = np.array([row[quantity] for row in of_shape]).T
+            ax.errorbar(density, value, error, marker="o", markersize=3, label=label, **style)
+        if shape != "disk":
+            ratio = [row["velocity"][0] / row["orientation"][0] for row in of_shape]
+            axes[2].semilogy(density, ratio, marker="o", markersize=3, **style)
+    axes[0].axhline(1.0, color="grey", linewidth=0.8)
+    axes[0].set_ylabel("least slope of the mean squared displacement")
+    axes[1].set_ylabel("⟨|ψ|⟩")
+    axes[2].set_ylabel("τ of velocities / τ of orientations")
+    for ax in axes:
+        ax.set_xlabel("packing fraction, layer counted")
+    axes[0].legend(fontsize="small")
+    figure.savefig(path, dpi=100)
 
 
 def main() -> None:
@@ -63,21 +93,22 @@ def main() -> None:
     bodies = int(sys.argv[2]) if len(sys.argv) > 2 else 100
     time = float(sys.argv[3]) if len(sys.argv) > 3 else 10.0
     rows = []
-    print("| shape | packing | least slope | at t | last slope | order | τ velocity | τ spin | ratio |")
-    print("|---|---|---|---|---|---|---|---|---|")
+    print("| shape | packing | least slope | at t | last slope | order | τ velocity | τ spin | τ orientation | τ velocity / τ orientation |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     for density in DENSITIES:
         for shape, symmetry in SHAPES.items():
             runs = [simulate(output, shape, density, seed, bodies, time) for seed in SEEDS]
             found = row(shape, density, Seeds(runs, symmetry=symmetry))
             rows.append(found)
             pair = lambda key: "{:.3f} ± {:.3f}".format(*found[key])  # noqa: E731
-            ratio = found["velocity"][0] / found["spinning"][0]
+            ratio = found["velocity"][0] / found["orientation"][0]
             print(
                 f"| {shape} | {density} | {pair('least slope')} | {found['at']:.2f} | {pair('last slope')} | "
-                f"{pair('order')} | {pair('velocity')} | {pair('spinning')} | {ratio:.2f} |",
+                f"{pair('order')} | {pair('velocity')} | {pair('spinning')} | {pair('orientation')} | {ratio:.3f} |",
                 flush=True,
             )
     (output / "rows.json").write_text(json.dumps(rows, indent=1))
+    draw(rows, output / "polygon-dynamics.png")
 
 
 if __name__ == "__main__":

@@ -85,7 +85,7 @@ def main() -> None:
     curves = {part: theory(part) for part in PARTS}
     for part, (t, squares) in curves.items():
         print(f"w = {part}: least slope of the equation {np.min(local_slope(t, squares)[1]):.3f}")
-    print("| shape | packing | w | rate | rms of ln | least slope, measured | at most below 1 by (errors) |")
+    print("| shape | packing | w | rate | rms of ln | least slope, measured | below 1 by (errors) |")
     print("|---|---|---|---|---|---|---|")
     densities = sorted({float(folder.name.split("_")[1]) for folder in runs.glob("disk_*_1")})
     for density in densities:
