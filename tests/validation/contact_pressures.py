@@ -12,6 +12,7 @@ The command is $PROTOMER, or target/release/protomer; $LENGTH (1) makes all runs
 """
 
 import json
+import math
 import os
 import subprocess
 import sys
@@ -42,6 +43,14 @@ def distance_at_kt(terms: int) -> float:
     return 0.15 * sixth ** (-1.0 / 6.0)
 
 
+def barker_henderson(terms: int) -> float:
+    """x/σ of hard bodies that hold as little room as soft ones whose energy depends on one distance: ∫ (1 - exp(-u/kT)) dx."""
+    end, points = 0.15 * 2.0 ** (1.0 / 6.0), 20_000
+    step = end / points
+    energies = (terms * (2.0 * (0.15 / ((number + 0.5) * step)) ** 6 - 1.0) ** 2 for number in range(points))
+    return step * sum(1.0 - math.exp(-energy) for energy in energies)
+
+
 def volume(shape: str, radius: float) -> float:
     """Of a body with a layer (Steiner)."""
     pi = 3.141592653589793
@@ -67,6 +76,8 @@ def main() -> None:
     output.mkdir(parents=True, exist_ok=True)
     forms = sys.argv[2].split(",") if len(sys.argv) > 2 else ["contact", "face-sum", "smooth"]
     shapes = sys.argv[3].split(",") if len(sys.argv) > 3 else list(PACKINGS)
+    distances = ", ".join(f"{terms}: {barker_henderson(terms):.4f}" for terms in (1, 4, 8, 20))
+    print(f"Barker-Henderson distances by the number of terms: {distances}")
     print("| body | form | density | P (soft) | x₁ | P (hard, 0.150) | P (hard, x₁) | x of equal P |")
     print("|---|---|---|---|---|---|---|---|")
     for shape in shapes:
