@@ -86,6 +86,9 @@ fn a_seed_makes_the_same_decisions_and_calibrated_energies_decide_as_the_direct_
         assert_eq!(direct.decisions_sha256, calibrated.decisions_sha256);
         assert_eq!(calibrated.decides_as_direct, Some(true));
         assert_eq!(direct.error_bound_kt_per_pair, 0.0);
+        let certified = of(EnergyMode::Certified);
+        assert_eq!(direct.decisions_sha256, certified.decisions_sha256);
+        assert!(certified.error_bound_kt_per_pair > 0.0);
         let approximate = of(EnergyMode::Approximate);
         let bounds = (
             calibrated.error_bound_kt_per_pair,
@@ -168,8 +171,14 @@ fn the_command_prints_one_table_or_one_json_object() {
     is_ok(&output);
     let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let rates = found["charges"].as_array().unwrap();
-    assert_eq!(rates.len(), 4);
-    assert_eq!(rates[1]["decisions_sha256"], rates[2]["decisions_sha256"]);
+    assert_eq!(rates.len(), 5);
+    // Direct, certified and calibrated energies.
+    for other in [2, 3] {
+        assert_eq!(
+            rates[1]["decisions_sha256"],
+            rates[other]["decisions_sha256"]
+        );
+    }
     assert_eq!(found["debye_length_angstrom"], 9.6);
     assert!(found["bodies"].as_array().unwrap().is_empty());
     let output = place.run("bench --part charges --charges 15 --moves 20");
@@ -177,6 +186,7 @@ fn the_command_prints_one_table_or_one_json_object() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(
         text.contains("moves/s")
+            && text.contains("certified")
             && text.contains("calibrated")
             && text.contains("approximate")
             && text.contains("error bound (kT)")
