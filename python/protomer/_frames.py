@@ -30,7 +30,7 @@ def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
     try:
         with gsd.hoomd.open(str(path), "r") as file:
             frames = [frame for frame in file]
-    except (RuntimeError, OSError) as error:
+    except RuntimeError as error:
         raise ParseError(f"{path} cannot be read as a GSD trajectory ({error}); give the directory of a run, or its trajectory.gsd") from error
     if len(frames) <= skip:
         raise ValueError(f"{path} has {len(frames)} frames; skip fewer than these (skip is {skip})")

@@ -117,13 +117,11 @@ class Motion:
 
     def velocity(self) -> tuple[Numbers, Numbers]:
         """⟨v(0)·v(t)⟩/⟨v²⟩."""
-        found = self._products_over_origins(self.velocities)
-        return self.lags(), np.asarray(found / found[0])
+        return self.lags(), self._correlation(self.velocities)
 
     def spinning(self) -> tuple[Numbers, Numbers]:
         """⟨L(0)·L(t)⟩/⟨L²⟩ of the angular momenta in the frames of the bodies."""
-        found = self._products_over_origins(self.spins)
-        return self.lags(), np.asarray(found / found[0])
+        return self.lags(), self._correlation(self.spins)
 
     def bond_order(self, k: int, neighbours: int, frame: int = -1) -> NDArray[np.complex128]:
         """ψ_{k,p} of each body (eq. 5.1): the mean of exp(i k θ) over the nearest `neighbours` (freud)."""
@@ -144,6 +142,11 @@ class Motion:
     def _over_origins(of: Callable[[Any, Any], Any], values: Numbers) -> Numbers:
         count = len(values)
         return np.array([np.mean(of(values[lag:], values[: count - lag])) for lag in range(count)])
+
+    def _correlation(self, values: Numbers) -> Numbers:
+        """⟨a(0)·a(t)⟩/⟨a²⟩; not a number where a is always zero, as are the spins of disks."""
+        found = self._products_over_origins(values)
+        return np.asarray(found / found[0]) if found[0] > 0.0 else np.full_like(found, np.nan)
 
     @staticmethod
     def _products_over_origins(values: Numbers) -> Numbers:
@@ -265,9 +268,11 @@ class Seeds:
 
         Mean and standard error over the runs; not a number where a run is too short for the correlation to fall to 1/e.
         """
+        quantities = ["velocity", "spinning"]
+        if all(motion.angles_rad is not None for motion in self.motions):
+            quantities.append("orientation")
         times = {}
-        in_plane = all(motion.angles_rad is not None for motion in self.motions)
-        for quantity in ("velocity", "spinning", "orientation")[: 3 if in_plane else 2]:
+        for quantity in quantities:
             found = np.array([relaxation_time(*self._of(motion, quantity)) for motion in self.motions])
             mean, error = _mean_and_error(found)
             times[quantity] = (float(mean), float(error))

@@ -6,6 +6,7 @@
 //! is certain.
 
 pub mod certified;
+mod chebyshev;
 mod direct;
 mod far_field;
 mod fused;
@@ -16,6 +17,7 @@ mod potential;
 pub(crate) mod reach;
 mod residue_contacts;
 pub mod terms;
+mod vectorised;
 mod with_terms;
 
 pub use direct::DirectSum;
@@ -69,6 +71,26 @@ impl PairEnergy {
             computed_at: None,
             images_at: Vec::new(),
         }
+    }
+
+    /// An energy that may be computed again with the images where they were.
+    fn found_at(
+        first: usize,
+        second: usize,
+        energy_kt: f64,
+        mut images: impl Iterator<Item = RelativePose>,
+    ) -> Self {
+        Self {
+            computed_at: images.next(),
+            images_at: images.collect(),
+            ..Self::new(first, second, energy_kt)
+        }
+    }
+
+    /// The images with which it was computed; that of the pair as it stands where none is known.
+    fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = RelativePose> + '_ {
+        let nearest = self.computed_at.unwrap_or_else(|| pair.relative());
+        std::iter::once(nearest).chain(self.images_at.iter().copied())
     }
 
     /// Energy of all terms, kT.

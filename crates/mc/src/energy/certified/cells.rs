@@ -9,10 +9,10 @@
 //! octree: the largest whose ε is small enough and that are near few charges. They are made when a charge
 //! first comes there, each a function of its place alone.
 
-use super::series::{Chebyshev, POINTS, Series, value};
+use super::series::{Interpolation, POINTS, Series, value};
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use crate::energy::SitePotential;
-use crate::energy::levels::vectorised;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
@@ -39,7 +39,7 @@ pub struct Cells<P> {
     charges: ChargeCloud,
     half_edge_angstrom: f64,
     root: Node,
-    chebyshev: Chebyshev,
+    interpolation: Interpolation,
     made: AtomicUsize,
 }
 
@@ -101,7 +101,7 @@ impl<P: SitePotential> Cells<P> {
             charges: charges.clone(),
             half_edge_angstrom,
             root: Node::default(),
-            chebyshev: Chebyshev::new(),
+            interpolation: Interpolation::new(),
             made: AtomicUsize::new(0),
         }
     }
@@ -149,16 +149,15 @@ impl<P: SitePotential> Cells<P> {
         if !serves && half_edge_angstrom > LEAST_HALF_EDGE_ANGSTROM {
             return Content::Divided(Box::default());
         }
-        let mut values = Vec::with_capacity(POINTS.pow(3));
-        for place in 0..POINTS.pow(3) {
-            let at = [place, place / POINTS, place / (POINTS * POINTS)];
-            let shift = at.map(|i| half_edge_angstrom * self.chebyshev.points[i % POINTS]);
-            values.push(self.potential_of(&around.far, &(centre + Vec3::from(shift))));
-        }
+        let value = |at| {
+            let place = centre + half_edge_angstrom * Vec3::from(at);
+            self.potential_of(&around.far, &place)
+        };
+        let values: Vec<f64> = self.interpolation.points().map(value).collect();
         self.made.fetch_add(1, Ordering::Relaxed);
         let roundings = ROUNDINGS * (self.charges.len() + 1) as f64 * f64::EPSILON;
-        let rounding = roundings * self.chebyshev.amplification * around.magnitude_kt_per_e;
-        let (series, change) = self.chebyshev.series(&values);
+        let rounding = roundings * self.interpolation.amplification * around.magnitude_kt_per_e;
+        let (series, change) = self.interpolation.series(&values);
         Content::Leaf(Cell {
             centre,
             half_edge_angstrom,
@@ -192,7 +191,7 @@ impl<P: SitePotential> Cells<P> {
             }
         }
         around.error_kt_per_e *=
-            self.chebyshev.interpolation * half_edge_angstrom.powi(POINTS as i32);
+            self.interpolation.error_factor * half_edge_angstrom.powi(POINTS as i32);
         around
     }
 

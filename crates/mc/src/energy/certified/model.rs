@@ -253,7 +253,8 @@ impl<P: SitePotential> Certified<P> {
         Some(Summand::new(known, 1.0))
     }
 
-    /// What is reported: a function of the pose alone.
+    /// What is reported: a function of the pose alone. Not a number where the direct sum is none, which
+    /// every decision with this pair has refused.
     fn reported(&self, known: &Known) -> Interval {
         let unknown = Interval {
             energy_kt: f64::NAN,
@@ -310,10 +311,9 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
     }
 
     fn pairs(&self) -> Vec<PairEnergy> {
-        let reported = |(first, second, known): (usize, usize, Arc<Known>)| PairEnergy {
-            computed_at: known.images.first().copied(),
-            images_at: known.images.iter().skip(1).copied().collect(),
-            ..PairEnergy::new(first, second, self.reported(&known).energy_kt)
+        let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
+            let energy_kt = self.reported(&known).energy_kt;
+            PairEnergy::found_at(first, second, energy_kt, known.images.iter().copied())
         };
         self.energies.pairs().map(reported).collect()
     }
@@ -324,9 +324,7 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
-            let images = std::iter::once(nearest).chain(saved.images_at.iter().copied());
-            if let Some(known) = self.known_at(&pair, images) {
+            if let Some(known) = self.known_at(&pair, saved.images(&pair)) {
                 self.energies.set(saved.first, saved.second, known);
             }
         }

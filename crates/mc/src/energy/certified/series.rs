@@ -9,7 +9,8 @@
 //! What is stored is less: T_i(x) T_j(y) T_k(z) with j + k < n, in single precision. No Chebyshev polynomial is
 //! larger than 1, so that the error of this is at most the sum of the coefficients' changes.
 
-use std::f64::consts::PI;
+use crate::energy::chebyshev::Chebyshev;
+use crate::energy::fused::add_f64;
 
 /// Points along each axis, n.
 pub(super) const POINTS: usize = 8;
@@ -41,58 +42,38 @@ impl Series {
     }
 }
 
-/// The points and the transform from values to coefficients.
+/// Interpolation with a bound of its error.
 #[derive(Debug)]
-pub(super) struct Chebyshev {
-    /// From 1 to -1.
-    pub points: [f64; POINTS],
-    transform: [[f64; POINTS]; POINTS],
+pub(super) struct Interpolation {
+    chebyshev: Chebyshev<POINTS>,
     /// (1 + Λ + Λ²) / 2^(n-1).
-    pub interpolation: f64,
+    pub error_factor: f64,
     /// Λ³: how much larger than errors of the values those of the polynomial can be.
     pub amplification: f64,
 }
 
-impl Chebyshev {
+impl Interpolation {
     pub fn new() -> Self {
-        let n = POINTS as f64;
-        let angle = |i: usize| PI * (i as f64 + 0.5) / n;
-        let weight = |order: usize| if order == 0 { 1.0 } else { 2.0 } / n;
-        let coefficient = |order: usize, i: usize| weight(order) * (order as f64 * angle(i)).cos();
-        // Of these points, the Lebesgue function is largest at the ends.
-        let cotangents = (0..POINTS).map(|i| 1.0 / (0.5 * angle(i)).tan());
-        let lebesgue = cotangents.sum::<f64>() / n;
+        let lebesgue = Chebyshev::<POINTS>::lebesgue_constant();
+        let axes = 1.0 + lebesgue + lebesgue * lebesgue;
         Self {
-            points: std::array::from_fn(|i| angle(i).cos()),
-            transform: std::array::from_fn(|order| std::array::from_fn(|i| coefficient(order, i))),
-            interpolation: (1.0 + lebesgue + lebesgue * lebesgue)
-                / f64::from(1_u32 << (POINTS - 1)),
+            chebyshev: Chebyshev::new(),
+            error_factor: axes / f64::from(1_u32 << (POINTS - 1)),
             amplification: lebesgue.powi(3),
         }
     }
 
-    /// The series through values at the points (x runs fastest, then y, then z), with the largest
-    /// error of what is stored.
-    pub fn series(&self, values: &[f64]) -> (Series, f64) {
-        let mut from = values.to_vec();
-        for stride in [1, POINTS, POINTS * POINTS] {
-            let mut to = vec![0.0; from.len()];
-            for (place, to) in to.iter_mut().enumerate() {
-                let order = place / stride % POINTS;
-                let start = place - order * stride;
-                let term = |i: usize| self.transform[order][i] * from[start + i * stride];
-                *to = (0..POINTS).map(term).sum();
-            }
-            from = to;
-        }
-        Series::new(&from)
+    /// The points of a cube with coordinates from -1 to 1; x runs fastest, then y, then z.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 3]> {
+        let point = |i: usize| self.chebyshev.points[i % POINTS];
+        let numbers = (0..POINTS.pow(3)).map(|n| [n, n / POINTS, n / (POINTS * POINTS)]);
+        numbers.map(move |at| at.map(point))
     }
-}
 
-/// a b + c; `FUSED`: where multiply-add is one instruction.
-#[inline(always)]
-fn add<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
-    if FUSED { a.mul_add(b, c) } else { a * b + c }
+    /// The series through values at the points, with the largest error of what is stored.
+    pub fn series(&self, values: &[f64]) -> (Series, f64) {
+        Series::new(&self.chebyshev.series(values))
+    }
 }
 
 /// The value of a series at a place in the cube, coordinates from -1 to 1.
@@ -105,17 +86,17 @@ pub(super) fn value<const FUSED: bool>(Series(rows): &Series, at: [f64; 3]) -> f
         for j in 0..POINTS - k {
             for lane in 0..POINTS {
                 let coefficient = f64::from(rows[first + j][lane]);
-                in_plane[lane] = add::<FUSED>(coefficient, of_y[j], in_plane[lane]);
+                in_plane[lane] = add_f64::<FUSED>(coefficient, of_y[j], in_plane[lane]);
             }
         }
         first += POINTS - k;
         for lane in 0..POINTS {
-            lanes[lane] = add::<FUSED>(in_plane[lane], of_z[k], lanes[lane]);
+            lanes[lane] = add_f64::<FUSED>(in_plane[lane], of_z[k], lanes[lane]);
         }
     }
     let mut sum = 0.0;
     for lane in 0..POINTS {
-        sum = add::<FUSED>(lanes[lane], of_x[lane], sum);
+        sum = add_f64::<FUSED>(lanes[lane], of_x[lane], sum);
     }
     sum
 }
@@ -136,52 +117,23 @@ mod tests {
     use super::*;
     use protomer_kernel::random::CounterRng;
 
-    /// Σ |l_i(t)| over the Lagrange polynomials of the points.
-    fn lebesgue(points: &[f64; POINTS], t: f64) -> f64 {
-        let lagrange = |i: usize| {
-            let others = (0..POINTS).filter(|j| *j != i);
-            let factor = |j: usize| (t - points[j]) / (points[i] - points[j]);
-            others.map(factor).product::<f64>().abs()
-        };
-        (0..POINTS).map(lagrange).sum()
-    }
-
-    #[test]
-    fn no_interpolation_enlarges_errors_more_than_the_lebesgue_constant() {
-        let chebyshev = Chebyshev::new();
-        let at = |step: i32| lebesgue(&chebyshev.points, f64::from(step) / 1000.0);
-        let largest = (-1000..=1000).map(at).fold(0.0, f64::max);
-        assert!(
-            (chebyshev.amplification.cbrt() - largest).abs() < 1e-12,
-            "{largest}"
-        );
-    }
-
     #[test]
     fn polynomials_of_seventh_order_are_found_exactly_and_others_within_the_bound() {
-        let chebyshev = Chebyshev::new();
+        let interpolation = Interpolation::new();
         let mut rng = CounterRng::new(3, 0, 0);
         let exact =
             |[x, y, z]: [f64; 3]| (1.0 + x - 0.3 * x.powi(7)) * (y.powi(3) - 2.0) * z.powi(4);
         // Of 1/(a - x - y - z) the n-th derivative along an axis is n!/(a - x - y - z)^(n+1).
         let a = 5.0;
         let smooth = |[x, y, z]: [f64; 3]| 1.0 / (a - x - y - z);
-        let bound = chebyshev.interpolation / f64::powi(a - 3.0, POINTS as i32 + 1);
+        let bound = interpolation.error_factor / f64::powi(a - 3.0, POINTS as i32 + 1);
         let mut largest: f64 = 0.0;
         for (function, bound) in [
             (&exact as &dyn Fn([f64; 3]) -> f64, 1e-13),
             (&smooth, bound),
         ] {
-            let mut values = Vec::new();
-            for place in 0..POINTS.pow(3) {
-                let at = [
-                    place % POINTS,
-                    place / POINTS % POINTS,
-                    place / POINTS / POINTS,
-                ];
-                values.push(function(at.map(|i| chebyshev.points[i])));
-            }
-            let (series, change) = chebyshev.series(&values);
+            let values: Vec<f64> = interpolation.points().map(function).collect();
+            let (series, change) = interpolation.series(&values);
             let bound = bound + change;
             for _ in 0..2000 {
                 let at = [0; 3].map(|_| rng.uniform_in(-1.0, 1.0));

@@ -7,8 +7,9 @@
 
 use super::derivatives::Derivatives;
 use super::field::{Field, Spots};
-use super::lanes::{BLOCK, sum_of_lanes, vectorised};
+use super::lanes::{BLOCK, sum_of_lanes};
 use super::motion::{Block, Motion, length};
+use crate::energy::vectorised::vectorised;
 
 /// The motions at which the error is judged: about as far as close pairs drift.
 const TEST_ANGSTROM: f32 = 1.5;

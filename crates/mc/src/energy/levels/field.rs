@@ -10,10 +10,11 @@ use super::fine::{FINE, Fine};
 use super::lanes::{BLOCK, prefetch};
 use super::motion::length;
 use super::packed::{Head, Packed, pack};
-use super::sampler::{Sampler, Sites};
+use super::sampler::Sites;
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
+use crate::energy::chebyshev::Chebyshev;
 
 /// The near part ends this many innermost cells from a charge.
 const CELLS_PER_NEAR_RADIUS: f64 = 2.0;
@@ -122,13 +123,13 @@ impl Field {
         reach_angstrom: f64,
     ) -> Self {
         let mut field = Self::boxes(charges, split.radius_angstrom, reach_angstrom);
-        let sampler = Sampler::new();
+        let chebyshev = Chebyshev::new();
         let sites = Sites::new(charges);
         let centres = field.number_cells(&sites);
         let weights = truncation_weights();
         for (centre, edge) in centres {
-            let (values, nearest) = sites.sample(split, &sampler, centre, edge);
-            let series = sampler.series(&values);
+            let (values, nearest) = sites.sample(split, &chebyshev, centre, edge);
+            let series = chebyshev.series(&values);
             field.add_cell(
                 nearest as f32,
                 truncation_errors(&series, &weights),

@@ -2,12 +2,13 @@
 //! poses that have nothing to do with each other.
 
 use super::field::Spots;
-use super::lanes::{BLOCK, sum_of_lanes, vectorised};
+use super::lanes::{BLOCK, sum_of_lanes};
 use super::list::List;
 use super::motion::{Block, Motion};
 use super::neighbours::squares;
 use super::table::{Estimate, Table};
 use crate::energy::SitePotential;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
 
 impl<P: SitePotential> Table<P> {

@@ -5,11 +5,12 @@
 
 use super::expansion::Expansion;
 use super::field::Spots;
-use super::lanes::{BLOCK, prefetch, vectorised};
+use super::lanes::{BLOCK, prefetch};
 use super::motion::{Block, Motion};
 use super::near::NearPairs;
 use super::table::Table;
 use crate::energy::SitePotential;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};

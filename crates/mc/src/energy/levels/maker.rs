@@ -2,7 +2,7 @@
 
 use super::expansion::centre;
 use super::fit::FIT_DISTANCE;
-use super::lanes::{BLOCK, vectorised};
+use super::lanes::BLOCK;
 use super::list::{List, Part, Parts};
 use super::motion::{Block, Motion, blocks};
 use super::near::NearMaker;
@@ -10,6 +10,7 @@ use super::neighbours::{SKIN_ANGSTROM, squares};
 use super::table::Table;
 use super::tree::Node;
 use crate::energy::SitePotential;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicU32;

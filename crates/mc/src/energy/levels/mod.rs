@@ -51,8 +51,5 @@ mod table;
 mod tree;
 
 pub use calibration::{Calibration, MULTIPLE};
-pub(super) use lanes::vectorised;
-#[cfg(target_arch = "x86_64")]
-pub(super) use lanes::{has_avx2, has_avx512};
 pub use model::{Decided, Levels, table_reach_angstrom};
 pub use table::Table;

@@ -541,15 +541,9 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     /// Energies from fine tables, whatever decisions asked for: functions of the poses alone.
     fn pairs(&self) -> Vec<PairEnergy> {
         let pairs = self.energies.pairs();
-        let reported = |(first, second, known): (usize, usize, Arc<Known>)| PairEnergy {
-            computed_at: known.images.first().map(|image| image.relative),
-            images_at: known
-                .images
-                .iter()
-                .skip(1)
-                .map(|image| image.relative)
-                .collect(),
-            ..PairEnergy::new(first, second, self.reported(&known).0)
+        let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
+            let images = known.images.iter().map(|image| image.relative);
+            PairEnergy::found_at(first, second, self.reported(&known).0, images)
         };
         pairs.map(reported).collect()
     }
@@ -560,9 +554,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            let nearest = saved.computed_at.unwrap_or_else(|| pair.relative());
-            let poses = std::iter::once(nearest).chain(saved.images_at.iter().copied());
-            let known = self.known_at(&pair, poses.collect(), Lists::new())?;
+            let known = self.known_at(&pair, saved.images(&pair).collect(), Lists::new())?;
             self.energies.set(saved.first, saved.second, known);
         }
         Ok(())

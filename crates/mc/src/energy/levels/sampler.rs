@@ -1,53 +1,18 @@
-//! The potential of many charges at the Chebyshev points of a cell, and the series through it.
+//! The potential of many charges at the Chebyshev points of a cell.
 
 use super::fine::FINE;
-use super::lanes::{BLOCK, vectorised};
+use super::lanes::BLOCK;
 use super::motion::{Block, length};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
+use crate::energy::chebyshev::Chebyshev;
 use crate::energy::fused::add;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
-use std::f64::consts::PI;
 
 /// Of distances, Å.
 const ROUNDING: f32 = 1e-3;
-
-/// The Chebyshev points and the transform from values to coefficients.
-pub(super) struct Sampler {
-    points: [f64; FINE],
-    transform: [[f64; FINE]; FINE],
-}
-
-impl Sampler {
-    pub fn new() -> Self {
-        let angle = |i: usize| PI * (i as f64 + 0.5) / FINE as f64;
-        let weight = |n: usize| if n == 0 { 1.0 } else { 2.0 } / FINE as f64;
-        Self {
-            points: std::array::from_fn(|i| angle(i).cos()),
-            transform: std::array::from_fn(|n| {
-                std::array::from_fn(|i| weight(n) * (n as f64 * angle(i)).cos())
-            }),
-        }
-    }
-
-    /// Coefficients from values, one axis after the other; x runs fastest.
-    pub fn series(&self, values: &[f64]) -> Vec<f64> {
-        let mut from = values.to_vec();
-        for stride in [1, FINE, FINE * FINE] {
-            let mut to = vec![0.0; from.len()];
-            for (place, to) in to.iter_mut().enumerate() {
-                let n = place / stride % FINE;
-                let start = place - n * stride;
-                *to = (0..FINE)
-                    .map(|i| self.transform[n][i] * from[start + i * stride])
-                    .sum();
-            }
-            from = to;
-        }
-        from
-    }
-}
 
 /// The charges in arrays of 16.
 pub(super) struct Sites {
@@ -106,11 +71,11 @@ impl Sites {
     pub fn sample<P: SitePotential>(
         &self,
         split: &Split<P>,
-        sampler: &Sampler,
+        chebyshev: &Chebyshev<FINE>,
         centre: [f64; 3],
         edge: f64,
     ) -> (Vec<f64>, f64) {
-        let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * sampler.points[i]) as f32;
+        let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * chebyshev.points[i]) as f32;
         let middle = centre.map(|x| x as f32);
         // Beyond the near part's range from all of the cell, the smooth part is the potential itself.
         let range = split.radius_angstrom as f32 + 0.5 * edge as f32 * 3.0_f32.sqrt() + ROUNDING;

@@ -6,11 +6,12 @@
 //!
 //! E_s = E_{s-1} + Σ_k q_k (φ(x_k) - φ_table(x_k)), k over the charges of step s.
 
-use super::lanes::{BLOCK, vectorised};
+use super::lanes::BLOCK;
 use super::motion::{Block, Motion, blocks};
 use super::table::Table;
 use crate::charges::LANES;
 use crate::energy::SitePotential;
+use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
