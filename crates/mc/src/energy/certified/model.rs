@@ -241,11 +241,6 @@ impl<P: SitePotential> Certified<P> {
         }
     }
 
-    /// The energy with a partner before the move.
-    fn before(&self, known: &Arc<Known>) -> Summand {
-        Summand::new(Arc::clone(known), -1.0)
-    }
-
     /// The energy with a partner after the move, if they interact there; it is proposed.
     fn after(&mut self, trial: &Trial<'_>, partner: usize) -> Option<Summand> {
         let known = self.known(&trial.pair(partner))?;
@@ -277,6 +272,11 @@ impl Summand {
             level: FAR,
             interval,
         }
+    }
+
+    /// Of a pair before the move.
+    fn before(known: &Arc<Known>) -> Self {
+        Self::new(Arc::clone(known), -1.0)
     }
 
     fn signed_kt(&self) -> f64 {
@@ -333,7 +333,7 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
         let row = self.energies.row(trial.body);
-        let mut summands: Vec<Summand> = row.map(|(_, known)| self.before(known)).collect();
+        let mut summands: Vec<Summand> = row.map(|(_, known)| Summand::before(known)).collect();
         for &partner in partners {
             summands.extend(self.after(trial, partner));
         }
@@ -342,7 +342,7 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
 
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
         let before = self.energies.get(trial.body, partner);
-        let mut summands: Vec<Summand> = before.iter().map(|known| self.before(known)).collect();
+        let mut summands: Vec<Summand> = before.iter().map(Summand::before).collect();
         summands.extend(self.after(trial, partner));
         Ok(!self.rises_less(summands, threshold_kt)?)
     }

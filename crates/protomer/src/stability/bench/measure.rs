@@ -26,8 +26,8 @@ pub(super) struct Prepared {
     tolerance_kt: f64,
     /// Of the modes that have tables.
     levels: Option<Levels<Yukawa>>,
-    /// Whose copies share their cells.
-    certified: Certified<Yukawa>,
+    /// Of the mode with cells, which its copies share.
+    certified: Option<Certified<Yukawa>>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
@@ -79,7 +79,7 @@ impl Prepared {
             }
             EnergyMode::None | EnergyMode::Direct | EnergyMode::Certified => None,
         };
-        let certified = tables.certified(system, yukawa);
+        let certified = (energy == EnergyMode::Certified).then(|| tables.certified(system, yukawa));
         let setup_seconds = clock.seconds();
         Ok(Self {
             system: system.clone(),
@@ -98,12 +98,18 @@ impl Prepared {
         prepared.unwrap_or_else(|| Levels::for_system(self.yukawa, &self.system))
     }
 
+    /// The same of energies with proven bounds.
+    fn certified(&self) -> Certified<Yukawa> {
+        let prepared = self.certified.clone();
+        prepared.unwrap_or_else(|| Certified::for_system(self.yukawa, &self.system))
+    }
+
     /// The energy model of this mode.
     pub(super) fn model(&self) -> Box<dyn EnergyModel> {
         match self.energy {
             EnergyMode::None => Box::new(NoCharges),
             EnergyMode::Direct => Box::new(DirectSum::new(self.yukawa)),
-            EnergyMode::Certified => Box::new(self.certified.clone()),
+            EnergyMode::Certified => Box::new(self.certified()),
             EnergyMode::Calibrated => Box::new(self.levels()),
             EnergyMode::Approximate => Box::new(self.levels().with_tolerance(self.tolerance_kt)),
         }
