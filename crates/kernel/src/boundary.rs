@@ -48,11 +48,13 @@ impl Boundary {
     }
 
     /// The shortest displacement from one point to an image of the other, Å.
+    #[inline]
     pub fn displacement(&self, from: &Vec3, to: &Vec3) -> Vec3 {
         self.minimum_image(to - from)
     }
 
     /// The shortest image of a displacement, Å.
+    #[inline]
     pub fn minimum_image(&self, displacement: Vec3) -> Vec3 {
         match self {
             Boundary::Periodic { lengths_angstrom } => {
@@ -112,10 +114,17 @@ impl Boundary {
     }
 }
 
-/// Most displacements are short already; rounding is a call on many processors.
+/// Points in the box are less than one and a half boxes apart, and then no branch depends on how far;
+/// rounding is a call on many processors.
+#[inline]
 fn nearest_image(displacement: f64, length: f64) -> f64 {
-    match displacement.abs() < 0.5 * length {
-        true => displacement,
+    let half = 0.5 * length;
+    match displacement.abs() < length + half {
+        true => {
+            let ahead = f64::from(u8::from(displacement >= half));
+            let behind = f64::from(u8::from(displacement <= -half));
+            displacement - length * (ahead - behind)
+        }
         false => displacement - length * (displacement / length).round(),
     }
 }

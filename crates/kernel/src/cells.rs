@@ -1,7 +1,7 @@
 //! Neighbour finding: which bodies are near a point.
 
 use crate::{Boundary, KernelError, Result, Vec3};
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Below this number of bodies looking at all of them is cheaper than any grid.
 const ALL_PAIRS_UP_TO: usize = 64;
@@ -59,7 +59,7 @@ struct Grid {
     cell_lengths: Vec3,
     /// Cells along each edge of a periodic box; `None` for unbounded space.
     cells_per_edge: Option<[i64; 3]>,
-    members: HashMap<[i64; 3], Vec<u32>>,
+    members: FxHashMap<[i64; 3], Vec<u32>>,
 }
 
 impl CellList {
@@ -125,7 +125,7 @@ impl Grid {
             boundary: *boundary,
             cell_lengths,
             cells_per_edge,
-            members: HashMap::new(),
+            members: FxHashMap::default(),
         })
     }
 

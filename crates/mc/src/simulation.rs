@@ -8,7 +8,7 @@ use crate::moves::binding;
 use crate::moves::proposal::Proposal;
 use crate::moves::step_sizes::Tuner;
 use crate::moves::{BindingMove, HalfTurn, Kind, StepSizes, cluster, single};
-use crate::neighbours::Neighbours;
+use crate::neighbours::{Neighbours, Ranges};
 use crate::observables::{Observables, cluster_sizes, contacts, r_g_angstrom, survival};
 use crate::statistics::Statistics;
 use crate::system::{System, Trial};
@@ -203,7 +203,7 @@ impl Simulation {
             type_names: type_names(&self.system),
             boundary: *self.system.boundary(),
             poses: self.system.poses().to_vec(),
-            energies: self.energy.pairs(),
+            energies: self.energy.pairs(&self.system),
             tuners: self.tuners.clone(),
             statistics: self.statistics.clone(),
             native_contacts: self.native_contacts.clone(),
@@ -307,11 +307,16 @@ impl Simulation {
             pose: self.system.tidy(pose),
         };
         let place = &trial.pose.position;
-        self.neighbours.find(&self.system, place, &mut self.near);
+        self.neighbours
+            .find_touching(&self.system, place, &mut self.near);
         self.near.retain(|partner| *partner != body);
         if self.hard.blocks(&trial, &self.near) {
             return Ok(false);
         }
+        let places = [&self.system.pose(body).position, place];
+        self.neighbours
+            .find_at_both(&self.system, places, &mut self.near);
+        self.near.retain(|partner| *partner != body);
         if !self.energy.accept(&trial, &self.near, budget_kt)? {
             self.energy.reject();
             return Ok(false);
@@ -443,7 +448,7 @@ impl Simulation {
         let alone = clusters.iter().filter(|size| **size == 1).count();
         Observables {
             sweep: self.sweep,
-            energy_kt: self.energy.total_kt(),
+            energy_kt: self.energy.total_kt(&self.system),
             r_g_angstrom: r_g_angstrom(&self.system, |_| 1.0),
             r_g_volume_weighted_angstrom: r_g_angstrom(&self.system, |body| {
                 self.system.body_type(body).volume_angstrom3
@@ -464,7 +469,7 @@ impl Simulation {
     /// The largest error bound of the pair energies used so far, kT; zero for direct sums.
     /// A continued simulation counts from the point of continuation.
     pub fn energy_error_bound_kt(&self) -> f64 {
-        self.energy.error_bound_kt()
+        self.energy.error_bound_kt(&self.system)
     }
 
     /// What decisions rest on, of an energy model that makes them by levels.
@@ -504,7 +509,7 @@ impl Simulation {
 
     /// The energies of all pairs in range, kT.
     pub fn pair_energies(&self) -> Vec<PairEnergy> {
-        self.energy.pairs()
+        self.energy.pairs(&self.system)
     }
 }
 
@@ -522,10 +527,12 @@ pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
 /// In a range that holds both surfaces and charges.
 fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
     require_room(system, energy)?;
-    let hard = system.hard_range_angstrom();
-    let range = hard.max(energy.range_angstrom(system));
-    let reach = hard.max(energy.reach_angstrom(system));
-    Ok(Neighbours::new(system, range, reach))
+    let ranges = Ranges {
+        hard_angstrom: system.hard_range_angstrom(),
+        interaction_angstrom: energy.range_angstrom(system),
+        reach_angstrom: energy.reach_angstrom(system),
+    };
+    Ok(Neighbours::new(system, ranges))
 }
 
 /// Translations beyond half the box, or two diameters in open space, are useless.

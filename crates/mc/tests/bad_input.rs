@@ -96,7 +96,7 @@ fn the_energy_of_nothing_is_zero_without_a_sign() {
     let system = System::new(vec![body(&[])], &[(0, at(0.0))], Boundary::Open).unwrap();
     let mut model = DirectSum::new(Yukawa::new(7.0, 0.1, 40.0).unwrap());
     model.reset(&system).unwrap();
-    assert_eq!(format!("{:.6}", model.total_kt()), "0.000000");
+    assert_eq!(format!("{:.6}", model.total_kt(&system)), "0.000000");
 }
 
 #[test]

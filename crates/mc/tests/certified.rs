@@ -107,12 +107,12 @@ fn the_energy_of_the_benchmark_state_is_within_its_bound() {
     let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
     let mut certified = Certified::for_system(yukawa, &system);
     certified.reset(&system).unwrap();
-    let bound = certified.error_bound_kt();
+    let bound = certified.error_bound_kt(&system);
     assert!(bound > 0.0 && bound < 5e-3, "{bound}");
-    assert!((certified.total_kt() - -27.093_464_773_453).abs() < 120.0 * bound);
+    assert!((certified.total_kt(&system) - -27.093_464_773_453).abs() < 120.0 * bound);
     let mut direct = DirectSum::new(yukawa);
     direct.reset(&system).unwrap();
-    for (sum, middle) in direct.pairs().iter().zip(certified.pairs()) {
+    for (sum, middle) in direct.pairs(&system).iter().zip(certified.pairs(&system)) {
         assert!((sum.energy_kt - middle.energy_kt).abs() <= bound);
     }
 }

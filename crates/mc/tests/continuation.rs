@@ -188,7 +188,7 @@ fn continued_runs_with_energies_by_levels_equal_the_uninterrupted_ones() {
 fn assert_energies_are_those_of_all_pairs(simulation: &Simulation) {
     let mut model = simulation.settings().interaction.model(simulation.system());
     model.reset(simulation.system()).unwrap();
-    let (fresh, kept) = (model.pairs(), simulation.pair_energies());
+    let (fresh, kept) = (model.pairs(simulation.system()), simulation.pair_energies());
     assert_eq!(fresh.len(), kept.len());
     for (fresh, kept) in fresh.iter().zip(&kept) {
         assert_eq!((fresh.first, fresh.second), (kept.first, kept.second));

@@ -12,6 +12,7 @@ use protomer_mc::energy::certified::Certified;
 use protomer_mc::energy::levels::{Calibration, Levels, Table};
 use protomer_mc::energy::{DirectSum, Effort, EnergyModel, Pairs};
 use protomer_mc::scatter::scattered;
+use protomer_mc::system::Trial;
 use protomer_mc::{BodyType, Interaction, McError, Settings, Simulation, System};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -104,6 +105,51 @@ fn decisions_are_those_of_the_direct_sum() {
     assert_same_decisions(&system, without_salt, 60);
 }
 
+/// Most pairs are so far apart that a decision does without them, unless the budget is close to the
+/// rise of the energy.
+#[test]
+fn images_far_away_are_looked_at_where_they_decide() {
+    let mut rng = CounterRng::new(37, 0, 0);
+    let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+    for edge in [150.0, 450.0] {
+        let dense = eight_bodies(80, 0.3, cube(edge), &mut rng);
+        let system = scattered(&dense, 6, 0).unwrap();
+        let mut direct = DirectSum::new(yukawa);
+        let mut levels = Levels::for_system(yukawa, &system);
+        direct.reset(&system).unwrap();
+        levels.reset(&system).unwrap();
+        for body in 0..system.len() {
+            let mut poses = system.poses().to_vec();
+            poses[body] = Pose {
+                position: poses[body].position + rng.vector_in_ball(15.0),
+                rotation: rng.rotation(),
+            };
+            let bodies = poses.iter().enumerate();
+            let bodies: Vec<_> = bodies
+                .map(|(at, pose)| (system.type_index(at), *pose))
+                .collect();
+            let moved = System::new(system.types().to_vec(), &bodies, *system.boundary()).unwrap();
+            let energy_kt = |of: &System| {
+                let pairs = Pairs::With(std::slice::from_ref(&body));
+                direct.energy_elsewhere_kt(of, pairs, Effort::Full).unwrap()
+            };
+            let rise_kt = energy_kt(&moved) - energy_kt(&system);
+            let trial = Trial {
+                system: &system,
+                body,
+                pose: *moved.pose(body),
+            };
+            let partners: Vec<usize> = (0..system.len()).filter(|other| *other != body).collect();
+            for margin_kt in [-0.1, -1e-6, 1e-6, 0.1] {
+                let budget_kt = rise_kt + margin_kt;
+                let accepted = levels.accept(&trial, &partners, budget_kt).unwrap();
+                assert_eq!(accepted, margin_kt > 0.0, "{edge}: {body} {margin_kt}");
+                levels.reject();
+            }
+        }
+    }
+}
+
 /// `cargo test --release -p protomer-mc --test levels -- --ignored`
 #[test]
 #[ignore = "a hundred thousand decisions at each of three Debye lengths; run by name"]
@@ -165,12 +211,12 @@ fn energies_are_the_sums_within_their_bounds() {
             levels = levels.with_tolerance(tolerance_kt);
         }
         levels.reset(&system).unwrap();
-        let bound = levels.error_bound_kt();
+        let bound = levels.error_bound_kt(&system);
         assert!(
             bound <= tolerance_kt.unwrap_or(0.1),
             "{bound} {tolerance_kt:?}"
         );
-        for (sum, near) in direct.pairs().iter().zip(levels.pairs()) {
+        for (sum, near) in direct.pairs(&system).iter().zip(levels.pairs(&system)) {
             assert_eq!((sum.first, sum.second), (near.first, near.second));
             let difference = (sum.energy_kt - near.energy_kt).abs();
             assert!(
@@ -191,7 +237,7 @@ fn energies_elsewhere_are_those_of_the_direct_sum() {
     levels.reset(&system).unwrap();
     let mut direct = DirectSum::new(yukawa);
     direct.reset(&other).unwrap();
-    let expected_kt = direct.total_kt();
+    let expected_kt = direct.total_kt(&other);
     let found_kt = |effort| {
         levels
             .energy_elsewhere_kt(&other, Pairs::All, effort)
@@ -200,8 +246,11 @@ fn energies_elsewhere_are_those_of_the_direct_sum() {
     assert!((found_kt(Effort::Quick) - expected_kt).abs() < 1e-3);
     assert!((found_kt(Effort::Full) - expected_kt).abs() < 1e-9);
     direct.reset(&system).unwrap();
-    let kept = levels.total_kt();
-    assert!((kept - direct.total_kt()).abs() < 1e-3, "the state is kept");
+    let kept = levels.total_kt(&system);
+    assert!(
+        (kept - direct.total_kt(&system)).abs() < 1e-3,
+        "the state is kept"
+    );
     assert!((kept - expected_kt).abs() > 0.1);
 }
 

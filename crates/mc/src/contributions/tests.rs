@@ -136,7 +136,7 @@ fn contributions_add_up_to_the_energy_of_the_engine() {
         let charges = Box::new(DirectSum::new(case.yukawa));
         let mut model = WithTerms::new(charges, case.terms.clone());
         model.reset(&case.system).unwrap();
-        let energy_kt = model.total_kt();
+        let energy_kt = model.total_kt(&case.system);
         assert!(energy_kt.abs() > 0.1);
         assert!((state.parts.total_kt() - energy_kt).abs() < 1e-10);
         let of_residues: f64 = state
@@ -296,7 +296,7 @@ fn a_response_is_the_energy_of_the_changed_bodies() {
             let energy = |system: &System| {
                 let mut model = DirectSum::new(case.yukawa);
                 model.reset(system).unwrap();
-                model.total_kt()
+                model.total_kt(system)
             };
             let expected = energy(&changed) - energy(&case.system);
             let found = responses[0].energy_change_kt(1.5);

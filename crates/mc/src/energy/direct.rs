@@ -122,7 +122,7 @@ impl<P: SitePotential> EnergyModel for DirectSum<P> {
         })
     }
 
-    fn pairs(&self) -> Vec<PairEnergy> {
+    fn pairs(&self, _: &System) -> Vec<PairEnergy> {
         self.energies
             .pairs()
             .map(|(first, second, energy_kt)| PairEnergy::new(first, second, energy_kt))
@@ -203,7 +203,7 @@ mod tests {
             model.require_room(&system).unwrap();
             model.reset(&system).unwrap();
             let expected = plain_sum(&system, &yukawa, edge);
-            let difference = (model.total_kt() - expected).abs();
+            let difference = (model.total_kt(&system) - expected).abs();
             assert!(
                 difference < 1e-6,
                 "{edge} {debye}: {difference:e} of {expected}"

@@ -8,6 +8,7 @@
 pub mod certified;
 mod chebyshev;
 mod direct;
+mod far_energies;
 mod far_field;
 mod fused;
 pub mod levels;
@@ -144,7 +145,7 @@ pub trait EnergyModel: Send {
 
     /// Whether the total energy would rise by less than `budget_kt` if the trial's body stood where
     /// the trial puts it. `partners` (ascending, without the body itself) holds every body in range
-    /// of the new pose.
+    /// of the new pose or of the present one, and may hold others.
     ///
     /// The Metropolis rule u < exp(-ΔU) is the question for a budget of -ln u.
     ///
@@ -167,7 +168,7 @@ pub trait EnergyModel: Send {
     fn reject(&mut self);
 
     /// The largest bound of a pair energy's error that was used so far, kT; zero for sums.
-    fn error_bound_kt(&self) -> f64 {
+    fn error_bound_kt(&self, _system: &System) -> f64 {
         0.0
     }
 
@@ -181,8 +182,9 @@ pub trait EnergyModel: Send {
         0
     }
 
-    /// The energies of all pairs in range, ascending by (first, second).
-    fn pairs(&self) -> Vec<PairEnergy>;
+    /// The energies of all pairs in range, ascending by (first, second). The system is the one whose
+    /// moves the model has followed; what it does not keep is found anew.
+    fn pairs(&self, system: &System) -> Vec<PairEnergy>;
 
     /// The energy of these pairs of the bodies of the last [`reset`](EnergyModel::reset) at other
     /// poses, kT. A function of the poses alone; the model remembers nothing of it.
@@ -192,10 +194,10 @@ pub trait EnergyModel: Send {
     fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64>;
 
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
-    fn total_kt(&self) -> f64 {
+    fn total_kt(&self, system: &System) -> f64 {
         // Not `sum`: that of no pairs is -0.
         let mut total = 0.0;
-        for pair in self.pairs() {
+        for pair in self.pairs(system) {
             total += pair.total_kt();
         }
         total

@@ -37,7 +37,7 @@ impl EnergyModel for NoCharges {
         Ok(0.0)
     }
 
-    fn pairs(&self) -> Vec<PairEnergy> {
+    fn pairs(&self, _: &System) -> Vec<PairEnergy> {
         Vec::new()
     }
 }

@@ -8,7 +8,7 @@ use protomer_kernel::{Boundary, Vec3};
 
 /// Two bodies, or a body and an image of another, whose energy is surely below this are left out,
 /// kT. A body meets fewer than a hundred such partners, so all of them together stay below 10⁻⁶ kT.
-const NEGLIGIBLE_KT: f64 = 1e-8;
+pub(crate) const NEGLIGIBLE_KT: f64 = 1e-8;
 
 /// A box that the interaction spans more often than this is refused: the sum over images would be
 /// one over hundreds of them.
@@ -47,12 +47,17 @@ impl Reach {
 
     /// A shorter one, from [multipoles](super::FarField).
     pub fn of_multipoles(system: &System, potential: &impl SitePotential) -> Self {
+        Self::beyond(system, potential, NEGLIGIBLE_KT)
+    }
+
+    /// Beyond it, bodies surely hold less than this, by their multipoles.
+    pub fn beyond(system: &System, potential: &impl SitePotential, energy_kt: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
         let mut distances = Vec::with_capacity(fields.len() * fields.len());
         for first in &fields {
             for second in &fields {
-                distances.push(potential.far_reach_angstrom([first, second], NEGLIGIBLE_KT));
+                distances.push(potential.far_reach_angstrom([first, second], energy_kt));
             }
         }
         Self::of_types(system, distances)
@@ -91,7 +96,12 @@ impl Reach {
 
     /// Whether any image of the second body interacts with the first.
     pub fn is_met(&self, pair: &Pair<'_>) -> bool {
-        pair.displacement.norm_squared() < self.of_pair(pair).powi(2)
+        self.holds(pair, &pair.displacement)
+    }
+
+    /// Whether an image at this displacement of origins (Å) does.
+    pub fn holds(&self, pair: &Pair<'_>, image: &Vec3) -> bool {
+        image.norm_squared() < self.of_pair(pair).powi(2)
     }
 
     /// Where the images of the second body are that interact with the first: displacements of the

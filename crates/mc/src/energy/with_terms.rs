@@ -185,8 +185,8 @@ impl EnergyModel for WithTerms {
         self.charges.reject();
     }
 
-    fn error_bound_kt(&self) -> f64 {
-        self.charges.error_bound_kt()
+    fn error_bound_kt(&self, system: &System) -> f64 {
+        self.charges.error_bound_kt(system)
     }
 
     fn levels(&self) -> Option<LevelReport> {
@@ -202,8 +202,8 @@ impl EnergyModel for WithTerms {
         Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, of, effort)?)
     }
 
-    fn pairs(&self) -> Vec<PairEnergy> {
-        let mut pairs = self.charges.pairs();
+    fn pairs(&self, system: &System) -> Vec<PairEnergy> {
+        let mut pairs = self.charges.pairs(system);
         for pair in &mut pairs {
             pair.terms_kt = self.energies.get(pair.first, pair.second).unwrap_or(0.0);
         }

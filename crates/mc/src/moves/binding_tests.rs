@@ -149,7 +149,7 @@ fn integrated(space: Boundary) -> [Estimate; 3] {
                 continue;
             }
             model.reset(&system).unwrap();
-            let energy_kt = model.total_kt();
+            let energy_kt = model.total_kt(&system);
             let weight = (-energy_kt).exp();
             weights += weight;
             for (sum, value) in sums.iter_mut().zip(measured(&system, energy_kt)) {

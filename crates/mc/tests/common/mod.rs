@@ -246,7 +246,7 @@ pub fn integrate<const N: usize>(
                 }
                 let energy = energy_model.as_mut().map_or(0.0, |model| {
                     model.reset(&system).unwrap();
-                    model.total_kt()
+                    model.total_kt(&system)
                 });
                 let weight = (-energy).exp();
                 weights += weight;

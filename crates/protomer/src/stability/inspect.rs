@@ -75,8 +75,8 @@ pub fn inspect(
     let mut model = engine.energy_model(settings, &interaction)?;
     require_room(&system, model.as_ref(), &interaction)?;
     model.reset(&system)?;
-    let pairs = model.pairs();
-    let energy_kt = model.total_kt();
+    let pairs = model.pairs(&system);
+    let energy_kt = model.total_kt(&system);
     let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
     Ok(Inspection {
         bodies: system.len(),
@@ -87,7 +87,7 @@ pub fn inspect(
             .iter()
             .map(|pair| (pair.first, pair.second, pair.total_kt()))
             .collect(),
-        error_bound_kt_per_pair: model.error_bound_kt(),
+        error_bound_kt_per_pair: model.error_bound_kt(&system),
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
         concentration_molar: engine.assembly().concentration_molar(),

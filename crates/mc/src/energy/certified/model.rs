@@ -2,6 +2,7 @@
 
 use super::cells::{Cells, Interval};
 use crate::energy::direct::direct_energy_kt;
+use crate::energy::far_energies::FarEnergies;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
     Effort, EnergyModel, LevelReport, PairEnergy, Pairs, SitePotential, all_pairs, finite,
@@ -62,49 +63,6 @@ struct Summand {
 const FAR: usize = 0;
 const CELLS: usize = 1;
 const DIRECT: usize = 2;
-
-/// The most that bodies of two types can hold, by the distance of their origins.
-#[derive(Debug, Clone, Default)]
-struct FarEnergies {
-    types: usize,
-    by_types: Vec<Vec<f64>>,
-}
-
-impl FarEnergies {
-    /// Between the distances of the table that of the smaller one holds.
-    const STEP_ANGSTROM: f64 = 1.0;
-    /// The longest table; beyond it that of its end holds.
-    const MOST_STEPS: f64 = 4096.0;
-
-    fn new<P: SitePotential>(system: &System, potential: &P, reach_angstrom: f64) -> Self {
-        let types = system.types().iter();
-        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
-        let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;
-        let distances: Vec<f64> = (0..=steps)
-            .map(|step| step as f64 * Self::STEP_ANGSTROM)
-            .collect();
-        let mut by_types = Vec::with_capacity(fields.len() * fields.len());
-        for first in &fields {
-            for second in &fields {
-                by_types.push(potential.far_energies_kt([first, second], &distances));
-            }
-        }
-        Self {
-            types: fields.len(),
-            by_types,
-        }
-    }
-
-    fn at(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
-        let energies = &self.by_types[first * self.types + second];
-        let step = (distance_angstrom / Self::STEP_ANGSTROM) as usize;
-        energies
-            .get(step)
-            .or(energies.last())
-            .copied()
-            .unwrap_or(f64::INFINITY)
-    }
-}
 
 impl<P: SitePotential> Certified<P> {
     /// The model for this potential and system. Its cells are made where they are needed.
@@ -310,7 +268,7 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
         Ok(())
     }
 
-    fn pairs(&self) -> Vec<PairEnergy> {
+    fn pairs(&self, _: &System) -> Vec<PairEnergy> {
         let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
             let energy_kt = self.reported(&known).energy_kt;
             PairEnergy::found_at(first, second, energy_kt, known.images.iter().copied())
@@ -359,7 +317,7 @@ impl<P: SitePotential> EnergyModel for Certified<P> {
         self.proposed.clear();
     }
 
-    fn error_bound_kt(&self) -> f64 {
+    fn error_bound_kt(&self, _: &System) -> f64 {
         let pairs = self.energies.pairs();
         let errors = pairs.map(|(_, _, known)| self.reported(&known).error_kt);
         errors.fold(0.0, f64::max)

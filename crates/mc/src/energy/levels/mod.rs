@@ -2,6 +2,7 @@
 //!
 //! | level | what is summed |
 //! |---|---|
+//! | far | nothing for images far away (`far`), but a bound of what they hold |
 //! | expanded | points chosen for the pair and kept while it moves little: the nearer ones in the coarse table, the others as a quadratic function of how the pair has moved |
 //! | coarse | all of these points in the coarse table |
 //! | fine | all charges of one body in the fine table of the other |
@@ -29,6 +30,7 @@
 mod calibration;
 mod derivatives;
 mod expansion;
+mod far;
 mod field;
 mod fine;
 mod fine_energy;

@@ -1,6 +1,7 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
 use super::calibration::{Calibration, MULTIPLE};
+use super::far::{Far, FarImages};
 use super::known::{Image, Known, Lists};
 use super::lanes::prefetch;
 use super::list::List;
@@ -16,6 +17,7 @@ use crate::energy::{
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
+use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
 use smallvec::SmallVec;
@@ -42,6 +44,7 @@ pub struct Levels<P> {
     calibration: Calibration,
     tolerance_kt: Option<f64>,
     reach: Reach,
+    far: Far,
     energies: PairTable<Arc<Known>>,
     proposed: Vec<(usize, usize, Arc<Known>)>,
     decided: Decided,
@@ -57,6 +60,15 @@ struct Change {
     /// Of the energy, kT, and its standard deviation.
     change_kt: f64,
     deviation_kt: f64,
+    /// Of images far away, of which nothing is kept.
+    is_far: bool,
+}
+
+/// What a decision rests on: pairs with what is known of them, and a bound for the others.
+#[derive(Default)]
+struct Changes {
+    known: Vec<Change>,
+    far: FarImages,
 }
 
 const EXPANDED: usize = 0;
@@ -84,6 +96,7 @@ impl<P: SitePotential> Levels<P> {
             tables,
             tolerance_kt: None,
             reach: Reach::default(),
+            far: Far::default(),
             energies: PairTable::new(0),
             proposed: Vec::new(),
             decided: Decided::default(),
@@ -123,6 +136,7 @@ impl<P: SitePotential> Levels<P> {
 
     fn prepare(&mut self, system: &System) {
         self.reach = Reach::of_multipoles(system, &self.potential);
+        self.far = Far::new(system, &self.potential, &self.reach, self.tolerance_kt);
         self.proposed.clear();
     }
 
@@ -141,12 +155,17 @@ impl<P: SitePotential> Levels<P> {
         (&self.tables[first], &self.tables[second])
     }
 
-    /// The poses of the images that count; none beyond the reach.
-    fn image_poses(&self, pair: &Pair<'_>) -> Vec<RelativePose> {
-        if !self.reach.is_met(pair) {
+    /// The poses of the images in reach, the near ones or those farther away.
+    fn image_poses(&self, pair: &Pair<'_>, are_far: bool) -> Vec<RelativePose> {
+        let reach = match are_far {
+            true => &self.reach,
+            false => self.far.near(),
+        };
+        if !reach.is_met(pair) {
             return Vec::new();
         }
-        let images = self.reach.images(pair);
+        let is_wanted = |image: &Vec3| self.far.is_far(pair, image) == are_far;
+        let images = reach.images(pair).filter(is_wanted);
         images.map(|image| pair.relative_image(&image)).collect()
     }
 
@@ -154,7 +173,8 @@ impl<P: SitePotential> Levels<P> {
     fn energy_alone_kt(&self, pair: &Pair<'_>) -> Result<f64> {
         let (first, second) = self.tables_of(pair.type_indices());
         let mut energy_kt = 0.0;
-        for pose in self.image_poses(pair) {
+        let near_and_far = [false, true].map(|are_far| self.image_poses(pair, are_far));
+        for pose in near_and_far.into_iter().flatten() {
             let image = first.energy_alone_kt(second, &pose);
             energy_kt += image.unwrap_or_else(|| {
                 pair_energy_kt(&self.potential, &first.charges, &second.charges, &pose)
@@ -163,22 +183,17 @@ impl<P: SitePotential> Levels<P> {
         finite(pair.first, pair.second, energy_kt)
     }
 
-    /// The pair at its present pose; `None` beyond the reach.
-    fn known(&self, pair: &Pair<'_>) -> Result<Option<Arc<Known>>> {
-        let poses = self.image_poses(pair);
+    /// The pair at its present pose, with its near images or those farther away; `None` without any.
+    fn known(&self, pair: &Pair<'_>, are_far: bool) -> Option<Arc<Known>> {
+        let poses = self.image_poses(pair, are_far);
         match poses.is_empty() {
-            true => Ok(None),
-            false => self.known_at(pair, poses, Lists::new()).map(Some),
+            true => None,
+            false => Some(self.known_at(pair, poses, Lists::new())),
         }
     }
 
     /// The pair with images at these relative poses, and lists where some serve there.
-    fn known_at(
-        &self,
-        pair: &Pair<'_>,
-        poses: Vec<RelativePose>,
-        mut lists: Lists,
-    ) -> Result<Arc<Known>> {
+    fn known_at(&self, pair: &Pair<'_>, poses: Vec<RelativePose>, mut lists: Lists) -> Arc<Known> {
         let (first, second) = self.tables_of(pair.type_indices());
         let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
@@ -216,8 +231,7 @@ impl<P: SitePotential> Levels<P> {
         };
         // Where the tables end, the direct sum is all there is.
         known.expanded_kt = expanded_kt.unwrap_or_else(|| self.direct_kt(&known));
-        finite(pair.first, pair.second, known.expanded_kt)?;
-        Ok(Arc::new(known))
+        Arc::new(known)
     }
 
     /// The change of the energy of a pair at one level, kT, with its standard deviation.
@@ -260,11 +274,10 @@ impl<P: SitePotential> Levels<P> {
 
     /// The energy of a pair that is reported: a function of its pose alone. With the level and the
     /// error it is likely within, kT.
-    fn reported(&self, known: &Known) -> (f64, usize, f64) {
-        let first = if self.tolerance_kt.is_some() {
-            COARSE
-        } else {
-            FINE
+    fn reported(&self, known: &Known, are_far: bool) -> (f64, usize, f64) {
+        let first = match are_far || self.tolerance_kt.is_some() {
+            true => COARSE,
+            false => FINE,
         };
         let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
         for level in first..DIRECT {
@@ -400,32 +413,56 @@ impl<P: SitePotential> Levels<P> {
         points + expansion * scales.expansion.change.powi(2)
     }
 
-    /// What becomes of the pair with one partner, at the first level.
+    /// What becomes of the near images of one partner, at the first level.
     fn first_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
+        let present = trial.system.pair(trial.body, partner);
         let mut old = self.energies.get(trial.body, partner);
-        let pair = trial.pair(partner);
-        let poses = self.image_poses(&pair);
-        self.first_energies += 1;
+        // Rounding may move an image across the border where bodies moved as a group.
+        if old.as_ref().map_or(0, |known| known.images.len()) != self.far.near_images(&present) {
+            old = self.known(&present, false);
+        }
+        let poses = self.image_poses(&trial.pair(partner), false);
         // Within a tolerance energies are functions of the poses alone.
         let mut lists = Lists::new();
         if let Some(known) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
             lists = known.lists_at(&poses);
             if known.is_due(&poses, &lists) {
                 // New lists for where the pair is now.
-                old = self.known(&trial.system.pair(trial.body, partner))?;
+                old = self.known(&present, false);
                 if let Some(fresh) = &old {
                     lists = fresh.lists_at(&poses);
                     self.energies.set(trial.body, partner, Arc::clone(fresh));
                 }
             }
         }
+        self.change_to(trial, partner, old, poses, lists, false)
+    }
+
+    /// What becomes of the images of one partner that are far away.
+    fn far_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
+        let old = self.known(&trial.system.pair(trial.body, partner), true);
+        let poses = self.image_poses(&trial.pair(partner), true);
+        let lists = old.as_deref().map(|known| known.lists_at(&poses));
+        self.change_to(trial, partner, old, poses, lists.unwrap_or_default(), true)
+    }
+
+    fn change_to(
+        &mut self,
+        trial: &Trial<'_>,
+        partner: usize,
+        old: Option<Arc<Known>>,
+        poses: Vec<RelativePose>,
+        lists: Lists,
+        is_far: bool,
+    ) -> Result<Option<Change>> {
         let new = match poses.is_empty() {
             true => None,
-            false => Some(self.known_at(&pair, poses, lists)?),
+            false => Some(self.known_at(&trial.pair(partner), poses, lists)),
         };
         if new.is_none() && old.is_none() {
             return Ok(None);
         }
+        self.first_energies += 1;
         let mut change = Change {
             partner,
             new,
@@ -433,6 +470,7 @@ impl<P: SitePotential> Levels<P> {
             level: EXPANDED,
             change_kt: 0.0,
             deviation_kt: 0.0,
+            is_far,
         };
         (change.change_kt, change.deviation_kt) = self.change(trial, &change, EXPANDED)?;
         Ok(Some(change))
@@ -443,24 +481,33 @@ impl<P: SitePotential> Levels<P> {
     fn rises_less(
         &mut self,
         trial: &Trial<'_>,
-        changes: &mut [Change],
+        changes: &mut Changes,
         threshold_kt: f64,
     ) -> Result<bool> {
         if self.tolerance_kt.is_some() {
-            return Ok(self.rises_less_within(changes, threshold_kt));
+            return Ok(self.rises_less_within(&mut changes.known, threshold_kt));
         }
         loop {
-            let rise: f64 = changes.iter().map(|change| change.change_kt).sum();
-            let variance: f64 = changes
-                .iter()
-                .map(|change| change.deviation_kt.powi(2))
-                .sum();
-            let error = MULTIPLE * variance.sqrt();
+            let known = &mut changes.known;
+            let rise: f64 = known.iter().map(|change| change.change_kt).sum();
+            let squares = known.iter().map(|change| change.deviation_kt.powi(2));
+            let error = MULTIPLE * squares.sum::<f64>().sqrt();
+            let far = changes.far.bound_kt();
+            if (rise - threshold_kt).abs() > error + far {
+                self.count(known);
+                return Ok(rise < threshold_kt);
+            }
+            if far >= error
+                && let Some(partner) = changes.far.take_widest()
+            {
+                changes.known.extend(self.far_change(trial, partner)?);
+                continue;
+            }
             let open = |change: &&mut Change| change.level < DIRECT;
-            let widest = changes.iter_mut().filter(open);
+            let widest = known.iter_mut().filter(open);
             let widest = widest.max_by(|a, b| a.deviation_kt.total_cmp(&b.deviation_kt));
-            let Some(widest) = widest.filter(|_| (rise - threshold_kt).abs() <= error) else {
-                self.count(changes);
+            let Some(widest) = widest else {
+                self.count(known);
                 return Ok(rise < threshold_kt);
             };
             let level = widest.level + 1;
@@ -470,13 +517,13 @@ impl<P: SitePotential> Levels<P> {
         }
     }
 
-    /// The same by energies to within a tolerance for each pair.
+    /// The same by energies to within a tolerance for each pair; images far away hold less.
     fn rises_less_within(&mut self, changes: &mut [Change], threshold_kt: f64) -> bool {
         let mut rise = 0.0;
         for change in changes.iter_mut() {
             for (known, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
                 if let Some(known) = known {
-                    let (energy_kt, level, _) = self.reported(known);
+                    let (energy_kt, level, _) = self.reported(known, false);
                     rise += sign * energy_kt;
                     change.level = change.level.max(level);
                 }
@@ -500,8 +547,33 @@ impl<P: SitePotential> Levels<P> {
         }
     }
 
-    fn propose(&mut self, trial: &Trial<'_>, changes: Vec<Change>) {
-        for change in changes {
+    /// All pairs in reach, ascending.
+    fn all_reported<'a>(&'a self, system: &'a System) -> impl Iterator<Item = Reported> + 'a {
+        let bodies = 0..system.len();
+        let pairs =
+            bodies.flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
+        pairs.filter_map(|(first, second)| {
+            let near = self.energies.get(first, second);
+            let far = self.known(&system.pair(first, second), true);
+            let of_near = near.as_deref().map(|known| self.reported(known, false));
+            let of_far = far.as_deref().map(|known| self.reported(known, true));
+            let both = of_near.into_iter().chain(of_far);
+            let sum = both.fold((0.0, 0.0), |sum, (energy_kt, _, error_kt)| {
+                (sum.0 + energy_kt, sum.1 + error_kt)
+            });
+            (near.is_some() || far.is_some()).then_some(Reported {
+                first,
+                second,
+                near,
+                energy_kt: sum.0,
+                error_kt: sum.1,
+            })
+        })
+    }
+
+    /// Nothing is kept of images far away.
+    fn propose(&mut self, trial: &Trial<'_>, changes: Changes) {
+        for change in changes.known.into_iter().filter(|change| !change.is_far) {
             let (first, second) = (
                 trial.body.min(change.partner),
                 trial.body.max(change.partner),
@@ -510,6 +582,21 @@ impl<P: SitePotential> Levels<P> {
                 .extend(change.new.map(|known| (first, second, known)));
         }
     }
+}
+
+/// What is known of a pair, if its energy is finite.
+fn checked(pair: &Pair<'_>, known: Arc<Known>) -> Result<Arc<Known>> {
+    finite(pair.first, pair.second, known.expanded_kt)?;
+    Ok(known)
+}
+
+/// The energy of a pair as it is reported.
+struct Reported {
+    first: usize,
+    second: usize,
+    near: Option<Arc<Known>>,
+    energy_kt: f64,
+    error_kt: f64,
 }
 
 /// How far from its charges a table must reach for this system, Å.
@@ -534,18 +621,22 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
 
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
-        self.energies = all_pairs(system, |pair| self.known(pair))?;
+        self.energies = all_pairs(system, |pair| {
+            let known = self.known(pair, false);
+            known.map(|known| checked(pair, known)).transpose()
+        })?;
         Ok(())
     }
 
-    /// Energies from fine tables, whatever decisions asked for: functions of the poses alone.
-    fn pairs(&self) -> Vec<PairEnergy> {
-        let pairs = self.energies.pairs();
-        let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
-            let images = known.images.iter().map(|image| image.relative);
-            PairEnergy::found_at(first, second, self.reported(&known).0, images)
+    /// Energies from fine tables, whatever decisions asked for: functions of the poses alone. What is
+    /// far away is found here.
+    fn pairs(&self, system: &System) -> Vec<PairEnergy> {
+        let reported = |pair: Reported| {
+            let near = pair.near.as_deref().map_or(&[][..], |near| &near.images);
+            let images = near.iter().map(|image| image.relative);
+            PairEnergy::found_at(pair.first, pair.second, pair.energy_kt, images)
         };
-        pairs.map(reported).collect()
+        self.all_reported(system).map(reported).collect()
     }
 
     /// Energies are found anew where they were found first; lists are chosen there.
@@ -554,8 +645,15 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            let known = self.known_at(&pair, saved.images(&pair).collect(), Lists::new())?;
-            self.energies.set(saved.first, saved.second, known);
+            let poses = match saved.computed_at {
+                Some(_) => saved.images(&pair).collect(),
+                None => self.image_poses(&pair, false),
+            };
+            if !poses.is_empty() {
+                let known = self.known_at(&pair, poses, Lists::new());
+                let known = checked(&pair, known)?;
+                self.energies.set(saved.first, saved.second, known);
+            }
         }
         Ok(())
     }
@@ -563,14 +661,20 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
         self.prefetch(trial.body);
         let row = self.energies.row(trial.body);
-        let mut both: Vec<usize> = row.map(|(partner, _)| partner).collect();
-        let is_met = |partner: &&usize| self.reach.is_met(&trial.pair(**partner));
-        both.extend(partners.iter().filter(is_met));
-        both.sort_unstable();
-        both.dedup();
-        let mut changes = Vec::with_capacity(both.len());
-        for partner in both {
-            changes.extend(self.first_change(trial, partner)?);
+        let mut near: Vec<usize> = row.map(|(partner, _)| partner).collect();
+        let mut changes = Changes::default();
+        for &partner in partners {
+            let [before, after] = [trial.system.pair(trial.body, partner), trial.pair(partner)];
+            let bound_kt = self.far.bound_kt(&before) + self.far.bound_kt(&after);
+            changes.far.add(partner, bound_kt);
+            if self.far.near().is_met(&after) {
+                near.push(partner);
+            }
+        }
+        near.sort_unstable();
+        near.dedup();
+        for partner in near {
+            changes.known.extend(self.first_change(trial, partner)?);
         }
         let accepted = self.rises_less(trial, &mut changes, budget_kt)?;
         self.propose(trial, changes);
@@ -578,7 +682,11 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     }
 
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
-        let mut changes: Vec<Change> = self.first_change(trial, partner)?.into_iter().collect();
+        let mut changes = Changes::default();
+        let [before, after] = [trial.system.pair(trial.body, partner), trial.pair(partner)];
+        let bound_kt = self.far.bound_kt(&before) + self.far.bound_kt(&after);
+        changes.far.add(partner, bound_kt);
+        changes.known.extend(self.first_change(trial, partner)?);
         let exceeds = !self.rises_less(trial, &mut changes, threshold_kt)?;
         self.propose(trial, changes);
         Ok(exceeds)
@@ -592,9 +700,8 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
         self.proposed.clear();
     }
 
-    fn error_bound_kt(&self) -> f64 {
-        let pairs = self.energies.pairs();
-        let errors = pairs.map(|(_, _, known)| self.reported(&known).2);
+    fn error_bound_kt(&self, system: &System) -> f64 {
+        let errors = self.all_reported(system).map(|pair| pair.error_kt);
         errors.fold(0.0, f64::max)
     }
 

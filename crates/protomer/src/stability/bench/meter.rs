@@ -145,12 +145,12 @@ impl EnergyModel for Metered {
         self.inner.energy_elsewhere_kt(system, of, effort)
     }
 
-    fn pairs(&self) -> Vec<PairEnergy> {
-        self.inner.pairs()
+    fn pairs(&self, system: &System) -> Vec<PairEnergy> {
+        self.inner.pairs(system)
     }
 
-    fn error_bound_kt(&self) -> f64 {
-        self.inner.error_bound_kt()
+    fn error_bound_kt(&self, system: &System) -> f64 {
+        self.inner.error_bound_kt(system)
     }
 
     fn memory_bytes(&self) -> usize {

@@ -278,8 +278,9 @@ impl Run {
         let mut model = engine.energy_model(&direct, &interaction)?;
         let (mut sum, mut frames) = (0.0, 0.0);
         for poses in at.blocks.iter().flatten() {
-            model.reset(&engine.system_at(poses)?)?;
-            sum += model.total_kt();
+            let system = engine.system_at(poses)?;
+            model.reset(&system)?;
+            sum += model.total_kt(&system);
             frames += 1.0;
         }
         Ok(sum / frames)

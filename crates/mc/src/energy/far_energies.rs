@@ -1,0 +1,50 @@
+//! A bound of what two bodies hold, looked up by their distance.
+
+use super::SitePotential;
+use crate::system::System;
+
+/// The most that bodies of two types can hold, by the distance of their origins.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FarEnergies {
+    types: usize,
+    by_types: Vec<Vec<f64>>,
+}
+
+impl FarEnergies {
+    /// Between the distances of the table that of the smaller one holds.
+    const STEP_ANGSTROM: f64 = 1.0;
+    /// The longest table; beyond it that of its end holds.
+    const MOST_STEPS: f64 = 4096.0;
+
+    /// Out to the reach.
+    pub fn new<P: SitePotential>(system: &System, potential: &P, reach_angstrom: f64) -> Self {
+        let types = system.types().iter();
+        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
+        let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;
+        let distances: Vec<f64> = (0..=steps)
+            .map(|step| step as f64 * Self::STEP_ANGSTROM)
+            .collect();
+        let mut by_types = Vec::with_capacity(fields.len() * fields.len());
+        for first in &fields {
+            for second in &fields {
+                by_types.push(potential.far_energies_kt([first, second], &distances));
+            }
+        }
+        Self {
+            types: fields.len(),
+            by_types,
+        }
+    }
+
+    /// For these types, kT; infinite where nothing is known.
+    #[inline]
+    pub fn at(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
+        let energies = &self.by_types[first * self.types + second];
+        let step = (distance_angstrom / Self::STEP_ANGSTROM) as usize;
+        energies
+            .get(step)
+            .or(energies.last())
+            .copied()
+            .unwrap_or(f64::INFINITY)
+    }
+}

@@ -1,0 +1,112 @@
+//! Images of bodies that are far away.
+//!
+//! A body meets many partners that hold next to nothing: a hundred and more at physiological density
+//! and low salt. What they hold is bounded by the multipoles of both bodies
+//! ([`FarField`](crate::energy::FarField)), and most decisions need no more than the sum of the bounds.
+//! Nothing is kept of them from move to move.
+
+use crate::energy::SitePotential;
+use crate::energy::far_energies::FarEnergies;
+use crate::energy::reach::{NEGLIGIBLE_KT, Reach};
+use crate::system::{Pair, System};
+use protomer_kernel::Vec3;
+
+/// An image that surely holds less than this is far away, kT.
+const FAR_KT: f64 = 4e-3;
+/// The same, of the tolerance for a pair: a body meets fewer than a hundred images.
+const PART_OF_TOLERANCE: f64 = 0.01;
+
+/// Which images are far away, and what they hold at most.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Far {
+    near: Reach,
+    reach: Reach,
+    energies: FarEnergies,
+    /// Whether the box is so large that no other image is in reach.
+    nearest_only: bool,
+}
+
+impl Far {
+    /// For images in reach of each other; less is far where only a tolerance (kT) is asked for.
+    pub fn new<P: SitePotential>(
+        system: &System,
+        potential: &P,
+        reach: &Reach,
+        tolerance_kt: Option<f64>,
+    ) -> Self {
+        let tolerable_kt = tolerance_kt.map_or(FAR_KT, |kt| PART_OF_TOLERANCE * kt);
+        let far_kt = tolerable_kt.clamp(NEGLIGIBLE_KT, FAR_KT);
+        Self {
+            near: Reach::beyond(system, potential, far_kt),
+            reach: reach.clone(),
+            nearest_only: 2.0 * reach.largest_angstrom()
+                < system.boundary().smallest_length_angstrom(),
+            energies: FarEnergies::new(system, potential, reach.largest_angstrom()),
+        }
+    }
+
+    /// The distances beyond which images are far away.
+    pub fn near(&self) -> &Reach {
+        &self.near
+    }
+
+    /// Whether this image (the displacement of origins, Å) is.
+    pub fn is_far(&self, pair: &Pair<'_>, image: &Vec3) -> bool {
+        !self.near.holds(pair, image)
+    }
+
+    /// How many images of a pair are near.
+    pub fn near_images(&self, pair: &Pair<'_>) -> usize {
+        match self.nearest_only {
+            true => usize::from(self.near.is_met(pair)),
+            false => self.near.images(pair).count(),
+        }
+    }
+
+    /// The most that the images of a pair that are far away can hold, kT.
+    #[inline]
+    pub fn bound_kt(&self, pair: &Pair<'_>) -> f64 {
+        let types = pair.type_indices();
+        if !self.nearest_only {
+            let images = self.reach.images(pair);
+            let far = images.filter(|image| self.is_far(pair, image));
+            return far.map(|image| self.energies.at(types, image.norm())).sum();
+        }
+        match self.reach.is_met(pair) && self.is_far(pair, &pair.displacement) {
+            true => self.energies.at(types, pair.displacement.norm()),
+            false => 0.0,
+        }
+    }
+}
+
+/// The images in a decision of which no more than a bound is known.
+#[derive(Debug, Default)]
+pub(super) struct FarImages {
+    /// Bounds (kT) and partners.
+    bounds_kt: Vec<(f64, usize)>,
+    sum_kt: f64,
+}
+
+impl FarImages {
+    /// Those of a partner, which hold no more than this before and after the move together.
+    pub fn add(&mut self, partner: usize, bound_kt: f64) {
+        if bound_kt > 0.0 {
+            self.bounds_kt.push((bound_kt, partner));
+            self.sum_kt += bound_kt;
+        }
+    }
+
+    /// What all of them hold at most, kT.
+    pub fn bound_kt(&self) -> f64 {
+        self.sum_kt
+    }
+
+    /// Removes the partner with the largest bound, to be looked at.
+    pub fn take_widest(&mut self) -> Option<usize> {
+        let places = 0..self.bounds_kt.len();
+        let widest = places.max_by(|a, b| self.bounds_kt[*a].0.total_cmp(&self.bounds_kt[*b].0))?;
+        let (_, partner) = self.bounds_kt.swap_remove(widest);
+        self.sum_kt = self.bounds_kt.iter().map(|(bound_kt, _)| bound_kt).sum();
+        Some(partner)
+    }
+}
