@@ -5,7 +5,9 @@ use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
-use crate::surface::{Deviation, FilledCavities, MeshSettings, Surface, solvent_excluded_surface};
+use crate::surface::{
+    Deviation, MeshSettings, Surface, solvent_excluded_surface, surface_without_cavities,
+};
 use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
@@ -186,7 +188,8 @@ pub fn check_name(name: &str) -> Result<()> {
     Ok(())
 }
 
-/// The solvent-excluded surface of the sites that have a radius, cavities included.
+/// The solvent-excluded surface of the sites that have a radius, with the cavities that the settings
+/// keep.
 ///
 /// To move the surface inward by δ, the atoms' radii shrink by δ and the probe's radius grows by δ:
 /// the centre of the probe then reaches the same places as before.
@@ -234,7 +237,11 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
         ..MeshSettings::default()
     };
     let probe = settings.probe_radius_angstrom + offset;
-    solvent_excluded_surface(&centres, &radii, probe, &mesh)
+    if settings.keep_cavities {
+        return solvent_excluded_surface(&centres, &radii, probe, &mesh);
+    }
+    let interior_radius = settings.interior_radius_angstrom;
+    surface_without_cavities(&centres, &radii, probe, &mesh, interior_radius)
 }
 
 /// Surface, mass and provenance of charged sites, and the warnings about its cavities.
@@ -245,13 +252,9 @@ fn finish(
     mut settings: BTreeMap<String, String>,
     surface_settings: &SurfaceSettings,
 ) -> Result<BuiltBody> {
-    let whole = surface_of_sites(&sites.sites, surface_settings)?;
+    let surface = surface_of_sites(&sites.sites, surface_settings)?;
+    let cavities = surface.filled;
     let interior_radius = surface_settings.interior_radius_angstrom;
-    let (surface, cavities) = if surface_settings.keep_cavities {
-        (whole, FilledCavities::default())
-    } else {
-        whole.fill_cavities(interior_radius)?
-    };
     let mut warnings = cavity_warnings(&cavities, interior_radius);
     if cavities.kept > 0 {
         let kept = cavities.kept.to_string();

@@ -11,7 +11,9 @@
 
 mod solids;
 
-use protomer_body::surface::{MeshSettings, Surface, solvent_excluded_surface};
+use protomer_body::surface::{
+    MeshSettings, Surface, solvent_excluded_surface, surface_without_cavities,
+};
 use protomer_kernel::Vec3;
 use solids::random::{Dice, cluster};
 use solids::worst;
@@ -129,7 +131,8 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
             );
             assert!(worst(mesh).0 > 1e-6);
             let wanted = density * area_angstrom2;
-            let outside = surface.clone().fill_cavities(f64::INFINITY).unwrap().0;
+            let outside =
+                surface_without_cavities(&centres, &radii, 1.4, &settings, f64::INFINITY).unwrap();
             assert_eq!(outside.topology.cavities, 0);
             assert_eq!(
                 outside.topology.components,

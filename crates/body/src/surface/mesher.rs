@@ -93,22 +93,34 @@ pub fn mesh_solid(
     settings: &MeshSettings,
     target: Option<Target>,
 ) -> Result<TriangleMesh> {
-    mesh_in_full(solid, settings, target).map(|meshed| meshed.mesh)
+    let mut all_shells = |_: &TriangleMesh| {
+        Ok(Goal {
+            target,
+            is_kept: None,
+        })
+    };
+    mesh_in_full(solid, settings, &mut all_shells).map(|meshed| meshed.mesh)
 }
 
-/// A checked mesh, and the mesh that it was calibrated from.
+/// A checked mesh.
 pub(crate) struct Meshed {
     pub(crate) mesh: TriangleMesh,
     pub(crate) topology: Topology,
-    /// The mesh with its vertices on the surface.
-    pub(crate) uncalibrated: TriangleMesh,
 }
 
-/// [`mesh_solid`] with everything that it found.
+/// What becomes of a mesh whose vertices are on the surface.
+pub(crate) struct Goal {
+    /// What it is calibrated to.
+    pub(crate) target: Option<Target>,
+    /// Which of its shells stay, by their number; all without.
+    pub(crate) is_kept: Option<Vec<bool>>,
+}
+
+/// [`mesh_solid`] with everything that it found. `goal` sees the mesh before it is calibrated.
 pub(crate) fn mesh_in_full(
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
-    target: Option<Target>,
+    goal: &mut dyn FnMut(&TriangleMesh) -> Result<Goal>,
 ) -> Result<Meshed> {
     settings.check()?;
     let centres: Vec<Vec3> = solid.cover().iter().map(|(centre, _)| *centre).collect();
@@ -120,7 +132,7 @@ pub(crate) fn mesh_in_full(
         let first = extract(solid, &frame, spacing, first_edge)?;
         settings.check_size(&first)?;
         if !first.triangles.is_empty() {
-            match finish(first, solid, settings, target) {
+            match finish(first, solid, settings, goal) {
                 Ok(result) => return Ok(result),
                 Err(defect) => last = defect,
             }
@@ -135,7 +147,7 @@ fn finish(
     first: TriangleMesh,
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
-    target: Option<Target>,
+    goal: &mut dyn FnMut(&TriangleMesh) -> Result<Goal>,
 ) -> Result<Meshed> {
     let mut half_edges = remesh(
         first,
@@ -144,34 +156,25 @@ fn finish(
         settings.fewest_vertices_per_shell,
     )?;
     let uncalibrated = half_edges.to_mesh();
-    calibrate(&mut half_edges, solid, target);
+    let goal = goal(&uncalibrated)?;
+    if let Some(is_kept) = &goal.is_kept {
+        half_edges = HalfEdgeMesh::new(kept_shells(&uncalibrated, is_kept)?)?;
+    }
+    calibrate(&mut half_edges, solid, goal.target);
     let mesh = half_edges.to_mesh();
     let topology = mesh.topology()?;
-    Ok(Meshed {
-        mesh,
-        topology,
-        uncalibrated,
-    })
+    Ok(Meshed { mesh, topology })
 }
 
-/// The shells of an uncalibrated mesh that `is_kept` says, calibrated to `target`.
-pub(crate) fn calibrated_shells(
-    uncalibrated: &TriangleMesh,
-    is_kept: &[bool],
-    solid: &dyn ImplicitSolid,
-    target: Target,
-) -> Result<(TriangleMesh, Topology)> {
+/// The shells of a mesh that `is_kept` says.
+fn kept_shells(mesh: &TriangleMesh, is_kept: &[bool]) -> Result<TriangleMesh> {
     let mut kept = TriangleMesh::default();
-    for (shell, is_kept) in uncalibrated.shells()?.into_iter().zip(is_kept) {
+    for (shell, is_kept) in mesh.shells()?.into_iter().zip(is_kept) {
         if *is_kept {
             append(&mut kept, shell);
         }
     }
-    let mut half_edges = HalfEdgeMesh::new(kept)?;
-    calibrate(&mut half_edges, solid, Some(target));
-    let mesh = half_edges.to_mesh();
-    let topology = mesh.topology()?;
-    Ok((mesh, topology))
+    Ok(kept)
 }
 
 /// The mesh without the shells that enclose negative volume, and how many those were.

@@ -50,4 +50,4 @@ pub use implicit::ImplicitSolid;
 pub use interior::ball_fits_inside;
 pub use measure::{Measure, SurfaceMeasure};
 pub use mesher::{MeshSettings, mesh_solid, without_cavities};
-pub use ses::{FilledCavities, Surface, solvent_excluded_surface};
+pub use ses::{FilledCavities, Surface, solvent_excluded_surface, surface_without_cavities};

@@ -4,7 +4,7 @@
 use super::calibrate::Target;
 use super::deviation::Deviation;
 use super::interior::ball_fits_inside;
-use super::mesher::{MeshSettings, Meshed, calibrated_shells, mesh_in_full};
+use super::mesher::{Goal, MeshSettings, Meshed, mesh_in_full};
 use super::{Arrangement, Measure, SesSolid, SurfaceMeasure};
 use crate::Result;
 use protomer_kernel::mesh::Topology;
@@ -16,7 +16,7 @@ const SPACING_PER_RADIUS: f64 = 0.6;
 /// Atoms smaller than this do not make the lattice finer, Å.
 const SMALLEST_RESOLVED_RADIUS_ANGSTROM: f64 = 0.3;
 
-/// A solvent-excluded surface; [`solvent_excluded_surface`] makes it.
+/// A solvent-excluded surface; [`solvent_excluded_surface`] and [`surface_without_cavities`] make it.
 #[derive(Debug, Clone)]
 pub struct Surface {
     /// The surface as a closed, 2-manifold, outward mesh.
@@ -27,12 +27,13 @@ pub struct Surface {
     pub exact: SurfaceMeasure,
     /// Exact areas and volumes of all shells, cavities included.
     pub measure: Measure,
-    /// The mesh with its vertices on the surface, from which `mesh` was calibrated.
-    uncalibrated: TriangleMesh,
+    /// The cavities that were filled, and those that were not, by
+    /// [`surface_without_cavities`].
+    pub filled: FilledCavities,
     solid: SesSolid,
 }
 
-/// What [`Surface::fill_cavities`] filled and what it kept.
+/// What [`surface_without_cavities`] filled and what it kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FilledCavities {
     /// Cavities filled.
@@ -61,96 +62,9 @@ impl Surface {
         Deviation::of(&self.mesh, &self.solid)
     }
 
-    /// The surface without the walls of its cavities, calibrated to the exact area and volume of
-    /// the shells that are left. Enclosed interiors stay: cavities into which a ball of
-    /// `interior_radius_angstrom` fits ([`ball_fits_inside`]), as other bodies may be in there. An
-    /// infinite radius fills every cavity.
-    ///
-    /// # Errors
-    /// [`crate::BodyError::Kernel`] if the mesh is not closed, which a surface made here always is.
-    ///
-    /// ```
-    /// use protomer_body::surface::{MeshSettings, solvent_excluded_surface};
-    /// use protomer_kernel::Vec3;
-    ///
-    /// // Atoms on a sphere of radius 12 Å, close enough to keep every probe inside.
-    /// let centres: Vec<Vec3> = (0..500)
-    ///     .map(|n| {
-    ///         let z = 1.0 - (2.0 * f64::from(n) + 1.0) / 500.0;
-    ///         let (sine, cosine) = (2.4 * f64::from(n)).sin_cos();
-    ///         let r = (1.0 - z * z).sqrt();
-    ///         12.0 * Vec3::new(r * cosine, r * sine, z)
-    ///     })
-    ///     .collect();
-    /// let shell = solvent_excluded_surface(&centres, &[1.7; 500], 1.4, &MeshSettings::default())?;
-    /// assert_eq!(shell.topology.cavities, 1);
-    /// let (solid, cavities) = shell.clone().fill_cavities(f64::INFINITY)?;
-    /// assert_eq!((solid.topology.cavities, cavities.filled), (0, 1));
-    /// let (hollow, cavities) = shell.fill_cavities(8.0)?;
-    /// assert_eq!((hollow.topology.cavities, cavities.kept), (1, 1));
-    /// assert!(cavities.kept_volume_angstrom3 > 4000.0);
-    /// # Ok::<(), protomer_body::BodyError>(())
-    /// ```
-    pub fn fill_cavities(self, interior_radius_angstrom: f64) -> Result<(Self, FilledCavities)> {
-        let mut cavities = FilledCavities::default();
-        if self.topology.cavities == 0 {
-            return Ok((self, cavities));
-        }
-        let shells = self.mesh.shells()?;
-        let mut is_kept = Vec::with_capacity(shells.len());
-        // Volumes of the cavities, and whether each is kept.
-        let mut ranking = Vec::new();
-        for shell in &shells {
-            let volume = shell.volume_angstrom3();
-            let is_interior = volume < 0.0 && ball_fits_inside(shell, interior_radius_angstrom);
-            is_kept.push(volume >= 0.0 || is_interior);
-            if volume >= 0.0 {
-                continue;
-            }
-            ranking.push((volume, is_interior));
-            if is_interior {
-                cavities.kept += 1;
-                cavities.kept_volume_angstrom3 -= volume;
-            } else {
-                cavities.filled += 1;
-                cavities.filled_volume_angstrom3 -= volume;
-            }
-        }
-        if cavities.filled == 0 {
-            return Ok((self, cavities));
-        }
-        let exact = self.exact_with(ranking);
-        let (mesh, topology) =
-            calibrated_shells(&self.uncalibrated, &is_kept, &self.solid, target(&exact))?;
-        let surface = Self {
-            mesh,
-            topology,
-            exact,
-            ..self
-        };
-        Ok((surface, cavities))
-    }
-
     #[cfg(test)]
     pub(crate) fn solid(&self) -> &SesSolid {
         &self.solid
-    }
-
-    /// Exact areas and volumes of the outer shells and of the cavities that are kept. The mesh may
-    /// have lost cavities smaller than its lattice, so the cavities of both are matched by their
-    /// rank in volume, largest first.
-    fn exact_with(&self, mut ranking: Vec<(f64, bool)>) -> SurfaceMeasure {
-        let mut exact = self.measure.without_cavities();
-        let mut cavities = self.measure.cavities();
-        // Volumes of cavities are negative.
-        ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
-        cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
-        for ((_, is_kept), cavity) in ranking.into_iter().zip(cavities) {
-            if is_kept {
-                exact += cavity;
-            }
-        }
-        exact
     }
 }
 
@@ -191,9 +105,70 @@ pub fn solvent_excluded_surface(
     probe_radius_angstrom: f64,
     settings: &MeshSettings,
 ) -> Result<Surface> {
+    surface_with(
+        centres,
+        radii_angstrom,
+        probe_radius_angstrom,
+        settings,
+        None,
+    )
+}
+
+/// The same without the walls of its cavities, calibrated to the exact area and volume of the shells
+/// that are left. Enclosed interiors stay: cavities into which a ball of `interior_radius_angstrom`
+/// fits ([`ball_fits_inside`]), as other bodies may be in there. An infinite radius fills every cavity.
+///
+/// # Errors
+/// As [`solvent_excluded_surface`].
+///
+/// ```
+/// use protomer_body::surface::{MeshSettings, surface_without_cavities};
+/// use protomer_kernel::Vec3;
+///
+/// // Atoms on a sphere of radius 12 Å, close enough to keep every probe inside.
+/// let centres: Vec<Vec3> = (0..500)
+///     .map(|n| {
+///         let z = 1.0 - (2.0 * f64::from(n) + 1.0) / 500.0;
+///         let (sine, cosine) = (2.4 * f64::from(n)).sin_cos();
+///         let r = (1.0 - z * z).sqrt();
+///         12.0 * Vec3::new(r * cosine, r * sine, z)
+///     })
+///     .collect();
+/// let settings = MeshSettings::default();
+/// let solid = surface_without_cavities(&centres, &[1.7; 500], 1.4, &settings, f64::INFINITY)?;
+/// assert_eq!((solid.topology.cavities, solid.filled.filled), (0, 1));
+/// let hollow = surface_without_cavities(&centres, &[1.7; 500], 1.4, &settings, 8.0)?;
+/// assert_eq!((hollow.topology.cavities, hollow.filled.kept), (1, 1));
+/// assert!(hollow.filled.kept_volume_angstrom3 > 4000.0);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+pub fn surface_without_cavities(
+    centres: &[Vec3],
+    radii_angstrom: &[f64],
+    probe_radius_angstrom: f64,
+    settings: &MeshSettings,
+    interior_radius_angstrom: f64,
+) -> Result<Surface> {
+    let interior = Some(interior_radius_angstrom);
+    surface_with(
+        centres,
+        radii_angstrom,
+        probe_radius_angstrom,
+        settings,
+        interior,
+    )
+}
+
+/// With all cavities, or with those that hold a ball of this radius (Å).
+fn surface_with(
+    centres: &[Vec3],
+    radii_angstrom: &[f64],
+    probe_radius_angstrom: f64,
+    settings: &MeshSettings,
+    interior_radius_angstrom: Option<f64>,
+) -> Result<Surface> {
     let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
     let measure = Measure::new(&accessible);
-    let exact = measure.total();
     let resolved = radii_angstrom
         .iter()
         .filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
@@ -206,17 +181,95 @@ pub fn solvent_excluded_surface(
         ..*settings
     };
     let solid = SesSolid::new(&accessible);
-    let Meshed {
-        mesh,
-        topology,
-        uncalibrated,
-    } = mesh_in_full(&solid, &settings, Some(target(&exact)))?;
+    let mut selection = Selection::everything(&measure);
+    let Meshed { mesh, topology } = mesh_in_full(&solid, &settings, &mut |uncalibrated| {
+        if let Some(radius_angstrom) = interior_radius_angstrom {
+            selection = Selection::of_shells(uncalibrated, &measure, radius_angstrom)?;
+        }
+        Ok(Goal {
+            target: Some(target(&selection.exact)),
+            is_kept: selection.is_kept.clone(),
+        })
+    })?;
+    let Selection { exact, filled, .. } = selection;
     Ok(Surface {
         mesh,
         topology,
         exact,
         measure,
-        uncalibrated,
+        filled,
         solid,
     })
+}
+
+/// Which shells of a mesh stay.
+struct Selection {
+    exact: SurfaceMeasure,
+    /// By the number of the shell; `None` where all do.
+    is_kept: Option<Vec<bool>>,
+    filled: FilledCavities,
+}
+
+impl Selection {
+    fn everything(measure: &Measure) -> Self {
+        Self {
+            exact: measure.total(),
+            is_kept: None,
+            filled: FilledCavities::default(),
+        }
+    }
+
+    /// All but the cavities into which no ball of this radius (Å) fits.
+    fn of_shells(mesh: &TriangleMesh, measure: &Measure, radius_angstrom: f64) -> Result<Self> {
+        let shells = mesh.shells()?;
+        let mut filled = FilledCavities::default();
+        let mut is_kept = Vec::with_capacity(shells.len());
+        // Volumes of the cavities, and whether each is kept.
+        let mut ranking = Vec::new();
+        for shell in &shells {
+            let volume = shell.volume_angstrom3();
+            let is_interior = volume < 0.0 && ball_fits_inside(shell, radius_angstrom);
+            is_kept.push(volume >= 0.0 || is_interior);
+            if volume >= 0.0 {
+                continue;
+            }
+            ranking.push((volume, is_interior));
+            if is_interior {
+                filled.kept += 1;
+                filled.kept_volume_angstrom3 -= volume;
+            } else {
+                filled.filled += 1;
+                filled.filled_volume_angstrom3 -= volume;
+            }
+        }
+        if filled.filled == 0 {
+            let everything = Self::everything(measure);
+            return Ok(Self {
+                filled,
+                ..everything
+            });
+        }
+        Ok(Self {
+            exact: exact_with(measure, ranking),
+            is_kept: Some(is_kept),
+            filled,
+        })
+    }
+}
+
+/// Exact areas and volumes of the outer shells and of the cavities that are kept. The mesh may have
+/// lost cavities smaller than its lattice, so the cavities of both are matched by their rank in
+/// volume, largest first.
+fn exact_with(measure: &Measure, mut ranking: Vec<(f64, bool)>) -> SurfaceMeasure {
+    let mut exact = measure.without_cavities();
+    let mut cavities = measure.cavities();
+    // Volumes of cavities are negative.
+    ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
+    cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
+    for ((_, is_kept), cavity) in ranking.into_iter().zip(cavities) {
+        if is_kept {
+            exact += cavity;
+        }
+    }
+    exact
 }

@@ -122,11 +122,6 @@ pub fn surface_of_file(
     let file = InputFile::read(path)?;
     let (sites, origin) = read_sites(&file)?;
     let surface = surface_of_sites(&sites, settings).with_context(|| file.name.clone())?;
-    let surface = if settings.keep_cavities {
-        surface
-    } else {
-        surface.fill_cavities(settings.interior_radius_angstrom)?.0
-    };
     let deviation = surface.deviation();
     let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
     let report = SurfaceReport {
