@@ -283,11 +283,10 @@ impl<'a> DynamicsRun<'a> {
             false => 1.0,
         };
         open.engine.step(scale).with_context(|| {
-            let phase = match steps < self.settings.preparation_steps() {
-                true => "preparation: ",
-                false => "",
-            };
-            format!("{phase}step {}", steps + 1)
+            match (steps + 1).checked_sub(self.settings.preparation_steps()) {
+                None | Some(0) => format!("preparation: step {}", steps + 1),
+                Some(step) => format!("step {step}"),
+            }
         })?;
         if steps + 1 == self.settings.preparation_steps() {
             open.engine.change_settings(self.motion(steps + 1))?;

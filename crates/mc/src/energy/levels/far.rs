@@ -16,6 +16,15 @@ const FAR_KT: f64 = 4e-3;
 /// The same, of the tolerance for a pair: a body meets fewer than a hundred images.
 const PART_OF_TOLERANCE: f64 = 0.01;
 
+/// The images of a pair that are meant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Images {
+    /// Those of which something is kept.
+    Near,
+    /// Those farther away.
+    Far,
+}
+
 /// Which images are far away, and what they hold at most.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Far {
@@ -50,9 +59,12 @@ impl Far {
         &self.near
     }
 
-    /// Whether this image (the displacement of origins, Å) is.
-    pub fn is_far(&self, pair: &Pair<'_>, image: &Vec3) -> bool {
-        !self.near.holds(pair, image)
+    /// Which this image is, at a displacement of origins in Å.
+    pub fn which(&self, pair: &Pair<'_>, image: &Vec3) -> Images {
+        match self.near.holds(pair, image) {
+            true => Images::Near,
+            false => Images::Far,
+        }
     }
 
     /// How many images of a pair are near.
@@ -67,12 +79,14 @@ impl Far {
     #[inline]
     pub fn bound_kt(&self, pair: &Pair<'_>) -> f64 {
         let types = pair.type_indices();
+        let is_far = |image: &Vec3| self.which(pair, image) == Images::Far;
         if !self.nearest_only {
-            let images = self.reach.images(pair);
-            let far = images.filter(|image| self.is_far(pair, image));
-            return far.map(|image| self.energies.at(types, image.norm())).sum();
+            let images = self.reach.images(pair).filter(is_far);
+            return images
+                .map(|image| self.energies.at(types, image.norm()))
+                .sum();
         }
-        match self.reach.is_met(pair) && self.is_far(pair, &pair.displacement) {
+        match self.reach.is_met(pair) && is_far(&pair.displacement) {
             true => self.energies.at(types, pair.displacement.norm()),
             false => 0.0,
         }

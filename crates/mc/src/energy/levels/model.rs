@@ -1,7 +1,7 @@
 //! The energy model: decisions from the coarsest level that settles them.
 
 use super::calibration::{Calibration, MULTIPLE};
-use super::far::{Far, FarImages};
+use super::far::{Far, FarImages, Images};
 use super::known::{Image, Known, Lists};
 use super::lanes::prefetch;
 use super::list::List;
@@ -60,8 +60,8 @@ struct Change {
     /// Of the energy, kT, and its standard deviation.
     change_kt: f64,
     deviation_kt: f64,
-    /// Of images far away, of which nothing is kept.
-    is_far: bool,
+    /// Of images far away nothing is kept.
+    images: Images,
 }
 
 /// What a decision rests on: pairs with what is known of them, and a bound for the others.
@@ -156,24 +156,24 @@ impl<P: SitePotential> Levels<P> {
     }
 
     /// The poses of the images in reach, the near ones or those farther away.
-    fn image_poses(&self, pair: &Pair<'_>, are_far: bool) -> Vec<RelativePose> {
-        let reach = match are_far {
-            true => &self.reach,
-            false => self.far.near(),
+    fn image_poses(&self, pair: &Pair<'_>, images: Images) -> Vec<RelativePose> {
+        let reach = match images {
+            Images::Near => self.far.near(),
+            Images::Far => &self.reach,
         };
         if !reach.is_met(pair) {
             return Vec::new();
         }
-        let is_wanted = |image: &Vec3| self.far.is_far(pair, image) == are_far;
-        let images = reach.images(pair).filter(is_wanted);
-        images.map(|image| pair.relative_image(&image)).collect()
+        let is_wanted = |image: &Vec3| self.far.which(pair, image) == images;
+        let wanted = reach.images(pair).filter(is_wanted);
+        wanted.map(|image| pair.relative_image(&image)).collect()
     }
 
     /// The energy of a pair from fine tables without lists, kT.
     fn energy_alone_kt(&self, pair: &Pair<'_>) -> Result<f64> {
         let (first, second) = self.tables_of(pair.type_indices());
         let mut energy_kt = 0.0;
-        let near_and_far = [false, true].map(|are_far| self.image_poses(pair, are_far));
+        let near_and_far = [Images::Near, Images::Far].map(|images| self.image_poses(pair, images));
         for pose in near_and_far.into_iter().flatten() {
             let image = first.energy_alone_kt(second, &pose);
             energy_kt += image.unwrap_or_else(|| {
@@ -184,8 +184,8 @@ impl<P: SitePotential> Levels<P> {
     }
 
     /// The pair at its present pose, with its near images or those farther away; `None` without any.
-    fn known(&self, pair: &Pair<'_>, are_far: bool) -> Option<Arc<Known>> {
-        let poses = self.image_poses(pair, are_far);
+    fn known(&self, pair: &Pair<'_>, images: Images) -> Option<Arc<Known>> {
+        let poses = self.image_poses(pair, images);
         match poses.is_empty() {
             true => None,
             false => Some(self.known_at(pair, poses, Lists::new())),
@@ -274,10 +274,10 @@ impl<P: SitePotential> Levels<P> {
 
     /// The energy of a pair that is reported: a function of its pose alone. With the level and the
     /// error it is likely within, kT.
-    fn reported(&self, known: &Known, are_far: bool) -> (f64, usize, f64) {
-        let first = match are_far || self.tolerance_kt.is_some() {
-            true => COARSE,
-            false => FINE,
+    fn reported(&self, known: &Known, images: Images) -> (f64, usize, f64) {
+        let first = match (images, self.tolerance_kt) {
+            (Images::Near, None) => FINE,
+            _ => COARSE,
         };
         let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
         for level in first..DIRECT {
@@ -419,41 +419,42 @@ impl<P: SitePotential> Levels<P> {
         let mut old = self.energies.get(trial.body, partner);
         // Rounding may move an image across the border where bodies moved as a group.
         if old.as_ref().map_or(0, |known| known.images.len()) != self.far.near_images(&present) {
-            old = self.known(&present, false);
+            old = self.known(&present, Images::Near);
         }
-        let poses = self.image_poses(&trial.pair(partner), false);
+        let poses = self.image_poses(&trial.pair(partner), Images::Near);
         // Within a tolerance energies are functions of the poses alone.
         let mut lists = Lists::new();
         if let Some(known) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
             lists = known.lists_at(&poses);
             if known.is_due(&poses, &lists) {
                 // New lists for where the pair is now.
-                old = self.known(&present, false);
+                old = self.known(&present, Images::Near);
                 if let Some(fresh) = &old {
                     lists = fresh.lists_at(&poses);
                     self.energies.set(trial.body, partner, Arc::clone(fresh));
                 }
             }
         }
-        self.change_to(trial, partner, old, poses, lists, false)
+        self.change_to(trial, partner, (old, poses, lists), Images::Near)
     }
 
     /// What becomes of the images of one partner that are far away.
     fn far_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
-        let old = self.known(&trial.system.pair(trial.body, partner), true);
-        let poses = self.image_poses(&trial.pair(partner), true);
+        let old = self.known(&trial.system.pair(trial.body, partner), Images::Far);
+        let poses = self.image_poses(&trial.pair(partner), Images::Far);
         let lists = old.as_deref().map(|known| known.lists_at(&poses));
-        self.change_to(trial, partner, old, poses, lists.unwrap_or_default(), true)
+        let lists = lists.unwrap_or_default();
+        self.change_to(trial, partner, (old, poses, lists), Images::Far)
     }
 
+    /// The change of a partner's energy from what is known of it to these poses, where these lists
+    /// serve.
     fn change_to(
         &mut self,
         trial: &Trial<'_>,
         partner: usize,
-        old: Option<Arc<Known>>,
-        poses: Vec<RelativePose>,
-        lists: Lists,
-        is_far: bool,
+        (old, poses, lists): (Option<Arc<Known>>, Vec<RelativePose>, Lists),
+        images: Images,
     ) -> Result<Option<Change>> {
         let new = match poses.is_empty() {
             true => None,
@@ -470,7 +471,7 @@ impl<P: SitePotential> Levels<P> {
             level: EXPANDED,
             change_kt: 0.0,
             deviation_kt: 0.0,
-            is_far,
+            images,
         };
         (change.change_kt, change.deviation_kt) = self.change(trial, &change, EXPANDED)?;
         Ok(Some(change))
@@ -523,7 +524,7 @@ impl<P: SitePotential> Levels<P> {
         for change in changes.iter_mut() {
             for (known, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
                 if let Some(known) = known {
-                    let (energy_kt, level, _) = self.reported(known, false);
+                    let (energy_kt, level, _) = self.reported(known, Images::Near);
                     rise += sign * energy_kt;
                     change.level = change.level.max(level);
                 }
@@ -554,9 +555,13 @@ impl<P: SitePotential> Levels<P> {
             bodies.flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
         pairs.filter_map(|(first, second)| {
             let near = self.energies.get(first, second);
-            let far = self.known(&system.pair(first, second), true);
-            let of_near = near.as_deref().map(|known| self.reported(known, false));
-            let of_far = far.as_deref().map(|known| self.reported(known, true));
+            let far = self.known(&system.pair(first, second), Images::Far);
+            let of_near = near
+                .as_deref()
+                .map(|known| self.reported(known, Images::Near));
+            let of_far = far
+                .as_deref()
+                .map(|known| self.reported(known, Images::Far));
             let both = of_near.into_iter().chain(of_far);
             let sum = both.fold((0.0, 0.0), |sum, (energy_kt, _, error_kt)| {
                 (sum.0 + energy_kt, sum.1 + error_kt)
@@ -573,7 +578,8 @@ impl<P: SitePotential> Levels<P> {
 
     /// Nothing is kept of images far away.
     fn propose(&mut self, trial: &Trial<'_>, changes: Changes) {
-        for change in changes.known.into_iter().filter(|change| !change.is_far) {
+        let near = |change: &Change| change.images == Images::Near;
+        for change in changes.known.into_iter().filter(near) {
             let (first, second) = (
                 trial.body.min(change.partner),
                 trial.body.max(change.partner),
@@ -622,7 +628,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
         self.energies = all_pairs(system, |pair| {
-            let known = self.known(pair, false);
+            let known = self.known(pair, Images::Near);
             known.map(|known| checked(pair, known)).transpose()
         })?;
         Ok(())
@@ -647,7 +653,7 @@ impl<P: SitePotential> EnergyModel for Levels<P> {
             let pair = system.pair(saved.first, saved.second);
             let poses = match saved.computed_at {
                 Some(_) => saved.images(&pair).collect(),
-                None => self.image_poses(&pair, false),
+                None => self.image_poses(&pair, Images::Near),
             };
             if !poses.is_empty() {
                 let known = self.known_at(&pair, poses, Lists::new());
