@@ -38,11 +38,11 @@ pub struct Surface {
 pub struct FilledCavities {
     /// Cavities filled.
     pub filled: usize,
-    /// Their volume in all, Å³.
+    /// Their exact volume in all, Å³.
     pub filled_volume_angstrom3: f64,
     /// Enclosed interiors kept.
     pub kept: usize,
-    /// Their volume in all, Å³.
+    /// Their exact volume in all, Å³.
     pub kept_volume_angstrom3: f64,
 }
 
@@ -222,7 +222,6 @@ impl Selection {
     /// All but the cavities into which no ball of this radius (Å) fits.
     fn of_shells(mesh: &TriangleMesh, measure: &Measure, radius_angstrom: f64) -> Result<Self> {
         let shells = mesh.shells()?;
-        let mut filled = FilledCavities::default();
         let mut is_kept = Vec::with_capacity(shells.len());
         // Volumes of the cavities, and whether each is kept.
         let mut ranking = Vec::new();
@@ -230,18 +229,11 @@ impl Selection {
             let volume = shell.volume_angstrom3();
             let is_interior = volume < 0.0 && ball_fits_inside(shell, radius_angstrom);
             is_kept.push(volume >= 0.0 || is_interior);
-            if volume >= 0.0 {
-                continue;
-            }
-            ranking.push((volume, is_interior));
-            if is_interior {
-                filled.kept += 1;
-                filled.kept_volume_angstrom3 -= volume;
-            } else {
-                filled.filled += 1;
-                filled.filled_volume_angstrom3 -= volume;
+            if volume < 0.0 {
+                ranking.push((volume, is_interior));
             }
         }
+        let (exact, filled) = exact_with(measure, ranking);
         if filled.filled == 0 {
             let everything = Self::everything(measure);
             return Ok(Self {
@@ -250,26 +242,35 @@ impl Selection {
             });
         }
         Ok(Self {
-            exact: exact_with(measure, ranking),
+            exact,
             is_kept: Some(is_kept),
             filled,
         })
     }
 }
 
-/// Exact areas and volumes of the outer shells and of the cavities that are kept. The mesh may have
-/// lost cavities smaller than its lattice, so the cavities of both are matched by their rank in
-/// volume, largest first.
-fn exact_with(measure: &Measure, mut ranking: Vec<(f64, bool)>) -> SurfaceMeasure {
-    let mut exact = measure.without_cavities();
+/// Exact areas and volumes of the outer shells and of the cavities that are kept, and the volumes of
+/// cavities. The mesh may have lost cavities smaller than its lattice, so the cavities of both are
+/// matched by their rank in volume, largest first.
+fn exact_with(
+    measure: &Measure,
+    mut ranking: Vec<(f64, bool)>,
+) -> (SurfaceMeasure, FilledCavities) {
+    let (mut exact, mut filled) = (measure.without_cavities(), FilledCavities::default());
     let mut cavities = measure.cavities();
     // Volumes of cavities are negative.
     ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
     cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
     for ((_, is_kept), cavity) in ranking.into_iter().zip(cavities) {
+        let volume_angstrom3 = -cavity.ses_volume_angstrom3;
         if is_kept {
+            filled.kept += 1;
+            filled.kept_volume_angstrom3 += volume_angstrom3;
             exact += cavity;
+        } else {
+            filled.filled += 1;
+            filled.filled_volume_angstrom3 += volume_angstrom3;
         }
     }
-    exact
+    (exact, filled)
 }
