@@ -455,25 +455,41 @@ def features(task, samples, hydropathy):
     return {kind: np.array([of(kind, sample) for sample in samples]) for kind in kinds}
 
 
-def auc(score, positive):
-    """The share of pairs of a positive and a negative that the score puts in order; ties count half."""
-    n, m = positive.sum(), (~positive).sum()
-    if n == 0 or m == 0:
-        return math.nan
-    return (rankdata(score)[positive].sum() - n * (n + 1) / 2) / (n * m)
+def auc(score, positive, fold):
+    """The share of pairs of a positive and a negative that the score puts in order; ties count half.
+
+    Pairs are of one fold, because each fold has a network of its own, and because the prior of a fold falls as its share of
+    positives rises, which would push the value of any weak predictor below one half.
+    """
+    right = pairs = 0.0
+    for held in range(FOLDS):
+        own, values = positive[fold == held], score[fold == held]
+        n, m = own.sum(), (~own).sum()
+        right += rankdata(values)[own].sum() - n * (n + 1) / 2
+        pairs += n * m
+    return right / pairs
 
 
-def scores(p, y, ratio):
+def rank_correlation(score, truth, fold):
+    """Spearman's correlation within each fold, weighted by the number of samples."""
+    total = 0.0
+    for held in range(FOLDS):
+        a, b = rankdata(score[fold == held]), rankdata(truth[fold == held])
+        if len(a) > 1 and a.std() > 0 and b.std() > 0:
+            total += len(a) * np.corrcoef(a, b)[0, 1]
+    return total / len(fold)
+
+
+def scores(p, y, fold, ratio):
     """Balanced accuracy, ranking and log-loss of probabilities."""
     named, classes = p.argmax(axis=1), p.shape[1]
     present = [c for c in range(classes) if (y == c).any()]
     expected = p @ np.arange(classes)
     result = {"balanced accuracy": np.mean([(named[y == c] == c).mean() for c in present])}
     if classes == 2:
-        result["AUC"] = auc(expected, y == 1)
+        result["AUC"] = auc(expected, y == 1, fold)
     if ratio is not None:
-        a, b = rankdata(expected), rankdata(ratio)
-        result["rank correlation"] = np.corrcoef(a, b)[0, 1] if a.std() else 0.0
+        result["rank correlation"] = rank_correlation(expected, ratio, fold)
     result["log-loss"] = -np.log(np.maximum(p[np.arange(len(y)), y], 1e-6)).mean()
     return result
 
@@ -505,13 +521,13 @@ def judge(output, task, runs_name="runs"):
         probabilities[kind] = p
 
     groups = blocks(samples)
-    known = {who: scores(p, y, ratio) for who, p in probabilities.items()}
+    known = {who: scores(p, y, fold, ratio) for who, p in probabilities.items()}
     random_numbers = np.random.default_rng(1)
     drawn = {who: collections.defaultdict(list) for who in probabilities}
     for _ in range(DRAWS):
         chosen = np.concatenate([groups[g] for g in random_numbers.integers(len(groups), size=len(groups))])
         for who, p in probabilities.items():
-            for what, value in scores(p[chosen], y[chosen], None if ratio is None else ratio[chosen]).items():
+            for what, value in scores(p[chosen], y[chosen], fold[chosen], None if ratio is None else ratio[chosen]).items():
                 drawn[who][what].append(value)
     judged = {}
     for who in probabilities:
@@ -529,7 +545,7 @@ def judge(output, task, runs_name="runs"):
     least = collections.Counter()
     for _ in range(DRAWS):
         source = np.array(exchanged(groups, draw))
-        mixed = scores(probabilities["network"], y[source], None if ratio is None else ratio[source])
+        mixed = scores(probabilities["network"], y[source], fold, None if ratio is None else ratio[source])
         for what, value in mixed.items():
             least[what] += (value <= known["network"][what]) if what == "log-loss" else (value >= known["network"][what])
     p_values = {what: (least[what] + 1) / (DRAWS + 1) for what in known["network"]}
@@ -642,9 +658,10 @@ def stage_report(output):
         if all((folder / "runs" / f"{held}.json").exists() for held in range(FOLDS)):
             network, samples = predictions(folder / "runs", CLASSES["sign"]), samples_of(output, "sign")
             source = exchanged(blocks(samples), random.Random(f"labels {folder.name.split('-')[-1]}"))
-            pairs = [(s["name"], samples[source[i]]["label"]) for i, s in enumerate(samples) if s["name"] in network]
-            positive = np.array([label == "repulsion" for _, label in pairs])
-            retrained[folder.name] = auc(np.array([network[name][1] for name, _ in pairs]), positive)
+            used = [i for i, sample in enumerate(samples) if sample["name"] in network]
+            positive = np.array([samples[source[i]]["label"] == "repulsion" for i in used])
+            score = np.array([network[samples[i]["name"]][1] for i in used])
+            retrained[folder.name] = auc(score, positive, np.array(folds_of(samples))[used])
     report["retrained_on_exchanged_labels_auc"] = retrained
     write(output / "report.json", json.dumps(report, indent=1, default=float))
     print(f"\nAUC of networks trained on exchanged labels: {[round(value, 3) for value in retrained.values()]}")
