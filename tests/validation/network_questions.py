@@ -10,10 +10,10 @@ stages, in order; all if none is named, and each does only what is not there yet
     sets      the voxels of both questions, a set per fold
     networks  for each question and fold a network trained on the other folds, and its predictions
     permuted  the same with labels exchanged between clusters (--retrained times)
-    report    scores with intervals, baselines and permutation tests, as tables and as report.json
+    report    scores with intervals, baselines and permutation tests, as tables, as report.json and as a figure
 
 Folds and intervals are by cluster: entries of one cluster of the manifest, or whose chains share a tenth of the 5-mers of the
-shorter one, are one cluster. PROTOMER names another program. Needs numpy, scipy and zarr. All work is done by one thread.
+shorter one, are one cluster. PROTOMER names another program. Needs numpy, scipy, zarr and matplotlib. All work is done by one thread.
 """
 
 import argparse
@@ -470,6 +470,7 @@ def surface_summaries(folder):
             h, v = (values[offsets[i] : offsets[i + 1]] for values in (hydropathy, potential))
             known[name] = {
                 "surface hydropathy": [h.mean(), h.std(), np.quantile(h, 0.9)],
+                "mean potential": [v.mean()],
                 "surface potential": [abs(v.mean()), v.mean() ** 2, v.std(), math.log(len(v))],
             }
     return known
@@ -563,7 +564,9 @@ def judge(output, task, setting):
     for held in range(FOLDS):
         prior[fold == held] = np.bincount(y[fold != held], minlength=len(classes)) / (fold != held).sum()
     probabilities["prior"] = prior
-    for kind, x in features(task, samples, surface_summaries(folder)).items():
+    summaries = surface_summaries(folder)
+    mean_potentials = [summaries[sample["name"]]["mean potential"][0] for sample in samples]
+    for kind, x in features(task, samples, summaries).items():
         p = np.zeros_like(prior)
         for held in range(FOLDS):
             rest = fold != held
@@ -610,6 +613,7 @@ def judge(output, task, setting):
         "scores": judged,
         "permutation_p": p_values,
         "confusion": confusion.tolist(),
+        "correlation_of_mean_potential_and_charge": np.corrcoef(mean_potentials, [s["charge"] for s in samples])[0, 1],
         "rows": [
             {
                 "name": sample["name"],
@@ -638,7 +642,8 @@ def show(result):
         lines.append([who, *cells])
     print(table(lines))
     p = ", ".join(f"{what} {value:.4f}" for what, value in result["permutation_p"].items())
-    print(f"permutation p of the network: {p}\nconfusion (true by row): {result['confusion']}")
+    print(f"\npermutation p of the network: {p}\nconfusion (true by row): {result['confusion']}")
+    print(f"mean potential and net charge: correlation {result['correlation_of_mean_potential_and_charge']:.2f}")
 
 
 def by_net_charge(result):
@@ -692,6 +697,36 @@ def finished(runs):
     return all((runs / f"{held}.json").exists() for held in range(FOLDS))
 
 
+def figure(report, path):
+    """Rankings of all networks and baselines with their intervals, a panel per task."""
+    import matplotlib
+
+    matplotlib.use("svg")
+    matplotlib.rcParams |= {"svg.hashsalt": "network-questions", "svg.fonttype": "none"}
+    from matplotlib import pyplot as plt
+
+    panels, axes = plt.subplots(1, len(TASKS), figsize=(13, 3.4), constrained_layout=True)
+    for axis, task in zip(axes, TASKS):
+        networks, baselines = {}, {}
+        for setting in TRIED[task]:
+            result = report.get(f"{task}, {setting}")
+            if result:
+                what = list(result["scores"]["network"])[1]
+                networks[f"network, {setting} setting"] = result["scores"]["network"][what]
+                # The summary of the potential depends on the setting; the last one stands.
+                baselines |= {who: one[what] for who, one in result["scores"].items() if who not in ("network", "prior")}
+        known = networks | baselines
+        for at, (who, score) in enumerate(reversed(known.items())):
+            low, high = score["interval"]
+            colour = "tab:red" if who.startswith("network") else "tab:grey"
+            axis.errorbar(score["value"], at, xerr=[[score["value"] - low], [high - score["value"]]], fmt="o", color=colour)
+        axis.set_yticks(range(len(known)), [who.replace("net charge", "charge") for who in reversed(known)], fontsize=7)
+        axis.axvline(0.0 if what == "rank correlation" else 0.5, color="black", linewidth=0.7)
+        axis.set_xlabel(what)
+        axis.set_title(task)
+    panels.savefig(path, metadata={"Date": None})
+
+
 def stage_report(output):
     report = {"costs": costs(output)}
     for task, setting in tried():
@@ -716,6 +751,7 @@ def stage_report(output):
             retrained[folder.name] = auc(score, positive, np.array(folds_of(samples))[used])
     report["retrained_on_exchanged_labels_auc"] = retrained
     write(output / "report.json", json.dumps(report, indent=1, default=float))
+    figure(report, output / "network-questions.svg")
     print(f"\nAUC of networks trained on exchanged labels: {[round(value, 3) for value in retrained.values()]}")
     print(json.dumps(report["costs"], indent=1, default=float))
 
