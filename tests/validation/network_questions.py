@@ -723,7 +723,7 @@ def figure(report, path):
             result = report.get(f"{task}, {setting}")
             if result:
                 what = list(result["scores"]["network"])[1]
-                networks[f"network, {setting} setting"] = result["scores"]["network"][what]
+                networks[f"network, {setting}"] = result["scores"]["network"][what]
                 # The summary of the potential depends on the setting; the last one stands.
                 baselines |= {who: one[what] for who, one in result["scores"].items() if who not in ("network", "prior")}
         known = networks | baselines
@@ -773,7 +773,7 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 STAGES = ["chains", "pairs", "sets", "networks", "permuted", "report"]
 parser.add_argument("structures", type=Path)
 parser.add_argument("output", type=Path)
-parser.add_argument("stages", nargs="*", choices=STAGES, default=STAGES)
+parser.add_argument("stages", nargs="*", metavar="STAGE", help="all if none is named: " + ", ".join(STAGES))
 parser.add_argument("--minutes", type=float, default=60.0, help="time for the stage pairs (60)")
 parser.add_argument("--retrained", type=int, default=1, help="rounds of training on exchanged labels (1)")
 
@@ -781,8 +781,11 @@ parser.add_argument("--retrained", type=int, default=1, help="rounds of training
 def main():
     arguments = parser.parse_args()
     structures, output = arguments.structures, arguments.output
+    unknown = set(arguments.stages) - set(STAGES)
+    if unknown:
+        parser.error(f"no such stage: {', '.join(sorted(unknown))}; there are {', '.join(STAGES)}")
     for stage in STAGES:
-        if stage not in arguments.stages:
+        if arguments.stages and stage not in arguments.stages:
             continue
         if stage == "chains" and not (output / "chains.json").exists():
             stage_chains(structures, output)
