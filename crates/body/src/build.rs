@@ -253,7 +253,7 @@ fn finish(
     surface_settings: &SurfaceSettings,
 ) -> Result<BuiltBody> {
     let surface = surface_of_sites(&sites.sites, surface_settings)?;
-    let cavities = surface.filled;
+    let cavities = surface.cavities;
     let interior_radius = surface_settings.interior_radius_angstrom;
     let mut warnings = cavity_warnings(&cavities, interior_radius);
     if cavities.kept > 0 {

@@ -134,6 +134,12 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
             let outside =
                 surface_without_cavities(&centres, &radii, 1.4, &settings, f64::INFINITY).unwrap();
             assert_eq!(outside.topology.cavities, 0);
+            assert_eq!(outside.cavities.filled, topology.cavities);
+            if surface.measure.cavities().len() == topology.cavities {
+                let [filled, hollow] = [&outside, &surface].map(|of| of.exact.ses_volume_angstrom3);
+                let volume = outside.cavities.filled_volume_angstrom3;
+                assert!((filled - hollow - volume).abs() < 1e-9 * filled, "{name}");
+            }
             assert_eq!(
                 outside.topology.components,
                 topology.components - topology.cavities

@@ -27,9 +27,8 @@ pub struct Surface {
     pub exact: SurfaceMeasure,
     /// Exact areas and volumes of all shells, cavities included.
     pub measure: Measure,
-    /// The cavities that were filled, and those that were not, by
-    /// [`surface_without_cavities`].
-    pub filled: FilledCavities,
+    /// Which cavities [`surface_without_cavities`] filled.
+    pub cavities: FilledCavities,
     solid: SesSolid,
 }
 
@@ -136,10 +135,10 @@ pub fn solvent_excluded_surface(
 ///     .collect();
 /// let settings = MeshSettings::default();
 /// let solid = surface_without_cavities(&centres, &[1.7; 500], 1.4, &settings, f64::INFINITY)?;
-/// assert_eq!((solid.topology.cavities, solid.filled.filled), (0, 1));
+/// assert_eq!((solid.topology.cavities, solid.cavities.filled), (0, 1));
 /// let hollow = surface_without_cavities(&centres, &[1.7; 500], 1.4, &settings, 8.0)?;
-/// assert_eq!((hollow.topology.cavities, hollow.filled.kept), (1, 1));
-/// assert!(hollow.filled.kept_volume_angstrom3 > 4000.0);
+/// assert_eq!((hollow.topology.cavities, hollow.cavities.kept), (1, 1));
+/// assert!(hollow.cavities.kept_volume_angstrom3 > 4000.0);
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
 pub fn surface_without_cavities(
@@ -191,13 +190,15 @@ fn surface_with(
             is_kept: selection.is_kept.clone(),
         })
     })?;
-    let Selection { exact, filled, .. } = selection;
+    let Selection {
+        exact, cavities, ..
+    } = selection;
     Ok(Surface {
         mesh,
         topology,
         exact,
         measure,
-        filled,
+        cavities,
         solid,
     })
 }
@@ -207,7 +208,7 @@ struct Selection {
     exact: SurfaceMeasure,
     /// By the number of the shell; `None` where all do.
     is_kept: Option<Vec<bool>>,
-    filled: FilledCavities,
+    cavities: FilledCavities,
 }
 
 impl Selection {
@@ -215,7 +216,7 @@ impl Selection {
         Self {
             exact: measure.total(),
             is_kept: None,
-            filled: FilledCavities::default(),
+            cavities: FilledCavities::default(),
         }
     }
 
@@ -233,44 +234,45 @@ impl Selection {
                 ranking.push((volume, is_interior));
             }
         }
-        let (exact, filled) = exact_with(measure, ranking);
-        if filled.filled == 0 {
-            let everything = Self::everything(measure);
+        let (exact, cavities) = exact_with(measure, ranking);
+        if cavities.filled == 0 {
             return Ok(Self {
-                filled,
-                ..everything
+                cavities,
+                ..Self::everything(measure)
             });
         }
         Ok(Self {
             exact,
             is_kept: Some(is_kept),
-            filled,
+            cavities,
         })
     }
 }
 
 /// Exact areas and volumes of the outer shells and of the cavities that are kept, and the volumes of
 /// cavities. The mesh may have lost cavities smaller than its lattice, so the cavities of both are
-/// matched by their rank in volume, largest first.
+/// matched by their rank in volume, largest first. A cavity of the mesh alone, a pocket with a mouth
+/// finer than the lattice, counts with its own volume.
 fn exact_with(
     measure: &Measure,
     mut ranking: Vec<(f64, bool)>,
 ) -> (SurfaceMeasure, FilledCavities) {
-    let (mut exact, mut filled) = (measure.without_cavities(), FilledCavities::default());
+    let (mut exact, mut found) = (measure.without_cavities(), FilledCavities::default());
     let mut cavities = measure.cavities();
     // Volumes of cavities are negative.
     ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
     cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
-    for ((_, is_kept), cavity) in ranking.into_iter().zip(cavities) {
-        let volume_angstrom3 = -cavity.ses_volume_angstrom3;
+    for (rank, (volume_of_mesh, is_kept)) in ranking.into_iter().enumerate() {
+        let cavity = cavities.get(rank).copied();
+        let volume_angstrom3 = -cavity.map_or(volume_of_mesh, |of| of.ses_volume_angstrom3);
         if is_kept {
-            filled.kept += 1;
-            filled.kept_volume_angstrom3 += volume_angstrom3;
-            exact += cavity;
+            found.kept += 1;
+            found.kept_volume_angstrom3 += volume_angstrom3;
+            exact += cavity.unwrap_or_default();
         } else {
-            filled.filled += 1;
-            filled.filled_volume_angstrom3 += volume_angstrom3;
+            found.filled += 1;
+            found.filled_volume_angstrom3 += volume_angstrom3;
         }
     }
-    (exact, filled)
+    (exact, found)
 }
