@@ -77,6 +77,8 @@ pub mod simulation;
 mod sparse_rows;
 pub mod statistics;
 pub mod system;
+#[cfg(test)]
+mod test_support;
 
 pub use body_type::BodyType;
 pub use checkpoint::Checkpoint;

@@ -98,3 +98,69 @@ fn retain_within(system: &System, places: &[Vec3], angstrom: f64, found: &mut Ve
         })
     });
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::BodyType;
+    use crate::test_support::tetrahedron;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{Boundary, Pose};
+    use std::sync::Arc;
+
+    const RANGES: Ranges = Ranges {
+        hard_angstrom: 6.0,
+        interaction_angstrom: 24.0,
+        reach_angstrom: 15.0,
+    };
+
+    fn system(boundary: Boundary, edge: f64, rng: &mut CounterRng) -> System {
+        let mesh = tetrahedron(1.0);
+        let kind = Arc::new(BodyType::new("body", &mesh, &[]).unwrap());
+        let mut body = |_| {
+            let position = Vec3::from_fn(|_, _| edge * rng.uniform_in(-0.5, 0.5));
+            let rotation = rng.rotation();
+            (0, Pose { position, rotation })
+        };
+        let bodies: Vec<_> = (0..300).map(&mut body).collect();
+        System::new(vec![kind], &bodies, boundary).unwrap()
+    }
+
+    /// Short moves take one look at the cells, long ones two; the last box has too few cells.
+    #[test]
+    fn bodies_near_either_place_are_those_of_a_search_among_all() {
+        let mut rng = CounterRng::new(72, 0, 0);
+        let cube = |edge: f64| Boundary::periodic(Vec3::repeat(edge)).unwrap();
+        for (boundary, edge) in [
+            (cube(120.0), 120.0),
+            (Boundary::Open, 100.0),
+            (cube(50.0), 50.0),
+        ] {
+            let system = system(boundary, edge, &mut rng);
+            let neighbours = Neighbours::new(&system, RANGES);
+            let distance = |place: &Vec3, body: usize| {
+                let position = &system.pose(body).position;
+                system.boundary().displacement(place, position).norm()
+            };
+            for moved_angstrom in [0.5, 8.0, 60.0] {
+                for _ in 0..60 {
+                    let from = Vec3::from_fn(|_, _| edge * rng.uniform_in(-0.5, 0.5));
+                    let to = boundary.wrap(&(from + moved_angstrom * rng.unit_vector()));
+                    let mut found = Vec::new();
+                    neighbours.find_touching(&system, &to, &mut found);
+                    let touching = (0..300).filter(|body| distance(&to, *body) < 6.0);
+                    assert_eq!(found, touching.collect::<Vec<_>>());
+                    neighbours.find_at_both(&system, [&from, &to], &mut found);
+                    assert!(found.is_sorted_by(|a, b| a < b));
+                    for body in 0..300 {
+                        let nearest = distance(&from, body).min(distance(&to, body));
+                        let is_found = found.binary_search(&body).is_ok();
+                        assert!(is_found || nearest >= 15.0, "{edge} {moved_angstrom}");
+                        assert!(!is_found || nearest < 15.0 + moved_angstrom);
+                    }
+                }
+            }
+        }
+    }
+}

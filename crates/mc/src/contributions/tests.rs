@@ -4,27 +4,19 @@ use super::*;
 use crate::energy::terms::Terms;
 use crate::energy::{ContactPotential, DirectSum, EnergyModel, TermsByType, WithTerms};
 use crate::pair::Contacts;
+use crate::test_support::tetrahedron;
 use crate::{BodyType, Interaction, Settings, Simulation, System};
 use protomer_body::residue_contacts::ContactScale;
 use protomer_body::{Body, Provenance, Residue, Site};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+use protomer_kernel::{Boundary, Pose, Vec3};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// A body of residues, each one atom with a charge, along x (Å).
 pub fn body_of(residues: &[(&str, f64, f64)]) -> Body {
-    let corners = [
-        [1.0, 1.0, 1.0],
-        [1.0, -1.0, -1.0],
-        [-1.0, 1.0, -1.0],
-        [-1.0, -1.0, 1.0],
-    ];
-    let mesh = TriangleMesh {
-        vertices: corners.map(Vec3::from).to_vec(),
-        triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-    };
+    let mesh = tetrahedron(1.0);
     let mut body = Body {
         name: "body".into(),
         mass_properties: mesh.mass_properties().unwrap(),

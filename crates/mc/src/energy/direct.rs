@@ -134,24 +134,16 @@ impl<P: SitePotential> EnergyModel for DirectSum<P> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::test_support::tetrahedron;
     use crate::{BodyType, McError};
     use protomer_kernel::potential::Yukawa;
     use protomer_kernel::random::CounterRng;
-    use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+    use protomer_kernel::{Boundary, Pose, Vec3};
     use std::sync::Arc;
 
     /// Two small bodies of net charge 3 and -1 in a box of this edge.
     fn system(edge: f64, rng: &mut CounterRng) -> System {
-        let corners = [
-            [1.0, 1.0, 1.0],
-            [1.0, -1.0, -1.0],
-            [-1.0, 1.0, -1.0],
-            [-1.0, -1.0, 1.0],
-        ];
-        let mesh = TriangleMesh {
-            vertices: corners.map(Vec3::from).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        };
+        let mesh = tetrahedron(1.0);
         let mut kind = |net: f64| {
             let mut charge = |_| {
                 (

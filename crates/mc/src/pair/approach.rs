@@ -53,22 +53,13 @@ mod tests {
     use super::super::Terms;
     use super::*;
     use crate::BodyType;
+    use crate::test_support;
     use protomer_kernel::overlap::overlaps;
     use protomer_kernel::random::CounterRng;
-    use protomer_kernel::{TriangleMesh, Vec3};
     use std::sync::Arc;
 
     fn tetrahedron(size: f64) -> Arc<BodyType> {
-        let corners = [
-            [1.0, 1.0, 1.0],
-            [1.0, -1.0, -1.0],
-            [-1.0, 1.0, -1.0],
-            [-1.0, -1.0, 1.0],
-        ];
-        let mesh = TriangleMesh {
-            vertices: corners.map(|corner| size * Vec3::from(corner)).to_vec(),
-            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
-        };
+        let mesh = test_support::tetrahedron(size);
         Arc::new(BodyType::new("tetrahedron", &mesh, &[]).unwrap())
     }
 

@@ -124,3 +124,79 @@ impl FarImages {
         Some(partner)
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::BodyType;
+    use crate::energy::pair_energy_kt;
+    use crate::test_support::tetrahedron;
+    use protomer_kernel::potential::Yukawa;
+    use protomer_kernel::random::CounterRng;
+    use protomer_kernel::{Boundary, Pose};
+    use std::sync::Arc;
+
+    fn kind(net_e: f64, rng: &mut CounterRng) -> Arc<BodyType> {
+        let mesh = tetrahedron(1.0);
+        let mut charge = |_| {
+            let charge_e = net_e / 20.0 + rng.uniform_in(-0.5, 0.5);
+            (rng.vector_in_ball(8.0), charge_e)
+        };
+        let charges: Vec<(Vec3, f64)> = (0..20).map(&mut charge).collect();
+        Arc::new(BodyType::new("body", &mesh, &charges).unwrap())
+    }
+
+    /// In small boxes several images of a pair count, near ones and others.
+    #[test]
+    fn images_far_away_hold_less_than_their_bound() {
+        let mut rng = CounterRng::new(71, 0, 0);
+        let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
+        let types = vec![kind(12.0, &mut rng), kind(-9.0, &mut rng)];
+        let (mut looked_at, mut near) = (0, 0);
+        for edge in [100.0, 250.0, 700.0] {
+            for _ in 0..30 {
+                let mut place = || Pose {
+                    position: Vec3::from_fn(|_, _| edge * rng.uniform_in(-0.5, 0.5)),
+                    rotation: rng.rotation(),
+                };
+                let bodies = [(0, place()), (1, place())];
+                let boundary = Boundary::periodic(Vec3::repeat(edge)).unwrap();
+                let system = System::new(types.clone(), &bodies, boundary).unwrap();
+                let reach = Reach::of_multipoles(&system, &yukawa);
+                let far = Far::new(&system, &yukawa, &reach, None);
+                let pair = system.pair(0, 1);
+                let mut sum_kt = 0.0;
+                for image in reach.images(&pair) {
+                    let pose = pair.relative_image(&image);
+                    let [first, second] = [0, 1].map(|of| &types[of].charges);
+                    let energy_kt = pair_energy_kt(&yukawa, first, second, &pose).abs();
+                    match far.which(&pair, &image) {
+                        Images::Near => near += 1,
+                        Images::Far => {
+                            assert!(energy_kt < FAR_KT, "{edge}: {energy_kt}");
+                            sum_kt += energy_kt;
+                            looked_at += 1;
+                        }
+                    }
+                }
+                let bound_kt = far.bound_kt(&pair);
+                assert!(sum_kt <= bound_kt, "{edge}: {sum_kt} {bound_kt}");
+            }
+        }
+        assert!(looked_at > 300 && near > 30, "{looked_at} {near}");
+    }
+
+    #[test]
+    fn the_widest_is_taken_first_and_the_others_stay() {
+        let mut far = FarImages::default();
+        for (partner, bound_kt) in [(3, 1.0), (5, 4.0), (7, 0.0), (8, 2.0)] {
+            far.add(partner, bound_kt);
+        }
+        let mut taken = Vec::new();
+        while let Some(partner) = far.take_widest() {
+            taken.push((partner, far.bound_kt()));
+        }
+        assert_eq!(taken, [(5, 3.0), (8, 1.0), (3, 0.0)]);
+    }
+}

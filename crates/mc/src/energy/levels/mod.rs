@@ -2,7 +2,7 @@
 //!
 //! | level | what is summed |
 //! |---|---|
-//! | far | nothing for images far away (`far`), but a bound of what they hold |
+//! | far | images far away: no more than a bound of what they hold (`far`) |
 //! | expanded | points chosen for the pair and kept while it moves little: the nearer ones in the coarse table, the others as a quadratic function of how the pair has moved |
 //! | coarse | all of these points in the coarse table |
 //! | fine | all charges of one body in the fine table of the other |
@@ -18,16 +18,18 @@
 //!
 //! Poses that have nothing to do with each other take the fine level without a list (`fine_energy`).
 //!
-//! A decision (`model`; `known` holds what was found for a pair) starts at the first level with an
-//! error by a variance model and goes up, the least certain pair first, while the random number is
-//! within [`MULTIPLE`] standard deviations of the change of the energy. The model's scale is found by
-//! comparison of the levels (`calibration`).
+//! A decision (`decision`) starts at the first level with an error by a variance model and goes up, the
+//! least certain pair first, while the random number is within [`MULTIPLE`] standard deviations of the
+//! change of the energy and the bounds of far images. The energies of one pair at each level are in
+//! `pair_levels`, what was found for it in `known`; `model` keeps these from move to move. The scale of
+//! the variance model is found by comparison of the levels (`calibration`).
 #![allow(
     clippy::needless_range_loop,
     reason = "a lane runs through several arrays at once"
 )]
 
 mod calibration;
+mod decision;
 mod derivatives;
 mod expansion;
 mod far;
@@ -44,6 +46,7 @@ mod motion;
 mod near;
 mod neighbours;
 mod packed;
+mod pair_levels;
 mod sampler;
 mod series;
 mod sharpening;
@@ -53,5 +56,6 @@ mod table;
 mod tree;
 
 pub use calibration::{Calibration, MULTIPLE};
-pub use model::{Decided, Levels, table_reach_angstrom};
+pub use decision::Decided;
+pub use model::{Levels, table_reach_angstrom};
 pub use table::Table;
