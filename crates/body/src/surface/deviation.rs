@@ -1,35 +1,48 @@
 //! How far a mesh lies from the surface that it stands for.
 //!
 //! A mesh calibrated to an exact area and volume says nothing about its own error by them. Its
-//! distance from the surface does: d, the exact signed distance, sampled at the seven points by whose
-//! weights polynomials of degree five are integrated over a triangle exactly (Radon, Monatsh. Math.
-//! 52, 286 (1948)). They come near its corners and the middles of its sides; the largest |d| is
-//! looked for there and at the vertices.
+//! distance from the surface does: d, the exact signed distance. The mean of d² over a triangle
+//! comes from seven points, by whose weights polynomials of degree five are integrated exactly
+//! (Radon, Monatsh. Math. 52, 286 (1948)), or for a fifth of the price from its centroid and
+//! corners, exact for degree two and 10 to 20 % off here.
+//!
+//! The cheap means of a large mesh are nearly proportional to the dear ones, so the dear ones are
+//! only taken of a sample of its triangles, every k-th, and correct the others by the ratio of
+//! the sums over the sample (double sampling: Cochran, Sampling Techniques, chapter 12 (1977)).
+//! The largest |d| is looked for at the cheap points of all triangles, and at the dear ones of
+//! the triangles of the sample and of those where it is large already.
 
 use super::implicit::ImplicitSolid;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// The seven points: the centroid, and two orbits of three with this barycentric coordinate twice, by
-/// their weights.
+/// Weights of the centroid and of each corner.
+const CHEAP_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
+/// The seven points: the centroid, and two orbits of three with this barycentric coordinate twice,
+/// by their weights.
 const CENTROID_WEIGHT: f64 = 9.0 / 40.0;
 const ORBITS: [(f64, f64); 2] = [
     // (6 ∓ √15) / 21 and (155 ∓ √15) / 1200.
     (0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
     (0.470_142_064_105_115_1, 0.132_394_152_788_506_2),
 ];
+/// At least this many triangles are sampled, if there are that many.
+const FEWEST_SAMPLED: usize = 2500;
+/// Triangles with a |d| above this share of the largest may hold a larger one.
+const LARGE: f64 = 0.5;
 
 /// The distance of a mesh from the surface that it stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deviation {
-    /// Root of the mean squared distance over the area of the mesh, Å.
+    /// Root of the mean squared distance over the area of the mesh, Å. Of meshes with more than
+    /// 5000 triangles it is an estimate, good to about one percent.
     pub rms_angstrom: f64,
     /// The largest distance found, Å.
     pub largest_angstrom: f64,
 }
 
 impl Deviation {
-    /// Samples the distance of a closed mesh from the surface of `solid`, fifteen times per
-    /// vertex of the mesh.
+    /// Samples the distance of a closed mesh from the surface of `solid`, three times per vertex of
+    /// the mesh and six times per triangle of the sample.
     ///
     /// ```
     /// use protomer_body::surface::{Arrangement, Deviation, MeshSettings, SesSolid, mesh_solid};
@@ -42,36 +55,79 @@ impl Deviation {
     /// # Ok::<(), protomer_body::BodyError>(())
     /// ```
     pub fn of(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Self {
-        let mut largest = 0.0_f64;
-        let mut square_at = |point: &Vec3| {
-            let distance = solid.signed_distance(point).abs();
-            largest = largest.max(distance);
-            distance * distance
-        };
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for triangle in 0..mesh.triangles.len() {
-            let [a, b, c] = mesh.corners(triangle);
-            let area = 0.5 * (b - a).cross(&(c - a)).norm();
-            let corners = a + b + c;
-            let mut mean = CENTROID_WEIGHT * square_at(&(corners / 3.0));
-            for (twice, orbit_weight) in ORBITS {
-                for corner in [a, b, c] {
-                    let point = corners * twice + corner * (1.0 - 3.0 * twice);
-                    mean += orbit_weight * square_at(&point);
-                }
+        let every = (mesh.triangles.len() / FEWEST_SAMPLED).max(1);
+        sampled(mesh, solid, every)
+    }
+}
+
+/// The deviation with every so many triangles in the sample.
+fn sampled(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, every: usize) -> Deviation {
+    let square_at = |point: &Vec3| solid.signed_distance(point).powi(2);
+    let at_vertices: Vec<f64> = mesh.vertices.iter().map(square_at).collect();
+    let at_centroids: Vec<f64> = (0..mesh.triangles.len())
+        .map(|triangle| square_at(&centroid(&mesh.corners(triangle))))
+        .collect();
+    let mut largest = at_vertices
+        .iter()
+        .chain(&at_centroids)
+        .fold(0.0, |largest, square| f64::max(largest, *square));
+    let large = LARGE * LARGE * largest;
+    let (mut area, mut cheap) = (0.0, 0.0);
+    let (mut cheap_sampled, mut dear_sampled) = (0.0, 0.0);
+    for (triangle, at_centroid) in at_centroids.into_iter().enumerate() {
+        let corners = mesh.corners(triangle);
+        let size = area_of(&corners);
+        let at_corners = mesh.triangles[triangle].map(|vertex| at_vertices[vertex as usize]);
+        let (of_centroid, of_corner) = CHEAP_WEIGHTS;
+        let mean = of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>();
+        area += size;
+        cheap += size * mean;
+        let is_sampled = triangle % every == 0;
+        let is_large = at_corners.iter().any(|square| *square > large) || at_centroid > large;
+        if is_sampled || is_large {
+            let (dear, largest_here) = seven_points(&corners, at_centroid, square_at);
+            largest = largest.max(largest_here);
+            if is_sampled {
+                cheap_sampled += size * mean;
+                dear_sampled += size * dear;
             }
-            sum += area * mean;
-            weight += area;
-        }
-        for vertex in &mesh.vertices {
-            square_at(vertex);
-        }
-        let square: f64 = sum / f64::max(weight, f64::MIN_POSITIVE);
-        Self {
-            rms_angstrom: square.sqrt(),
-            largest_angstrom: largest,
         }
     }
+    let ratio = if cheap_sampled > 0.0 {
+        dear_sampled / cheap_sampled
+    } else {
+        1.0
+    };
+    Deviation {
+        rms_angstrom: (ratio * cheap / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
+        largest_angstrom: largest.sqrt(),
+    }
+}
+
+/// The mean of a function over a triangle from seven points, and its largest value at them.
+fn seven_points(
+    corners: &[Vec3; 3],
+    at_centroid: f64,
+    function: impl Fn(&Vec3) -> f64,
+) -> (f64, f64) {
+    let sum: Vec3 = corners.iter().sum();
+    let (mut mean, mut largest) = (CENTROID_WEIGHT * at_centroid, at_centroid);
+    for (twice, weight) in ORBITS {
+        for corner in corners {
+            let value = function(&(sum * twice + corner * (1.0 - 3.0 * twice)));
+            mean += weight * value;
+            largest = largest.max(value);
+        }
+    }
+    (mean, largest)
+}
+
+fn centroid([a, b, c]: &[Vec3; 3]) -> Vec3 {
+    (a + b + c) / 3.0
+}
+
+fn area_of([a, b, c]: &[Vec3; 3]) -> f64 {
+    0.5 * (b - a).cross(&(c - a)).norm()
 }
 
 #[cfg(test)]
@@ -80,7 +136,7 @@ mod tests {
     use crate::surface::{MeshSettings, solvent_excluded_surface};
 
     /// The slow twin: the centres of the 256 equal parts of every triangle.
-    fn sampled(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Deviation {
+    fn of_many_points(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Deviation {
         const STEPS: usize = 16;
         let (mut sum, mut weight, mut largest) = (0.0, 0.0, 0.0_f64);
         for triangle in 0..mesh.triangles.len() {
@@ -114,11 +170,28 @@ mod tests {
         for (centres, radii) in cases {
             let settings = MeshSettings::default();
             let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
-            let expected = sampled(&surface.mesh, surface.solid());
+            let expected = of_many_points(&surface.mesh, surface.solid());
             let found = surface.deviation();
             let relative = found.rms_angstrom / expected.rms_angstrom - 1.0;
             assert!(relative.abs() < 0.05, "{relative} {found:?} {expected:?}");
             assert!(found.largest_angstrom > 0.8 * expected.largest_angstrom);
+        }
+    }
+
+    /// The slow twin: all seven points of every triangle.
+    #[test]
+    fn a_sample_of_the_triangles_says_what_all_of_them_say() {
+        for (centres, radii) in crate::surface::test_support::clusters(3, 150..200) {
+            let settings = MeshSettings::default();
+            let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
+            let all = sampled(&surface.mesh, surface.solid(), 1);
+            for every in [2, 5, 11] {
+                let some = sampled(&surface.mesh, surface.solid(), every);
+                let relative = some.rms_angstrom / all.rms_angstrom - 1.0;
+                assert!(relative.abs() < 0.05, "{every}: {relative}");
+                let largest = some.largest_angstrom / all.largest_angstrom;
+                assert!(largest > 0.9 && largest <= 1.0, "{every}: {largest}");
+            }
         }
     }
 
