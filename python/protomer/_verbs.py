@@ -1343,6 +1343,9 @@ def phase_diagram(
     *,
     size_ratio: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     reservoir: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    fluid: Path | str | None = None,
+    crystal: Path | str | Sequence[Path | str] | None = None,
+    free_energy: Path | str | Sequence[Path | str] | None = None,
     branch: Path | str | Sequence[Path | str] | None = None,
     output: Path | str | None = None,
     threads: int | str | None = None,
@@ -1352,9 +1355,11 @@ def phase_diagram(
     """Print the phases that coexist: their packing fractions, pressure and chemical potential. With
     `--size-ratio` and `--reservoir`, hard spheres among penetrable depletants by free volume theory: the
     fluid of Carnahan and Starling, the cell model of the crystal, free volumes of scaled particle theory.
-    With `--branch`, tables of free energies: two columns, a packing fraction (or density) and the free energy
-    per volume, one file per phase. Pressures are in units of kT over the volume of a sphere, chemical
-    potentials in kT; with tables both are in the units of the tables.
+    With `--fluid`, `--crystal` and `--free-energy`, any bodies, by what `hpmc sweep` and `free-energy`
+    measured, with errors; with `--reservoir` among the depletants whose free volumes were measured. With
+    `--branch`, tables of free energies: two columns, a packing fraction (or density) and the free energy per
+    volume, one file per phase. Pressures are in units of kT over the volume of a body, chemical potentials in
+    kT; with tables both are in the units of the tables.
 
     Parameters
     ----------
@@ -1362,6 +1367,12 @@ def phase_diagram(
         Radius of the depletants over that of the spheres; several with commas between them
     reservoir
         Packing fraction of the depletants in the reservoir; several with commas between them
+    fluid
+        Directory of the `hpmc sweep` of a fluid over packing fractions
+    crystal
+        Directory of the `hpmc sweep` of a crystal; once per crystal, each with its --free-energy
+    free_energy
+        Directory of the `free-energy` of a crystal, in the order of the crystals
     branch
         Table of the free energy of a phase; once per phase
     output
@@ -1402,6 +1413,9 @@ def phase_diagram(
         {
             "--size-ratio": size_ratio,
             "--reservoir": reservoir,
+            "--fluid": fluid,
+            "--crystal": crystal,
+            "--free-energy": free_energy,
             "--branch": branch,
             "--output": output,
             "--threads": threads,

@@ -17,14 +17,12 @@ from pathlib import Path
 SHAPE = "truncated-tetrahedron:0.6666666666666666"
 BODIES = 216
 CRYSTALS = ["diamond", "hexagonal-diamond"]
-SIZE_RATIOS = [0.1, 0.2]
+SIZE_RATIOS = [0.1, 0.2, 0.3]
 FLUID = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5]
 CRYSTAL = [0.5, 0.54, 0.58, 0.62, 0.66, 0.7, 0.74]
 # Where the free energies of the crystals are computed.
 ANCHOR = 0.62
 RESERVOIRS = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3]
-# Steps between points of the tables of free energies.
-STEP = 0.005
 
 
 class Campaign:
@@ -39,16 +37,19 @@ class Campaign:
         command = [self.protomer, *map(str, words), "--json"]
         return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
+    def directory(self, phase: str, q: float) -> Path:
+        return self.output / f"q{q}" / phase
+
     def sweep(self, start: str, packings: list[float], radii: list[float], insertions: int) -> list[dict]:
         equations = []
         # The free volume of the first depletant is in the table: one sweep for each size.
-        for radius in radii:
+        for q, radius in zip(SIZE_RATIOS, radii):
             equation = self.ask(
                 *("hpmc", "sweep", "--shape", SHAPE, "--bodies", BODIES, "--start", start),
                 *("--packing-fractions", ",".join(map(str, packings)), "--insertions", insertions),
                 *("--depletants", f"{radius}:0", "--points", 40 * BODIES, "--sample-every", 20),
                 *("--equilibration", 1500, "--sweeps", self.sweeps, "--trajectory-every", 0),
-                *("-o", self.output / f"{start}_{radius:.4f}"),
+                *("-o", self.directory(start, q)),
             )
             equations.append(equation["points"])
         return equations
@@ -60,51 +61,16 @@ class Campaign:
             *("-o", self.output / f"free_energy_{crystal}"),
         )
 
-
-def interpolate(x: list[float], y: list[float], at: float) -> float:
-    """Through the four nearest points (Lagrange)."""
-    nearest = sorted(range(len(x)), key=lambda i: abs(x[i] - at))[:4]
-    total = 0.0
-    for i in nearest:
-        term = y[i]
-        for j in nearest:
-            if j != i:
-                term *= (at - x[j]) / (x[i] - x[j])
-        total += term
-    return total
-
-
-def integral(function, low: float, high: float, parts: int = 200) -> float:
-    """Simpson's rule."""
-    step = (high - low) / parts
-    total = function(low) + function(high)
-    for number in range(1, parts):
-        total += (4 if number % 2 else 2) * function(low + number * step)
-    return total * step / 3
-
-
-def table_of_phase(points: list[dict], free_energy: dict[float, float], volume: float, reservoir: float, radius: float):
-    """Free energy per volume of a body, with what the depletants take: the density of A/V less the
-    reservoir's times the free volume."""
-    x = [point["packing_fraction"] for point in points]
-    free = [math.log(point["free_volume_fraction"]) for point in points]
-    excess = [free_energy[value] for value in x]
-    depletant = 4 / 3 * math.pi * radius**3
-    rows, value = [], x[0]
-    while value <= x[-1] + 1e-9:
-        alpha = math.exp(interpolate(x, free, value))
-        ideal = math.log(value / volume) - 1
-        energy = value * (ideal + interpolate(x, excess, value)) - reservoir * volume / depletant * alpha
-        rows.append((value, energy))
-        value += STEP
-    return rows
-
-
-def excess_of_crystal(points: list[dict], anchor: float) -> dict[float, float]:
-    """Excess free energies from that at the anchor: the integral of (Z - 1)/φ."""
-    x = [point["packing_fraction"] for point in points]
-    y = [(point["compressibility_factor"] - 1) / point["packing_fraction"] for point in points]
-    return {value: anchor + integral(lambda at: interpolate(x, y, at), ANCHOR, value) for value in x}
+    def coexistences(self, q: float) -> list[dict]:
+        crystals: list[object] = []
+        for crystal in CRYSTALS:
+            crystals += ["--crystal", self.directory(crystal, q)]
+            crystals += ["--free-energy", self.output / f"free_energy_{crystal}"]
+        found = self.ask(
+            *("phase-diagram", "--fluid", self.directory("fluid", q), *crystals),
+            *("--reservoir", ",".join(map(str, RESERVOIRS)), "-o", self.output / f"q{q}.svg", "--force"),
+        )
+        return found["coexistences"]
 
 
 def with_error(value: float, error: float | None, digits: int = 4) -> str:
@@ -114,7 +80,6 @@ def with_error(value: float, error: float | None, digits: int = 4) -> str:
 def main() -> None:
     protomer, output, sweeps, free_energy_sweeps = sys.argv[1:]
     campaign = Campaign(protomer, Path(output), sweeps, free_energy_sweeps)
-    shape = campaign.ask("shape", SHAPE)
     corners = 11**0.5 / (6 * 2**0.5)  # circumradius of the solid cut from a tetrahedron with edges of 1
     radii = [q * corners for q in SIZE_RATIOS]
 
@@ -170,30 +135,17 @@ def main() -> None:
     errors = [found["free_energy_per_body_error_kt"] for found in anchors.values()]
     print(f"\nhexagonal - cubic: {with_error(values[1] - values[0], math.hypot(*errors), 5)} kT per body")
 
-    print("\nCoexistence\n\n| q | reservoir | phases | packing fractions | βP v | μ |\n|---|---|---|---|---|---|")
-    for number, (q, radius) in enumerate(zip(SIZE_RATIOS, radii)):
-        for reservoir in RESERVOIRS:
-            branches = []
-            points = {"fluid": fluid[number], **{name: crystals[name][number] for name in CRYSTALS}}
-            for name, found in points.items():
-                if name == "fluid":
-                    energies = {row["packing_fraction"]: row["excess_free_energy_per_body_kt"] for row in found}
-                else:
-                    energies = excess_of_crystal(found, anchors[name]["excess_free_energy_per_body_kt"])
-                path = campaign.output / f"q{q}_r{reservoir}" / f"{name}.txt"
-                path.parent.mkdir(exist_ok=True)
-                rows = table_of_phase(found, energies, shape["volume"], reservoir, radius)
-                path.write_text("".join(f"{x:.6f} {y:.12f}\n" for x, y in rows))
-                branches += ["--branch", str(path)]
-            found = campaign.ask("phase-diagram", *branches)["coexistences"]
-            for tie in found:
-                low, high = tie["packing_fractions"]
-                print(
-                    f"| {q} | {reservoir} | {', '.join(tie['phases'])} | {low:.4f}, {high:.4f} |"
-                    f" {tie['pressure']:.4f} | {tie['chemical_potential']:.4f} |"
-                )
-            if not found:
-                print(f"| {q} | {reservoir} | no coexistence in these branches | | | |")
+    heading = "| q | reservoir | phases | packing fractions | βP v | βμ | share of draws |"
+    print(f"\nCoexistence\n\n{heading}\n|---|---|---|---|---|---|---|")
+    for q in SIZE_RATIOS:
+        for tie in campaign.coexistences(q):
+            low, high = map(with_error, tie["packing_fractions"], tie["packing_fraction_errors"])
+            print(
+                f"| {q} | {tie['reservoir_packing_fraction']} | {', '.join(tie['phases'])} | {low}, {high} |"
+                f" {with_error(tie['pressure'], tie['pressure_error'])} |"
+                f" {with_error(tie['chemical_potential'], tie['chemical_potential_error'])} |"
+                f" {tie['share_of_draws']:.2f} |"
+            )
 
 
 if __name__ == "__main__":

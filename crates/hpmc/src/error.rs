@@ -93,8 +93,8 @@ pub enum Error {
         /// What there is.
         known: &'static str,
     },
-    /// A spline needs more points.
-    #[error("there are {given} points; a spline needs at least {fewest}")]
+    /// A curve needs more points.
+    #[error("there are {given} points; a curve through them needs at least {fewest}")]
     FewPoints {
         /// The number given.
         given: usize,

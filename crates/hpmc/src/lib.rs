@@ -27,6 +27,8 @@
 //! | [`jet`] | numbers with two derivatives |
 //! | [`spline`] | cubic splines |
 //! | [`equation_of_state`] | free energies of fluids by integration |
+//! | [`polynomial`] | polynomials through measured values, as smooth as their errors allow |
+//! | [`measured_phase`] | free energies of phases from what simulations measured |
 //! | [`tangent`] | coexistence by common tangents |
 //! | [`free_volume_theory`] | phases of spheres and depletants by theory |
 //!
@@ -47,6 +49,8 @@ pub mod frenkel_ladd;
 mod grid;
 pub mod heights;
 pub mod jet;
+pub mod measured_phase;
+pub mod polynomial;
 mod quadrature;
 pub mod reservoir;
 pub mod simulation;

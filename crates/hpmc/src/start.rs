@@ -24,6 +24,9 @@ const FIRST_SHRINKING: f64 = 0.01;
 const LARGEST_SHRINKING: f64 = 0.02;
 /// Bodies that can be compressed by less than this part have jammed.
 const JAMMED: f64 = 1e-5;
+/// Bodies that must be compressed begin with so many times the room of balls that touch on a lattice, in
+/// which round bodies could not move at all.
+const ROOM_AT_FIRST: f64 = 1.05;
 /// Sweeps that may remove the overlaps of a shrinking.
 const REPAIR_SWEEPS: usize = 100;
 /// Moves of a body that overlaps, in one of these sweeps.
@@ -132,7 +135,9 @@ fn random_fluid<const D: usize>(
     let mut scale: f64 = 1.0;
     for (edge, sites) in edges.iter().zip(per_edge) {
         let wide = edge.max(sites as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
-        scale = scale.max(wide / edge);
+        if wide > *edge {
+            scale = scale.max(ROOM_AT_FIRST * wide / edge);
+        }
     }
     let wide = edges.map(|edge| edge * scale);
     let sites: usize = per_edge.iter().product();
@@ -340,5 +345,23 @@ impl<const D: usize> Compressor<D> {
             self.system.overlaps_of(&here, |_| true) > 0
         };
         (0..self.system.len()).filter(overlaps).collect()
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::shape::Shape;
+
+    /// Balls on a lattice in which they touch cannot move; they must not begin there.
+    #[test]
+    fn balls_are_compressed_beyond_the_lattice_on_which_they_begin() {
+        let point = Shape::solid(&[Vec3::zeros()]).unwrap();
+        let ball = HardBody::<3>::new(&point, 0.5).unwrap();
+        for bodies in [108, 125] {
+            let (system, _) = Start::fluid(bodies, 0.5).make(&ball, &[], 1).unwrap();
+            assert_eq!(system.positions.len(), bodies);
+        }
     }
 }

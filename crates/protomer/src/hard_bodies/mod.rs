@@ -9,7 +9,7 @@
 //! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
 //! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
-//! | [`phases`] | coexisting phases of spheres and depletants by free volume theory |
+//! | [`phases`] | coexisting phases: by theory, from tables, or from what sweeps and free energies measured |
 //! | [`static_free_volume`] | free volumes of crystals that do not move |
 
 pub mod free_energy;

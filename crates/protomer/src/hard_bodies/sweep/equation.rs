@@ -18,6 +18,9 @@ pub struct EquationOfState {
     pub dimension: usize,
     /// Volume of a body.
     pub body_volume: f64,
+    /// Second virial coefficient over that, for a fluid of the bodies alone.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub b2_over_volume: Option<f64>,
     /// Each condition, in the order of the packing fractions.
     pub points: Vec<StatePoint>,
 }

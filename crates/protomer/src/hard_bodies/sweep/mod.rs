@@ -305,13 +305,15 @@ impl Campaign for Sweep<'_> {
             .map(|runs: &Vec<HardBodyResult>| StatePoint::of(runs))
             .collect();
         points.sort_by(|a, b| a.packing_fraction.total_cmp(&b.packing_fraction));
-        if let Some(b2_over_volume) = self.b2_over_volume()? {
+        let b2_over_volume = self.b2_over_volume()?;
+        if let Some(b2_over_volume) = b2_over_volume {
             integrate(&mut points, b2_over_volume)?;
         }
         let equation = EquationOfState {
             settings: self.settings.clone(),
             dimension: self.shape.dimension(),
             body_volume: self.body_volume()?,
+            b2_over_volume,
             points,
         };
         write_results(&equation, self.path)?;
