@@ -287,8 +287,7 @@ impl Engine {
             Some(energy) => energy,
             None => self.costs(interaction, trials)?.fastest(),
         };
-        let by_levels = !matches!(energy, EnergyMode::Direct | EnergyMode::None);
-        if by_levels && interaction.cutoff_angstrom.is_finite() {
+        if energy.is_by_levels() && interaction.cutoff_angstrom.is_finite() {
             bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");
         }
         let interaction = match energy {

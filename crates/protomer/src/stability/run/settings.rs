@@ -162,6 +162,11 @@ pub enum Promise {
 }
 
 impl EnergyMode {
+    /// Whether energies have no cut-off and are computed no further than a decision needs.
+    pub fn is_by_levels(self) -> bool {
+        !matches!(self, EnergyMode::Direct | EnergyMode::None)
+    }
+
     /// In what sense this mode makes the decisions of the direct sum.
     pub fn promise(self) -> Promise {
         match self {
@@ -402,6 +407,11 @@ impl RunSettings {
                     index + 1
                 );
             }
+        }
+        if self.energy.is_some_and(EnergyMode::is_by_levels)
+            && self.medium.cutoff_angstrom.is_some()
+        {
+            bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");
         }
         if self.simulations() > LARGEST_NUMBER_OF_SIMULATIONS {
             bail!(
