@@ -17,9 +17,11 @@ from .results import (
     BenchResult,
     CompareResult,
     FrameworkResult,
+    HardBodySweepResult,
     LatticeResult,
     LatticeSweepResult,
     PairResult,
+    PhaseDiagramResult,
     PotentialResult,
     PredictResult,
     Result,
@@ -1037,7 +1039,7 @@ class _Hpmc:
         threads: int | str | None = None,
         force: bool = False,
         progress: Callable[[int, int, str], None] | None = None,
-    ) -> Result:
+    ) -> HardBodySweepResult:
         """Run hard bodies at several packing fractions or pressures, once per seed, on all threads: the equation
         of state as a table and a figure. The same command continues a sweep; more sweeps, packing fractions,
         pressures and seeds extend it. Over packing fractions of a fluid, the excess free energy is integrated
@@ -1103,7 +1105,7 @@ class _Hpmc:
 
         Returns
         -------
-        Result
+        HardBodySweepResult
             The fields that `--json` prints, as attributes
 
         Raises
@@ -1120,7 +1122,7 @@ class _Hpmc:
             If the time was over before the end; the same call continues it
         """
         return call(
-            Result,
+            HardBodySweepResult,
             ["hpmc", "sweep"],
             [],
             {
@@ -1351,7 +1353,7 @@ def phase_diagram(
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
-) -> Result:
+) -> PhaseDiagramResult:
     """Print the phases that coexist: their packing fractions, pressure and chemical potential. With
     `--size-ratio` and `--reservoir`, hard spheres among penetrable depletants by free volume theory: the
     fluid of Carnahan and Starling, the cell model of the crystal, free volumes of scaled particle theory.
@@ -1387,7 +1389,7 @@ def phase_diagram(
 
     Returns
     -------
-    Result
+    PhaseDiagramResult
         The fields that `--json` prints, as attributes
 
     Raises
@@ -1407,7 +1409,7 @@ def phase_diagram(
     >>> pm.phase_diagram(branch=["fluid.txt", "solid.txt"])  # doctest: +SKIP
     """
     return call(
-        Result,
+        PhaseDiagramResult,
         ["phase-diagram"],
         [],
         {

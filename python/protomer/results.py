@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ._assembly import Assembly, Trajectory, nearest
 from ._errors import unknown
 from ._log import read_log
+from ._phases import HardBodySweepResult, PhaseDiagramResult
 from ._result import Result, missing, new_axes, numbers
 
 if TYPE_CHECKING:
@@ -24,9 +25,11 @@ __all__ = [
     "BenchResult",
     "CompareResult",
     "FrameworkResult",
+    "HardBodySweepResult",
     "LatticeResult",
     "LatticeSweepResult",
     "PairResult",
+    "PhaseDiagramResult",
     "PotentialResult",
     "PredictResult",
     "Result",

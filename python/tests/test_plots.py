@@ -235,6 +235,39 @@ def test_counts_of_structures():
     assert [bar.get_height() for bar in axes.patches] == [4, 2, 1] and axes.get_ylabel() == "structures"
 
 
+def test_phases_that_coexist():
+    ties = [
+        {"phases": ["fluid", "fcc"], "packing_fractions": [0.49, 0.54], "reservoir_packing_fraction": 0.0},
+        {
+            "phases": ["fluid", "fcc"],
+            "packing_fractions": [0.48, 0.57],
+            "packing_fraction_errors": [0.01, 0.02],
+            "reservoir_packing_fraction": 0.1,
+        },
+        {"phases": ["gas", "liquid"], "packing_fractions": [0.1, 0.3], "reservoir_packing_fraction": 0.2},
+    ]
+    phases = pm.PhaseDiagramResult({"coexistences": ties})
+    np.testing.assert_array_equal(phases.packing_fraction_errors[1], [0.01, 0.02])
+    assert np.isnan(phases.packing_fraction_errors[0]).all()
+    axes = phases.plot()
+    assert legend(axes) == ["fluid, fcc", "gas, liquid"]
+    np.testing.assert_array_equal(axes.lines[0].get_xydata(), [[0.49, 0.0], [0.54, 0.0]])
+    without = pm.PhaseDiagramResult({"coexistences": []})
+    with pytest.raises(ValueError, match="no coexistence"):
+        without.plot()
+
+
+def test_equations_of_state():
+    points = [
+        {"packing_fraction": 0.1, "compressibility_factor": 1.5, "compressibility_factor_error": 0.1},
+        {"packing_fraction": 0.2, "compressibility_factor": 2.5, "compressibility_factor_error": None},
+    ]
+    sweep = pm.HardBodySweepResult({"points": points})
+    assert np.isnan(sweep.free_volume_fraction).all() and np.isnan(sweep.compressibility_factor_error[1])
+    axes = sweep.plot()
+    assert labels(axes) == ("packing fraction", "compressibility factor")
+
+
 def test_speeds():
     rows = [
         {"charges": charges, "energy": energy, "moves_per_cpu_second": 1e6 / charges * factor}

@@ -38,13 +38,15 @@ const SHARED: [(&str, &str, &str); 2] = [
     ),
 ];
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 14] = [
+const RESULTS: [(&str, &str); 16] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
+    ("hpmc sweep", "HardBodySweepResult"),
     ("lattice run", "LatticeResult"),
     ("lattice sweep", "LatticeSweepResult"),
     ("pair", "PairResult"),
+    ("phase-diagram", "PhaseDiagramResult"),
     ("potential", "PotentialResult"),
     ("predict", "PredictResult"),
     ("scattering", "ScatteringResult"),
