@@ -1,12 +1,11 @@
 //! Groups of samples dealt out to the parts of a split.
 
 use super::shuffle;
+use crate::Result;
 use crate::error::refuse;
-use crate::{Description, Result};
 use protomer_kernel::random::{CounterRng, Purpose};
 use std::array;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet};
 
 /// Parts of a split.
 const PARTS: usize = 3;
@@ -20,13 +19,13 @@ const LEAST_GAIN: f64 = 1e-12;
 /// with n_pk samples of the label k in the part p, N_k in all, K labels, and f_p the share the part
 /// should have. Groups of one size go in a random order.
 pub(super) fn assign(
-    groups: &[Vec<usize>],
-    descriptions: &[Description],
+    groups: &[impl AsRef<[usize]>],
+    labels: &[u32],
     seed: u64,
     shares: [f64; PARTS],
 ) -> Result<[Vec<usize>; PARTS]> {
     check(&shares)?;
-    let counter = Counter::new(descriptions);
+    let counter = Counter::new(labels);
     let mut filling = Filling::new(shares, counter.all());
     let mut parts: [Vec<usize>; PARTS] = array::from_fn(|_| Vec::new());
     for group in largest_first(groups, seed) {
@@ -56,8 +55,8 @@ fn check(shares: &[f64; PARTS]) -> Result<()> {
     Ok(())
 }
 
-fn largest_first(groups: &[Vec<usize>], seed: u64) -> Vec<&Vec<usize>> {
-    let mut order: Vec<&Vec<usize>> = groups.iter().collect();
+fn largest_first(groups: &[impl AsRef<[usize]>], seed: u64) -> Vec<&[usize]> {
+    let mut order: Vec<&[usize]> = groups.iter().map(AsRef::as_ref).collect();
     shuffle(
         &mut order,
         &mut CounterRng::for_purpose(seed, 0, 0, Purpose::Split),
@@ -68,30 +67,23 @@ fn largest_first(groups: &[Vec<usize>], seed: u64) -> Vec<&Vec<usize>> {
 }
 
 /// Counts samples by label.
-struct Counter {
-    /// The number of the label of each sample.
-    labels: Vec<usize>,
+struct Counter<'a> {
+    /// The rank of the label of each sample.
+    labels: &'a [u32],
     count: usize,
 }
 
-impl Counter {
-    fn new(descriptions: &[Description]) -> Self {
-        let names: BTreeSet<&str> = descriptions.iter().map(|known| &*known.label).collect();
-        let numbers: BTreeMap<&str, usize> = names.into_iter().zip(0..).collect();
-        Self {
-            labels: descriptions
-                .iter()
-                .map(|known| numbers[&*known.label])
-                .collect(),
-            count: numbers.len(),
-        }
+impl<'a> Counter<'a> {
+    fn new(labels: &'a [u32]) -> Self {
+        let count = labels.iter().max().map_or(0, |last| *last as usize + 1);
+        Self { labels, count }
     }
 
     /// Samples of each label, and in the last place all of them.
     fn of(&self, samples: &[usize]) -> Vec<f64> {
         let mut counts = vec![0.0; self.count + 1];
         for sample in samples {
-            counts[self.labels[*sample]] += 1.0;
+            counts[self.labels[*sample] as usize] += 1.0;
         }
         counts[self.count] = samples.len() as f64;
         counts

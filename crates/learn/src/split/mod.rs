@@ -4,6 +4,9 @@
 //! clusters move, and labels are spread as evenly as the clusters allow.
 
 mod assign;
+mod ranks;
+
+pub use ranks::{Ranks, ranks};
 
 use crate::error::refuse;
 use crate::{Description, LearnError, Result};
@@ -76,7 +79,43 @@ impl Split {
     /// [`LearnError::Sample`] for a sample without a cluster. [`LearnError::Settings`] if fractions
     /// do not sum to 1 or clusters are too few to fill every part.
     pub fn grouped(descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Self> {
-        Self::of_groups(&clusters(descriptions)?, descriptions, seed, fractions)
+        let labels = ranks(descriptions.iter().map(|known| &known.label));
+        Self::of_groups(&clusters(descriptions)?, &labels, seed, fractions)
+    }
+
+    /// The split of [`Split::grouped`] by the [`ranks`] of the labels and clusters among their
+    /// names: all it depends on, in a fraction of the memory.
+    ///
+    /// ```
+    /// use protomer_learn::split::{Fractions, Split, ranks};
+    ///
+    /// let labels = ranks((0..80).map(|number| number % 2));
+    /// let clusters = ranks((0..80).map(|number| number / 4));
+    /// let split = Split::by_ranks(&labels, &clusters, 1, Fractions::default())?;
+    /// assert_eq!([split.training.len(), split.validation.len(), split.test.len()], [56, 12, 12]);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LearnError::Settings`] as for [`Split::grouped`], and if there are not as many labels as
+    /// clusters.
+    pub fn by_ranks(
+        labels: &[u32],
+        clusters: &[u32],
+        seed: u64,
+        fractions: Fractions,
+    ) -> Result<Self> {
+        if labels.len() != clusters.len() {
+            let (labels, clusters) = (labels.len(), clusters.len());
+            return refuse(format!(
+                "{labels} labels and {clusters} clusters; give both of each sample"
+            ));
+        }
+        let mut samples: Vec<usize> = (0..clusters.len()).collect();
+        samples.sort_by_key(|sample| clusters[*sample]);
+        let groups = samples.chunk_by(|one, other| clusters[*one] == clusters[*other]);
+        let groups: Vec<&[usize]> = groups.collect();
+        Self::of_groups(&groups, labels, seed, fractions)
     }
 
     /// Every sample on its own, with relatives on both sides. The difference to [`Split::grouped`]
@@ -99,17 +138,18 @@ impl Split {
     /// [`LearnError::Settings`] as for [`Split::grouped`].
     pub fn random(descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Self> {
         let alone: Vec<_> = (0..descriptions.len()).map(|sample| vec![sample]).collect();
-        Self::of_groups(&alone, descriptions, seed, fractions)
+        let labels = ranks(descriptions.iter().map(|known| &known.label));
+        Self::of_groups(&alone, &labels, seed, fractions)
     }
 
     fn of_groups(
-        groups: &[Vec<usize>],
-        descriptions: &[Description],
+        groups: &[impl AsRef<[usize]>],
+        labels: &[u32],
         seed: u64,
         fractions: Fractions,
     ) -> Result<Self> {
         let shares = [fractions.training, fractions.validation, fractions.test];
-        let [training, validation, test] = assign::assign(groups, descriptions, seed, shares)?;
+        let [training, validation, test] = assign::assign(groups, labels, seed, shares)?;
         Ok(Self {
             training,
             validation,
@@ -289,6 +329,19 @@ mod tests {
         let split = |seed| Split::grouped(&samples, seed, Fractions::default()).unwrap();
         assert_eq!(split(1), split(1));
         assert_ne!(split(1), split(2));
+    }
+
+    #[test]
+    fn ranks_say_as_much_as_names() {
+        for count in [9, 60, 200] {
+            let samples = set(count);
+            let labels = ranks(samples.iter().map(|known| &known.label));
+            let clusters = ranks(samples.iter().map(|known| known.cluster.clone()));
+            let by_names = Split::grouped(&samples, 5, Fractions::default()).unwrap();
+            let by_ranks = Split::by_ranks(&labels, &clusters, 5, Fractions::default());
+            assert_eq!(by_ranks.unwrap(), by_names);
+        }
+        assert!(Split::by_ranks(&[0, 1], &[0], 1, Fractions::default()).is_err());
     }
 
     #[test]
