@@ -1,7 +1,7 @@
 //! Files that appear under their name only when they are complete.
 
+use crate::digest::Digest;
 use crate::{IoError, Result};
-use sha2::{Digest, Sha256};
 use std::fs::{self, File, OpenOptions};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -151,11 +151,7 @@ fn sync_folder(_: &Path) -> Result<()> {
 /// assert_eq!(hash, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 /// ```
 pub fn sha256_hex(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(64);
-    for byte in Sha256::digest(bytes) {
-        text.push_str(&format!("{byte:02x}"));
-    }
-    text
+    Digest::of(bytes).to_string()
 }
 
 #[cfg(test)]

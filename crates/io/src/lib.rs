@@ -15,11 +15,13 @@
 //! | [`zarr`] | sparse voxel sets as zarr v3 groups |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
+//! | [`digest`] | SHA-256, of text as it is written too |
 
 pub mod atomic;
 mod bytes;
 pub mod container;
 pub mod csv;
+pub mod digest;
 mod error;
 pub mod gsd;
 pub mod gzip;

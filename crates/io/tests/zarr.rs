@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 use protomer_io::zarr::layout::elements_per_file;
-use protomer_io::zarr::{SetReader, SetWriter, StoredSample};
+use protomer_io::zarr::{SampleReader, SetPlan, SetReader, SetWriter, StoredSample, attributes};
 use serde_json::{Map, json};
 use std::path::{Path, PathBuf};
 
@@ -17,21 +17,26 @@ fn names(words: &[&str]) -> Vec<String> {
 /// Writes samples of the channels `shape` (implied) and `potential`.
 fn write(path: &Path, samples: &[StoredSample]) {
     let voxels = samples.iter().map(|sample| sample.index.len() as u64).sum();
-    let channels = names(&["shape", "potential"]);
-    let mut writer = SetWriter::create(path, SIZE, &channels, &names(&["shape"]), voxels).unwrap();
-    for sample in samples {
-        writer.push(&sample.index, &[&sample.values[1]]).unwrap();
+    let plan = SetPlan {
+        size: SIZE,
+        channels: names(&["shape", "potential"]),
+        implied: names(&["shape"]),
+        columns: names(&["one", "two"]),
+        samples: samples.len() as u64,
+        voxels,
+    };
+    let mut writer = SetWriter::create(path, plan).unwrap();
+    for (number, sample) in samples.iter().enumerate() {
+        let row = [number as f64, 0.5 * number as f64];
+        writer
+            .push(&sample.index, &[&sample.values[1]], &row)
+            .unwrap();
     }
-    let rows: Vec<f64> = (0..samples.len())
-        .flat_map(|sample| [sample as f64, 0.5 * sample as f64])
-        .collect();
     let list: Vec<String> = (0..samples.len())
         .map(|sample| format!("name{sample}"))
         .collect();
     let attributes = Map::from_iter([("samples".to_owned(), json!({"name": list}))]);
-    writer
-        .finish(&names(&["one", "two"]), &rows, attributes)
-        .unwrap();
+    writer.finish(&attributes).unwrap();
 }
 
 /// A sample of `count` voxels with values that half precision holds exactly.
@@ -208,6 +213,53 @@ fn the_same_samples_give_the_same_files() {
     }
 }
 
+/// The table of a large set is cut into files; reading it whole and reading it file by file give the
+/// same rows.
+#[test]
+fn a_long_table_is_read_in_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let samples: Vec<StoredSample> = (0..2500).map(|number| sample(number % 3, 1)).collect();
+    write(folder.path(), &samples);
+    let table = folder.path().join("properties/c");
+    assert_eq!(files(&table).len(), 3);
+    let whole = SetReader::open(folder.path()).unwrap();
+    let open = || SampleReader::open(folder.path()).unwrap();
+    let parts: Vec<f64> = open()
+        .table()
+        .parts()
+        .flat_map(|part| part.unwrap())
+        .collect();
+    let rows: Vec<f64> = (0..whole.len())
+        .flat_map(|n| whole.row(n).to_vec())
+        .collect();
+    assert_eq!(whole.row(2499), [2499.0, 1249.5]);
+    assert_eq!(parts, rows);
+    std::fs::write(table.join("1/0"), "damaged").unwrap();
+    assert!(SetReader::open(folder.path()).is_err());
+    let readable = open()
+        .table()
+        .parts()
+        .map(|part| part.is_ok())
+        .collect::<Vec<_>>();
+    assert_eq!(readable, [true, false, true]);
+}
+
+/// The twin: all attributes in memory.
+#[test]
+fn some_attributes_are_read_without_the_others() {
+    #[derive(serde::Deserialize)]
+    struct Some {
+        size: usize,
+        channels: Vec<String>,
+    }
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[sample(50, 1), sample(70, 2)]);
+    let some: Some = attributes(folder.path()).unwrap();
+    let all = SetReader::open(folder.path()).unwrap();
+    assert_eq!(json!(some.size), all.attributes()["size"]);
+    assert_eq!(json!(some.channels), all.attributes()["channels"]);
+}
+
 #[test]
 fn large_arrays_are_cut_into_files() {
     assert_eq!(
@@ -220,7 +272,15 @@ fn large_arrays_are_cut_into_files() {
 fn what_a_set_cannot_hold_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let create = |channels: &[&str], implied: &[&str]| {
-        SetWriter::create(folder.path(), SIZE, &names(channels), &names(implied), 2)
+        let plan = SetPlan {
+            size: SIZE,
+            channels: names(channels),
+            implied: names(implied),
+            columns: Vec::new(),
+            samples: 1,
+            voxels: 2,
+        };
+        SetWriter::create(folder.path(), plan)
     };
     for (channels, implied) in [
         (&["a/b"][..], &[][..]),
@@ -241,19 +301,20 @@ fn what_a_set_cannot_hold_is_refused() {
         (vec![1, 2], vec![0.0, 1e5]),
     ] {
         assert!(
-            writer.push(&index, &[&values]).is_err(),
+            writer.push(&index, &[&values], &[]).is_err(),
             "{index:?} {values:?}"
         );
     }
-    assert!(writer.push(&[1, 2], &[&[0.0, f32::NAN]]).is_err());
-    writer.push(&[1], &[&[1.0]]).unwrap();
+    assert!(writer.push(&[1, 2], &[&[0.0, f32::NAN]], &[]).is_err());
     assert!(
-        writer
-            .finish(&[], &[], Map::new())
-            .unwrap_err()
-            .to_string()
-            .contains("1 voxels were pushed, 2 were promised")
+        writer.push(&[1], &[&[1.0]], &[0.5]).is_err(),
+        "a number too many"
     );
+    let unfinished = |writer: SetWriter| writer.finish(&Map::new()).unwrap_err().to_string();
+    assert!(unfinished(writer).contains("0 samples were pushed, 1 were promised"));
+    let mut writer = create(&["a"], &[]).unwrap();
+    writer.push(&[1], &[&[1.0]], &[]).unwrap();
+    assert!(unfinished(writer).contains("1 voxels were pushed, 2 were promised"));
     assert!(SetReader::open(folder.path()).is_err(), "an unfinished set");
     assert!(SetReader::open(Path::new("/no/such/set.zarr")).is_err());
 }

@@ -2,16 +2,20 @@
 //! directories that hold none.
 
 use crate::common::{is_ok, program};
+use anyhow::Result;
 use protomer_field::voxels::Voxels;
 use protomer_learn::controls::{Control, Form, Variant};
 use protomer_learn::{InMemory, SparseGrid};
 use protomer_training::learning::train::TrainSettings;
 use protomer_training::voxels::VoxelizeSettings;
-use protomer_training::voxels::records::{SampleRecord, SetContent};
+use protomer_training::voxels::attributes::Making;
+use protomer_training::voxels::content::Content;
+use protomer_training::voxels::records::Exclusion;
 use protomer_training::voxels::row::Row;
-use protomer_training::voxels::set::{attributes, write};
+use protomer_training::voxels::set;
 use protomer_training::voxels::structure::Properties;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -62,61 +66,85 @@ impl Place {
     }
 
     fn write_set(&self, name: &str, samples: usize, seed: u64, settings: &VoxelizeSettings) {
-        let InMemory {
-            descriptions,
-            grids,
-            ..
-        } = Control::Charge.samples(Variant::Usual, samples, SIZE, seed);
-        let record = |(number, grid): (usize, &SparseGrid)| {
-            let known = &descriptions[number];
-            SampleRecord {
-                row: Row {
-                    entry: number,
-                    name: known.name.clone(),
-                    file: format!("{}.pdb", known.name),
-                    label: if number % 15 == 7 {
-                        "rare".into()
-                    } else {
-                        known.label.clone()
-                    },
-                    cluster: format!("{seed} {}", known.cluster),
-                    family: if number % 4 == 0 {
-                        format!("family {}", number / 12)
-                    } else {
-                        String::new()
-                    },
-                    sha256: file(seed, number),
-                },
-                key: String::new(),
-                voxels: grid.index.len(),
-                properties: Properties {
-                    residues: known.residues as usize,
-                    radius_of_gyration_angstrom: known.radius_of_gyration_angstrom,
-                    extents_angstrom: known.extents_angstrom,
-                    net_charge_e: known.net_charge_e,
-                    spacing_angstrom: 1.0,
-                    rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
-                    middle_angstrom: [0.0; 3],
-                    composition: known.composition,
-                },
-                warnings: Vec::new(),
-            }
+        let drawn = Drawn {
+            seed,
+            set: Control::Charge.samples(Variant::Usual, samples, SIZE, seed),
+            warnings: BTreeMap::new(),
         };
-        let content = SetContent {
-            samples: grids.iter().enumerate().map(record).collect(),
-            excluded: Vec::new(),
+        let making = Making {
+            settings,
+            origins: &[],
+            identity: name,
         };
-        let known = attributes(settings, &[], name, &content).unwrap();
         std::fs::create_dir(self.path(name)).unwrap();
-        let mut voxels = |sample: usize| {
-            let SparseGrid { index, values, .. } = &grids[sample];
-            let values = values.chunks(index.len()).map(<[f32]>::to_vec).collect();
-            Ok(Voxels {
-                index: index.clone(),
-                values,
-            })
+        set::write(&self.path(name), making, &drawn).unwrap();
+    }
+}
+
+/// Drawn samples as the content of a set.
+struct Drawn {
+    seed: u64,
+    set: InMemory,
+    warnings: BTreeMap<String, Vec<String>>,
+}
+
+impl Content for Drawn {
+    fn len(&self) -> usize {
+        self.set.grids.len()
+    }
+
+    fn voxels(&self) -> u64 {
+        let grids = self.set.grids.iter();
+        grids.map(|grid| grid.index.len() as u64).sum()
+    }
+
+    fn row(&self, number: usize) -> Result<Row> {
+        let known = &self.set.descriptions[number];
+        Ok(Row {
+            entry: number,
+            name: known.name.clone(),
+            file: format!("{}.pdb", known.name),
+            label: if number % 15 == 7 {
+                "rare".into()
+            } else {
+                known.label.clone()
+            },
+            cluster: format!("{} {}", self.seed, known.cluster),
+            family: if number % 4 == 0 {
+                format!("family {}", number / 12)
+            } else {
+                String::new()
+            },
+            sha256: file(self.seed, number),
+        })
+    }
+
+    fn sample(&self, number: usize) -> Result<(Properties, Voxels)> {
+        let known = &self.set.descriptions[number];
+        let properties = Properties {
+            residues: known.residues as usize,
+            radius_of_gyration_angstrom: known.radius_of_gyration_angstrom,
+            extents_angstrom: known.extents_angstrom,
+            net_charge_e: known.net_charge_e,
+            spacing_angstrom: 1.0,
+            rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
+            middle_angstrom: [0.0; 3],
+            composition: known.composition,
         };
-        write(&self.path(name), settings, &content, known, &mut voxels).unwrap();
+        let SparseGrid { index, values, .. } = &self.set.grids[number];
+        let voxels = Voxels {
+            index: index.clone(),
+            values: values.chunks(index.len()).map(<[f32]>::to_vec).collect(),
+        };
+        Ok((properties, voxels))
+    }
+
+    fn excluded(&self) -> &[Exclusion] {
+        &[]
+    }
+
+    fn warnings(&self) -> &BTreeMap<String, Vec<String>> {
+        &self.warnings
     }
 }
 

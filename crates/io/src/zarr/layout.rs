@@ -7,7 +7,7 @@ use std::sync::Arc;
 use zarrs::array::codec::{
     BloscCodec, BloscCompressionLevel, BloscCompressor, BloscShuffleMode, Crc32cCodec,
 };
-use zarrs::array::{Array, ArrayBuilder, DataType, FillValue, data_type};
+use zarrs::array::{Array, ArrayBuilder, CodecOptions, DataType, FillValue, data_type};
 use zarrs::filesystem::FilesystemStore;
 
 /// Version of the layout that this program writes, and the newest it reads.
@@ -84,6 +84,25 @@ impl Kind {
             Kind::Offsets | Kind::Properties => 8,
         }
     }
+}
+
+/// Chunks are written sequentially: several threads would write them in the order in which
+/// they finish.
+pub(super) fn in_order() -> CodecOptions {
+    CodecOptions::default().with_concurrent_target(1)
+}
+
+/// Turns an error of a store into one that names the array.
+pub(super) fn succeeded<T, E: std::fmt::Display>(
+    array: &str,
+    result: std::result::Result<T, E>,
+) -> Result<T> {
+    result.map_err(|cause| {
+        IoError::unwritable(
+            format!("array {array}: {cause}"),
+            "make sure that the disk has room and may be written to",
+        )
+    })
 }
 
 /// An array of the layout.

@@ -17,13 +17,22 @@
 //! |---|---|
 //! | [`layout`] | the layout shared by writer and reader: arrays, chunks, files |
 //! | `stored` | an array on disk, with chunks verified when first read |
+//! | `table` | the properties, a file at a time |
+//! | `group` | the attributes, as they stream by |
 //! | [`mod@write`] | writes samples one after another |
-//! | [`read`] | reads and checks one sample |
+//! | [`samples`] | reads and checks one sample |
+//! | [`read`] | a set with its attributes and properties in memory |
 
+mod group;
 pub mod layout;
 pub mod read;
+pub mod samples;
 mod stored;
+mod table;
 pub mod write;
 
-pub use read::{SetReader, StoredSample};
-pub use write::{SetWriter, as_stored};
+pub use group::attributes;
+pub use read::SetReader;
+pub use samples::{SampleReader, StoredSample};
+pub use table::Table;
+pub use write::{SetPlan, SetWriter, as_stored, of_stored_bits, stored_bits};

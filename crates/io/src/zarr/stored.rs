@@ -69,6 +69,11 @@ impl Stored {
         })
     }
 
+    /// Elements along each dimension.
+    pub(super) fn shape(&self) -> &[u64] {
+        self.array.shape()
+    }
+
     /// Elements along the first dimension.
     pub(super) fn length(&self) -> u64 {
         self.array.shape().first().copied().unwrap_or(0)
@@ -106,10 +111,14 @@ impl Stored {
             .map_err(|cause| cause.to_string())
     }
 
-    /// All elements of an array of numbers.
-    pub(super) fn read_table(&self) -> std::result::Result<Vec<f64>, String> {
+    /// Rows of an array of numbers with `width` columns.
+    pub(super) fn read_rows(
+        &self,
+        rows: Range<u64>,
+        width: u64,
+    ) -> std::result::Result<Vec<f64>, String> {
         self.array
-            .retrieve_array_subset(&self.array.subset_all())
+            .retrieve_array_subset(&ArraySubset::new_with_ranges(&[rows, 0..width]))
             .map_err(|cause| cause.to_string())
     }
 

@@ -1,43 +1,68 @@
 //! Writes samples one after another.
 
-use super::layout::{self, INDEX, Kind, LAYOUT_VERSION, NO_INDEX, OFFSETS, PROPERTIES};
+use super::group;
+use super::layout::{
+    self, INDEX, Kind, LAYOUT_VERSION, NO_INDEX, OFFSETS, PROPERTIES, in_order, succeeded,
+};
+use super::table::TableWriter;
 use crate::{IoError, Result};
 use half::f16;
-use serde_json::{Map, Value, json};
-use std::path::Path;
+use serde::Serialize;
+use serde_json::Map;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use zarrs::array::{Array, CodecOptions, Element};
+use zarrs::array::{Array, Element};
 use zarrs::filesystem::FilesystemStore;
-use zarrs::group::GroupBuilder;
 
-/// Rows of the table of properties in one file.
-const ROWS_PER_FILE: u64 = 1 << 16;
+/// What a set will hold, known before its first sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SetPlan {
+    /// Voxels along each edge.
+    pub size: usize,
+    /// Channels in order.
+    pub channels: Vec<String>,
+    /// Those of the channels that are 1 in every occupied voxel and so need no array.
+    pub implied: Vec<String>,
+    /// Names of the columns of the table of properties.
+    pub columns: Vec<String>,
+    /// Number of samples.
+    pub samples: u64,
+    /// Occupied voxels in all samples together.
+    pub voxels: u64,
+}
 
 /// Writes a set. The group's own metadata come last: a folder without them is not a set.
 ///
 /// ```
-/// use protomer_io::zarr::{SetReader, SetWriter};
+/// use protomer_io::zarr::{SetPlan, SetReader, SetWriter};
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("set.zarr");
-/// let channels = ["shape".to_owned(), "potential".to_owned()];
 /// // Two samples of three and two voxels; the shape is 1 in each and needs no array.
-/// let mut writer = SetWriter::create(&path, 16, &channels, &channels[..1], 5)?;
-/// writer.push(&[7, 8, 300], &[&[0.5, -1.0, 0.25]])?;
-/// writer.push(&[0, 9], &[&[2.0, 4.0]])?;
-/// writer.finish(&["charge_e".to_owned()], &[6.0, -2.0], serde_json::Map::new())?;
+/// let plan = SetPlan {
+///     size: 16,
+///     channels: vec!["shape".to_owned(), "potential".to_owned()],
+///     implied: vec!["shape".to_owned()],
+///     columns: vec!["charge_e".to_owned()],
+///     samples: 2,
+///     voxels: 5,
+/// };
+/// let mut writer = SetWriter::create(&path, plan)?;
+/// writer.push(&[7, 8, 300], &[&[0.5, -1.0, 0.25]], &[6.0])?;
+/// writer.push(&[0, 9], &[&[2.0, 4.0]], &[-2.0])?;
+/// writer.finish(&serde_json::Map::new())?;
 /// let set = SetReader::open(&path)?;
 /// assert_eq!((set.len(), set.row(1)), (2, &[-2.0][..]));
 /// assert_eq!(set.sample(1)?.values, [[1.0, 1.0], [2.0, 4.0]]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct SetWriter {
+    path: PathBuf,
     store: Arc<FilesystemStore>,
-    size: usize,
-    channels: Vec<String>,
-    implied: Vec<String>,
+    plan: SetPlan,
     offsets: Vec<i64>,
     index: Filling<u32>,
     stored: Vec<Filling<f16>>,
+    table: TableWriter,
 }
 
 /// An array, and the elements waiting for a full file.
@@ -63,7 +88,7 @@ impl<T: Element + Copy> Filling<T> {
         Ok(Self {
             array: layout::array(store, name, kind, &[elements], &[per_file], Map::new())?,
             name: name.to_owned(),
-            waiting: Vec::new(),
+            waiting: Vec::with_capacity(per_file as usize),
             per_file: per_file as usize,
             files: 0,
             fill,
@@ -71,49 +96,34 @@ impl<T: Element + Copy> Filling<T> {
     }
 
     fn push(&mut self, values: impl Iterator<Item = T>) -> Result<()> {
-        self.waiting.extend(values);
-        while self.waiting.len() >= self.per_file {
-            let rest = self.waiting.split_off(self.per_file);
-            let full = std::mem::replace(&mut self.waiting, rest);
-            self.store(full)?;
+        for value in values {
+            self.waiting.push(value);
+            if self.waiting.len() == self.per_file {
+                self.store()?;
+            }
         }
         Ok(())
     }
 
-    fn store(&mut self, values: Vec<T>) -> Result<()> {
+    /// Stores the waiting elements as a file; their memory is for those of the next.
+    fn store(&mut self) -> Result<()> {
+        let values = self.waiting.as_slice();
         let stored = self
             .array
             .store_chunk_opt(&[self.files], values, &in_order());
-        succeeded(&self.name, stored)?;
         self.files += 1;
-        Ok(())
+        self.waiting.clear();
+        succeeded(&self.name, stored)
     }
 
     /// Stores the last file, padded.
     fn finish(mut self) -> Result<()> {
         if !self.waiting.is_empty() {
-            let mut last = std::mem::take(&mut self.waiting);
-            last.resize(self.per_file, self.fill);
-            self.store(last)?;
+            self.waiting.resize(self.per_file, self.fill);
+            self.store()?;
         }
         succeeded(&self.name, self.array.store_metadata())
     }
-}
-
-/// Chunks are written sequentially: several threads would write them in the order in which
-/// they finish.
-fn in_order() -> CodecOptions {
-    CodecOptions::default().with_concurrent_target(1)
-}
-
-/// Turns an error of a store into one that names the array.
-fn succeeded<T, E: std::fmt::Display>(array: &str, result: std::result::Result<T, E>) -> Result<T> {
-    result.map_err(|cause| {
-        IoError::unwritable(
-            format!("array {array}: {cause}"),
-            "make sure that the disk has room and may be written to",
-        )
-    })
 }
 
 /// The stored form of a value: rounded to half precision, infinite beyond ± 65504.
@@ -124,53 +134,64 @@ fn succeeded<T, E: std::fmt::Display>(array: &str, result: std::result::Result<T
 /// assert!(as_stored(1e6).is_infinite());
 /// ```
 pub fn as_stored(value: f32) -> f32 {
-    f16::from_f32(value).to_f32()
+    of_stored_bits(stored_bits(value))
+}
+
+/// The 16 bits of the stored form of a value.
+///
+/// ```
+/// use protomer_io::zarr::{of_stored_bits, stored_bits};
+/// assert_eq!(of_stored_bits(stored_bits(0.25)), 0.25);
+/// ```
+pub fn stored_bits(value: f32) -> u16 {
+    f16::from_f32(value).to_bits()
+}
+
+/// The value with this stored form.
+pub fn of_stored_bits(bits: u16) -> f32 {
+    f16::from_bits(bits).to_f32()
 }
 
 impl SetWriter {
-    /// Starts a set in a new or empty folder, for grids of `size`³ voxels with `voxels`
-    /// occupied ones in all samples together. `implied` are those of the channels that are 1 in
-    /// every occupied voxel and so need no array.
+    /// Starts a set in a new or empty folder.
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for names that a channel cannot have, and if the folder cannot be
     /// written.
-    pub fn create(
-        path: &Path,
-        size: usize,
-        channels: &[String],
-        implied: &[String],
-        voxels: u64,
-    ) -> Result<Self> {
-        check_names(channels, implied)?;
+    pub fn create(path: &Path, plan: SetPlan) -> Result<Self> {
+        check_names(&plan.channels, &plan.implied)?;
         std::fs::create_dir_all(path).map_err(IoError::at(path, "make the folder"))?;
         let store = layout::store(path)?;
+        let voxels = plan.voxels;
         let index = Filling::new(&store, INDEX, Kind::Index, NO_INDEX, voxels)?;
         let mut stored = Vec::new();
-        for name in channels {
-            if !implied.contains(name) {
+        for name in &plan.channels {
+            if !plan.implied.contains(name) {
                 stored.push(Filling::new(&store, name, Kind::Channel, f16::NAN, voxels)?);
             }
         }
+        let mut offsets = Vec::with_capacity(1 + plan.samples as usize);
+        offsets.push(0);
         Ok(Self {
+            path: path.to_owned(),
+            table: TableWriter::new(&store, &plan.columns, plan.samples)?,
             store,
-            size,
-            channels: channels.to_vec(),
-            implied: implied.to_vec(),
-            offsets: vec![0],
+            plan,
+            offsets,
             index,
             stored,
         })
     }
 
-    /// Adds a sample: its occupied voxels, ascending, and for each channel that is not implied the
-    /// values there. Values are kept in half precision: three digits, up to ± 65504.
+    /// Adds a sample: its occupied voxels, ascending, for each channel that is not implied the
+    /// values there, and its row of the table. Values are kept in half precision: three digits, up
+    /// to ± 65504.
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
     /// disagree, values that half precision cannot hold, and a file that cannot be written.
-    pub fn push(&mut self, index: &[u32], values: &[&[f32]]) -> Result<()> {
-        if !layout::ascends_within(index, self.size) {
+    pub fn push(&mut self, index: &[u32], values: &[&[f32]], row: &[f64]) -> Result<()> {
+        if !layout::ascends_within(index, self.plan.size) {
             let cause = "voxel numbers do not ascend inside the grid";
             return Err(self.bad_sample(cause));
         }
@@ -188,6 +209,7 @@ impl SetWriter {
                 return Err(self.bad_sample(&cause));
             }
         }
+        self.table.push(row)?;
         for (channel, values) in self.stored.iter_mut().zip(values) {
             channel.push(values.iter().copied().map(f16::from_f32))?;
         }
@@ -208,55 +230,59 @@ impl SetWriter {
         IoError::unwritable(format!("sample {sample}: {cause}"), remedy)
     }
 
-    /// Completes the set with a table of numbers for each sample (rows in the order of the samples)
-    /// and further attributes. Among them should be `samples`, words for each sample: an object of
-    /// lists, of which `name` is used in messages.
+    /// Completes the set with further attributes, which are serialised straight into their file.
+    /// Among them should be `samples`, words for each sample: an object of lists, of which `name` is
+    /// used in messages.
     ///
     /// # Errors
-    /// [`IoError::Unwritable`] if the table does not have the right shape or fewer voxels were
-    /// pushed than promised.
-    pub fn finish(
-        self,
-        columns: &[String],
-        rows: &[f64],
-        attributes: Map<String, Value>,
-    ) -> Result<()> {
-        let samples = self.offsets.len() - 1;
-        self.check_finish(samples * columns.len(), rows.len())?;
+    /// [`IoError::Unwritable`] if fewer samples or voxels were pushed than promised, and
+    /// [`IoError::File`] if the attributes cannot be serialised or written.
+    pub fn finish(self, attributes: &impl Serialize) -> Result<()> {
+        self.check_finish()?;
         self.index.finish()?;
         for channel in self.stored {
             channel.finish()?;
         }
         let count = self.offsets.len() as u64;
         let mut offsets = Filling::new(&self.store, OFFSETS, Kind::Offsets, -1_i64, count)?;
-        offsets.push(self.offsets.iter().copied())?;
+        offsets.push(self.offsets.into_iter())?;
         offsets.finish()?;
-        write_table(&self.store, columns, rows, samples as u64)?;
-        let mut all = Map::from_iter([
-            ("layout_version".to_owned(), json!(LAYOUT_VERSION)),
-            ("size".to_owned(), json!(self.size)),
-            ("channels".to_owned(), json!(self.channels)),
-            ("implied_channels".to_owned(), json!(self.implied)),
-        ]);
-        all.extend(attributes);
-        let mut builder = GroupBuilder::new();
-        let group = builder.attributes(all).build(self.store.clone(), "/");
-        succeeded("group", succeeded("group", group)?.store_metadata())
+        self.table.finish()?;
+        let all = Attributes {
+            layout_version: LAYOUT_VERSION,
+            size: self.plan.size,
+            channels: &self.plan.channels,
+            implied_channels: &self.plan.implied,
+            further: attributes,
+        };
+        group::write(&self.path, &all)
     }
 
-    fn check_finish(&self, expected: usize, numbers: usize) -> Result<()> {
-        if numbers != expected {
-            let cause = format!("{numbers} numbers for a table of {expected}");
-            return Err(IoError::unwritable(cause, "give one row per sample"));
-        }
-        let promised = self.index.array.shape().first().copied().unwrap_or(0);
-        let pushed = self.voxels();
-        if promised != pushed as u64 {
-            let cause = format!("{pushed} voxels were pushed, {promised} were promised");
-            return Err(IoError::unwritable(cause, "count them before"));
+    fn check_finish(&self) -> Result<()> {
+        let pushed = [self.table.rows(), self.voxels() as u64];
+        let promised = [self.plan.samples, self.plan.voxels];
+        for (what, (pushed, promised)) in ["samples", "voxels"]
+            .iter()
+            .zip(pushed.iter().zip(promised))
+        {
+            if *pushed != promised {
+                let cause = format!("{pushed} {what} were pushed, {promised} were promised");
+                return Err(IoError::unwritable(cause, "count them before"));
+            }
         }
         Ok(())
     }
+}
+
+/// The attributes of the group.
+#[derive(Serialize)]
+struct Attributes<'a, A> {
+    layout_version: u64,
+    size: usize,
+    channels: &'a [String],
+    implied_channels: &'a [String],
+    #[serde(flatten)]
+    further: &'a A,
 }
 
 fn check_names(channels: &[String], implied: &[String]) -> Result<()> {
@@ -280,29 +306,4 @@ fn check_names(channels: &[String], implied: &[String]) -> Result<()> {
 fn is_identifier(name: &str) -> bool {
     let is_allowed = |c: char| c.is_ascii_alphanumeric() || c == '_';
     !name.is_empty() && name.chars().all(is_allowed)
-}
-
-fn write_table(
-    store: &Arc<FilesystemStore>,
-    columns: &[String],
-    rows: &[f64],
-    samples: u64,
-) -> Result<()> {
-    let width = columns.len().max(1);
-    let per_file = samples.clamp(1, ROWS_PER_FILE);
-    let array = layout::array(
-        store,
-        PROPERTIES,
-        Kind::Properties,
-        &[samples, width as u64],
-        &[per_file, width as u64],
-        Map::from_iter([("columns".to_owned(), json!(columns))]),
-    )?;
-    for (file, part) in rows.chunks(per_file as usize * width).enumerate() {
-        let mut part = part.to_vec();
-        part.resize(per_file as usize * width, f64::NAN);
-        let stored = array.store_chunk_opt(&[file as u64, 0], part, &in_order());
-        succeeded(PROPERTIES, stored)?;
-    }
-    succeeded(PROPERTIES, array.store_metadata())
 }

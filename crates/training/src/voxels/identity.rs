@@ -1,13 +1,14 @@
 //! Hashes of everything that sets and samples depend on: equal hashes mean equal content.
 
-use super::manifest::Entry;
+use super::listed::Listed;
 use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::work::FORMAT;
 use anyhow::Result;
 use protomer_field::BoundaryCondition;
 use protomer_field::voxels::{Channel, PotentialModel, VoxelSettings};
-use protomer_io::atomic::sha256_hex;
+use protomer_io::digest::Digest;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 /// The fixed conditions of the Poisson-Boltzmann solution, which the settings cannot change; null
@@ -49,23 +50,44 @@ fn making(settings: &VoxelizeSettings) -> Result<Value> {
     ]))
 }
 
-/// The identity of a set: a hash of its settings, its structures and their manifest entries.
+/// The identity of a set: a hash of its settings, its structures and their manifest entries. The
+/// function returns the rows, which are hashed as they come.
 ///
 /// # Errors
-/// If the settings cannot be serialised.
-pub fn identity(settings: &VoxelizeSettings, rows: &[Row]) -> Result<String> {
-    let text = serde_json::to_string(&json!([making(settings)?, rows]))?;
-    Ok(sha256_hex(text.as_bytes()))
+/// If the settings cannot be serialised, and for an error among the rows.
+pub fn identity<I>(settings: &VoxelizeSettings, rows: impl Fn() -> I) -> Result<String>
+where
+    I: Iterator<Item = Result<Row>>,
+{
+    Ok(digest(&(making(settings)?, Listed(rows)))?.to_string())
 }
 
-/// The key of a sample: a hash of the settings, the name, the bytes of the file, and the record
-/// format.
-///
-/// # Errors
-/// If the settings cannot be serialised.
-pub fn key(settings: &VoxelizeSettings, entry: &Entry, sha256: Option<&str>) -> Result<String> {
-    let text = serde_json::to_string(&json!([making(settings)?, entry.name, sha256]))?;
-    Ok(sha256_hex(text.as_bytes()))
+/// The keys of the samples of a set.
+pub struct Keys(Value);
+
+impl Keys {
+    /// The keys with these settings.
+    ///
+    /// # Errors
+    /// If the settings cannot be serialised.
+    pub fn new(settings: &VoxelizeSettings) -> Result<Self> {
+        Ok(Self(making(settings)?))
+    }
+
+    /// The key of a sample: a hash of the settings, the name, the bytes of the file, and the record
+    /// format.
+    ///
+    /// # Errors
+    /// Never for text in memory.
+    pub fn of(&self, name: &str, sha256: Option<Digest>) -> Result<Digest> {
+        digest(&(&self.0, name, sha256.map(|digest| digest.to_string())))
+    }
+}
+
+/// The hash of what is serialised, without its text in memory.
+fn digest(value: &impl Serialize) -> Result<Digest> {
+    let write = |writer: &mut dyn std::io::Write| Ok(serde_json::to_writer(writer, value)?);
+    Ok(Digest::of_written(write)?)
 }
 
 #[cfg(test)]
@@ -113,5 +135,29 @@ mod tests {
                 .unwrap()
                 .contains(&fixed)
         );
+    }
+
+    /// The twin: the text of everything at once, whose hashes existing sets and work files hold.
+    #[test]
+    fn hashes_are_those_of_the_whole_text() {
+        let settings = VoxelizeSettings::default();
+        let row = |entry| Row {
+            entry,
+            name: format!("é{entry}"),
+            ..Row::default()
+        };
+        let rows: Vec<Row> = (0..3).map(row).collect();
+        let whole = |value: Value| Digest::of(value.to_string().as_bytes());
+        let streamed = identity(&settings, || rows.iter().cloned().map(Ok)).unwrap();
+        let made = making(&settings).unwrap();
+        assert_eq!(streamed, whole(json!([made, rows])).to_string());
+        let keys = Keys::new(&settings).unwrap();
+        for sha256 in [None, Some(Digest::of(b"file"))] {
+            let text = sha256.map(|digest| digest.to_string());
+            assert_eq!(
+                keys.of("a\"b", sha256).unwrap(),
+                whole(json!([made, "a\"b", text]))
+            );
+        }
     }
 }

@@ -1,10 +1,11 @@
 //! Manifests list structures with their labels: CSV with the columns `file`, `label`, `cluster`
 //! and optionally `family`, `name`.
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use protomer_common::input::{InputFile, stem};
 use protomer_io::csv::cells;
-use std::collections::HashMap;
+use protomer_io::digest::Digest;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// An entry of a manifest.
@@ -27,16 +28,19 @@ pub struct Entry {
     pub family: String,
 }
 
-/// A manifest.
+/// A manifest: its text, from which an entry is read when it is asked for. That takes a tenth of the
+/// memory of all entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Manifest {
     /// SHA-256 of the file.
     pub sha256: String,
-    /// The structures in order.
-    pub entries: Vec<Entry>,
+    file: String,
+    folder: PathBuf,
+    text: String,
+    columns: Columns,
+    /// The first byte of each entry.
+    begins: Vec<usize>,
 }
-
-const KNOWN: [&str; 5] = ["file", "label", "cluster", "family", "name"];
 
 impl Manifest {
     /// Reads a manifest. Relative paths in it refer to its folder.
@@ -49,98 +53,214 @@ impl Manifest {
     /// let path = folder.path().join("set.csv");
     /// std::fs::write(&path, "file,label,cluster\n1abc.pdb,\"P 1\",a\n")?;
     /// let manifest = protomer_training::voxels::manifest::Manifest::read(&path)?;
-    /// assert_eq!((manifest.entries[0].name.as_str(), manifest.entries[0].label.as_str()), ("1abc", "P 1"));
+    /// let entry = manifest.entry(0)?;
+    /// assert_eq!((entry.name.as_str(), entry.label.as_str()), ("1abc", "P 1"));
     /// # Ok::<(), anyhow::Error>(())
     /// ```
     pub fn read(path: &Path) -> Result<Self> {
         let file = InputFile::read(path)?;
-        let text = std::str::from_utf8(&file.bytes)
-            .with_context(|| format!("{} is not UTF-8 text", file.name))?;
+        let Ok(mut text) = String::from_utf8(file.bytes) else {
+            bail!("{} is not UTF-8 text", file.name)
+        };
+        text.shrink_to_fit();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Ok(Self {
-            entries: entries(&file.name, text, folder)?,
-            sha256: file.sha256,
+        Self::of_text(file.name, file.sha256, text, folder)
+    }
+
+    fn of_text(file: String, sha256: String, mut text: String, folder: &Path) -> Result<Self> {
+        if text.starts_with('\u{feff}') {
+            text.remove(0);
+        }
+        let Some(heading) = lines(&text).next() else {
+            bail!("{file} is empty; give a heading file,label,cluster and a line per structure");
+        };
+        let columns = Columns::read(&file, &heading)?;
+        let mut manifest = Self {
+            sha256,
+            file,
+            folder: folder.to_owned(),
+            text,
+            columns,
+            begins: Vec::new(),
+        };
+        manifest.begins = manifest.checked_begins()?;
+        if manifest.is_empty() {
+            let file = manifest.file;
+            bail!("{file} has a heading but no entries; give a line per structure");
+        }
+        Ok(manifest)
+    }
+
+    /// The first byte of each entry; every entry can be read, and no name is there twice.
+    fn checked_begins(&self) -> Result<Vec<usize>> {
+        let count = lines(&self.text).skip(1).count();
+        let (mut begins, mut hashes) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for line in lines(&self.text).skip(1) {
+            let name = self.entry_of(begins.len(), &line)?.name;
+            hashes.push(Digest::of(name.as_bytes()).short());
+            begins.push(line.begin);
+        }
+        hashes.sort_unstable();
+        if hashes.windows(2).any(|pair| pair[0] == pair[1]) {
+            self.check_names()?;
+        }
+        Ok(begins)
+    }
+
+    /// Compares the names themselves, all in memory: for when their hashes do not suffice.
+    fn check_names(&self) -> Result<()> {
+        let file = &self.file;
+        let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+        for (number, line) in lines(&self.text).skip(1).enumerate() {
+            let name = self.entry_of(number, &line)?.name;
+            if let Some(earlier) = seen.insert(name.clone(), line.number) {
+                bail!(
+                    "{file}:{}, column file: line {earlier} has the name '{name}' too; distinguish them with a column 'name'",
+                    line.number
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// Number of entries.
+    pub fn len(&self) -> usize {
+        self.begins.len()
+    }
+
+    /// Whether there are no entries; a manifest that was read has some.
+    pub fn is_empty(&self) -> bool {
+        self.begins.is_empty()
+    }
+
+    /// An entry by its position, from zero.
+    ///
+    /// # Errors
+    /// If there is no such entry.
+    pub fn entry(&self, number: usize) -> Result<Entry> {
+        let text = self
+            .begins
+            .get(number)
+            .and_then(|begin| self.text.get(*begin..));
+        match text.and_then(|text| lines(text).next()) {
+            Some(line) => self.entry_of(number, &line),
+            None => bail!("{} has no entry {number}; it has {}", self.file, self.len()),
+        }
+    }
+
+    fn entry_of(&self, number: usize, line: &Line) -> Result<Entry> {
+        let [file, label, cluster, family, name] = self.columns.cells_of(&self.file, line)?;
+        let name = if name.is_empty() {
+            stem(Path::new(&file))
+        } else {
+            name
+        };
+        let cluster = if cluster.is_empty() {
+            name.clone()
+        } else {
+            cluster
+        };
+        Ok(Entry {
+            number,
+            path: self.folder.join(&file),
+            name,
+            file,
+            label,
+            cluster,
+            family,
         })
     }
 }
 
-fn entries(file: &str, text: &str, folder: &Path) -> Result<Vec<Entry>> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = (1..)
-        .zip(text.lines())
-        .filter(|(_, line)| !line.trim().is_empty());
-    let Some((number, heading)) = lines.next() else {
-        bail!("{file} is empty; give a heading file,label,cluster and a line per structure");
-    };
-    let columns = cells(file, number, heading)?;
-    for (place, column) in columns.iter().enumerate() {
-        if !KNOWN.contains(&column.as_str()) {
-            let known = KNOWN.join(", ");
-            bail!(
-                "{file}:{number}, column {}: '{column}' is not a known column; remove it, or use one of {known}",
-                place + 1
-            );
-        }
-        if columns[..place].contains(column) {
-            bail!(
-                "{file}:{number}, column {}: '{column}' appears twice; remove one",
-                place + 1
-            );
-        }
-    }
-    let place_of = |name: &str| columns.iter().position(|column| column == name);
-    for needed in ["file", "label", "cluster"] {
-        if place_of(needed).is_none() {
-            bail!(
-                "{file}:{number}: there is no column '{needed}'; the heading must have file, label and cluster"
-            );
-        }
-    }
-    let mut entries = Vec::new();
-    let mut seen: HashMap<String, usize> = HashMap::new();
-    for (line, text) in lines {
-        let cells = cells(file, line, text)?;
-        if cells.len() != columns.len() {
-            bail!(
-                "{file}:{line}: {} columns, the heading has {}; quote cells with commas",
-                cells.len(),
-                columns.len()
-            );
-        }
-        let cell = |name: &str| {
-            place_of(name)
-                .and_then(|place| cells.get(place))
-                .cloned()
-                .unwrap_or_default()
-        };
-        for needed in ["file", "label"] {
-            if cell(needed).is_empty() {
-                bail!("{file}:{line}, column {needed}: the cell is empty; fill it in");
+/// A line of a manifest.
+struct Line<'a> {
+    /// Counted from one.
+    number: usize,
+    /// Its first byte in the text.
+    begin: usize,
+    text: &'a str,
+}
+
+/// The lines that are not blank.
+fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let begins = text.split_inclusive('\n').scan(0, |end, text| {
+        let begin = *end;
+        *end += text.len();
+        Some((begin, text))
+    });
+    let lines = (1..).zip(begins).map(|(number, (begin, text))| Line {
+        number,
+        begin,
+        text: text.trim_end_matches('\n'),
+    });
+    lines.filter(|line| !line.text.trim().is_empty())
+}
+
+/// Where the known columns stand.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Columns {
+    /// In the order of [`KNOWN`].
+    places: [Option<usize>; KNOWN.len()],
+    count: usize,
+}
+
+const KNOWN: [&str; 5] = ["file", "label", "cluster", "family", "name"];
+
+impl Columns {
+    fn read(file: &str, heading: &Line) -> Result<Self> {
+        let number = heading.number;
+        let columns = cells(file, number, heading.text)?;
+        for (place, column) in columns.iter().enumerate() {
+            if !KNOWN.contains(&column.as_str()) {
+                let known = KNOWN.join(", ");
+                bail!(
+                    "{file}:{number}, column {}: '{column}' is not a known column; remove it, or use one of {known}",
+                    place + 1
+                );
+            }
+            if columns[..place].contains(column) {
+                bail!(
+                    "{file}:{number}, column {}: '{column}' appears twice; remove one",
+                    place + 1
+                );
             }
         }
-        let name = Some(cell("name")).filter(|name| !name.is_empty());
-        let name = name.unwrap_or_else(|| stem(Path::new(&cell("file"))));
-        if let Some(earlier) = seen.insert(name.clone(), line) {
+        let places = KNOWN.map(|name| columns.iter().position(|column| column == name));
+        for (needed, place) in KNOWN.into_iter().zip(places).take(3) {
+            if place.is_none() {
+                bail!(
+                    "{file}:{number}: there is no column '{needed}'; the heading must have file, label and cluster"
+                );
+            }
+        }
+        Ok(Self {
+            places,
+            count: columns.len(),
+        })
+    }
+
+    /// The cells of a line in the order of [`KNOWN`], empty for columns that are not there.
+    fn cells_of(&self, file: &str, line: &Line) -> Result<[String; KNOWN.len()]> {
+        let number = line.number;
+        let mut cells = cells(file, number, line.text)?;
+        if cells.len() != self.count {
             bail!(
-                "{file}:{line}, column file: line {earlier} has the name '{name}' too; distinguish them with a column 'name'"
+                "{file}:{number}: {} columns, the heading has {}; quote cells with commas",
+                cells.len(),
+                self.count
             );
         }
-        entries.push(Entry {
-            number: entries.len(),
-            path: folder.join(cell("file")),
-            file: cell("file"),
-            label: cell("label"),
-            cluster: Some(cell("cluster"))
-                .filter(|cluster| !cluster.is_empty())
-                .unwrap_or_else(|| name.clone()),
-            family: cell("family"),
-            name,
+        let known = self.places.map(|place| {
+            let cell = place.and_then(|place| cells.get_mut(place));
+            cell.map(std::mem::take).unwrap_or_default()
         });
+        for (needed, cell) in ["file", "label"].into_iter().zip(&known) {
+            if cell.is_empty() {
+                bail!("{file}:{number}, column {needed}: the cell is empty; fill it in");
+            }
+        }
+        Ok(known)
     }
-    if entries.is_empty() {
-        bail!("{file} has a heading but no entries; give a line per structure");
-    }
-    Ok(entries)
 }
 
 #[cfg(test)]
@@ -148,20 +268,23 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    fn of_text(text: &str, folder: &str) -> Result<Manifest> {
+        let text = text.to_owned();
+        Manifest::of_text("m.csv".into(), String::new(), text, Path::new(folder))
+    }
+
     fn message(text: &str) -> String {
-        entries("m.csv", text, Path::new(""))
-            .unwrap_err()
-            .to_string()
+        of_text(text, "").unwrap_err().to_string()
     }
 
     #[test]
     fn columns_may_stand_in_any_order() {
-        let read = entries(
-            "m.csv",
+        let read = of_text(
             "label,family,file,cluster\nA,f,x/1abc.pdb.gz,\n\nB,,2abc.cif,c\n",
-            Path::new("d"),
+            "d",
         );
         let read = read.unwrap();
+        let read = [read.entry(0).unwrap(), read.entry(1).unwrap()];
         assert_eq!(read[0].path, Path::new("d/x/1abc.pdb.gz"));
         assert_eq!(
             (
@@ -179,6 +302,38 @@ mod tests {
             ),
             (1, "B", "c")
         );
+    }
+
+    /// The twin: all lines, split at once.
+    #[test]
+    fn an_entry_is_that_of_its_line_whatever_ends_the_lines() {
+        let lines = [
+            "\u{feff}file,label,cluster",
+            "",
+            "a.pdb,x,\"k, l\"",
+            "  ",
+            "é.pdb,y,m",
+        ];
+        for end in ["\n", "\r\n"] {
+            for text in [lines.join(end), lines.join(end) + end] {
+                let manifest = of_text(&text, "").unwrap();
+                let split = text.lines().skip(1).filter(|line| !line.trim().is_empty());
+                let split: Vec<Vec<String>> =
+                    split.map(|line| cells("", 0, line).unwrap()).collect();
+                assert_eq!(manifest.len(), split.len());
+                for (number, cells) in split.iter().enumerate() {
+                    let Entry {
+                        file,
+                        label,
+                        cluster,
+                        ..
+                    } = manifest.entry(number).unwrap();
+                    assert_eq!(&[file, label, cluster], cells.as_slice());
+                }
+                let beyond = manifest.entry(2).unwrap_err().to_string();
+                assert_eq!(beyond, "m.csv has no entry 2; it has 2");
+            }
+        }
     }
 
     #[test]

@@ -1,18 +1,21 @@
 //! Merges several sets into one.
 
+use super::attributes::Making;
+use super::content::Content;
 use super::identity::identity;
 use super::origin::{Missing, Origin, joined, origins};
-use super::records::{SampleRecord, SetContent, exclusions};
+use super::records::{Exclusion, SampleRecord, exclusions};
 use super::row::Row;
 use super::set;
 use super::settings::VoxelizeSettings;
+use super::structure::Properties;
 use super::{open_set, relatives};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_field::voxels::Voxels;
-use protomer_io::zarr::SetReader;
+use protomer_io::zarr::{SetReader, StoredSample};
 use serde::Serialize;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
 /// The result of a merge.
@@ -72,7 +75,8 @@ impl Answer for MergeReport {
 pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeReport> {
     let sources = Sources::read(inputs)?;
     let rows = sources.rows();
-    let identity = identity(&sources.settings, &rows)?;
+    let identity = identity(&sources.settings, || rows.iter().cloned().map(Ok))?;
+    let row = |number: usize| rows.get(number).cloned().context("there is no such row");
     let nothing_to_do = match set::state_of(output, &identity)? {
         set::OnDisk::Same(_) => true,
         set::OnDisk::Other if !force => {
@@ -86,16 +90,15 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
             false
         }
     };
-    let content = &sources.content;
     Ok(MergeReport {
         set: output.to_owned(),
         sets: inputs.len(),
-        samples: content.samples.len(),
-        excluded: content.excluded.len(),
-        voxels: content.voxels(),
+        samples: sources.len(),
+        excluded: sources.excluded.len(),
+        voxels: sources.voxels(),
         bytes: set::bytes_on_disk(output),
         missing: Missing::of(&sources.manifests),
-        manifest_warnings: relatives::in_several_clusters(&rows),
+        manifest_warnings: relatives::in_several_clusters(rows.len(), row)?,
         nothing_to_do,
     })
 }
@@ -105,11 +108,18 @@ struct Sources {
     readers: Vec<SetReader>,
     settings: VoxelizeSettings,
     manifests: Vec<Origin>,
-    content: SetContent,
-    /// For each sample, the number of its set and its index there.
-    places: Vec<(usize, usize)>,
+    samples: Vec<Source>,
+    excluded: Vec<Exclusion>,
+    warnings: BTreeMap<String, Vec<String>>,
     /// Whether the sets are parts of one manifest, which then determines the order.
     one_manifest: bool,
+}
+
+/// A sample, the number of its set and its index there.
+struct Source {
+    record: SampleRecord,
+    set: usize,
+    index: usize,
 }
 
 impl Sources {
@@ -127,19 +137,23 @@ impl Sources {
         let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
         let manifests = joined(of_each.into_iter().flatten());
         let one_manifest = parts_of_one && manifests.len() == 1;
-        let (content, places) = joined_content(&readers, inputs, one_manifest)?;
+        let (samples, excluded) = joined_content(&readers, inputs, one_manifest)?;
         Ok(Self {
             readers,
             settings,
             manifests,
-            content,
-            places,
+            warnings: warnings_of(&samples),
+            samples,
+            excluded,
             one_manifest,
         })
     }
 
+    /// The rows of samples, then of excluded structures.
     fn rows(&self) -> Vec<Row> {
-        let mut rows = self.content.rows();
+        let samples = self.samples.iter().map(|sample| &sample.record.row);
+        let excluded = self.excluded.iter().map(|excluded| &excluded.row);
+        let mut rows: Vec<Row> = samples.chain(excluded).cloned().collect();
         if self.one_manifest {
             rows.sort_by_key(|row| row.entry);
         }
@@ -147,25 +161,47 @@ impl Sources {
     }
 
     fn write(&self, output: &Path, identity: &str) -> Result<()> {
-        let (settings, content) = (&self.settings, &self.content);
-        let attributes = set::attributes(settings, &self.manifests, identity, content)?;
-        set::replace(output, |folder| {
-            let mut voxels = |sample| self.voxels(sample);
-            set::write(folder, settings, content, attributes, &mut voxels)
-        })
+        let making = Making {
+            settings: &self.settings,
+            origins: &self.manifests,
+            identity,
+        };
+        set::replace(output, |folder| set::write(folder, making, self))
     }
 
-    fn voxels(&self, sample: usize) -> Result<Voxels> {
-        if let Some((set, place)) = self.places.get(sample)
-            && let Some(reader) = self.readers.get(*set)
-        {
-            let stored = reader.sample(*place)?;
-            return Ok(Voxels {
-                index: stored.index,
-                values: stored.values,
-            });
-        }
-        bail!("there is no sample {sample}")
+    fn source(&self, sample: usize) -> Result<&Source> {
+        let source = self.samples.get(sample);
+        source.with_context(|| format!("there is no sample {sample}"))
+    }
+}
+
+impl Content for Sources {
+    fn len(&self) -> usize {
+        self.samples.len()
+    }
+
+    fn voxels(&self) -> u64 {
+        let samples = self.samples.iter();
+        samples.map(|sample| sample.record.voxels as u64).sum()
+    }
+
+    fn row(&self, sample: usize) -> Result<Row> {
+        Ok(self.source(sample)?.record.row.clone())
+    }
+
+    fn sample(&self, sample: usize) -> Result<(Properties, Voxels)> {
+        let Source { record, set, index } = self.source(sample)?;
+        let reader = self.readers.get(*set).context("there is no such set")?;
+        let StoredSample { index, values } = reader.sample(*index)?;
+        Ok((record.properties.clone(), Voxels { index, values }))
+    }
+
+    fn excluded(&self) -> &[Exclusion] {
+        &self.excluded
+    }
+
+    fn warnings(&self) -> &BTreeMap<String, Vec<String>> {
+        &self.warnings
     }
 }
 
@@ -186,14 +222,14 @@ fn common_settings(readers: &[SetReader], inputs: &[PathBuf]) -> Result<Voxelize
     Ok(settings)
 }
 
-/// The content of all sets, and the origin of each sample. It is sorted by entry if the sets are
-/// parts of one manifest.
+/// The samples and the exclusions of all sets. They are sorted by entry if the sets
+/// are parts of one manifest.
 fn joined_content(
     readers: &[SetReader],
     inputs: &[PathBuf],
     one_manifest: bool,
-) -> Result<(SetContent, Vec<(usize, usize)>)> {
-    let mut samples: Vec<(SampleRecord, (usize, usize))> = Vec::new();
+) -> Result<(Vec<Source>, Vec<Exclusion>)> {
+    let mut samples: Vec<Source> = Vec::new();
     let mut excluded = Vec::new();
     let mut seen: HashMap<String, &PathBuf> = HashMap::new();
     for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
@@ -212,17 +248,31 @@ fn joined_content(
                 );
             }
         }
-        for (index, sample) in of_set.into_iter().enumerate() {
-            samples.push((sample, (number, index)));
+        for (index, record) in of_set.into_iter().enumerate() {
+            samples.push(Source {
+                record,
+                set: number,
+                index,
+            });
         }
         excluded.extend(exclusions);
     }
     if one_manifest {
-        samples.sort_by_key(|(sample, _)| sample.row.entry);
+        samples.sort_by_key(|sample| sample.record.row.entry);
         excluded.sort_by_key(|excluded| excluded.row.entry);
     }
-    let (samples, places) = samples.into_iter().unzip();
-    Ok((SetContent { samples, excluded }, places))
+    Ok((samples, excluded))
+}
+
+/// The warnings of the samples that have any, by name.
+fn warnings_of(samples: &[Source]) -> BTreeMap<String, Vec<String>> {
+    let mut warnings = BTreeMap::new();
+    for Source { record, .. } in samples {
+        if !record.warnings.is_empty() {
+            warnings.insert(record.row.name.clone(), record.warnings.clone());
+        }
+    }
+    warnings
 }
 
 /// The differences between two settings, such as `seed 0 and 3, size 32 and 64`.

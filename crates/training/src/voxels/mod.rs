@@ -4,13 +4,22 @@
 //! manifest --each structure, in parallel--> work file SET.zarr.work --all done--> SET.zarr
 //! ```
 //!
+//! Of each structure memory holds the line of the manifest, the hash of the file and the place in
+//! the work file, about 160 bytes; besides, its warnings or why it was left out.
+//!
 //! | module | one idea |
 //! |---|---|
 //! | [`manifest`] | the list of structures and labels |
 //! | [`settings`] | the settings of the grids |
 //! | [`structure`] | one structure to one sample, or the reason for its exclusion |
 //! | [`work`] | finished samples, stored until all are done |
+//! | [`content`] | what becomes a set: samples and exclusions, one at a time |
+//! | `part` | the structures that one process voxelises |
+//! | `finished` | the content in the work file |
 //! | [`set`] | writes samples to a zarr group |
+//! | [`attributes`] | the attributes of a set |
+//! | [`columns`] | the columns of the table of properties |
+//! | `listed` | a list that is serialised item by item |
 //! | [`identity`] | hashes of what sets and samples depend on |
 //! | [`origin`] | the parts of manifests that a set contains or lacks |
 //! | [`relatives`] | relatives in different clusters |
@@ -19,10 +28,16 @@
 //! | [`mod@survey`] | how many structures will not fit, and what would take them |
 //! | [`mod@merge`] | merges several sets into one |
 
+pub mod attributes;
+pub mod columns;
+pub mod content;
+mod finished;
 pub mod identity;
+mod listed;
 pub mod manifest;
 pub mod merge;
 pub mod origin;
+mod part;
 pub mod records;
 pub mod relatives;
 pub mod row;

@@ -1,4 +1,4 @@
-//! The content of a set without its voxels: samples, and structures that were excluded.
+//! What of a set is not voxels: a sample's properties, and structures that were excluded.
 
 use super::row::Row;
 use super::structure::{Properties, Reason};
@@ -24,8 +24,6 @@ pub struct Exclusion {
 pub struct SampleRecord {
     /// Its manifest entry.
     pub row: Row,
-    /// The key of its voxels in the work file.
-    pub key: String,
     /// Occupied voxels.
     pub voxels: usize,
     /// Its properties.
@@ -44,29 +42,6 @@ pub fn exclusions(reader: &SetReader) -> Result<Vec<Exclusion>> {
     };
     serde_json::from_value(value.clone())
         .context("the attribute 'excluded' is damaged; make the set again")
-}
-
-/// The content of a set, except for the voxels.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct SetContent {
-    /// Samples in order.
-    pub samples: Vec<SampleRecord>,
-    /// Excluded structures, in order.
-    pub excluded: Vec<Exclusion>,
-}
-
-impl SetContent {
-    /// The rows of a set: samples, then excluded structures.
-    pub fn rows(&self) -> Vec<Row> {
-        let samples = self.samples.iter().map(|sample| &sample.row);
-        let excluded = self.excluded.iter().map(|excluded| &excluded.row);
-        samples.chain(excluded).cloned().collect()
-    }
-
-    /// Occupied voxels of all samples.
-    pub fn voxels(&self) -> u64 {
-        self.samples.iter().map(|sample| sample.voxels as u64).sum()
-    }
 }
 
 #[cfg(test)]

@@ -2,45 +2,91 @@
 
 use super::row::Row;
 use super::structure::at_most;
+use anyhow::Result;
+use protomer_io::digest::Digest;
 use std::collections::BTreeMap;
 
 /// Maximum number of lines.
 const MOST_LINES: usize = 10;
 
-/// One line for each file and each family that is in several clusters, up to the maximum.
-pub fn in_several_clusters(rows: &[Row]) -> Vec<String> {
-    let mut files: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
-    let mut families: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
-    for row in rows {
-        files.entry(&row.sha256).or_default().push(row);
-        families.entry(&row.family).or_default().push(row);
+/// One line for each file and each family that is in several clusters, up to the maximum. The
+/// function returns the row of a number below `count`.
+///
+/// # Errors
+/// Those of the function.
+pub fn in_several_clusters(
+    count: usize,
+    row: impl Fn(usize) -> Result<Row>,
+) -> Result<Vec<String>> {
+    let (mut files, mut families) = (Groups::new(count), Groups::new(count));
+    for number in 0..count {
+        let row = row(number)?;
+        files.add(&row.sha256, number);
+        families.add(&row.family, number);
     }
-    files.remove("");
-    families.remove("");
-    let of_file = |two: String| format!("{two}, and are the same file");
-    let of_family = |family: &str, two: String| format!("{two}, and are of the family '{family}'");
-    let files = files.values().filter_map(|group| apart(group)).map(of_file);
-    let families = families
-        .iter()
-        .filter_map(|(family, group)| Some(of_family(family, apart(group)?)));
-    let remedy = |line: String| {
-        format!("{line}; put relatives into one cluster, or no split can keep them on one side")
-    };
-    at_most(MOST_LINES, files.chain(families).map(remedy).collect())
+    let mut lines = Vec::new();
+    for (_, two) in files.apart(&row, |row| &row.sha256)? {
+        lines.push(format!("{two}, and are the same file"));
+    }
+    for (family, two) in families.apart(&row, |row| &row.family)? {
+        lines.push(format!("{two}, and are of the family '{family}'"));
+    }
+    for line in &mut lines {
+        line.push_str("; put relatives into one cluster, or no split can keep them on one side");
+    }
+    Ok(at_most(MOST_LINES, lines))
 }
 
-/// Describes the first two members of a group whose clusters differ.
-fn apart(group: &[&Row]) -> Option<String> {
-    let first = group.first()?;
-    let other = group.iter().find(|row| row.cluster != first.cluster)?;
-    Some(format!(
+/// The short hash of a word that several rows may share, and the number of the row.
+struct Groups(Vec<(u64, usize)>);
+
+impl Groups {
+    /// Of so many rows at most.
+    fn new(count: usize) -> Self {
+        Self(Vec::with_capacity(count))
+    }
+
+    fn add(&mut self, word: &str, number: usize) {
+        if !word.is_empty() {
+            self.0.push((Digest::of(word.as_bytes()).short(), number));
+        }
+    }
+
+    /// The words whose rows are in several clusters, in order, and the first two such rows of each.
+    fn apart(
+        mut self,
+        row: impl Fn(usize) -> Result<Row>,
+        word: impl Fn(&Row) -> &String,
+    ) -> Result<BTreeMap<String, String>> {
+        self.0.sort_unstable();
+        let mut found = BTreeMap::new();
+        // The word at hand, and its first row.
+        let mut first: Option<(u64, usize)> = None;
+        for (hash, number) in &self.0 {
+            let Some((_, first)) = first.filter(|(of_first, _)| of_first == hash) else {
+                first = Some((*hash, *number));
+                continue;
+            };
+            let (first, other) = (row(first)?, row(*number)?);
+            if word(&first) == word(&other) && first.cluster != other.cluster {
+                let two = in_words(&first, &other);
+                found.entry(word(&first).clone()).or_insert(two);
+            }
+        }
+        Ok(found)
+    }
+}
+
+fn in_words(first: &Row, other: &Row) -> String {
+    format!(
         "'{}' and '{}' are in different clusters, '{}' and '{}'",
         first.name, other.name, first.cluster, other.cluster
-    ))
+    )
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     fn lines(structures: &[[&'static str; 4]]) -> Vec<String> {
@@ -54,7 +100,7 @@ mod tests {
                 ..Row::default()
             }
         };
-        in_several_clusters(&structures.iter().map(row).collect::<Vec<Row>>())
+        in_several_clusters(structures.len(), |number| Ok(row(&structures[number]))).unwrap()
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A manifest entry with the hash of its file, taken from a manifest or read from a set.
 
 use super::manifest::Entry;
+use protomer_io::digest::Digest;
 use serde::{Deserialize, Serialize};
 
 /// The data used for a set's identity and for finding relatives.
@@ -27,8 +28,7 @@ impl Row {
     pub const WORDS: [&'static str; 6] = ["name", "label", "cluster", "family", "file", "sha256"];
 
     /// The row of an entry.
-    pub fn new(entry: &Entry, sha256: Option<&str>) -> Self {
-        let entry = entry.clone();
+    pub fn new(entry: Entry, sha256: Option<Digest>) -> Self {
         Self {
             entry: entry.number,
             name: entry.name,
@@ -36,7 +36,7 @@ impl Row {
             label: entry.label,
             cluster: entry.cluster,
             family: entry.family,
-            sha256: sha256.unwrap_or_default().to_owned(),
+            sha256: sha256.map_or_else(String::new, |digest| digest.to_string()),
         }
     }
 

@@ -1,17 +1,17 @@
 //! Writes samples to a zarr group and reads them back.
 
-use super::identity::fixed_conditions;
-use super::origin::Origin;
-use super::records::{SampleRecord, SetContent};
+use super::attributes::{Attributes, Making};
+use super::columns::{columns, properties, row};
+use super::content::Content;
+use super::records::SampleRecord;
 use super::row::Row;
 use super::settings::VoxelizeSettings;
 use super::statistics::Gathering;
-use super::structure::{Properties, letters};
 use anyhow::{Context, Result, bail};
-use protomer_field::voxels::{Channel, Voxels};
-use protomer_io::zarr::{SetReader, SetWriter};
-use protomer_results::ResultKind;
-use serde_json::{Map, Value, json};
+use protomer_field::voxels::Voxels;
+use protomer_io::zarr::{self, SampleReader, SetPlan, SetReader, SetWriter};
+use serde::Deserialize;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::Instant;
@@ -21,7 +21,7 @@ pub enum OnDisk {
     /// Nothing.
     Nothing,
     /// The same set, complete.
-    Same(Box<SetReader>),
+    Same(Box<SampleReader>),
     /// Another set.
     Other,
 }
@@ -31,17 +31,26 @@ pub enum OnDisk {
 /// # Errors
 /// If the path exists and is not a voxel set.
 pub fn state_of(output: &Path, identity: &str) -> Result<OnDisk> {
+    #[derive(Default, Deserialize)]
+    #[serde(default)]
+    struct Identified {
+        identity: Value,
+    }
     if !output.exists() {
         return Ok(OnDisk::Nothing);
     }
-    let reader = SetReader::open(output).context(format!(
-        "{} exists and is not a voxel set; choose another output",
-        output.display()
-    ))?;
-    match reader.attributes().get("identity").and_then(Value::as_str) {
-        Some(present) if present == identity => Ok(OnDisk::Same(Box::new(reader))),
-        _ => Ok(OnDisk::Other),
-    }
+    let is_no_set = || {
+        format!(
+            "{} exists and is not a voxel set; choose another output",
+            output.display()
+        )
+    };
+    let reader = SampleReader::open(output).with_context(is_no_set)?;
+    let present: Identified = zarr::attributes(output).with_context(is_no_set)?;
+    Ok(match present.identity.as_str() == Some(identity) {
+        true => OnDisk::Same(Box::new(reader)),
+        false => OnDisk::Other,
+    })
 }
 
 /// The settings of a set.
@@ -56,125 +65,6 @@ pub fn settings_of(reader: &SetReader) -> Result<VoxelizeSettings> {
         .unwrap_or_default();
     serde_json::from_value(value)
         .context("the attribute 'settings' is damaged or of another version; make the set again")
-}
-
-/// The attributes of a set.
-///
-/// # Errors
-/// If the settings cannot be serialised.
-pub fn attributes(
-    settings: &VoxelizeSettings,
-    origins: &[Origin],
-    identity: &str,
-    content: &SetContent,
-) -> Result<Map<String, Value>> {
-    let mut meanings = Map::new();
-    for channel in &settings.channels {
-        meanings.insert(channel.name().to_owned(), meaning(*channel).into());
-    }
-    let manifest_sha256 = match origins {
-        [only] => only.manifest_sha256.as_str(),
-        _ => "",
-    };
-    let value = json!({
-        "kind": ResultKind::VoxelSet,
-        "made_by": format!("protomer {}", env!("CARGO_PKG_VERSION")),
-        "identity": identity,
-        "manifest_sha256": manifest_sha256,
-        "manifests": serde_json::to_value(origins)?,
-        "settings": serde_json::to_value(settings)?,
-        "spacing_angstrom": serde_json::to_value(settings.spacing)?,
-        "conditions": {
-            "salt_molar": settings.salt_molar,
-            "temperature_kelvin": settings.temperature_kelvin,
-            "ph": settings.ph,
-            "poisson_boltzmann": fixed_conditions(settings)?,
-        },
-        "channel_meanings": meanings,
-        "samples": lists_of(&content.samples),
-        "excluded": serde_json::to_value(&content.excluded)?,
-        "warnings": warnings_of(&content.samples),
-    });
-    match value {
-        Value::Object(map) => Ok(map),
-        _ => bail!("the attributes are not an object"),
-    }
-}
-
-/// What the values of a channel mean.
-fn meaning(channel: Channel) -> &'static str {
-    match channel {
-        Channel::Shape => {
-            "1 where the surface passes through: centres at most half an edge from it"
-        }
-        Channel::Solid => "1 where the centre is inside the surface",
-        Channel::Potential => "kT/e, at the point of the surface nearest to the centre",
-        Channel::Hydropathy => "Kyte-Doolittle index, averaged over nearby residues",
-        Channel::Spacing => "edge of the voxels of this sample, Å",
-    }
-}
-
-/// The string properties of the samples, a list for each.
-fn lists_of(samples: &[SampleRecord]) -> Value {
-    let mut lists = Map::new();
-    for (place, name) in Row::WORDS.into_iter().enumerate() {
-        let list = samples.iter().map(|sample| sample.row.words()[place]);
-        lists.insert(name.to_owned(), list.collect());
-    }
-    Value::Object(lists)
-}
-
-/// The warnings of the samples that have any, by name.
-pub fn warnings_of(samples: &[SampleRecord]) -> BTreeMap<String, Vec<String>> {
-    let mut warnings = BTreeMap::new();
-    for sample in samples {
-        if !sample.warnings.is_empty() {
-            warnings.insert(sample.row.name.clone(), sample.warnings.clone());
-        }
-    }
-    warnings
-}
-
-/// Names of the numeric columns.
-pub fn columns() -> Vec<String> {
-    let mut columns: Vec<String> = [
-        "entry",
-        "residues",
-        "radius_of_gyration_angstrom",
-        "extent_1_angstrom",
-        "extent_2_angstrom",
-        "extent_3_angstrom",
-        "net_charge_e",
-        "spacing_angstrom",
-        "rotation_w",
-        "rotation_x",
-        "rotation_y",
-        "rotation_z",
-        "middle_x_angstrom",
-        "middle_y_angstrom",
-        "middle_z_angstrom",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    for letter in letters() {
-        columns.push(format!("composition_{letter}"));
-    }
-    columns
-}
-
-fn row(sample: &SampleRecord) -> Vec<f64> {
-    let p = &sample.properties;
-    let mut row = vec![
-        sample.row.entry as f64,
-        p.residues as f64,
-        p.radius_of_gyration_angstrom,
-    ];
-    row.extend(p.extents_angstrom);
-    row.extend([p.net_charge_e, p.spacing_angstrom]);
-    row.extend(p.rotation_wxyz);
-    row.extend(p.middle_angstrom);
-    row.extend(p.composition);
-    row
 }
 
 /// The samples of a set without their voxels.
@@ -207,7 +97,6 @@ pub fn samples_of(reader: &SetReader) -> Result<Vec<SampleRecord>> {
             sha256: word(&hashes),
         };
         samples.push(SampleRecord {
-            key: String::new(),
             voxels: reader.voxels(sample),
             properties,
             warnings: warnings.remove(&row.name).unwrap_or_default(),
@@ -228,44 +117,28 @@ fn words(reader: &SetReader, list: &str) -> Result<Vec<String>> {
     }
 }
 
-/// The entry and the properties in a row of the table; the inverse of [`row`].
-fn properties(row: &[f64]) -> (usize, Properties) {
-    let at = |column: usize| row.get(column).copied().unwrap_or(f64::NAN);
-    let properties = Properties {
-        residues: at(1) as usize,
-        radius_of_gyration_angstrom: at(2),
-        extents_angstrom: std::array::from_fn(|n| at(3 + n)),
-        net_charge_e: at(6),
-        spacing_angstrom: at(7),
-        rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
-        middle_angstrom: std::array::from_fn(|n| at(12 + n)),
-        composition: std::array::from_fn(|n| at(15 + n)),
-    };
-    (at(0) as usize, properties)
-}
-
-/// Writes a set into an empty folder; `voxels` returns the voxels of each sample in turn, with
-/// one list per channel.
+/// Writes a set into an empty folder.
 ///
 /// # Errors
-/// If a file cannot be written, and the errors of `voxels`.
-pub fn write(
-    folder: &Path,
-    settings: &VoxelizeSettings,
-    content: &SetContent,
-    mut attributes: Map<String, Value>,
-    voxels: &mut dyn FnMut(usize) -> Result<Voxels>,
-) -> Result<()> {
-    let mut channels = Vec::new();
-    for channel in &settings.channels {
-        channels.push(channel.name().to_owned());
-    }
+/// If a file cannot be written, and the errors of the content.
+pub fn write(folder: &Path, making: Making, content: &dyn Content) -> Result<()> {
+    let settings = making.settings;
+    let channels = settings.channels.iter().map(|channel| channel.name());
+    let channels: Vec<String> = channels.map(str::to_owned).collect();
     let implied = settings.implied_channels();
-    let mut writer =
-        SetWriter::create(folder, settings.size, &channels, &implied, content.voxels())?;
-    let mut statistics = Gathering::new(settings, &content.samples);
-    for (number, sample) in content.samples.iter().enumerate() {
-        let voxels = voxels(number)?;
+    let plan = SetPlan {
+        size: settings.size,
+        channels: channels.clone(),
+        implied: implied.clone(),
+        columns: columns(),
+        samples: content.len() as u64,
+        voxels: content.voxels(),
+    };
+    let mut writer = SetWriter::create(folder, plan)?;
+    let mut statistics = Gathering::new(settings, content.len(), |sample| content.row(sample))?;
+    for number in 0..content.len() {
+        let manifest_row = content.row(number)?;
+        let (properties, voxels) = content.sample(number)?;
         statistics.add(number, &voxels);
         let Voxels { index, values } = voxels;
         let mut stored: Vec<&[f32]> = Vec::new();
@@ -274,23 +147,22 @@ pub fn write(
                 stored.push(values);
             }
         }
-        let written = writer.push(&index, &stored);
-        written.with_context(|| sample.row.name.clone())?;
+        let written = writer.push(&index, &stored, &row(manifest_row.entry, &properties));
+        written.with_context(|| manifest_row.name)?;
     }
-    attributes.insert(
-        "statistics".into(),
-        serde_json::to_value(statistics.finish())?,
-    );
-    let rows: Vec<f64> = content.samples.iter().flat_map(row).collect();
-    Ok(writer.finish(&columns(), &rows, attributes)?)
+    let attributes = Attributes::new(making, content, statistics.finish())?;
+    Ok(writer.finish(&attributes)?)
 }
 
-/// Reads every sample of a set once and returns the mean time per sample, ms.
+/// Reads everything of a set but the attributes once, and returns the mean time per sample, ms.
 ///
 /// # Errors
 /// Names the file that cannot be read.
 pub fn read_back(folder: &Path) -> Result<f64> {
-    let reader = SetReader::open(folder)?;
+    let reader = SampleReader::open(folder)?;
+    for part in reader.table().parts() {
+        part?;
+    }
     let start = Instant::now();
     for sample in 0..reader.len() {
         reader.sample(sample)?;

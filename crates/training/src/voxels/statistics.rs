@@ -5,15 +5,15 @@
 //! so it excludes the validation and test parts. `protomer train` splits by its own seed and
 //! target, and uses the statistics of its own training part.
 
-use super::records::SampleRecord;
+use super::row::Row;
 use super::settings::VoxelizeSettings;
+use anyhow::Result;
 use protomer_field::voxels::{Channel, Voxels};
-use protomer_io::zarr::as_stored;
-use protomer_learn::Description;
+use protomer_io::zarr::{of_stored_bits, stored_bits};
 use protomer_learn::scaling::where_defined;
-use protomer_learn::split::{Fractions, Split};
+use protomer_learn::split::{Fractions, Ranks, Split};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::BTreeMap;
 
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,7 +52,8 @@ pub struct ChannelStatistics {
 /// Accumulates statistics, one sample at a time.
 pub struct Gathering {
     over: &'static str,
-    samples: BTreeSet<usize>,
+    /// Ascending.
+    samples: Vec<usize>,
     split_seed: u64,
     channels: Vec<(String, Gathered)>,
 }
@@ -66,42 +67,69 @@ struct Gathered {
     first: f64,
     shifted: f64,
     range: Option<(f32, f32)>,
-    /// How often each value is there, by its bits: in half precision there are few.
-    counts: HashMap<u32, u64>,
+    counts: Counts,
+}
+
+/// How often each value is there, by its bits in half precision: in pages of 256, since values lie
+/// close together.
+struct Counts(Vec<Vec<u64>>);
+
+impl Default for Counts {
+    fn default() -> Self {
+        Self(vec![Vec::new(); 256])
+    }
+}
+
+impl Counts {
+    fn add(&mut self, bits: u16) {
+        let [page, place] = bits.to_be_bytes().map(usize::from);
+        let page = &mut self.0[page];
+        if page.is_empty() {
+            page.resize(256, 0);
+        }
+        page[place] += 1;
+    }
+
+    /// The values that are there, with their counts.
+    fn values(&self) -> Vec<(f32, u64)> {
+        let mut values = Vec::new();
+        for (high, page) in (0..=u8::MAX).zip(&self.0) {
+            for (low, count) in (0..=u8::MAX).zip(page).filter(|(_, count)| **count > 0) {
+                values.push((of_stored_bits(u16::from_be_bytes([high, low])), *count));
+            }
+        }
+        values
+    }
 }
 
 impl Gathering {
-    /// Starts the statistics of a set with these samples.
-    pub fn new(settings: &VoxelizeSettings, samples: &[SampleRecord]) -> Self {
-        let describe = |sample: &SampleRecord| Description {
-            label: sample.row.label.clone(),
-            cluster: sample.row.cluster.clone(),
-            ..Description::default()
+    /// Starts the statistics of a set with so many samples; the function returns the manifest entry
+    /// of each.
+    ///
+    /// # Errors
+    /// Those of the function.
+    pub fn new(
+        settings: &VoxelizeSettings,
+        count: usize,
+        row: impl Fn(usize) -> Result<Row>,
+    ) -> Result<Self> {
+        let (over, samples) = match training_part(settings.seed, count, row)? {
+            Some(samples) => ("training part", samples),
+            None => ("all samples", (0..count).collect()),
         };
-        let descriptions: Vec<Description> = samples.iter().map(describe).collect();
-        let (over, chosen) =
-            match Split::grouped(&descriptions, settings.seed, Fractions::default()) {
-                Ok(split) if !split.training.is_empty() => {
-                    ("training part", split.training.into_iter().collect())
-                }
-                _ => (
-                    "all samples",
-                    (0..samples.len()).collect::<BTreeSet<usize>>(),
-                ),
-            };
         let empty = |channel: &Channel| (channel.name().to_owned(), Gathered::default());
         let channels = settings.channels.iter().map(empty).collect();
-        Self {
+        Ok(Self {
             over,
-            samples: chosen,
+            samples,
             split_seed: settings.seed,
             channels,
-        }
+        })
     }
 
     /// Adds a sample, if it belongs to the training part.
     pub fn add(&mut self, sample: usize, voxels: &Voxels) {
-        if !self.samples.contains(&sample) {
+        if self.samples.binary_search(&sample).is_err() {
             return;
         }
         let names: Vec<String> = self.channels.iter().map(|(name, _)| name.clone()).collect();
@@ -118,20 +146,37 @@ impl Gathering {
             .into_iter()
             .map(|(name, gathered)| (name, gathered.finish()))
             .collect();
-        let samples = self.samples.into_iter().collect();
         Statistics {
             over: self.over,
-            samples,
+            samples: self.samples,
             split_seed: self.split_seed,
             channels,
         }
     }
 }
 
+/// The training part of a split by cluster; `None` if there are too few clusters.
+fn training_part(
+    seed: u64,
+    count: usize,
+    row: impl Fn(usize) -> Result<Row>,
+) -> Result<Option<Vec<usize>>> {
+    let (mut labels, mut clusters) = (Ranks::default(), Ranks::default());
+    for sample in 0..count {
+        let row = row(sample)?;
+        labels.push(row.label);
+        clusters.push(row.cluster);
+    }
+    let (labels, clusters) = (labels.finish(), clusters.finish());
+    let split = Split::by_ranks(&labels, &clusters, seed, Fractions::default());
+    let training = split.ok().map(|split| split.training);
+    Ok(training.filter(|training| !training.is_empty()))
+}
+
 impl Gathered {
     fn add(&mut self, values: &[f32]) {
-        // The values as stored, in half precision.
-        for value in values.iter().map(|value| as_stored(*value)) {
+        for bits in values.iter().map(|value| stored_bits(*value)) {
+            let value = of_stored_bits(bits);
             let (low, high) = self.range.unwrap_or((value, value));
             self.range = Some((low.min(value), high.max(value)));
             if self.voxels == 0 {
@@ -141,7 +186,7 @@ impl Gathered {
             self.shifted += difference;
             self.squares += difference * difference;
             self.voxels += 1;
-            *self.counts.entry(value.to_bits()).or_default() += 1;
+            self.counts.add(bits);
         }
     }
 
@@ -152,10 +197,7 @@ impl Gathered {
         let count = self.voxels as f64;
         let shift = self.shifted / count;
         let variance = (self.squares / count - shift * shift).max(0.0);
-        let values = self.counts.iter();
-        let mut counted: Vec<(f32, u64)> = values
-            .map(|(bits, count)| (f32::from_bits(*bits), *count))
-            .collect();
+        let mut counted = self.counts.values();
         let middle = median(&mut counted);
         for (value, _) in &mut counted {
             *value = (*value - middle).abs();
@@ -189,33 +231,20 @@ fn median(counted: &mut [(f32, u64)]) -> f32 {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::voxels::row::Row;
-    use crate::voxels::structure::Properties;
+    use protomer_io::zarr::as_stored;
 
-    fn record(number: usize, cluster: &str) -> SampleRecord {
-        let properties = Properties {
-            residues: 1,
-            radius_of_gyration_angstrom: 1.0,
-            extents_angstrom: [1.0; 3],
-            net_charge_e: 0.0,
-            spacing_angstrom: 1.0,
-            rotation_wxyz: [1.0, 0.0, 0.0, 0.0],
-            middle_angstrom: [0.0; 3],
-            composition: [0.05; 20],
-        };
-        SampleRecord {
-            row: Row {
-                entry: number,
-                name: format!("s{number}"),
-                label: format!("{}", number % 2),
-                cluster: cluster.into(),
-                ..Row::default()
-            },
-            key: String::new(),
-            voxels: 2,
-            properties,
-            warnings: Vec::new(),
+    fn row(number: usize, cluster: &str) -> Row {
+        Row {
+            entry: number,
+            name: format!("s{number}"),
+            label: format!("{}", number % 2),
+            cluster: cluster.into(),
+            ..Row::default()
         }
+    }
+
+    fn gathering(rows: &[Row]) -> Gathering {
+        Gathering::new(&settings(), rows.len(), |sample| Ok(rows[sample].clone())).unwrap()
     }
 
     fn voxels(potential: &[f32]) -> Voxels {
@@ -234,8 +263,8 @@ mod tests {
 
     #[test]
     fn of_few_clusters_all_samples_count() {
-        let samples = [record(0, "a"), record(1, "a")];
-        let mut gathering = Gathering::new(&settings(), &samples);
+        let samples = [row(0, "a"), row(1, "a")];
+        let mut gathering = gathering(&samples);
         gathering.add(0, &voxels(&[-1.0, 3.0]));
         gathering.add(1, &voxels(&[5.0, 7.0, -9.0]));
         let statistics = gathering.finish();
@@ -260,11 +289,11 @@ mod tests {
 
     #[test]
     fn what_is_not_of_the_training_part_changes_nothing() {
-        let samples: Vec<SampleRecord> = (0..40)
-            .map(|number| record(number, &format!("c{number}")))
+        let samples: Vec<Row> = (0..40)
+            .map(|number| row(number, &format!("c{number}")))
             .collect();
         let of = |outside: f32| {
-            let mut gathering = Gathering::new(&settings(), &samples);
+            let mut gathering = gathering(&samples);
             let inside = gathering.samples.clone();
             assert!(inside.len() > 20 && inside.len() < 35);
             for sample in 0..samples.len() {
@@ -305,7 +334,7 @@ mod tests {
 
     #[test]
     fn no_voxels_have_no_mean() {
-        let statistics = Gathering::new(&settings(), &[]).finish();
+        let statistics = gathering(&[]).finish();
         assert_eq!(
             statistics.channels["potential"],
             ChannelStatistics::default()

@@ -15,7 +15,7 @@ use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
 use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise};
 use protomer_field::{ChargedSphere, FieldError};
-use protomer_io::atomic::sha256_hex;
+use protomer_io::digest::Digest;
 use protomer_io::points::read_points;
 use protomer_io::zarr::as_stored;
 use protomer_kernel::{Rotation, Vec3};
@@ -313,7 +313,7 @@ fn amino_acid(name: &str) -> Option<AminoAcid> {
 
 /// A number derived from the name.
 fn key_of(name: &str) -> u64 {
-    u64::from_str_radix(&sha256_hex(name.as_bytes())[..16], 16).unwrap_or(0)
+    Digest::of(name.as_bytes()).short()
 }
 
 fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> {

@@ -1,6 +1,6 @@
 //! How many structures will not fit, before any is voxelised, and what would take them all.
 
-use super::manifest::{Entry, Manifest};
+use super::manifest::Manifest;
 use super::settings::{Spacing, VoxelizeSettings};
 use super::structure::{extent_angstrom, voxels_needed};
 use protomer_field::voxels::lattice::{SIZE_RANGE, SPACING_RANGE_ANGSTROM};
@@ -35,10 +35,10 @@ pub struct Survey {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn survey(manifest: &Manifest, shard: Shard, settings: &VoxelizeSettings) -> Survey {
-    let entries = manifest.entries.iter();
-    let entries: Vec<&Entry> = entries.filter(|entry| shard.has(entry.number)).collect();
-    let extent = |entry: &&Entry| extent_angstrom(entry, settings);
-    let extents: Vec<f64> = entries.par_iter().filter_map(extent).collect();
+    let numbers = (0..manifest.len()).into_par_iter();
+    let numbers = numbers.filter(|number| shard.has(*number));
+    let extent = |number: usize| extent_angstrom(&manifest.entry(number).ok()?, settings);
+    let extents: Vec<f64> = numbers.filter_map(extent).collect();
     Survey::of_extents(&extents, settings)
 }
 

@@ -1,21 +1,21 @@
 //! Voxelises the structures of a manifest into a set, on all threads, with interruption and
 //! continuation.
 
-use super::manifest::{Entry, Manifest};
+use super::attributes::Making;
+use super::content::Content;
+use super::finished::Finished;
+use super::manifest::Manifest;
 use super::origin::Origin;
-use super::records::{Exclusion, SampleRecord, SetContent, exclusions};
-use super::row::Row;
+use super::part::Part;
+use super::records::Exclusion;
 use super::settings::VoxelizeSettings;
-use super::structure::Outcome;
 use super::work::WorkFile;
-use super::{identity, relatives, set, structure};
+use super::{relatives, set, structure};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
-use protomer_common::input::InputFile;
-use protomer_io::zarr::SetReader;
+use protomer_io::zarr::{self, SampleReader, SetReader};
 use protomer_results::{End, Execution, Shard, each};
-use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -116,7 +116,7 @@ pub fn voxelize(
     let start = Instant::now();
     settings.check()?;
     let part = Part::new(manifest, shard, settings)?;
-    let mut report = part.report(output);
+    let mut report = part.report(output)?;
     match set::state_of(output, &part.identity)? {
         set::OnDisk::Same(reader) => report.describe_present(&reader)?,
         set::OnDisk::Other if !execution.start_anew => {
@@ -132,54 +132,14 @@ pub fn voxelize(
     Ok(report)
 }
 
-/// The structures of a manifest that one process voxelises.
-struct Part<'a> {
-    manifest: &'a Manifest,
-    shard: Shard,
-    settings: &'a VoxelizeSettings,
-    entries: Vec<&'a Entry>,
-    /// SHA-256 of each readable file.
-    hashes: Vec<Option<String>>,
-    identity: String,
-}
-
-impl<'a> Part<'a> {
-    fn new(manifest: &'a Manifest, shard: Shard, settings: &'a VoxelizeSettings) -> Result<Self> {
-        let entries: Vec<&Entry> = manifest
-            .entries
-            .iter()
-            .filter(|entry| shard.has(entry.number))
-            .collect();
-        let hashes: Vec<Option<String>> = entries
-            .par_iter()
-            .map(|entry| InputFile::read(&entry.path).ok().map(|file| file.sha256))
-            .collect();
-        let mut part = Self {
-            manifest,
-            shard,
-            settings,
-            entries,
-            hashes,
-            identity: String::new(),
-        };
-        part.identity = identity::identity(settings, &part.rows())?;
-        Ok(part)
-    }
-
-    fn rows(&self) -> Vec<Row> {
-        let mut rows = Vec::with_capacity(self.entries.len());
-        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
-            rows.push(Row::new(entry, hash.as_deref()));
-        }
-        rows
-    }
-
+impl Part<'_> {
     /// The initial report of a set.
-    fn report(&self, output: &Path) -> VoxelizeReport {
-        VoxelizeReport {
+    fn report(&self, output: &Path) -> Result<VoxelizeReport> {
+        let row = |structure| self.row(structure);
+        Ok(VoxelizeReport {
             set: output.to_owned(),
             state: State::Stopped,
-            structures: self.entries.len(),
+            structures: self.len(),
             taken_over: 0,
             samples: 0,
             voxels: 0,
@@ -187,9 +147,9 @@ impl<'a> Part<'a> {
             read_ms_per_sample: None,
             excluded: Vec::new(),
             warnings: BTreeMap::new(),
-            manifest_warnings: relatives::in_several_clusters(&self.rows()),
+            manifest_warnings: relatives::in_several_clusters(self.len(), row)?,
             seconds: 0.0,
-        }
+        })
     }
 
     /// Voxelises the structures that no earlier run has done, and writes the set once all are done.
@@ -203,81 +163,57 @@ impl<'a> Part<'a> {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         }
-        let work = WorkFile::open(&work_path(output))?;
-        let keys = self.keys()?;
-        report.taken_over = keys.iter().filter(|key| work.has(key)).count();
-        if self.voxelize_missing(&keys, &work, execution)? == End::Stopped {
-            report.samples = keys.iter().filter(|key| work.has(key)).count();
+        let keys = (0..self.len()).map(|structure| self.key(structure));
+        let work = WorkFile::open(&work_path(output), keys)?;
+        let missing = work.missing();
+        report.taken_over = self.len() - missing.len();
+        if self.voxelize_missing(&missing, &work, execution)? == End::Stopped {
+            report.samples = self.len() - work.missing().len();
             return Ok(());
         }
-        let content = collect(&self.entries, &self.hashes, keys, &work)?;
-        report.samples = content.samples.len();
-        report.voxels = content.voxels();
-        report.warnings = set::warnings_of(&content.samples);
-        report.excluded = content.excluded.clone();
-        report.read_ms_per_sample = Some(self.write(output, content, &work)?);
+        drop(missing);
+        let finished = Finished::count(self, &work)?;
+        report.samples = finished.len();
+        report.voxels = finished.voxels();
+        report.read_ms_per_sample = Some(self.write(output, &finished)?);
+        (report.excluded, report.warnings) = finished.into_notes();
         work.remove()?;
         report.state = State::Written;
         Ok(())
     }
 
-    /// The key of each sample.
-    fn keys(&self) -> Result<Vec<String>> {
-        let mut keys = Vec::with_capacity(self.entries.len());
-        for (entry, hash) in self.entries.iter().zip(&self.hashes) {
-            keys.push(identity::key(self.settings, entry, hash.as_deref())?);
-        }
-        Ok(keys)
-    }
-
     fn voxelize_missing(
         &self,
-        keys: &[String],
+        missing: &[usize],
         work: &WorkFile,
         execution: &Execution,
     ) -> Result<End<()>> {
-        let mut missing: Vec<(&Entry, &String)> = Vec::new();
-        for (entry, key) in self.entries.iter().zip(keys) {
-            if !work.has(key) {
-                missing.push((entry, key));
-            }
-        }
         let progress = &execution.progress;
         progress.begin(missing.len() as u64, "structures");
-        let one = |(entry, key): &(&Entry, &String)| -> Result<End<()>> {
+        let one = |structure: &usize| -> Result<End<()>> {
             if execution.interrupt.is_requested() {
                 return Ok(End::Stopped);
             }
-            work.keep(key, &structure::voxelize_structure(entry, self.settings))?;
+            let outcome = structure::voxelize_structure(&self.entry(*structure)?, self.settings);
+            work.keep(*structure, self.key(*structure)?, &outcome)?;
             progress.advance(1);
             Ok(End::Finished(()))
         };
-        Ok(each(&missing, &execution.interrupt, one)?.map(drop))
+        Ok(each(missing, &execution.interrupt, one)?.map(drop))
     }
 
-    /// Writes the set, and returns the mean time to read a sample back, ms. What is read back takes as
-    /// much memory as the content, which is gone by then.
-    fn write(&self, output: &Path, content: SetContent, work: &WorkFile) -> Result<f64> {
-        let origin = Origin::new(
-            &self.manifest.sha256,
-            self.manifest.entries.len(),
-            self.shard,
-            self.entries.len(),
-        );
-        let attributes = set::attributes(self.settings, &[origin], &self.identity, &content)?;
+    /// Writes the set, and returns the mean time to read a sample back, ms.
+    fn write(&self, output: &Path, content: &Finished) -> Result<f64> {
+        let structures = self.manifest.len();
+        let origin = Origin::new(&self.manifest.sha256, structures, self.shard, self.len());
+        let making = Making {
+            settings: self.settings,
+            origins: &[origin],
+            identity: &self.identity,
+        };
         let mut read_ms_per_sample = f64::NAN;
         set::replace(output, |folder| {
-            let mut voxels = |sample: usize| {
-                let Some(entry) = content.samples.get(sample) else {
-                    bail!("there is no sample {sample}")
-                };
-                match work.get(&entry.key)? {
-                    Outcome::Sample(sample) => Ok(sample.voxels),
-                    Outcome::Excluded { .. } => bail!("{} was excluded", entry.row.name),
-                }
-            };
-            set::write(folder, self.settings, &content, attributes, &mut voxels)?;
-            drop(content);
+            set::write(folder, making, content)?;
             read_ms_per_sample = set::read_back(folder)?;
             Ok(())
         })?;
@@ -287,15 +223,21 @@ impl<'a> Part<'a> {
 
 impl VoxelizeReport {
     /// Reports on the existing set.
-    fn describe_present(&mut self, reader: &SetReader) -> Result<()> {
+    fn describe_present(&mut self, reader: &SampleReader) -> Result<()> {
+        #[derive(Default, Deserialize)]
+        #[serde(default)]
+        struct Notes {
+            excluded: Vec<Exclusion>,
+            warnings: BTreeMap<String, Vec<String>>,
+        }
         self.state = State::NothingToDo;
         self.taken_over = self.structures;
         self.samples = reader.len();
         for sample in 0..reader.len() {
             self.voxels += reader.voxels(sample) as u64;
         }
-        self.warnings = set::warnings_of(&set::samples_of(reader)?);
-        self.excluded = exclusions(reader)?;
+        let Notes { excluded, warnings } = zarr::attributes(&self.set)?;
+        (self.excluded, self.warnings) = (excluded, warnings);
         Ok(())
     }
 }
@@ -305,34 +247,6 @@ pub fn work_path(output: &Path) -> PathBuf {
     let mut name = output.file_name().unwrap_or_default().to_owned();
     name.push(".work");
     output.with_file_name(name)
-}
-
-/// The content of the set, except for its voxels.
-fn collect(
-    entries: &[&Entry],
-    hashes: &[Option<String>],
-    keys: Vec<String>,
-    work: &WorkFile,
-) -> Result<SetContent> {
-    let mut content = SetContent::default();
-    for ((entry, hash), key) in entries.iter().zip(hashes).zip(keys) {
-        let row = Row::new(entry, hash.as_deref());
-        match work.get(&key).with_context(|| entry.name.clone())? {
-            Outcome::Sample(sample) => content.samples.push(SampleRecord {
-                row,
-                key,
-                voxels: sample.voxels.index.len(),
-                properties: sample.properties,
-                warnings: sample.warnings,
-            }),
-            Outcome::Excluded { reason, detail } => content.excluded.push(Exclusion {
-                row,
-                reason,
-                detail,
-            }),
-        }
-    }
-    Ok(content)
 }
 
 /// Opens an existing set.

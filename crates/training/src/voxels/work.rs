@@ -9,10 +9,12 @@ use super::structure::{Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::container::{Array, Container};
+use protomer_io::digest::Digest;
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, SeekFrom, Write};
+use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -22,18 +24,20 @@ const KIND: &str = "voxel sample";
 /// Upper limit for a record: 512³ voxels of five channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
 
-/// Samples by their keys, on disk.
+/// Outcomes by the number of their structure, on disk.
 pub struct WorkFile {
     path: PathBuf,
     inner: Mutex<Inner>,
 }
 
-/// Offset and length of the record of each key.
-type Records = HashMap<String, (u64, u64)>;
+/// The end of the length before a record, where the record begins.
+type Place = Option<NonZeroU64>;
+
+const LENGTH_BYTES: u64 = 8;
 
 struct Inner {
     file: File,
-    records: Records,
+    records: Vec<Place>,
     end: u64,
 }
 
@@ -48,11 +52,12 @@ struct Header {
 }
 
 impl WorkFile {
-    /// Opens or creates a work file; no other process may have it open.
+    /// Opens or creates a work file for structures with these keys; no other process may have it
+    /// open.
     ///
     /// # Errors
-    /// Names the file.
-    pub fn open(path: &Path) -> Result<Self> {
+    /// Names the file; and the errors of the keys.
+    pub fn open(path: &Path, keys: impl ExactSizeIterator<Item = Result<Digest>>) -> Result<Self> {
         let name = path.display().to_string();
         let file = OpenOptions::new()
             .read(true)
@@ -69,7 +74,9 @@ impl WorkFile {
                     .with_context(|| format!("cannot lock {name}; use a disk of this machine"));
             }
         }
-        let (records, end) = scan(&mut file).with_context(|| format!("cannot read {name}"))?;
+        let mut records = vec![None; keys.len()];
+        let end = scan(&mut file, keys, &mut records);
+        let end = end.with_context(|| format!("cannot read {name}"))?;
         file.set_len(end)
             .with_context(|| format!("cannot truncate {name}"))?;
         Ok(Self {
@@ -83,16 +90,19 @@ impl WorkFile {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Whether there is a record for this key.
-    pub fn has(&self, key: &str) -> bool {
-        self.inner().records.contains_key(key)
+    /// The structures without a record, ascending.
+    pub fn missing(&self) -> Vec<usize> {
+        let inner = self.inner();
+        let records = inner.records.iter().enumerate();
+        let missing = records.filter(|(_, record)| record.is_none());
+        missing.map(|(number, _)| number).collect()
     }
 
-    /// Adds a record.
+    /// Adds the record of a structure, under its key.
     ///
     /// # Errors
     /// Names the file.
-    pub fn keep(&self, key: &str, outcome: &Outcome) -> Result<()> {
+    pub fn keep(&self, number: usize, key: Digest, outcome: &Outcome) -> Result<()> {
         let bytes = encode(key, outcome)?;
         let mut record = (bytes.len() as u64).to_le_bytes().to_vec();
         record.extend(bytes);
@@ -104,29 +114,31 @@ impl WorkFile {
         let written = inner.file.write_all(&record);
         written.with_context(cannot_write)?;
         inner.end += record.len() as u64;
-        inner
-            .records
-            .insert(key.to_owned(), (begin + 8, record.len() as u64 - 8));
+        if let Some(record) = inner.records.get_mut(number) {
+            *record = NonZeroU64::new(begin + LENGTH_BYTES);
+        }
         Ok(())
     }
 
-    /// The record of a key.
+    /// The record of a structure.
     ///
     /// # Errors
     /// If there is none, or it is damaged.
-    pub fn get(&self, key: &str) -> Result<Outcome> {
+    pub fn get(&self, number: usize) -> Result<Outcome> {
         let name = self.path.display().to_string();
         let mut inner = self.inner();
-        let Some((begin, length)) = inner.records.get(key).copied() else {
-            bail!("{name} has no record {key}");
+        let Some(place) = inner.records.get(number).copied().flatten() else {
+            bail!("{name} has no record of structure {number}");
         };
-        let mut bytes = vec![0; length as usize];
-        let cannot_read = || format!("cannot read {name}");
+        let begin = place.get() - LENGTH_BYTES;
+        let left = inner.end - begin;
         let position = inner.file.seek(SeekFrom::Start(begin));
-        position.with_context(cannot_read)?;
-        let read = inner.file.read_exact(&mut bytes);
-        read.with_context(cannot_read)?;
+        let bytes = position.and_then(|_| read_record(&mut inner.file, left));
         drop(inner);
+        let bytes = bytes.with_context(|| format!("cannot read {name}"))?;
+        let Some(bytes) = bytes else {
+            bail!("{name} was changed by another program; remove it and start again");
+        };
         Ok(decode(&name, &Container::from_bytes(&name, KIND, &bytes)?)?.1)
     }
 
@@ -140,40 +152,62 @@ impl WorkFile {
     }
 }
 
-/// Finds the complete records of a file, and their end.
-fn scan(file: &mut File) -> Result<(Records, u64)> {
-    let mut records = HashMap::new();
+/// Finds the complete records of the structures with these keys, and the end of all complete ones.
+fn scan(
+    file: &mut File,
+    keys: impl Iterator<Item = Result<Digest>>,
+    records: &mut [Place],
+) -> Result<u64> {
     let length = file.metadata()?.len();
+    if length == 0 {
+        return Ok(0);
+    }
+    let mut numbers = BTreeMap::new();
+    for (number, key) in keys.enumerate() {
+        numbers.insert(key?, number);
+    }
     let mut end = 0;
     file.seek(SeekFrom::Start(0))?;
     let mut reader = std::io::BufReader::new(file);
-    while end + 8 <= length {
-        let mut prefix = [0; 8];
-        reader.read_exact(&mut prefix)?;
-        let size = u64::from_le_bytes(prefix);
-        if size > LONGEST_RECORD_BYTES || end + 8 + size > length {
-            break;
-        }
-        let mut bytes = vec![0; size as usize];
-        reader.read_exact(&mut bytes)?;
+    while let Some(bytes) = read_record(&mut reader, length - end)? {
         let Ok(container) = Container::from_bytes("", KIND, &bytes) else {
             break;
         };
-        if let Ok((key, _)) = decode("", &container) {
-            records.insert(key, (end + 8, size));
+        if let Ok((key, _)) = decode("", &container)
+            && let Some(record) = numbers
+                .get(&key)
+                .and_then(|number| records.get_mut(*number))
+        {
+            *record = NonZeroU64::new(end + LENGTH_BYTES);
         }
-        end += 8 + size;
+        end += LENGTH_BYTES + bytes.len() as u64;
     }
-    Ok((records, end))
+    Ok(end)
 }
 
-fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
+/// Reads a record behind its length; `None` if not all of it is among the `left` bytes.
+fn read_record(reader: &mut impl Read, left: u64) -> std::io::Result<Option<Vec<u8>>> {
+    if left < LENGTH_BYTES {
+        return Ok(None);
+    }
+    let mut prefix = [0; 8];
+    reader.read_exact(&mut prefix)?;
+    let size = u64::from_le_bytes(prefix);
+    if size > LONGEST_RECORD_BYTES || size > left - LENGTH_BYTES {
+        return Ok(None);
+    }
+    let mut bytes = vec![0; size as usize];
+    reader.read_exact(&mut bytes)?;
+    Ok(Some(bytes))
+}
+
+fn encode(key: Digest, outcome: &Outcome) -> Result<Vec<u8>> {
     let (sample, excluded) = match outcome {
         Outcome::Sample(sample) => (Some(sample), None),
         Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone()))),
     };
     let mut header = Header {
-        key: key.to_owned(),
+        key: key.to_string(),
         properties: None,
         excluded,
         channels: 0,
@@ -199,9 +233,15 @@ fn encode(key: &str, outcome: &Outcome) -> Result<Vec<u8>> {
     Ok(container.to_bytes()?)
 }
 
-fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
+fn decode(name: &str, container: &Container) -> Result<(Digest, Outcome)> {
     let header: Header =
         serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
+    let Some(key) = Digest::from_hex(&header.key) else {
+        bail!(
+            "{name}: a record has the key '{}', which is no SHA-256",
+            header.key
+        )
+    };
     let outcome = match (header.properties, header.excluded) {
         (Some(properties), None) => {
             let index = container.u32(name, "index", &[None])?.to_vec();
@@ -221,13 +261,22 @@ fn decode(name: &str, container: &Container) -> Result<(String, Outcome)> {
         (None, Some((reason, detail))) => Outcome::Excluded { reason, detail },
         _ => bail!("{name}: a record is neither a sample nor an exclusion"),
     };
-    Ok((header.key, outcome))
+    Ok((key, outcome))
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+
+    fn key(name: &str) -> Digest {
+        Digest::of(name.as_bytes())
+    }
+
+    /// For three structures.
+    fn open(path: &Path) -> Result<WorkFile> {
+        WorkFile::open(path, ["a", "b", "c"].map(|name| Ok(key(name))).into_iter())
+    }
 
     fn sample(seed: f32) -> Outcome {
         let properties = Properties {
@@ -259,31 +308,31 @@ mod tests {
             reason: Reason::TooLarge,
             detail: "x".into(),
         };
-        let work = WorkFile::open(&path).unwrap();
-        work.keep("a", &sample(0.5)).unwrap();
-        work.keep("b", &excluded).unwrap();
+        let work = open(&path).unwrap();
+        work.keep(0, key("a"), &sample(0.5)).unwrap();
+        work.keep(1, key("b"), &excluded).unwrap();
         let whole = std::fs::metadata(&path).unwrap().len();
-        work.keep("c", &sample(2.0)).unwrap();
-        assert!(WorkFile::open(&path).is_err(), "two at once");
+        work.keep(2, key("c"), &sample(2.0)).unwrap();
+        assert!(open(&path).is_err(), "two at once");
         drop(work);
         let bytes = std::fs::read(&path).unwrap();
         for cut in [whole + 1, whole + 8, whole + 40, bytes.len() as u64 - 1] {
             std::fs::write(&path, &bytes[..cut as usize]).unwrap();
-            let work = WorkFile::open(&path).unwrap();
-            assert!(work.has("a") && work.has("b") && !work.has("c"));
+            let work = open(&path).unwrap();
+            assert_eq!(work.missing(), [2]);
             assert_eq!(
-                (work.get("a").unwrap(), work.get("b").unwrap()),
+                (work.get(0).unwrap(), work.get(1).unwrap()),
                 (sample(0.5), excluded.clone())
             );
-            work.keep("c", &sample(3.0)).unwrap();
-            assert_eq!(work.get("c").unwrap(), sample(3.0));
+            work.keep(2, key("c"), &sample(3.0)).unwrap();
+            assert_eq!(work.get(2).unwrap(), sample(3.0));
         }
         // A damaged record and all later ones are made again.
         let mut damaged = bytes.clone();
         damaged[20] ^= 1;
         std::fs::write(&path, &damaged).unwrap();
-        let work = WorkFile::open(&path).unwrap();
-        assert!(!work.has("a") && !work.has("b"));
+        let work = open(&path).unwrap();
+        assert_eq!(work.missing(), [0, 1, 2]);
         work.remove().unwrap();
         assert!(!path.exists());
     }
@@ -297,20 +346,16 @@ mod tests {
             bytes.extend((record.len() as u64).to_le_bytes());
             bytes.extend(record);
         };
-        append(encode("a", &sample(0.5)).unwrap());
-        let older =
-            serde_json::json!({"key": "b", "properties": null, "excluded": null, "channels": 0});
+        append(encode(key("a"), &sample(0.5)).unwrap());
+        let older = serde_json::json!({"key": key("b").to_string(), "properties": null, "excluded": null, "channels": 0});
         append(Container::new(KIND, older).to_bytes().unwrap());
-        append(encode("c", &sample(1.5)).unwrap());
+        append(encode(key("c"), &sample(1.5)).unwrap());
         std::fs::write(&path, &bytes).unwrap();
-        let work = WorkFile::open(&path).unwrap();
-        assert!(work.has("a") && !work.has("b"));
-        assert_eq!(work.get("c").unwrap(), sample(1.5));
-        work.keep("b", &sample(2.5)).unwrap();
+        let work = open(&path).unwrap();
+        assert_eq!(work.missing(), [1]);
+        assert_eq!(work.get(2).unwrap(), sample(1.5));
+        work.keep(1, key("b"), &sample(2.5)).unwrap();
         drop(work);
-        assert_eq!(
-            WorkFile::open(&path).unwrap().get("b").unwrap(),
-            sample(2.5)
-        );
+        assert_eq!(open(&path).unwrap().get(1).unwrap(), sample(2.5));
     }
 }

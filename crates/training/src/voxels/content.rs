@@ -1,0 +1,41 @@
+//! What becomes a set: samples and exclusions.
+
+use super::records::Exclusion;
+use super::row::Row;
+use super::structure::Properties;
+use anyhow::Result;
+use protomer_field::voxels::Voxels;
+use std::collections::BTreeMap;
+
+/// The content of a set. Samples are asked for one at a time and more than once, so that nobody has
+/// to hold them all.
+pub trait Content {
+    /// Number of samples.
+    fn len(&self) -> usize;
+
+    /// Whether there are no samples.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Occupied voxels of all samples.
+    fn voxels(&self) -> u64;
+
+    /// The manifest entry of a sample.
+    ///
+    /// # Errors
+    /// If there is no such sample.
+    fn row(&self, sample: usize) -> Result<Row>;
+
+    /// The properties and voxels of a sample, with one list of values per channel.
+    ///
+    /// # Errors
+    /// Names the file that cannot be read.
+    fn sample(&self, sample: usize) -> Result<(Properties, Voxels)>;
+
+    /// Excluded structures, in order.
+    fn excluded(&self) -> &[Exclusion];
+
+    /// The warnings of the samples that have any, by name.
+    fn warnings(&self) -> &BTreeMap<String, Vec<String>>;
+}

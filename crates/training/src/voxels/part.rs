@@ -1,0 +1,75 @@
+//! The structures of a manifest that one process voxelises.
+
+use super::identity::{Keys, identity};
+use super::manifest::{Entry, Manifest};
+use super::row::Row;
+use super::settings::VoxelizeSettings;
+use anyhow::Result;
+use protomer_common::input::InputFile;
+use protomer_io::digest::Digest;
+use protomer_results::Shard;
+use rayon::prelude::*;
+
+/// The structures, numbered from zero. Only the hash of each file is kept; everything else about a
+/// structure is made when it is asked for.
+pub(super) struct Part<'a> {
+    pub(super) manifest: &'a Manifest,
+    pub(super) shard: Shard,
+    pub(super) settings: &'a VoxelizeSettings,
+    /// SHA-256 of each readable file.
+    hashes: Vec<Option<Digest>>,
+    keys: Keys,
+    pub(super) identity: String,
+}
+
+impl<'a> Part<'a> {
+    pub(super) fn new(
+        manifest: &'a Manifest,
+        shard: Shard,
+        settings: &'a VoxelizeSettings,
+    ) -> Result<Self> {
+        let count = (0..manifest.len())
+            .filter(|number| shard.has(*number))
+            .count();
+        let mut part = Self {
+            manifest,
+            shard,
+            settings,
+            hashes: Vec::new(),
+            keys: Keys::new(settings)?,
+            identity: String::new(),
+        };
+        let hash = |structure| {
+            let file = InputFile::read(&part.entry(structure).ok()?.path).ok()?;
+            Digest::from_hex(&file.sha256)
+        };
+        part.hashes = (0..count).into_par_iter().map(hash).collect();
+        let rows = || (0..count).map(|structure| part.row(structure));
+        part.identity = identity(settings, rows)?;
+        Ok(part)
+    }
+
+    /// Number of structures.
+    pub(super) fn len(&self) -> usize {
+        self.hashes.len()
+    }
+
+    pub(super) fn entry(&self, structure: usize) -> Result<Entry> {
+        let Shard { index, of } = self.shard;
+        self.manifest.entry(index - 1 + structure * of)
+    }
+
+    fn hash(&self, structure: usize) -> Option<Digest> {
+        self.hashes.get(structure).copied().flatten()
+    }
+
+    pub(super) fn row(&self, structure: usize) -> Result<Row> {
+        Ok(Row::new(self.entry(structure)?, self.hash(structure)))
+    }
+
+    /// The key of its record in the work file.
+    pub(super) fn key(&self, structure: usize) -> Result<Digest> {
+        let name = self.entry(structure)?.name;
+        self.keys.of(&name, self.hash(structure))
+    }
+}
