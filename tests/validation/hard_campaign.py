@@ -22,7 +22,7 @@ FLUID = [0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5]
 CRYSTAL = [0.5, 0.54, 0.58, 0.62, 0.66, 0.7, 0.74]
 # Where the free energies of the crystals are computed.
 ANCHOR = 0.62
-RESERVOIRS = [0.0, 0.05, 0.1, 0.15, 0.2, 0.3]
+RESERVOIRS = [0.0, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03, 0.05, 0.1, 0.15, 0.2, 0.3]
 
 
 class Campaign:
@@ -71,6 +71,30 @@ class Campaign:
             *("--reservoir", ",".join(map(str, RESERVOIRS)), "-o", self.output / f"q{q}.svg", "--force"),
         )
         return found["coexistences"]
+
+
+def reservoirs_of_equal_crystals(
+    volumes_in_reservoir: float, cubic: list[dict], hexagonal: list[dict], difference: tuple[float, float]
+) -> list[tuple[float, float, float]]:
+    """At each packing fraction, the reservoir from which on hexagonal diamond is lower, with its error: where what its
+    larger free volume gains, per body, is the difference of the free energies without depletants. That is taken at the
+    anchor and carried on by the measured compressibility factors (trapezia). `volumes_in_reservoir` is the volume of a
+    body over that of a depletant."""
+    x = [point["packing_fraction"] for point in cubic]
+    slope = [
+        (b["compressibility_factor"] - a["compressibility_factor"]) / at for at, a, b in zip(x, cubic, hexagonal)
+    ]
+    steps = [0.5 * (slope[i] + slope[i + 1]) * (x[i + 1] - x[i]) for i in range(len(x) - 1)]
+    anchor = x.index(ANCHOR)
+    found = []
+    for i, (a, b) in enumerate(zip(cubic, hexagonal)):
+        gain = b["free_volume_fraction"] - a["free_volume_fraction"]
+        gain_error = math.hypot(a["free_volume_fraction_error"], b["free_volume_fraction_error"])
+        cost = difference[0] + (sum(steps[anchor:i]) if i >= anchor else -sum(steps[i:anchor]))
+        reservoir = cost * x[i] / volumes_in_reservoir / gain if gain > 2 * gain_error else math.inf
+        error = reservoir * math.hypot(gain_error / gain, difference[1] / cost)
+        found.append((x[i], reservoir, error))
+    return found
 
 
 def with_error(value: float, error: float | None, digits: int = 4) -> str:
@@ -134,6 +158,16 @@ def main() -> None:
     values = [found["free_energy_per_body_kt"] for found in anchors.values()]
     errors = [found["free_energy_per_body_error_kt"] for found in anchors.values()]
     print(f"\nhexagonal - cubic: {with_error(values[1] - values[0], math.hypot(*errors), 5)} kT per body")
+
+    print("\nHexagonal diamond is lower\n\n| φ | q | from a reservoir of |\n|---|---|---|")
+    volume = campaign.ask("shape", SHAPE)["volume"]
+    difference = (values[1] - values[0], math.hypot(*errors))
+    for number, (q, radius) in enumerate(zip(SIZE_RATIOS, radii)):
+        volumes = volume / (4 / 3 * math.pi * radius**3)
+        measured = [crystals[crystal][number] for crystal in CRYSTALS]
+        for x, reservoir, error in reservoirs_of_equal_crystals(volumes, *measured, difference):
+            text = with_error(reservoir, error, 2) if math.isfinite(reservoir) else "none is seen"
+            print(f"| {x} | {q} | {text} |")
 
     heading = "| q | reservoir | phases | packing fractions | βP v | βμ | share of draws |"
     print(f"\nCoexistence\n\n{heading}\n|---|---|---|---|---|---|---|")

@@ -110,7 +110,7 @@ impl Content for Drawn {
                 known.label.clone()
             },
             cluster: format!("{} {}", self.seed, known.cluster),
-            family: if number % 4 == 0 {
+            family: if number.is_multiple_of(4) {
                 format!("family {}", number / 12)
             } else {
                 String::new()

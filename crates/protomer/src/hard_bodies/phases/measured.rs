@@ -31,7 +31,7 @@ pub struct PhaseDirectories {
 }
 
 /// Phases that coexist by free volume theory with measured free energies and free volumes, for each
-/// packing fraction of the depletants in the reservoir. Errors are those of [`DRAWS`] draws of all
+/// packing fraction of the depletants in the reservoir. Errors are the scatter over 200 draws of all
 /// measured values.
 ///
 /// # Errors
