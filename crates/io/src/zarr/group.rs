@@ -42,7 +42,7 @@ pub(super) fn write(path: &Path, attributes: &impl Serialize) -> Result<()> {
 pub fn attributes<A: DeserializeOwned>(path: &Path) -> Result<A> {
     let file = match File::open(file(path)) {
         Ok(file) => file,
-        Err(cause) if cause.kind() == ErrorKind::NotFound => {
+        Err(cause) if matches!(cause.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             let cause = "there is no zarr group here, or an unfinished one";
             return Err(not_a_set(path, cause));
         }
