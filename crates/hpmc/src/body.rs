@@ -1,5 +1,6 @@
 //! A hard convex body, ready for tests of overlap.
 
+use crate::reservoir::ball_volume;
 use crate::{Error, Result, error::require};
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::exact::overlap_exactly;
@@ -8,7 +9,6 @@ use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::shape::separation::{Block, Pair, error_of_heights, pack, turn};
 use protomer_kernel::{Rotation, Vec3};
-use std::f64::consts::PI;
 
 /// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre.
 #[derive(Debug, Clone)]
@@ -82,7 +82,7 @@ impl<const D: usize> HardBody<D> {
     pub fn ball(radius: f64) -> Result<Self> {
         require("the radius", radius, "positive", radius > 0.0)?;
         let corners = vec![[0.0; D]];
-        let volume = [2.0, PI * radius, 4.0 / 3.0 * PI * radius * radius][D - 1] * radius;
+        let volume = ball_volume(D, radius);
         Ok(Self {
             packed: pack(&corners),
             corners,

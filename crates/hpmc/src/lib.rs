@@ -27,7 +27,7 @@
 //! | [`jet`] | numbers with two derivatives |
 //! | [`spline`] | cubic splines |
 //! | [`equation_of_state`] | free energies of fluids by integration |
-//! | [`polynomial`] | polynomials through measured values, as smooth as their errors allow |
+//! | [`polynomial`] | polynomials fitted to measured values, as smooth as their errors allow |
 //! | [`measured_phase`] | free energies of phases from what simulations measured |
 //! | [`tangent`] | coexistence by common tangents |
 //! | [`free_volume_theory`] | phases of spheres and depletants by theory |

@@ -10,8 +10,8 @@
 //!
 //! βω v = φ (ln(φ/v) - 1 + f(φ)) - n v α(φ),
 //!
-//! with α the part of the volume that is free for a depletant. Polynomials go through (Z - 1)/φ and
-//! through (ln α)/φ; for a fluid the first begins at B2/v, and the second makes α(0) = 1.
+//! with α the part of the volume that is free for a depletant. Polynomials are fitted to (Z - 1)/φ and
+//! to (ln α)/φ; for a fluid the first begins at B2/v, and the second makes α(0) = 1.
 
 use crate::error::{Error, Result};
 use crate::jet::Jet;
@@ -73,15 +73,9 @@ pub struct MeasuredPhase {
 pub struct PhaseCurves {
     /// The first and the last packing fraction.
     pub range: [f64; 2],
+    factor_degree: usize,
     excess: Polynomial,
     log_free_volume_over_packing: Option<Polynomial>,
-}
-
-/// Degrees of the polynomials, kept while values are varied within their errors.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Degrees {
-    factor: usize,
-    free_volume: usize,
 }
 
 impl MeasuredPhase {
@@ -114,16 +108,40 @@ impl MeasuredPhase {
     /// ```
     pub fn curves(&self) -> Result<PhaseCurves> {
         self.check()?;
-        self.curves_of(&self.degrees()?)
+        let factor = Polynomial::as_smooth_as(&self.factors())?;
+        let free_volumes = self.free_volumes();
+        let free_volume = match free_volumes.is_empty() {
+            true => None,
+            false => Some(Polynomial::as_smooth_as(&free_volumes)?),
+        };
+        Ok(self.curves_of(factor, free_volume))
     }
 
-    /// The curves through values that are drawn from normal distributions about the measured ones, with
-    /// polynomials of the same degrees: one of many worlds that could have been measured.
+    /// The curves that might have been measured as well as these, the [`Self::curves`]: with values
+    /// drawn from normal distributions about the measured ones, and polynomials of the same degrees.
     ///
     /// # Errors
     /// Those of [`Self::curves`].
-    pub fn drawn_curves(&self, rng: &mut CounterRng) -> Result<PhaseCurves> {
+    pub fn drawn_curves(
+        &self,
+        measured: &PhaseCurves,
+        rng: &mut CounterRng,
+    ) -> Result<PhaseCurves> {
         self.check()?;
+        let drawn = self.drawn(rng);
+        let factor = Polynomial::of_degree(&drawn.factors(), measured.factor_degree)?;
+        let free_volume = match &measured.log_free_volume_over_packing {
+            None => None,
+            Some(curve) => Some(Polynomial::of_degree(
+                &drawn.free_volumes(),
+                curve.degree(),
+            )?),
+        };
+        Ok(drawn.curves_of(factor, free_volume))
+    }
+
+    /// With values drawn within their errors.
+    fn drawn(&self, rng: &mut CounterRng) -> Self {
         let mut draw = |known: Estimated| Estimated {
             value: known.value + known.standard_error * normal(rng),
             ..known
@@ -148,7 +166,7 @@ impl MeasuredPhase {
             },
             ideal => ideal,
         };
-        Self { states, anchor }.curves_of(&self.degrees()?)
+        Self { states, anchor }
     }
 
     fn check(&self) -> Result<()> {
@@ -169,17 +187,6 @@ impl MeasuredPhase {
             before = state.packing_fraction;
         }
         Ok(())
-    }
-
-    fn degrees(&self) -> Result<Degrees> {
-        let free_volumes = self.free_volumes();
-        Ok(Degrees {
-            factor: Polynomial::as_smooth_as(&self.factors())?.degree(),
-            free_volume: match free_volumes.is_empty() {
-                true => 0,
-                false => Polynomial::as_smooth_as(&free_volumes)?.degree(),
-            },
-        })
     }
 
     /// (Z - 1)/φ of a crystal; ((Z - 1)/φ - B2/v)/φ of a fluid.
@@ -220,8 +227,8 @@ impl MeasuredPhase {
         self.states.iter().filter_map(of).collect()
     }
 
-    fn curves_of(&self, degrees: &Degrees) -> Result<PhaseCurves> {
-        let factor = Polynomial::of_degree(&self.factors(), degrees.factor)?;
+    fn curves_of(&self, factor: Polynomial, free_volume: Option<Polynomial>) -> PhaseCurves {
+        let factor_degree = factor.degree();
         let excess = match self.anchor {
             Anchor::IdealGas { b2_over_volume } => {
                 factor.times_x_plus(b2_over_volume).integral(0.0, 0.0)
@@ -231,20 +238,16 @@ impl MeasuredPhase {
                 excess_free_energy_kt,
             } => factor.integral(packing_fraction, excess_free_energy_kt.value),
         };
-        let free_volumes = self.free_volumes();
-        let log_free_volume_over_packing = match free_volumes.is_empty() {
-            true => None,
-            false => Some(Polynomial::of_degree(&free_volumes, degrees.free_volume)?),
-        };
         let last = self.states.len() - 1;
-        Ok(PhaseCurves {
+        PhaseCurves {
             range: [
                 self.states[0].packing_fraction,
                 self.states[last].packing_fraction,
             ],
+            factor_degree,
             excess,
-            log_free_volume_over_packing,
-        })
+            log_free_volume_over_packing: free_volume,
+        }
     }
 }
 
@@ -371,10 +374,11 @@ mod tests {
                 standard_error: 0.01,
             },
         };
+        let measured = crystal.curves().unwrap();
         let mut rng = CounterRng::new(3, 0, 0);
         let (mut sum, mut squares) = (0.0, 0.0);
         for _ in 0..1000 {
-            let drawn = crystal.drawn_curves(&mut rng).unwrap();
+            let drawn = crystal.drawn_curves(&measured, &mut rng).unwrap();
             let shift = drawn
                 .excess_free_energy_kt(Jet::constant(packing_fraction))
                 .value

@@ -1,4 +1,4 @@
-//! Polynomials through measured values, as smooth as the errors of the values allow.
+//! Polynomials fitted to measured values, as smooth as the errors of the values allow.
 
 use crate::error::{Error, Result};
 use crate::jet::Jet;

@@ -2,6 +2,16 @@
 
 use crate::{Result, error::require};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Volume of a ball in space, area of a disk in a plane, length of a rod on a line.
+pub fn ball_volume(dimension: usize, radius: f64) -> f64 {
+    match dimension {
+        1 => 2.0 * radius,
+        2 => PI * radius * radius,
+        _ => 4.0 / 3.0 * PI * radius * radius * radius,
+    }
+}
 
 /// A kind of penetrable hard spheres; in a plane, disks.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -17,6 +17,7 @@ use protomer_common::output_file::write_once;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::heights::Walls;
+use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
 use protomer_results::{
@@ -334,7 +335,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             depletants.push(DepletantResult {
                 radius: kind.radius,
                 fugacity: kind.fugacity,
-                reservoir_packing_fraction: kind.fugacity * ball_volume::<D>(kind.radius),
+                reservoir_packing_fraction: kind.fugacity * ball_volume(D, kind.radius),
                 free_volume_fraction: fraction,
                 free_volume_fraction_error: error,
             });
@@ -450,15 +451,6 @@ fn profile<const D: usize>(open: &Open<D>) -> String {
         table.push_str(&format!("{middle},{density},{packing}\n"));
     }
     table
-}
-
-fn ball_volume<const D: usize>(radius: f64) -> f64 {
-    use std::f64::consts::PI;
-    match D {
-        1 => 2.0 * radius,
-        2 => PI * radius * radius,
-        _ => 4.0 / 3.0 * PI * radius.powi(3),
-    }
 }
 
 #[cfg(test)]

@@ -8,10 +8,10 @@ use crate::hard_bodies::sweep::EquationOfState;
 use anyhow::{Context, Result, bail};
 use protomer_hpmc::jet::Jet;
 use protomer_hpmc::measured_phase::{Anchor, Estimated, MeasuredPhase, PhaseCurves, State};
+use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_results::{Record, ResultKind, keys};
-use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 /// Samples of a branch.
@@ -20,6 +20,8 @@ const SAMPLES: usize = 20_000;
 const DRAWS: usize = 200;
 const SAMPLES_OF_A_DRAW: usize = 2000;
 const SEED: u64 = 1;
+/// Bodies whose volumes differ by less than this part are the same.
+const SAME_VOLUME: f64 = 1e-9;
 
 /// Where phases were measured.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,12 +53,8 @@ pub fn phases_of_measurements(from: &PhaseDirectories, reservoirs: &[f64]) -> Re
     for branch in &branches {
         branch.check_beside(first, needs_free_volumes)?;
     }
-    let mixture = MeasuredMixture {
-        body_volume: first.equation.body_volume,
-        dimension: first.equation.dimension,
-        depletant_radius: first.depletant_radius().filter(|_| needs_free_volumes),
-        branches: &branches,
-    };
+    let depletant_radius = first.depletant_radius().filter(|_| needs_free_volumes);
+    let mixture = MeasuredMixture::new(&branches, &first.equation, depletant_radius)?;
     let mut phases = Phases::none();
     for reservoir in reservoirs {
         let found = mixture.coexistences(*reservoir)?;
@@ -112,6 +110,12 @@ impl MeasuredBranch {
                 result.crystal
             );
         }
+        check_volume(
+            free_energy,
+            result.packing_fraction / result.number_density,
+            sweep,
+            equation.body_volume,
+        )?;
         let range = packing_fractions(&equation);
         if range.is_none_or(|[low, high]| !(low..=high).contains(&result.packing_fraction)) {
             bail!(
@@ -158,15 +162,21 @@ impl MeasuredBranch {
     /// Refuses phases of other bodies, or with other depletants.
     fn check_beside(&self, first: &Self, needs_free_volumes: bool) -> Result<()> {
         let (a, b) = (&first.equation.settings.run, &self.equation.settings.run);
-        if a.shape != b.shape || a.rounding_radius != b.rounding_radius {
+        if a.shape != b.shape {
             bail!(
-                "{} is of '{}' and {} of '{}', or their roundings differ; give phases of one body",
+                "{} is of '{}' and {} of '{}'; give phases of one body",
                 first.sweep.display(),
                 a.shape,
                 self.sweep.display(),
                 b.shape
             );
         }
+        check_volume(
+            &first.sweep,
+            first.equation.body_volume,
+            &self.sweep,
+            self.equation.body_volume,
+        )?;
         if !needs_free_volumes {
             return Ok(());
         }
@@ -189,6 +199,19 @@ impl MeasuredBranch {
         }
         Ok(())
     }
+}
+
+/// Refuses bodies of one name that are not the same: another rounding, or a file that has changed.
+fn check_volume(one: &Path, volume: f64, other: &Path, volume_there: f64) -> Result<()> {
+    if (volume / volume_there - 1.0).abs() < SAME_VOLUME {
+        return Ok(());
+    }
+    bail!(
+        "a body of {} has the volume {volume:.6}, one of {} {volume_there:.6}; give phases of one body with \
+         one rounding",
+        one.display(),
+        other.display()
+    )
 }
 
 fn read_sweep(directory: &Path) -> Result<EquationOfState> {
@@ -269,40 +292,58 @@ fn states(equation: &EquationOfState) -> Result<Vec<State>> {
     Ok(states)
 }
 
-/// All phases of a body with its depletants.
+/// All phases of a body with its depletants, as they were measured and as they might have been.
 struct MeasuredMixture<'a> {
-    body_volume: f64,
-    dimension: usize,
-    /// `None` without depletants.
-    depletant_radius: Option<f64>,
     branches: &'a [MeasuredBranch],
+    body_volume: f64,
+    /// The volume of a body over that of a depletant; zero without depletants.
+    depletant_volumes_per_body: f64,
+    measured: Vec<PhaseCurves>,
+    draws: Vec<Vec<PhaseCurves>>,
 }
 
-impl MeasuredMixture<'_> {
-    /// Depletants per volume of a body in a reservoir of this packing fraction.
-    fn depletants_per_body_volume(&self, reservoir: f64) -> f64 {
-        let volume = |radius: f64| match self.dimension {
-            1 => 2.0 * radius,
-            2 => PI * radius * radius,
-            _ => 4.0 / 3.0 * PI * radius.powi(3),
-        };
-        self.depletant_radius
-            .map_or(0.0, |radius| reservoir * self.body_volume / volume(radius))
+impl<'a> MeasuredMixture<'a> {
+    fn new(
+        branches: &'a [MeasuredBranch],
+        equation: &EquationOfState,
+        depletant_radius: Option<f64>,
+    ) -> Result<Self> {
+        let body_volume = equation.body_volume;
+        let depletant_volumes_per_body = depletant_radius.map_or(0.0, |radius| {
+            body_volume / ball_volume(equation.dimension, radius)
+        });
+        let mut measured = Vec::with_capacity(branches.len());
+        for branch in branches {
+            let curves = branch.phase.curves();
+            measured.push(curves.with_context(|| branch.sweep.display().to_string())?);
+        }
+        let mut draws = Vec::with_capacity(DRAWS);
+        for draw in 0..DRAWS as u64 {
+            let mut rng = CounterRng::for_purpose(SEED, 0, draw, Purpose::Bootstrap);
+            let drawn = branches.iter().zip(&measured);
+            let drawn = drawn.map(|(branch, curves)| branch.phase.drawn_curves(curves, &mut rng));
+            draws.push(drawn.collect::<protomer_hpmc::Result<_>>()?);
+        }
+        Ok(Self {
+            branches,
+            body_volume,
+            depletant_volumes_per_body,
+            measured,
+            draws,
+        })
     }
 
     fn coexistences(&self, reservoir: f64) -> Result<Vec<Coexistence>> {
         if !(reservoir.is_finite() && reservoir >= 0.0) {
             bail!("a reservoir cannot have the packing fraction {reservoir}; give zero or more");
         }
-        let density = self.depletants_per_body_volume(reservoir);
-        let measured = self.curves(|phase| phase.curves())?;
-        let found = self.tangents(&measured, density, SAMPLES);
-        let mut draws = Vec::with_capacity(DRAWS);
-        for draw in 0..DRAWS as u64 {
-            let mut rng = CounterRng::for_purpose(SEED, 0, draw, Purpose::Bootstrap);
-            let drawn = self.curves(|phase| phase.drawn_curves(&mut rng))?;
-            draws.push(self.tangents(&drawn, density, SAMPLES_OF_A_DRAW));
-        }
+        // Depletants in the volume of a body.
+        let density = reservoir * self.depletant_volumes_per_body;
+        let found = self.tangents(&self.measured, density, SAMPLES);
+        let draws = self.draws.iter();
+        let draws: Vec<_> = draws
+            .map(|drawn| self.tangents(drawn, density, SAMPLES_OF_A_DRAW))
+            .collect();
         let named = |found: &tangent::Coexistence| Coexistence {
             size_ratio: None,
             reservoir_packing_fraction: Some(reservoir),
@@ -312,20 +353,9 @@ impl MeasuredMixture<'_> {
             pressure: found.pressure,
             osmotic_pressure: Some(found.pressure - density),
             chemical_potential: found.chemical_potential,
-            free_volume_fractions: free_volumes(&measured, found),
+            free_volume_fractions: free_volumes(&self.measured, found),
         };
         Ok(found.iter().map(named).collect())
-    }
-
-    /// The curves of all phases; an error names the sweep.
-    fn curves(
-        &self,
-        mut of: impl FnMut(&MeasuredPhase) -> protomer_hpmc::Result<PhaseCurves>,
-    ) -> Result<Vec<PhaseCurves>> {
-        let named = |branch: &MeasuredBranch| {
-            of(&branch.phase).with_context(|| branch.sweep.display().to_string())
-        };
-        self.branches.iter().map(named).collect()
     }
 
     fn tangents(
@@ -396,6 +426,7 @@ mod tests {
     use crate::hard_bodies::settings::HardBodySettings;
     use crate::hard_bodies::sweep::HardBodySweepSettings;
     use protomer_hpmc::free_volume_theory::Mixture;
+    use std::f64::consts::PI;
 
     const SIZE_RATIO: f64 = 0.4;
 
@@ -467,12 +498,8 @@ mod tests {
     }
 
     fn coexistence(branches: &[MeasuredBranch], reservoir: f64) -> Vec<Coexistence> {
-        let mixture = MeasuredMixture {
-            body_volume: PI / 6.0,
-            dimension: 3,
-            depletant_radius: Some(0.5 * SIZE_RATIO),
-            branches,
-        };
+        let radius = Some(0.5 * SIZE_RATIO);
+        let mixture = MeasuredMixture::new(branches, &branches[0].equation, radius).unwrap();
         mixture.coexistences(reservoir).unwrap()
     }
 
