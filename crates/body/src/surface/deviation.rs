@@ -1,33 +1,35 @@
 //! How far a mesh lies from the surface that it stands for.
 //!
 //! A mesh calibrated to an exact area and volume says nothing about its own error by them. Its
-//! distance from the surface does: d, the exact signed distance. The mean of d² over a triangle
-//! comes from seven points, by whose weights polynomials of degree five are integrated exactly
-//! (Radon, Monatsh. Math. 52, 286 (1948)), or for a fifth of the price from its centroid and
-//! corners, exact for degree two and 10 to 20 % off here.
+//! distance from the surface does: d, the exact signed distance. There are two rules for the mean of
+//! d² over a triangle:
 //!
-//! The cheap means of a large mesh are nearly proportional to the dear ones, so the dear ones are
-//! only taken of a sample of its triangles, every k-th, and correct the others by the ratio of
-//! the sums over the sample (double sampling: Cochran, Sampling Techniques, chapter 12 (1977)).
-//! The largest |d| is looked for at the cheap points of all triangles, and at the dear ones of
-//! the triangles of the sample and of those where it is large already.
+//! * the full rule of seven points, exact for polynomials of degree five (Radon, Monatsh. Math. 52,
+//!   286 (1948)),
+//! * the simple rule of its centroid and corners, exact for degree two, a fifth of the work.
+//!
+//! The simple rule is biased, but in the same way everywhere. So a large mesh gets the simple rule on
+//! all triangles and the full rule on a sample, every k-th triangle; the ratio of the two over the
+//! sample corrects the rest (double sampling with a ratio estimate: Cochran, Sampling Techniques,
+//! chapter 12 (1977)). The largest |d| is sought at the points of the simple rule, and at those of
+//! the full rule in the sample and wherever |d| is large already.
 
 use super::implicit::ImplicitSolid;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// Weights of the centroid and of each corner.
-const CHEAP_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
-/// The seven points: the centroid, and two orbits of three with this barycentric coordinate twice,
-/// by their weights.
+/// The simple rule: weights of the centroid and of each corner.
+const SIMPLE_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
+/// The full rule: the centroid, and two orbits of three points with this barycentric coordinate
+/// twice, with their weights.
 const CENTROID_WEIGHT: f64 = 9.0 / 40.0;
 const ORBITS: [(f64, f64); 2] = [
     // (6 ∓ √15) / 21 and (155 ∓ √15) / 1200.
     (0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
     (0.470_142_064_105_115_1, 0.132_394_152_788_506_2),
 ];
-/// At least this many triangles are sampled, if there are that many.
+/// The sample has at least this many triangles, if there are that many.
 const FEWEST_SAMPLED: usize = 2500;
-/// Triangles with a |d| above this share of the largest may hold a larger one.
+/// Triangles with a |d| above this share of the largest may hold a larger one, and get the full rule.
 const LARGE: f64 = 0.5;
 
 /// The distance of a mesh from the surface that it stands for.
@@ -72,34 +74,34 @@ fn sampled(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, every: usize) -> Devi
         .chain(&at_centroids)
         .fold(0.0, |largest, square| f64::max(largest, *square));
     let large = LARGE * LARGE * largest;
-    let (mut area, mut cheap) = (0.0, 0.0);
-    let (mut cheap_sampled, mut dear_sampled) = (0.0, 0.0);
+    let (mut area, mut simple_sum) = (0.0, 0.0);
+    let (mut simple_of_sample, mut full_of_sample) = (0.0, 0.0);
     for (triangle, at_centroid) in at_centroids.into_iter().enumerate() {
         let corners = mesh.corners(triangle);
         let size = area_of(&corners);
         let at_corners = mesh.triangles[triangle].map(|vertex| at_vertices[vertex as usize]);
-        let (of_centroid, of_corner) = CHEAP_WEIGHTS;
-        let mean = of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>();
+        let (of_centroid, of_corner) = SIMPLE_WEIGHTS;
+        let simple = of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>();
         area += size;
-        cheap += size * mean;
-        let is_sampled = triangle % every == 0;
+        simple_sum += size * simple;
+        let is_sampled = triangle.is_multiple_of(every);
         let is_large = at_corners.iter().any(|square| *square > large) || at_centroid > large;
         if is_sampled || is_large {
-            let (dear, largest_here) = seven_points(&corners, at_centroid, square_at);
+            let (full, largest_here) = seven_points(&corners, at_centroid, square_at);
             largest = largest.max(largest_here);
             if is_sampled {
-                cheap_sampled += size * mean;
-                dear_sampled += size * dear;
+                simple_of_sample += size * simple;
+                full_of_sample += size * full;
             }
         }
     }
-    let ratio = if cheap_sampled > 0.0 {
-        dear_sampled / cheap_sampled
+    let ratio = if simple_of_sample > 0.0 {
+        full_of_sample / simple_of_sample
     } else {
         1.0
     };
     Deviation {
-        rms_angstrom: (ratio * cheap / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
+        rms_angstrom: (ratio * simple_sum / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
         largest_angstrom: largest.sqrt(),
     }
 }
