@@ -268,6 +268,15 @@ def test_equations_of_state():
     assert labels(axes) == ("packing fraction", "compressibility factor")
 
 
+def test_an_equation_of_state_is_read_from_its_directory(tmp_path):
+    (tmp_path / "equation.json").write_text('{"points": [{"packing_fraction": 0.1}]}')
+    (tmp_path / "run.json").write_text('{"kind": "hard bodies sweep"}')
+    assert pm.HardBodySweepResult.read(tmp_path).packing_fraction == [0.1]
+    (tmp_path / "run.json").write_text('{"kind": "sweep"}')
+    with pytest.raises(pm.ProtomerError, match="holds a sweep"):
+        pm.HardBodySweepResult.read(tmp_path)
+
+
 def test_speeds():
     rows = [
         {"charges": charges, "energy": energy, "moves_per_cpu_second": 1e6 / charges * factor}

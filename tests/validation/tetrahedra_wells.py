@@ -1,4 +1,4 @@
-"""Wells at the faces of truncated tetrahedra: rounding takes them away, depletants make them deeper.
+"""Wells at the faces of truncated tetrahedra: rounding makes them shallower, depletants deeper.
 
     python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|depletants]
 

@@ -111,10 +111,10 @@ pub struct TriplePoint {
 impl Answer for Phases {
     fn text(&self) -> String {
         let mut lines = Vec::new();
-        if self.coexistences.is_empty() {
-            lines.push("no coexistence: no line touches the free energy twice from below".into());
-        } else {
+        if !self.coexistences.is_empty() {
             lines.push(columns(&rows(&self.coexistences)));
+        } else if self.reservoirs_without.is_empty() {
+            lines.push("no coexistence: no line touches the free energy twice from below".into());
         }
         for reservoir in &self.reservoirs_without {
             lines.push(format!(
