@@ -900,7 +900,8 @@ class _Hpmc:
         Parameters
         ----------
         shape
-            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
+            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several
+            joined by + are the convex pieces of one body
         packing_fraction
             The part of the box that the bodies fill
         output
@@ -1048,7 +1049,8 @@ class _Hpmc:
         Parameters
         ----------
         shape
-            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
+            File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several
+            joined by + are the convex pieces of one body
         output
             Directory of the results
         rounding
@@ -1263,7 +1265,8 @@ def free_energy(
     Parameters
     ----------
     shape
-        File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line
+        File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several
+        joined by + are the convex pieces of one body
     crystal
         Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond; square, hexagonal; row),
         or the file of its unit cell

@@ -363,7 +363,7 @@ def rotations_of(vertices: ArrayLike) -> Numbers:
     points = points - points.mean(axis=0)
     size = np.abs(points).max()
     # Two vertices that are not in line with the centre fix a rotation.
-    first = points[0]
+    first = points[int(np.argmax(np.linalg.norm(points, axis=1)))]
     across = np.linalg.norm(np.cross(first, points), axis=1)
     second = points[int(np.argmax(across))]
     home = _frame_of(first, second)

@@ -1,19 +1,18 @@
-//! A hard convex body, ready for tests of overlap.
+//! A hard body, ready for tests of overlap: convex, or of several convex pieces.
 
+use crate::pieces::{Piece, Pieces};
 use crate::reservoir::ball_volume;
-use crate::{Error, Result, error::require};
+use crate::{Result, error::require};
+use protomer_kernel::Rotation;
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::exact::overlap_exactly;
-use protomer_kernel::shape::hull::Hull;
-use protomer_kernel::shape::measures::Measures;
-use protomer_kernel::shape::polytope::Polytope;
-use protomer_kernel::shape::separation::{Block, Pair, error_of_heights, pack, turn};
-use protomer_kernel::{Rotation, Vec3};
+use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, pack, turn};
 
-/// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre.
+/// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre; or several of them, held
+/// together.
 #[derive(Debug, Clone)]
 pub struct HardBody<const D: usize> {
-    /// The corners from the centre.
+    /// The corners from the centre; those of all pieces.
     pub corners: Vec<[f64; D]>,
     /// Radius of the ball, or disk, that is added to the hull of the corners.
     pub rounding_radius: f64,
@@ -26,6 +25,8 @@ pub struct HardBody<const D: usize> {
     packed: Vec<Block<D>>,
     /// The corners of each face; in a plane, of each edge.
     faces: Vec<Vec<usize>>,
+    /// Of a body that is not convex.
+    pieces: Option<Pieces<D>>,
 }
 
 impl<const D: usize> HardBody<D> {
@@ -43,35 +44,53 @@ impl<const D: usize> HardBody<D> {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn new(shape: &Shape, rounding_radius: f64) -> Result<Self> {
-        if shape.dimension() != D {
-            return Err(Error::Dimension {
-                shape: shape.dimension(),
-                space: D,
-            });
+        let piece = Piece::new(shape, rounding_radius)?;
+        Ok(Self {
+            packed: pack(&piece.corners),
+            rounding_radius,
+            inner_radius: piece.inner_radius,
+            outer_radius: piece.outer_radius,
+            volume: piece.volume,
+            corners: piece.corners,
+            faces: piece.faces,
+            pieces: None,
+        })
+    }
+
+    /// Convex shapes, each rounded, where their coordinates have them, as one body about its centre of mass. It
+    /// need not be convex.
+    ///
+    /// # Errors
+    /// As [`HardBody::new`] for each shape; also for pieces that overlap. They may touch.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_kernel::{Vec3, shape::Shape};
+    /// let ball = |x: f64| Shape::solid(&[Vec3::new(x, 0.0, 0.0)]);
+    /// let dumbbell = HardBody::<3>::of_pieces(&[ball(-0.5)?, ball(0.5)?], 0.5)?;
+    /// assert!((dumbbell.volume - std::f64::consts::PI / 3.0).abs() < 1e-12);
+    /// assert_eq!(dumbbell.outer_radius, 1.0);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    pub fn of_pieces(shapes: &[Shape], rounding_radius: f64) -> Result<Self> {
+        if let [shape] = shapes {
+            return Self::new(shape, rounding_radius);
         }
-        let measures = Measures::of(shape, rounding_radius)?;
-        let (corners, faces, inradius) = match Polytope::of(shape) {
-            Ok(polytope) => (
-                polytope.corners.iter().map(coordinates).collect(),
-                polytope
-                    .faces
-                    .iter()
-                    .map(|face| face.corners.clone())
-                    .collect(),
-                polytope.inradius(),
-            ),
-            // A point, a segment or a polygon in space, which only its rounding makes a body.
-            Err(_) => (thin_corners(shape), Vec::new(), 0.0),
-        };
+        let pieces = shapes
+            .iter()
+            .map(|shape| Piece::new(shape, rounding_radius));
+        let pieces = Pieces::new(pieces.collect::<Result<_>>()?, rounding_radius)?;
+        let corners = pieces.corners();
         let outer: f64 = corners.iter().map(norm).fold(0.0, f64::max);
         Ok(Self {
-            packed: pack(&corners),
-            corners,
+            packed: pieces.pack(),
             rounding_radius,
-            inner_radius: inradius + rounding_radius,
+            inner_radius: pieces.inner_radius(),
             outer_radius: outer + rounding_radius,
-            volume: measures.volume,
-            faces,
+            volume: pieces.volume(),
+            corners,
+            faces: Vec::new(),
+            pieces: Some(pieces),
         })
     }
 
@@ -91,12 +110,18 @@ impl<const D: usize> HardBody<D> {
             outer_radius: radius,
             volume,
             faces: Vec::new(),
+            pieces: None,
         })
     }
 
     /// Whether it is a ball or a disk, which looks the same however it is turned.
     pub fn is_round(&self) -> bool {
         self.corners.len() == 1
+    }
+
+    /// The pieces of a body that was made of several.
+    pub fn pieces(&self) -> Option<&Pieces<D>> {
+        self.pieces.as_ref()
     }
 
     /// Corners in groups of four.
@@ -127,14 +152,71 @@ impl<const D: usize> HardBody<D> {
         if squared < inner * inner || squared >= outer * outer {
             return squared < outer * outer;
         }
-        let pair = Pair {
-            first,
-            second,
+        let pair = self.pair_of_hulls(first, second, offset);
+        pair.overlap(&mut { *offset }, || self.exact(&pair))
+            && self.overlap_as_their_hulls_do(first, second, offset)
+    }
+
+    /// The convex hulls of two bodies; of convex ones, the bodies.
+    pub(crate) fn pair_of_hulls<'a>(
+        &self,
+        first: &'a [Block<D>],
+        second: &'a [Block<D>],
+        offset: &[f64; D],
+    ) -> Pair<'a, D> {
+        let hull = match &self.pieces {
+            Some(pieces) => pieces.hull_blocks(),
+            None => first.len(),
+        };
+        Pair {
+            first: &first[..hull],
+            second: &second[..hull],
             offset: *offset,
             reach: 2.0 * self.rounding_radius,
             error: self.error_of_heights(),
-        };
-        pair.overlap(&mut { *offset }, || self.exact(&pair))
+        }
+    }
+
+    /// Whether two bodies overlap whose hulls do.
+    pub(crate) fn overlap_as_their_hulls_do(
+        &self,
+        first: &[Block<D>],
+        second: &[Block<D>],
+        offset: &[f64; D],
+    ) -> bool {
+        let error = self.error_of_heights();
+        let pieces = self.pieces.as_ref();
+        pieces.is_none_or(|pieces| pieces.overlap(first, second, offset, error))
+    }
+
+    /// Whether a point, from the centre of a body with these corners, is within a radius of it.
+    pub(crate) fn covers(&self, corners: &[Block<D>], point: &[f64; D], radius: f64) -> bool {
+        let squared = dot(point, point);
+        let (inner, outer) = (self.inner_radius + radius, self.outer_radius + radius);
+        if squared < inner * inner || squared >= outer * outer {
+            return squared < inner * inner;
+        }
+        let reach = self.rounding_radius + radius;
+        match &self.pieces {
+            Some(pieces) => pieces.cover(corners, point, radius),
+            None => is_within(corners, point, reach),
+        }
+    }
+
+    /// How far a turned body reaches down and up along the last axis from its centre.
+    pub(crate) fn extent(&self, corners: &[Block<D>]) -> [f64; 2] {
+        let hull = self
+            .pieces
+            .as_ref()
+            .map_or(corners.len(), Pieces::hull_blocks);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for block in &corners[..hull] {
+            for x in block[D - 1] {
+                low = low.min(x);
+                high = high.max(x);
+            }
+        }
+        [low - self.rounding_radius, high + self.rounding_radius]
     }
 
     /// The last word on two bodies that touch to within rounding.
@@ -146,35 +228,25 @@ impl<const D: usize> HardBody<D> {
     }
 }
 
-fn coordinates<const D: usize>(vector: &Vec3) -> [f64; D] {
-    let mut coordinates = [0.0; D];
-    for (axis, x) in coordinates.iter_mut().enumerate() {
-        *x = vector[axis];
-    }
-    coordinates
-}
-
-/// Corners of a shape without volume, from their mean.
-fn thin_corners<const D: usize>(shape: &Shape) -> Vec<[f64; D]> {
-    let corners: Vec<Vec3> = match shape {
-        Shape::Flat(corners) => corners
-            .iter()
-            .map(|[x, y]| Vec3::new(*x, *y, 0.0))
-            .collect(),
-        Shape::Solid(hull @ (Hull::Point(_) | Hull::Segment(_) | Hull::Polygon(_))) => {
-            hull.corners()
-        }
-        Shape::Solid(hull) => hull.corners(),
+/// Whether a point is within a distance of the hull of corners.
+pub(crate) fn is_within<const D: usize>(
+    corners: &[Block<D>],
+    point: &[f64; D],
+    reach: f64,
+) -> bool {
+    let origin = [[[0.0; 4]; D]];
+    let pair = Pair {
+        first: corners,
+        second: &origin,
+        offset: *point,
+        reach,
+        error: 0.0,
     };
-    let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
-    corners
-        .iter()
-        .map(|corner| coordinates(&(corner - mean)))
-        .collect()
+    pair.overlap(&mut { *point }, || true)
 }
 
 pub(crate) fn norm<const D: usize>(vector: &[f64; D]) -> f64 {
-    protomer_kernel::shape::separation::dot(vector, vector).sqrt()
+    dot(vector, vector).sqrt()
 }
 
 /// The first D rows and columns of a rotation matrix.

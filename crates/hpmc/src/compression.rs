@@ -2,8 +2,10 @@
 //!
 //! When all distances between centres shrink by the factor 1 - x, n(x) pairs overlap. The
 //! compressibility factor of convex bodies is Z = 1 + n'(0) / (d N) in d dimensions (Eppenga and Frenkel,
-//! Mol. Phys. 52, 1303 (1984)). Convex bodies that overlap when shrunk to 1 - x overlap for all larger
-//! x, so each pair has one contraction at which it first does. These are counted in equal bins up to
+//! Mol. Phys. 52, 1303 (1984)). Bodies that are not convex may also meet when they move apart: then
+//! Z = 1 + (n'(0) - m'(0)) / (d N), where m(x) pairs overlap when distances grow by the factor 1 + x (de Miguel
+//! and Jackson, Mol. Phys. 104, 3717 (2006)). Convex bodies that overlap when shrunk to 1 - x overlap for all larger
+//! x, and of other bodies the first contact is what counts, so each pair has one contraction. These are counted in equal bins up to
 //! a largest contraction. The density of pairs, times (1 - x)^(d+1), is for spheres the radial
 //! distribution function; it is fitted with a cubic polynomial, whose value at zero is n'(0).
 
@@ -47,33 +49,45 @@ impl Compression {
     /// The compressibility factor of one state. Its mean over states is that of the system.
     pub fn factor<const D: usize>(&self, system: &System<D>) -> f64 {
         let mut density = 0.0;
-        self.visit(system, |bin| density += self.weights[bin]);
+        self.visit(system, |bin, sign| density += sign * self.weights[bin]);
         1.0 + density / self.largest / (D as f64 * system.len() as f64)
     }
 
     /// The factor without extrapolation, too small for a wide range but less noisy.
     pub fn rough_factor<const D: usize>(&self, system: &System<D>) -> f64 {
-        let mut pairs = 0_u32;
-        self.visit(system, |_| pairs += 1);
-        1.0 + f64::from(pairs) / self.largest / (D as f64 * system.len() as f64)
+        let mut pairs = 0.0;
+        self.visit(system, |_, sign| pairs += sign);
+        1.0 + pairs / self.largest / (D as f64 * system.len() as f64)
     }
 
-    /// Calls `visit` with the bin of every pair that overlaps in the range.
-    fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize)) {
+    /// Calls `visit` with the bin of every pair that overlaps in the range, and 1 if it is contracted for that or
+    /// -1 if it is expanded.
+    fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize, f64)) {
         let outer = 2.0 * system.body.outer_radius;
         let range = outer / (1.0 - self.largest);
         let grid = Grid::new(&system.space, range, &system.positions);
+        let is_convex = system.body.pieces().is_none();
         for body in 0..system.len() {
             let here = system.where_it_is(body);
             let but = body as u32;
             grid.any_near(&here.position, range * range, but, |near| {
-                if near.body > but {
+                if near.body <= but {
+                    return false;
+                }
+                if is_convex {
                     let overlaps_within = |bins: usize| {
                         let part = bins as f64 / BINS as f64;
                         system.is_overlap(&here, &near, 1.0 - part * self.largest)
                     };
                     if overlaps_within(BINS) {
-                        visit(first(overlaps_within) - 1);
+                        visit(first(overlaps_within) - 1, 1.0);
+                    }
+                    return false;
+                }
+                for sign in [-1.0, 1.0] {
+                    if let Some(change) = system.first_contact(&here, &near, sign, self.largest) {
+                        let bin = (change / self.largest * BINS as f64) as usize;
+                        visit(bin.min(BINS - 1), -sign);
                     }
                 }
                 false

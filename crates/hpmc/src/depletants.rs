@@ -27,7 +27,7 @@ use crate::grid::Near;
 use crate::reservoir::Depletant;
 use crate::system::{System, Trial};
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::separation::{Block, Pair, minus};
+use protomer_kernel::shape::separation::minus;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
@@ -95,8 +95,12 @@ impl<const D: usize> System<D> {
             arrived += exponential(rng);
             let point = shell.point(rng);
             let beyond = minus(&point, &apart);
-            if self.covers(self.corners_of_trial(outside), &beyond, radius)
-                || !self.covers(self.corners_of_trial(inside), &point, radius)
+            if self
+                .body
+                .covers(self.corners_of_trial(outside), &beyond, radius)
+                || !self
+                    .body
+                    .covers(self.corners_of_trial(inside), &point, radius)
             {
                 continue;
             }
@@ -106,7 +110,8 @@ impl<const D: usize> System<D> {
             }
             let is_covered = near.iter().any(|other| {
                 let from_other = minus(&point, &other.offset);
-                self.covers(self.corners_of(other.body as usize), &from_other, radius)
+                self.body
+                    .covers(self.corners_of(other.body as usize), &from_other, radius)
             });
             if is_covered == (counting == Counting::Lost) {
                 return false;
@@ -125,27 +130,6 @@ impl<const D: usize> System<D> {
                 near.push(other);
                 false
             });
-    }
-
-    /// Whether a point, from the centre of a body with these corners, is within a radius of it.
-    pub(crate) fn covers(&self, corners: &[Block<D>], point: &[f64; D], radius: f64) -> bool {
-        let squared: f64 = point.iter().map(|x| x * x).sum();
-        let (inner, outer) = (
-            self.body.inner_radius + radius,
-            self.body.outer_radius + radius,
-        );
-        if squared < inner * inner || squared >= outer * outer {
-            return squared < inner * inner;
-        }
-        let origin = [[[0.0; 4]; D]];
-        let pair = Pair {
-            first: corners,
-            second: &origin,
-            offset: *point,
-            reach: self.body.rounding_radius + radius,
-            error: 0.0,
-        };
-        pair.overlap(&mut { *point }, || true)
     }
 
     /// The free volume of depletants of this radius, as a part of the box: random points, one in each
@@ -167,7 +151,8 @@ impl<const D: usize> System<D> {
             let point = self.space.sheared(&straight);
             let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
                 let from_body = near.offset.map(|x| -x);
-                self.covers(self.corners_of(near.body as usize), &from_body, radius)
+                self.body
+                    .covers(self.corners_of(near.body as usize), &from_body, radius)
             });
             free += usize::from(!is_covered);
         }

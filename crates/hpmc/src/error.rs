@@ -70,6 +70,17 @@ pub enum Error {
         /// The packing fraction wanted.
         packing_fraction: f64,
     },
+    /// Pieces of a body overlap.
+    #[error(
+        "pieces {} and {} of the body overlap, so its volume is not the sum of theirs; move them apart until \
+         they touch, or cut one",
+        .pieces[0],
+        .pieces[1]
+    )]
+    Pieces {
+        /// Their numbers, from 1.
+        pieces: [usize; 2],
+    },
     /// The bodies do not fill whole unit cells.
     #[error(
         "{bodies} bodies are not a whole number of unit cells of {sites}; give a multiple of {sites}, such \

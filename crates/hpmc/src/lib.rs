@@ -1,4 +1,4 @@
-//! Monte Carlo of many hard convex bodies.
+//! Monte Carlo of many hard bodies.
 //!
 //! ```text
 //! Shape + rounding --HardBody--> bodies --start--> System --sweeps--> samples: Z, free volumes, insertions
@@ -8,7 +8,8 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | [`body`] | a hard convex body, ready for tests of overlap |
+//! | [`body`] | a hard body, ready for tests of overlap |
+//! | [`pieces`] | convex pieces, and bodies made of several of them |
 //! | [`reservoir`] | kinds of depletants |
 //! | [`box_moves`] | changes of the box at constant pressure |
 //! | [`system`] | bodies in a periodic box, and proposals of moves |
@@ -50,6 +51,7 @@ mod grid;
 pub mod heights;
 pub mod jet;
 pub mod measured_phase;
+pub mod pieces;
 pub mod polynomial;
 mod quadrature;
 pub mod reservoir;

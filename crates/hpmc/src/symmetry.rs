@@ -5,6 +5,7 @@
 //! have the same energy, so each of them is counted.
 
 use crate::body::HardBody;
+use crate::pieces::Piece;
 use crate::quadrature::gauss_legendre;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Rotation3};
@@ -41,11 +42,16 @@ impl Symmetry {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn of<const D: usize>(body: &HardBody<D>) -> Result<Self> {
-        let rotations = match (body.is_round(), D) {
+        let corners = corners(body);
+        let mut rotations = match (body.is_round(), D) {
             (true, _) => vec![Rotation::identity()],
-            (false, 2) => in_plane(&corners(body)),
-            (false, _) => in_space(&corners(body))?,
+            (false, 2) => in_plane(&corners),
+            (false, _) => in_space(&corners)?,
         };
+        if let Some(pieces) = body.pieces() {
+            let pieces: Vec<Vec<Vec3>> = pieces.pieces().iter().map(corners_of_piece).collect();
+            rotations.retain(|rotation| permutes(rotation, &pieces, body.outer_radius));
+        }
         let smallest = rotations
             .iter()
             .map(|rotation| rotation.angle())
@@ -167,15 +173,41 @@ pub(crate) fn normal(rng: &mut CounterRng) -> f64 {
     radius * (2.0 * PI * rng.uniform()).cos()
 }
 
+fn vector<const D: usize>(coordinates: &[f64; D]) -> Vec3 {
+    Vec3::from_fn(|axis, _| coordinates.get(axis).copied().unwrap_or(0.0))
+}
+
+/// The corners of a body, each once; those of its pieces but for one at its centre.
 fn corners<const D: usize>(body: &HardBody<D>) -> Vec<Vec3> {
-    let corner = |corner: &[f64; D]| {
-        let mut vector = Vec3::zeros();
-        for (axis, x) in corner.iter().enumerate() {
-            vector[axis] = *x;
+    let mut corners: Vec<Vec3> = Vec::new();
+    let same = SAME * body.outer_radius;
+    for corner in body.corners.iter().map(vector) {
+        let is_new = corners.iter().all(|other| (other - corner).norm() > same);
+        if body.pieces().is_none() || corner.norm() > same && is_new {
+            corners.push(corner);
         }
-        vector
+    }
+    corners
+}
+
+fn corners_of_piece<const D: usize>(piece: &Piece<D>) -> Vec<Vec3> {
+    let centre = vector(&piece.centre);
+    let corners = piece.corners.iter();
+    corners.map(|corner| vector(corner) + centre).collect()
+}
+
+/// Whether a rotation takes each piece to a piece. Another cut of the same body may have more rotations.
+fn permutes(rotation: &Rotation, pieces: &[Vec<Vec3>], size: f64) -> bool {
+    let is_taken_to = |from: &[Vec3], to: &[Vec3]| {
+        from.len() == to.len()
+            && from.iter().all(|corner| {
+                to.iter()
+                    .any(|other| (other - rotation * corner).norm() < SAME * size)
+            })
     };
-    body.corners.iter().map(corner).collect()
+    pieces
+        .iter()
+        .all(|from| pieces.iter().any(|to| is_taken_to(from, to)))
 }
 
 /// Whether a rotation takes each corner to a corner.

@@ -16,7 +16,7 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use protomer_kernel::Rotation;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::shape::separation::{Block, Pair, dot};
+use protomer_kernel::shape::separation::{Block, dot};
 use rand_core::Rng;
 use serde::{Deserialize, Serialize};
 
@@ -328,16 +328,10 @@ impl<const D: usize> System<D> {
 
     /// From the lower wall to the body and from the body to the upper wall; negative if it reaches in.
     pub(crate) fn gaps_to_walls(&self, trial: &Trial<D>) -> [f64; 2] {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for block in self.corners_of_trial(trial) {
-            for x in block[D - 1] {
-                low = low.min(x);
-                high = high.max(x);
-            }
-        }
-        let (place, rounding) = (trial.position[D - 1], self.body.rounding_radius);
-        let top = self.space.lengths()[D - 1] - (place + high + rounding);
-        [place + low - rounding, top]
+        let [low, high] = self.body.extent(self.corners_of_trial(trial));
+        let place = trial.position[D - 1];
+        let top = self.space.lengths()[D - 1] - (place + high);
+        [place + low, top]
     }
 
     fn reaches_into_wall(&self, trial: &Trial<D>) -> bool {
@@ -384,6 +378,24 @@ impl<const D: usize> System<D> {
         self.body.overlaps_at(first, second, &offset)
     }
 
+    /// The smallest change of all distances at which the body of a trial first overlaps another: a contraction
+    /// (`sign` is -1) or an expansion (1). `None` for convex bodies and beyond the largest.
+    pub(crate) fn first_contact(
+        &self,
+        trial: &Trial<D>,
+        other: &Near<D>,
+        sign: f64,
+        largest: f64,
+    ) -> Option<f64> {
+        let corners = [
+            self.corners_of_trial(trial),
+            self.corners_of(other.body as usize),
+        ];
+        let error = self.body.error_of_heights();
+        let pieces = self.body.pieces()?;
+        pieces.first_contact(corners, &other.offset, sign, largest, error)
+    }
+
     pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
         if trial.is_turned {
             &self.turned
@@ -401,13 +413,16 @@ impl<const D: usize> System<D> {
             rotation: *rotation,
             is_turned: true,
         };
+        !self.reaches_into_wall(&trial) && !self.overlaps_any(&trial)
+    }
+
+    fn overlaps_any(&self, trial: &Trial<D>) -> bool {
         let range = 2.0 * self.body.outer_radius;
-        !self.reaches_into_wall(&trial)
-            && !self
-                .grid
-                .any_near(&position, range * range, NOBODY, |near| {
-                    self.is_overlap(&trial, &near, 1.0)
-                })
+        let but = trial.body as u32;
+        self.grid
+            .any_near(&trial.position, range * range, but, |near| {
+                self.is_overlap(trial, &near, 1.0)
+            })
     }
 
     /// Whether the body would overlap another; fast, by the directions that separated them last.
@@ -445,17 +460,12 @@ impl<const D: usize> System<D> {
         } else {
             &corners[trial.body * blocks..(trial.body + 1) * blocks]
         };
-        let error = body.error_of_heights();
-        let pair_with = |other: &Near<D>| {
+        let corners_of = |other: &Near<D>| {
             let number = other.body as usize;
-            Pair {
-                first,
-                second: &corners[number * blocks..(number + 1) * blocks],
-                offset: other.offset,
-                reach: 2.0 * body.rounding_radius,
-                error,
-            }
+            &corners[number * blocks..(number + 1) * blocks]
         };
+        let pair_with =
+            |other: &Near<D>| body.pair_of_hulls(first, corners_of(other), &other.offset);
         let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
         near.retain(|other| {
             let slot = &slots[place(other.body)];
@@ -469,7 +479,10 @@ impl<const D: usize> System<D> {
             let pair = pair_with(other);
             let mut direction = other.offset;
             if pair.overlap(&mut direction, || body.exact(&pair)) {
-                return true;
+                if body.overlap_as_their_hulls_do(first, corners_of(other), &other.offset) {
+                    return true;
+                }
+                continue;
             }
             *slot = Slot {
                 other: other.body,

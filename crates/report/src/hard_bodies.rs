@@ -362,6 +362,14 @@ struct ShapeWords {
     rounding_radius: f64,
     #[serde(default)]
     vertices: Vec<Vec<f64>>,
+    /// Corners of the triangles of a mesh.
+    #[serde(default)]
+    indices: Vec<[u32; 3]>,
+    /// Of a union of balls.
+    #[serde(default)]
+    centers: Vec<[f64; 3]>,
+    #[serde(default)]
+    diameters: Vec<f64>,
 }
 
 /// The last frame of a trajectory.
@@ -412,14 +420,49 @@ fn shape_text(path: &Path) -> Result<String> {
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// The hull of the corners, each with points of its rounding; polygons are thin plates.
+/// What is drawn of a body.
 fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
+    match words.kind.as_str() {
+        "Mesh" => Ok(TriangleMesh {
+            vertices: words.vertices.iter().map(|vertex| point(vertex)).collect(),
+            triangles: words.indices.clone(),
+        }),
+        "SphereUnion" => balls(&words.centers, &words.diameters),
+        _ => hull(words),
+    }
+}
+
+fn point(vertex: &[f64]) -> Vec3 {
+    Vec3::from_fn(|axis, _| vertex.get(axis).copied().unwrap_or(0.0))
+}
+
+fn balls(centers: &[[f64; 3]], diameters: &[f64]) -> Result<TriangleMesh> {
+    let mut all = TriangleMesh {
+        vertices: Vec::new(),
+        triangles: Vec::new(),
+    };
+    for (centre, diameter) in centers.iter().zip(diameters) {
+        let points: Vec<Vec3> = sphere(0.5 * diameter)
+            .into_iter()
+            .map(|by| point(centre) + by)
+            .collect();
+        let ball = of_solid(&points)?;
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(ball.vertices);
+        let triangles = ball.triangles.into_iter();
+        all.triangles
+            .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
+    }
+    Ok(all)
+}
+
+/// The hull of the corners, each with points of its rounding; polygons are thin plates.
+fn hull(words: &ShapeWords) -> Result<TriangleMesh> {
     let is_flat = words.kind == "Polygon";
     let radius = words.rounding_radius.max(0.5 * words.diameter);
     let mut corners = Vec::new();
     for vertex in &words.vertices {
-        let coordinate = |axis: usize| vertex.get(axis).copied().unwrap_or(0.0);
-        corners.push(Vec3::new(coordinate(0), coordinate(1), coordinate(2)));
+        corners.push(point(vertex));
     }
     if corners.is_empty() {
         corners.push(Vec3::zeros());
@@ -442,7 +485,11 @@ fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
             }
         }
     }
-    match Shape::solid(&points)? {
+    of_solid(&points)
+}
+
+fn of_solid(points: &[Vec3]) -> Result<TriangleMesh> {
+    match Shape::solid(points)? {
         Shape::Solid(Hull::Polyhedron(mesh)) => Ok(mesh),
         _ => bail!("a shape without volume cannot be drawn"),
     }

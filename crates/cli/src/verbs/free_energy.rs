@@ -20,7 +20,8 @@ use std::path::PathBuf;
 /// ideal gas of the same density, ln ρ - 1.
 #[derive(Debug, Args)]
 pub struct FreeEnergyArgs {
-    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line.
+    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
+    /// by + are the convex pieces of one body.
     #[arg(long, value_name = "FILE")]
     shape: String,
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).

@@ -59,6 +59,20 @@ impl Polytope {
         }
     }
 
+    /// The same, and where its centroid is in the shape.
+    ///
+    /// # Errors
+    /// As [`Polytope::of`].
+    pub fn placed(shape: &Shape) -> Result<(Self, Vec3)> {
+        let polytope = Self::of(shape)?;
+        let first = match shape {
+            Shape::Flat(corners) => Vec3::new(corners[0][0], corners[0][1], 0.0),
+            Shape::Solid(hull) => hull.corners()[0],
+        };
+        let centroid = first - polytope.corners[0];
+        Ok((polytope, centroid))
+    }
+
     fn of_polygon(corners: &[[f64; 2]]) -> Self {
         let centroid = centroid_of_polygon(corners);
         let at = |[x, y]: &[f64; 2]| Vec3::new(*x, *y, 0.0) - centroid;

@@ -183,6 +183,16 @@ impl<const D: usize> Pair<'_, D> {
         gap > 0.0 && gap * gap > self.reach * self.reach * dot(direction, direction)
     }
 
+    /// How far the bodies are apart along a direction, in units of its length, at least; negative if it does
+    /// not separate them. The offset counts as it is.
+    pub fn gap_along(&self, direction: &[f64; D]) -> f64 {
+        let down = direction.map(|x| -x);
+        let cores = dot(&self.offset, direction)
+            - highest(self.second, &down)
+            - highest(self.first, direction);
+        cores / dot(direction, direction).sqrt() - self.reach
+    }
+
     /// Whether the bodies overlap; those that touch do. `direction` is where the search begins: the direction that separated
     /// them last, or the offset; if they are apart, it separates them afterwards.
     /// `exact` decides where cores that are not rounded touch, as far as numbers can tell.

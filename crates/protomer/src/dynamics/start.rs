@@ -6,7 +6,6 @@ use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::random::{CounterRng, Purpose};
-use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Boundary, Vec3};
 use protomer_md::body::Kind;
@@ -166,9 +165,7 @@ fn kind(file_or_name: &str, rounding: f64) -> Result<Kind> {
             "the shape is the file or the name of a convex shape, several joined by '+', or 'disk', \
              'ball', 'ellipse:A,B' or 'ellipsoid:A,B,C'",
         )?;
-        let polytope = Polytope::of(&shape).with_context(|| name.to_owned())?;
-        let place = first_corner(&shape) - polytope.corners[0];
-        parts.push((polytope, place));
+        parts.push(Polytope::placed(&shape).with_context(|| name.to_owned())?);
     }
     Kind::union(&parts, rounding).with_context(|| file_or_name.to_owned())
 }
@@ -186,14 +183,6 @@ fn half_axes(name: &str) -> Option<Option<Vec<f64>>> {
         .map(|cell| cell.trim().parse().ok())
         .collect();
     Some(numbers.filter(|numbers| numbers.len() == dimension))
-}
-
-/// Where the shape has its first corner; the polytope of the shape has it first too, from its centroid.
-fn first_corner(shape: &Shape) -> Vec3 {
-    match shape {
-        Shape::Flat(corners) => Vec3::new(corners[0][0], corners[0][1], 0.0),
-        Shape::Solid(hull) => hull.corners()[0],
-    }
 }
 
 /// Area or volume of a body with a layer of half of σ_c, the diameter of hard bodies that repel each

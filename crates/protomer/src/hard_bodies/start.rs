@@ -21,13 +21,15 @@ pub(super) enum BodyShape {
     Rod(f64),
     /// In a plane or in space.
     Shape(Shape),
+    /// Several of them, where their coordinates have them, as one body.
+    Pieces(Vec<Shape>),
 }
 
 impl BodyShape {
-    /// From a file or a name; `rod:LENGTH` lives on a line.
+    /// From a file or a name; `rod:LENGTH` lives on a line. Pieces of one body are joined by `+`.
     pub(super) fn read(file_or_name: &str) -> Result<Self> {
         let Some(length) = file_or_name.strip_prefix("rod:") else {
-            return Ok(Self::Shape(read_shape(file_or_name)?));
+            return Self::read_pieces(file_or_name);
         };
         match length.trim().parse() {
             Ok(length) if length > 0.0 => Ok(Self::Rod(length)),
@@ -35,11 +37,23 @@ impl BodyShape {
         }
     }
 
+    fn read_pieces(file_or_name: &str) -> Result<Self> {
+        if !file_or_name.contains('+') || Path::new(file_or_name).exists() {
+            return Ok(Self::Shape(read_shape(file_or_name)?));
+        }
+        let mut shapes = Vec::new();
+        for name in file_or_name.split('+') {
+            shapes.push(read_shape(name).context("pieces of a body are joined by '+'")?);
+        }
+        Ok(Self::Pieces(shapes))
+    }
+
     /// 1, 2 or 3.
     pub(super) fn dimension(&self) -> usize {
         match self {
             Self::Rod(_) => 1,
             Self::Shape(shape) => shape.dimension(),
+            Self::Pieces(shapes) => shapes[0].dimension(),
         }
     }
 
@@ -48,6 +62,7 @@ impl BodyShape {
         Ok(match self {
             Self::Rod(length) => HardBody::ball(0.5 * length + rounding_radius)?,
             Self::Shape(shape) => HardBody::new(shape, rounding_radius)?,
+            Self::Pieces(shapes) => HardBody::of_pieces(shapes, rounding_radius)?,
         })
     }
 
@@ -55,6 +70,7 @@ impl BodyShape {
         let mut text = match self {
             Self::Rod(length) => format!("rod {length}"),
             Self::Shape(shape) => format!("{shape:?}"),
+            Self::Pieces(shapes) => format!("{shapes:?}"),
         };
         text.push_str(cell_text.unwrap_or_default());
         sha256_hex(text.as_bytes())

@@ -89,8 +89,16 @@ impl Answer for StaticFreeVolumes {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<StaticFreeVolumes> {
-    let BodyShape::Shape(shape) = BodyShape::read(&settings.shape)? else {
-        bail!("rods on a line have no free volume in space; give a polyhedron");
+    let shape = match BodyShape::read(&settings.shape)? {
+        BodyShape::Shape(shape) => shape,
+        BodyShape::Rod(_) => {
+            bail!("rods on a line have no free volume in space; give a polyhedron")
+        }
+        BodyShape::Pieces(_) => bail!(
+            "{} has several pieces; this integral takes convex bodies. Let `hpmc run` sample it: --start, \
+             --depletants RADIUS:0 and --sweeps 1",
+            settings.shape
+        ),
     };
     if shape.dimension() != 3 {
         bail!("{} is flat; give a polyhedron", settings.shape);

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use protomer_hpmc::body::HardBody;
+use protomer_hpmc::pieces::Piece;
 use protomer_hpmc::system::System;
 use protomer_io::gsd::{Chunk, ChunkData, FrameWriter};
 use serde_json::{Value, json};
@@ -57,6 +58,9 @@ fn shape<const D: usize>(body: &HardBody<D>) -> Value {
     if body.is_round() {
         return json!({ "type": "Sphere", "diameter": 2.0 * rounding });
     }
+    if let Some(pieces) = body.pieces() {
+        return shape_of_pieces(pieces.pieces(), rounding);
+    }
     let corner = |corner: &[f64; D]| -> Vec<f32> { corner.iter().map(|x| *x as f32).collect() };
     let vertices: Vec<Vec<f32>> = body.corners.iter().map(corner).collect();
     let kind = match D {
@@ -64,6 +68,58 @@ fn shape<const D: usize>(body: &HardBody<D>) -> Value {
         _ => "ConvexPolyhedron",
     };
     json!({ "type": kind, "rounding_radius": rounding, "vertices": vertices })
+}
+
+/// Balls, or the faces of all pieces, without their rounding.
+fn shape_of_pieces<const D: usize>(pieces: &[Piece<D>], rounding: f64) -> Value {
+    let in_space = |place: &[f64; D], from: &[f64; D]| -> [f32; 3] {
+        std::array::from_fn(|axis| match axis < D {
+            true => (place[axis] + from[axis]) as f32,
+            false => 0.0,
+        })
+    };
+    if pieces.iter().all(|piece| piece.corners.len() == 1) {
+        let origin = [0.0; D];
+        let centers: Vec<[f32; 3]> = pieces
+            .iter()
+            .map(|piece| in_space(&piece.centre, &origin))
+            .collect();
+        let diameters = vec![2.0 * rounding; pieces.len()];
+        return json!({ "type": "SphereUnion", "centers": centers, "diameters": diameters });
+    }
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for piece in pieces {
+        let numbers: Vec<usize> = piece
+            .corners
+            .iter()
+            .map(|corner| number_of(in_space(corner, &piece.centre), &mut vertices))
+            .collect();
+        // The corners of a polygon are in their order, those of a face too.
+        let polygon: Vec<usize> = (0..numbers.len()).collect();
+        let faces = match D {
+            2 => std::slice::from_ref(&polygon),
+            _ => &piece.faces,
+        };
+        for face in faces {
+            for pair in face[1..].windows(2) {
+                triangles.push([face[0], pair[0], pair[1]].map(|corner| numbers[corner]));
+            }
+        }
+    }
+    json!({ "type": "Mesh", "vertices": vertices, "indices": triangles })
+}
+
+/// The number of a vertex, which is added if it is not there: pieces that touch share vertices.
+fn number_of(vertex: [f32; 3], vertices: &mut Vec<[f32; 3]>) -> usize {
+    let size = vertex.iter().fold(1e-3_f32, |size, x| size.max(x.abs()));
+    let is_same = |other: &[f32; 3]| {
+        let gaps = vertex.iter().zip(other).map(|(a, b)| (a - b).abs());
+        gaps.fold(0.0, f32::max) < 1e-5 * size
+    };
+    vertices.iter().position(is_same).unwrap_or_else(|| {
+        vertices.push(vertex);
+        vertices.len() - 1
+    })
 }
 
 /// The data that changes from frame to frame; the box is centred on the origin, and given by its lengths and

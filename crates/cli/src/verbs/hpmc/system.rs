@@ -8,7 +8,8 @@ use protomer::hard_bodies::start::FLUID;
 /// Bodies, their box, and what is measured.
 #[derive(Debug, Args)]
 pub struct SystemArgs {
-    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line.
+    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
+    /// by + are the convex pieces of one body.
     #[arg(long, value_name = "FILE")]
     shape: String,
     /// Radius of the ball, or disk, that rounds it (Minkowski sum).

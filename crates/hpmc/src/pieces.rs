@@ -1,0 +1,453 @@
+//! Convex pieces, and bodies that are made of several of them and need not be convex.
+//!
+//! Two such bodies overlap if a piece of one overlaps a piece of the other. Most are apart already by their convex
+//! hulls, which are tested first, as convex bodies are. Where distances between centres
+//! change by a factor, each pair of pieces overlaps over one interval of factors, because the difference of
+//! two convex pieces is convex; its near end is found by walking from plane to plane, each of which separates the
+//! pieces where it was found (after van den Bergen, *Ray casting against general convex objects with
+//! application to continuous collision detection*, 2004).
+
+use crate::body::{is_within, norm};
+use crate::{Error, Result};
+use protomer_kernel::Vec3;
+use protomer_kernel::shape::Shape;
+use protomer_kernel::shape::exact::overlap_exactly;
+use protomer_kernel::shape::measures::Measures;
+use protomer_kernel::shape::polytope::Polytope;
+use protomer_kernel::shape::separation::{Block, LANES, Pair, dot, error_of_heights, minus, pack};
+use std::ops::Range;
+
+/// Pieces that no longer overlap when each is smaller by this part touch.
+const TOUCHING: f64 = 1e-6;
+/// The walk towards a contact takes steps of at least this part of its range, and so overshoots by less.
+const LEAST_STEP: f64 = 1e-4;
+
+/// A convex shape, rounded or not.
+#[derive(Debug, Clone)]
+pub struct Piece<const D: usize> {
+    /// The corners from its centre.
+    pub corners: Vec<[f64; D]>,
+    /// The corners of each face; in a plane, of each edge.
+    pub faces: Vec<Vec<usize>>,
+    /// Its centre, in the coordinates of the shape; in a body, from the centre of the body.
+    pub centre: [f64; D],
+    /// Radius of a ball about its centre that fits in.
+    pub inner_radius: f64,
+    /// Radius of the ball about its centre that holds it.
+    pub outer_radius: f64,
+    /// Volume; in a plane, area.
+    pub volume: f64,
+}
+
+impl<const D: usize> Piece<D> {
+    /// The Minkowski sum of a shape and a ball of this radius.
+    pub(crate) fn new(shape: &Shape, rounding_radius: f64) -> Result<Self> {
+        if shape.dimension() != D {
+            return Err(Error::Dimension {
+                shape: shape.dimension(),
+                space: D,
+            });
+        }
+        let measures = Measures::of(shape, rounding_radius)?;
+        let (corners, faces, centre, inradius) = match Polytope::placed(shape) {
+            Ok((polytope, centre)) => (
+                polytope.corners.iter().map(coordinates).collect(),
+                polytope
+                    .faces
+                    .iter()
+                    .map(|face| face.corners.clone())
+                    .collect(),
+                coordinates(&centre),
+                polytope.inradius(),
+            ),
+            // A point, a segment or a polygon in space, which only its rounding makes a body.
+            Err(_) => {
+                let (corners, mean) = thin_corners(shape);
+                (corners, Vec::new(), mean, 0.0)
+            }
+        };
+        let outer: f64 = corners.iter().map(norm).fold(0.0, f64::max);
+        Ok(Self {
+            corners,
+            faces,
+            centre,
+            inner_radius: inradius + rounding_radius,
+            outer_radius: outer + rounding_radius,
+            volume: measures.volume,
+        })
+    }
+}
+
+/// Pieces about the centre of mass of all.
+///
+/// Packed, a body has the corners of its hull, those of each piece from the centre of that piece, and then the
+/// centres of the pieces.
+#[derive(Debug, Clone)]
+pub struct Pieces<const D: usize> {
+    pieces: Vec<Piece<D>>,
+    /// Corners of the convex hull of all, from the centre of the body.
+    hull: Vec<[f64; D]>,
+    /// The blocks of each piece.
+    blocks: Vec<Range<usize>>,
+    rounding_radius: f64,
+}
+
+/// A piece of a body that has been turned.
+struct Turned<'a, const D: usize> {
+    piece: &'a Piece<D>,
+    corners: &'a [Block<D>],
+    centre: [f64; D],
+}
+
+impl<const D: usize> Pieces<D> {
+    pub(crate) fn new(mut pieces: Vec<Piece<D>>, rounding_radius: f64) -> Result<Self> {
+        let volume: f64 = pieces.iter().map(|piece| piece.volume).sum();
+        let mut centre = [0.0; D];
+        for piece in &pieces {
+            for (axis, x) in centre.iter_mut().enumerate() {
+                *x += piece.volume / volume * piece.centre[axis];
+            }
+        }
+        for piece in &mut pieces {
+            piece.centre = minus(&piece.centre, &centre);
+        }
+        let hull = hull(&pieces)?;
+        let mut blocks = Vec::new();
+        let mut first = pack(&hull).len();
+        for piece in &pieces {
+            let after = first + pack(&piece.corners).len();
+            blocks.push(first..after);
+            first = after;
+        }
+        let pieces = Self {
+            pieces,
+            hull,
+            blocks,
+            rounding_radius,
+        };
+        pieces.check_apart()?;
+        Ok(pieces)
+    }
+
+    /// The volume of the body is the sum of those of its pieces, so these must not overlap.
+    fn check_apart(&self) -> Result<()> {
+        let smaller = 1.0 - TOUCHING;
+        let shrunk = |piece: &Piece<D>| {
+            let corners = piece
+                .corners
+                .iter()
+                .map(|corner| corner.map(|x| smaller * x));
+            pack(&corners.collect::<Vec<_>>())
+        };
+        for (first, a) in self.pieces.iter().enumerate() {
+            for (second, b) in self.pieces.iter().enumerate().skip(first + 1) {
+                let offset = minus(&b.centre, &a.centre);
+                let (own, other) = (shrunk(a), shrunk(b));
+                let pair = Pair {
+                    first: &own,
+                    second: &other,
+                    offset,
+                    reach: 2.0 * smaller * self.rounding_radius,
+                    error: error_of_heights(
+                        4.0 * D as f64 * (norm(&offset) + a.outer_radius + b.outer_radius),
+                    ),
+                };
+                // Pieces with the same centre overlap, and give the search no direction to begin with.
+                if norm(&offset) == 0.0 || pair.overlap(&mut { offset }, || true) {
+                    return Err(Error::Pieces {
+                        pieces: [first + 1, second + 1],
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The pieces, where they are in the body before it is turned.
+    pub fn pieces(&self) -> &[Piece<D>] {
+        &self.pieces
+    }
+
+    /// All corners, from the centre of the body.
+    pub(crate) fn corners(&self) -> Vec<[f64; D]> {
+        corners_of(&self.pieces)
+    }
+
+    /// Blocks of the corners of the hull; they are the first of a packed body.
+    pub(crate) fn hull_blocks(&self) -> usize {
+        self.hull.len().div_ceil(LANES)
+    }
+
+    pub(crate) fn pack(&self) -> Vec<Block<D>> {
+        let mut blocks = pack(&self.hull);
+        for piece in &self.pieces {
+            blocks.extend(pack(&piece.corners));
+        }
+        let centres: Vec<[f64; D]> = self.pieces.iter().map(|piece| piece.centre).collect();
+        blocks.extend(pack(&centres));
+        blocks
+    }
+
+    pub(crate) fn volume(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.volume).sum()
+    }
+
+    /// Of a ball about the centre of the body that fits into one of its pieces, or zero.
+    pub(crate) fn inner_radius(&self) -> f64 {
+        let depths = self.pieces.iter();
+        depths
+            .map(|piece| piece.inner_radius - norm(&piece.centre))
+            .fold(0.0, f64::max)
+    }
+
+    fn turned<'a>(&'a self, packed: &'a [Block<D>]) -> impl Iterator<Item = Turned<'a, D>> {
+        let centres = &packed[self.blocks.last().map_or(0, |last| last.end)..];
+        let numbered = self.pieces.iter().zip(&self.blocks).enumerate();
+        numbered.map(move |(number, (piece, blocks))| Turned {
+            piece,
+            corners: &packed[blocks.clone()],
+            centre: std::array::from_fn(|axis| centres[number / LANES][axis][number % LANES]),
+        })
+    }
+
+    /// Whether two bodies overlap: their corners, turned, and the way between their centres.
+    pub(crate) fn overlap(
+        &self,
+        first: &[Block<D>],
+        second: &[Block<D>],
+        offset: &[f64; D],
+        error: f64,
+    ) -> bool {
+        self.turned(first).any(|a| {
+            let to_second = minus(offset, &a.centre);
+            self.turned(second).any(|b| {
+                let between = plus(&to_second, &b.centre);
+                let outer = a.piece.outer_radius + b.piece.outer_radius;
+                if dot(&between, &between) >= outer * outer {
+                    return false;
+                }
+                let pair = self.pair(&a, &b, between, error);
+                pair.overlap(&mut { between }, || self.exact(&pair, &a, &b))
+            })
+        })
+    }
+
+    fn pair<'a>(
+        &self,
+        first: &Turned<'a, D>,
+        second: &Turned<'a, D>,
+        offset: [f64; D],
+        error: f64,
+    ) -> Pair<'a, D> {
+        Pair {
+            first: first.corners,
+            second: second.corners,
+            offset,
+            reach: 2.0 * self.rounding_radius,
+            error,
+        }
+    }
+
+    /// The last word on two pieces that touch to within rounding.
+    fn exact(&self, pair: &Pair<'_, D>, first: &Turned<'_, D>, second: &Turned<'_, D>) -> bool {
+        let faces = [first, second].map(|turned| turned.piece.faces.as_slice());
+        if self.rounding_radius > 0.0 || faces.iter().any(|faces| faces.is_empty()) {
+            return true;
+        }
+        overlap_exactly(pair, faces)
+    }
+
+    /// Whether a point, from the centre of the body, is within a radius of it.
+    pub(crate) fn cover(&self, corners: &[Block<D>], point: &[f64; D], radius: f64) -> bool {
+        self.turned(corners).any(|turned| {
+            let from_piece = minus(point, &turned.centre);
+            let outer = turned.piece.outer_radius + radius;
+            dot(&from_piece, &from_piece) < outer * outer
+                && is_within(turned.corners, &from_piece, self.rounding_radius + radius)
+        })
+    }
+
+    /// The smallest change of the factor on the way between two bodies that do not overlap, up to a largest, at
+    /// which they do: a factor that falls from one (`sign` is -1) or rises (1).
+    pub(crate) fn first_contact(
+        &self,
+        [first, second]: [&[Block<D>]; 2],
+        offset: &[f64; D],
+        sign: f64,
+        largest: f64,
+        error: f64,
+    ) -> Option<f64> {
+        let mut nearest = None;
+        let mut range = largest;
+        for a in self.turned(first) {
+            for b in self.turned(second) {
+                let apart = minus(&b.centre, &a.centre);
+                let at = |change: f64| plus(&offset.map(|x| x * (1.0 + sign * change)), &apart);
+                let outer = a.piece.outer_radius + b.piece.outer_radius;
+                if least_distance_squared(&at(0.0), &at(range)) >= outer * outer {
+                    continue;
+                }
+                let pair = |change: f64| self.pair(&a, &b, at(change), error);
+                let velocity = offset.map(|x| x * sign);
+                if let Some(found) = contact(pair, &velocity, range, LEAST_STEP * largest) {
+                    range = found;
+                    nearest = Some(found);
+                }
+            }
+        }
+        nearest
+    }
+}
+
+/// All corners of pieces, from the centre of the body.
+fn corners_of<const D: usize>(pieces: &[Piece<D>]) -> Vec<[f64; D]> {
+    let mut corners = Vec::new();
+    for piece in pieces {
+        for corner in &piece.corners {
+            corners.push(plus(corner, &piece.centre));
+        }
+    }
+    corners
+}
+
+/// The corners of the convex hull of pieces.
+fn hull<const D: usize>(pieces: &[Piece<D>]) -> Result<Vec<[f64; D]>> {
+    let corners = corners_of(pieces);
+    let shape = match D {
+        2 => Shape::flat(&corners.iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>())?,
+        _ => {
+            let at = |corner: &[f64; D]| Vec3::from_fn(|axis, _| corner[axis]);
+            Shape::solid(&corners.iter().map(at).collect::<Vec<_>>())?
+        }
+    };
+    Ok(match shape {
+        Shape::Flat(corners) => {
+            let at = |[x, y]: [f64; 2]| std::array::from_fn(|axis| [x, y][axis]);
+            corners.into_iter().map(at).collect()
+        }
+        Shape::Solid(hull) => hull.corners().iter().map(coordinates).collect(),
+    })
+}
+
+/// Where two pieces first overlap while the offset changes along a velocity.
+fn contact<'a, const D: usize>(
+    pair: impl Fn(f64) -> Pair<'a, D>,
+    velocity: &[f64; D],
+    range: f64,
+    least_step: f64,
+) -> Option<f64> {
+    let mut change = 0.0;
+    let mut direction = pair(0.0).offset;
+    while change < range {
+        let here = pair(change);
+        if here.overlap(&mut direction, || true) {
+            return Some(change);
+        }
+        // The plane that separates them moves towards the second piece with this velocity.
+        let closing = -dot(velocity, &direction) / norm(&direction);
+        if closing <= 0.0 {
+            return None;
+        }
+        change += (here.gap_along(&direction) / closing).max(least_step);
+    }
+    None
+}
+
+/// The square of the distance of the origin from a segment.
+fn least_distance_squared<const D: usize>(from: &[f64; D], to: &[f64; D]) -> f64 {
+    let along = minus(to, from);
+    let length = dot(&along, &along);
+    let part = match length > 0.0 {
+        true => (-dot(from, &along) / length).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    let nearest = plus(from, &along.map(|x| part * x));
+    dot(&nearest, &nearest)
+}
+
+fn plus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
+    std::array::from_fn(|axis| a[axis] + b[axis])
+}
+
+fn coordinates<const D: usize>(vector: &Vec3) -> [f64; D] {
+    std::array::from_fn(|axis| vector[axis])
+}
+
+/// Corners of a shape without volume from their mean, and the mean.
+fn thin_corners<const D: usize>(shape: &Shape) -> (Vec<[f64; D]>, [f64; D]) {
+    let corners: Vec<Vec3> = match shape {
+        Shape::Flat(corners) => corners
+            .iter()
+            .map(|[x, y]| Vec3::new(*x, *y, 0.0))
+            .collect(),
+        Shape::Solid(hull) => hull.corners(),
+    };
+    let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
+    let from_mean = corners.iter().map(|corner| coordinates(&(corner - mean)));
+    (from_mean.collect(), coordinates(&mean))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use crate::body::{HardBody, matrix};
+    use protomer_kernel::random::{CounterRng, Purpose};
+    use protomer_kernel::shape::Shape;
+    use protomer_kernel::shape::separation::{Block, turn};
+    use protomer_kernel::{Rotation, Vec3};
+    use std::f64::consts::TAU;
+
+    /// The slow twin: overlaps at every one of many factors, one after the other.
+    #[test]
+    fn first_contacts_are_those_of_a_scan() {
+        let bar = |x: [f64; 2], y: [f64; 2]| {
+            Shape::flat(&[[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]]).unwrap()
+        };
+        let horseshoe = [
+            bar([0.0, 1.2], [0.0, 0.1]),
+            bar([0.0, 0.1], [0.1, 1.7]),
+            bar([1.1, 1.2], [0.1, 1.7]),
+        ];
+        let body = HardBody::<2>::of_pieces(&horseshoe, 0.0).unwrap();
+        let pieces = body.pieces().unwrap();
+        let error = body.error_of_heights();
+        let mut rng = CounterRng::for_purpose(4, 0, 0, Purpose::HardBodyStart);
+        let (largest, scans) = (0.2, 500);
+        let mut contacts = [0, 0];
+        for _ in 0..12_000 {
+            let packed: [Vec<Block<2>>; 2] = [0, 1].map(|_| {
+                let rotation = Rotation::from_scaled_axis(TAU * rng.uniform() * Vec3::z());
+                let mut corners = vec![[[0.0; 4]; 2]; body.blocks()];
+                turn(&matrix(&rotation), &pieces.pack(), &mut corners);
+                corners
+            });
+            let offset: [f64; 2] = std::array::from_fn(|_| rng.uniform_in(-1.5, 1.5));
+            let overlap = |factor: f64| {
+                let offset = offset.map(|x| x * factor);
+                pieces.overlap(&packed[0], &packed[1], &offset, error)
+            };
+            if overlap(1.0) {
+                continue;
+            }
+            for (kind, sign) in [(0, -1.0), (1, 1.0)] {
+                let corners = [&packed[0][..], &packed[1][..]];
+                let found = pieces.first_contact(corners, &offset, sign, largest, error);
+                let mut steps =
+                    (1..=scans).map(|step| largest * f64::from(step) / f64::from(scans));
+                let scanned = steps.find(|change| overlap(1.0 + sign * change));
+                contacts[kind] += usize::from(found.is_some());
+                // A scan steps over overlaps that are shorter than its steps, never ahead of a contact.
+                let step = largest / f64::from(scans);
+                match (found, scanned) {
+                    (Some(found), Some(scanned)) if found < scanned - 2.0 * step => {
+                        assert!(overlap(1.0 + sign * found), "{found} {scanned}");
+                    }
+                    (Some(found), Some(scanned)) => assert!(found < scanned + step),
+                    (Some(found), None) => assert!(overlap(1.0 + sign * found), "{found}"),
+                    (None, scanned) => assert_eq!(scanned, None),
+                }
+            }
+        }
+        assert!(contacts[0] > 200 && contacts[1] > 20, "{contacts:?}");
+    }
+}
