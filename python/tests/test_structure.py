@@ -164,6 +164,23 @@ def test_a_run_is_read_with_its_shape(tmp_path) -> None:
         Structure.read(run / "log.csv")
 
 
+def test_a_body_of_pieces_is_read_with_its_corners(tmp_path) -> None:
+    # A bar with a cube on each of two sides: pieces share corners, which are there once.
+    pieces = []
+    bars = [((-1.5, 0, 0), (1.5, 1, 1)), ((-0.5, 1, 0), (0.5, 2, 1)), ((-0.5, -1, 0), (0.5, 0, 1))]
+    for number, (low, high) in enumerate(bars):
+        corners = np.array(np.meshgrid(*zip(low, high))).reshape(3, 8).T
+        np.savetxt(tmp_path / f"{number}.txt", corners)
+        pieces.append(str(tmp_path / f"{number}.txt"))
+    answer = {"shape": "+".join(pieces), "bodies": 60, "packing_fraction": 0.05}
+    run = pm.hpmc.run(**answer, equilibration=50, sweeps=50, trajectory_every=50, output=tmp_path / "crosses")
+    assert run["acceptance"] > 0.1
+    crosses = Structure.read(tmp_path / "crosses")
+    assert crosses.vertices.shape == (24, 3)
+    assert len(rotations_of(crosses.vertices)) == 8
+    assert pm.report(tmp_path / "crosses", output=tmp_path / "crosses.html")["sections"].count("Bodies") == 1
+
+
 def test_plots_are_drawn() -> None:
     pytest.importorskip("matplotlib").use("Agg")
     correlation = cubic_diamond(3).autocorrelation(spacing=0.4, width=0.4, reach=2.0)

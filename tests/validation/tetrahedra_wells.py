@@ -1,10 +1,10 @@
-"""Wells at the faces of truncated tetrahedra: rounding makes them shallower, depletants deeper.
+"""Wells at the faces of truncated tetrahedra: rounding and dents make them shallower, depletants deeper.
 
-    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|depletants]
+    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|depletants|dents]
 
-Fluids of 216 bodies: for each rounding at a packing fraction of 0.5, and for each reservoir of depletants of size ratio 0.1
-at 0.3, the potential of mean force in the frame of a body, and its least values towards the four hexagons and the four
-triangles, with the standard error from four parts of the run. Prints the tables of
+Fluids: for each rounding and each depth of dents in the hexagons at a packing fraction of 0.5, and for each reservoir of
+depletants of size ratio 0.1 at 0.3, the potential of mean force in the frame of a body, and its least values towards the four
+hexagons and the four triangles, with the standard error from four parts of the run. Prints the tables of
 docs/validation/hard-shapes-campaign.md. Needs `pip install protomer[dynamics]`. Runs that have been done are not done again.
 """
 
@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from protomer.structure import MeanForce, Structure
 
@@ -23,6 +24,7 @@ CIRCUMRADIUS = 11**0.5 / (6 * 2**0.5)
 ROUNDINGS = [0.0, 0.025, 0.05, 0.1]
 SIZE_RATIO = 0.1
 RESERVOIRS = [0.0, 0.05, 0.1, 0.2]
+DENTS = [0.0, 0.025, 0.05, 0.1]
 REACH = 1.0
 BINS = 61
 PARTS = 4
@@ -31,25 +33,54 @@ EQUILIBRATION = 20000
 EVERY = 60
 
 
-def rounded(rounding: float) -> list[object]:
-    return ["--packing-fraction", 0.5, "--rounding", rounding * CIRCUMRADIUS]
+def rounded(rounding: float, _: Path) -> list[object]:
+    return ["--shape", SHAPE, "--bodies", 216, "--packing-fraction", 0.5, "--rounding", rounding * CIRCUMRADIUS]
 
 
-def among_depletants(reservoir: float) -> list[object]:
+def among_depletants(reservoir: float, _: Path) -> list[object]:
     radius = SIZE_RATIO * CIRCUMRADIUS
     density = reservoir / (4 / 3 * math.pi * radius**3)
-    return ["--packing-fraction", 0.3, *(["--depletants", f"{radius}:{density}"] if reservoir else [])]
+    depletants = ["--depletants", f"{radius}:{density}"] if reservoir else []
+    return ["--shape", SHAPE, "--bodies", 216, "--packing-fraction", 0.3, *depletants]
+
+
+def dented(depth: float, output: Path) -> list[object]:
+    """The middle of each hexagon is pressed in by a depth, in circumradii, so that the body is concave."""
+    output.mkdir(parents=True, exist_ok=True)
+    files = []
+    for number, corners in enumerate(pieces_of_dented(depth * CIRCUMRADIUS)):
+        file = output / f"dents_{depth}_piece_{number}.txt"
+        np.savetxt(file, corners, fmt="%.16g")
+        files.append(str(file))
+    # A few more, since they are smaller: the box must hold the reach in all directions.
+    return ["--shape", "+".join(files) if depth else SHAPE, "--bodies", 250, "--packing-fraction", 0.5]
+
+
+def pieces_of_dented(depth: float) -> list[np.ndarray]:
+    """Eleven convex pieces: the tetrahedron between the four dents, what lies between its faces and the triangles, and what
+    lies between its edges and those of two hexagons."""
+    corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / 8**0.5
+    # The middle of a hexagon is opposite to a corner of the tetrahedron.
+    dents = np.array([-corner / np.linalg.norm(corner) * (1 / 24**0.5 - depth) for corner in corners])
+    cut = {(i, j): (2 * corners[i] + corners[j]) / 3 for i in range(4) for j in range(4) if i != j}
+    pieces = [dents]
+    for i in range(4):
+        others = [j for j in range(4) if j != i]
+        pieces.append(np.array([cut[i, j] for j in others] + [dents[j] for j in others]))
+        pieces += [np.array([cut[i, j], cut[j, i], *np.delete(dents, [i, j], axis=0)]) for j in range(i)]
+    return pieces
 
 
 LADDERS = {
     "rounding": ("rounding / circumradius", ROUNDINGS, rounded),
     "depletants": ("reservoir", RESERVOIRS, among_depletants),
+    "dents": ("depth of the dents / circumradius", DENTS, dented),
 }
 
 
 def run(protomer: str, directory: Path, condition: list[object], sweeps: str) -> Path:
     words = (
-        *("hpmc", "run", "-q", "--shape", SHAPE, "--bodies", 216, *condition),
+        *("hpmc", "run", "-q", *condition),
         *("--equilibration", EQUILIBRATION, "--sweeps", sweeps, "--sample-every", 1000),
         *("--trajectory-every", EVERY, "--threads", 1, "-o", directory),
     )
@@ -60,7 +91,7 @@ def run(protomer: str, directory: Path, condition: list[object], sweeps: str) ->
 def directions_of_faces(structure: Structure) -> dict[str, np.ndarray]:
     """Directions of the hexagons and of the triangles. A corner and the two nearest to it are a triangle, opposite to a
     hexagon."""
-    vertices = structure.vertices
+    vertices = structure.vertices[ConvexHull(structure.vertices).vertices]
     apart = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
     triangles = [vertices[np.argsort(row)[:3]].mean(axis=0) for row in apart]
     triangles = np.unique(np.round([t / np.linalg.norm(t) for t in triangles], 3), axis=0)
@@ -88,7 +119,7 @@ def main() -> None:
         heading, steps, condition = LADDERS[name]
         print(f"\n| {heading} | frames | hexagons, kT at distance | triangles, kT at distance |\n|---|---|---|---|")
         for step in steps:
-            directory = run(protomer, output / f"{name}_{step}", condition(step), sweeps)
+            directory = run(protomer, output / f"{name}_{step}", condition(step, output), sweeps)
             structure = Structure.read(directory, skip=EQUILIBRATION // EVERY + 1)
             whole, *parts = (each.mean_force(REACH, BINS) for each in [structure, *parts_of(structure)])
             faces = directions_of_faces(structure)

@@ -2,7 +2,7 @@
 //! share their x axis.
 //!
 //! A [`Figure`] is data only; [`Figure::to_svg`] and [`Figure::to_png`] draw it. Labels may have
-//! subscripts and superscripts: `R_g`, `10^{-3}`.
+//! subscripts and superscripts: `R_g`, `10^{-3}`; [`literal`] keeps the names of files and bodies as they are.
 //!
 //! | module | one idea |
 //! |---|---|
@@ -43,3 +43,4 @@ pub use error::{PlotError, Result};
 pub use figure::{Axis, Figure, Panel, Point, Series};
 pub use heat_map::HeatMap;
 pub use output::{HEIGHT, WIDTH};
+pub use runs::literal;

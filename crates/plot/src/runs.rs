@@ -25,7 +25,24 @@ pub(crate) struct Run {
     pub level: Level,
 }
 
-/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces.
+/// A name from elsewhere, such as that of a file, as a label: `_` and `^` in it are drawn as they are.
+///
+/// ```
+/// assert_eq!(protomer_plot::literal("salt_0.1"), r"salt\_0.1");
+/// ```
+pub fn literal(name: &str) -> String {
+    let mut label = String::with_capacity(name.len());
+    for character in name.chars() {
+        if matches!(character, '_' | '^' | '\\') {
+            label.push('\\');
+        }
+        label.push(character);
+    }
+    label
+}
+
+/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces. After a
+/// backslash a character is itself.
 pub(crate) fn runs(text: &str) -> Vec<Run> {
     let mut runs: Vec<Run> = vec![Run {
         text: String::new(),
@@ -37,6 +54,10 @@ pub(crate) fn runs(text: &str) -> Vec<Run> {
             '_' => Level::Subscript,
             '^' => Level::Superscript,
             other => {
+                let other = match other {
+                    '\\' => characters.next().unwrap_or(other),
+                    _ => other,
+                };
                 match runs.last_mut().filter(|run| run.level == Level::Base) {
                     Some(run) => run.text.push(other),
                     None => runs.push(Run {
@@ -86,6 +107,10 @@ mod tests {
             ]
         );
         assert_eq!(found("plain"), [("plain".into(), Level::Base)]);
+        assert_eq!(
+            found(&literal(r"a_b^c\")),
+            [(r"a_b^c\".into(), Level::Base)]
+        );
         assert_eq!(found("_{}^"), [("^".into(), Level::Superscript)]);
         assert!(found("").is_empty());
     }

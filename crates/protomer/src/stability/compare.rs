@@ -4,7 +4,7 @@ use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
 use protomer_results::{ResultKind, keys};
 use serde::Serialize;
 use serde_json::Value;
@@ -86,7 +86,7 @@ impl ComparedSweep {
             });
         }
         Series {
-            name: self.name.clone(),
+            name: literal(&self.name),
             points,
             replicas: Vec::new(),
             line: true,

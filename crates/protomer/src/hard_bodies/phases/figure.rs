@@ -4,7 +4,7 @@ use super::{Coexistence, Phases};
 use anyhow::{Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
 use std::path::Path;
 
 /// Packing fractions of coexisting phases against that of the depletants in the reservoir.
@@ -25,7 +25,7 @@ pub(super) fn against_reservoir(phases: &Phases, size_ratio: Option<f64>) -> Fig
         for tie in found.iter().filter(is_here) {
             let y = tie.reservoir_packing_fraction.unwrap_or_default();
             let ends = tie.packing_fractions.map(|x| at(x, y)).to_vec();
-            let measured = tie.phases.join(", ");
+            let measured = literal(&tie.phases.join(", "));
             let name = tie.uncertainty.map_or(name, |_| &measured);
             drawn.push(series(name, ends, true));
         }

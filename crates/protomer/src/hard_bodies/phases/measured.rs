@@ -284,6 +284,11 @@ fn states(equation: &EquationOfState) -> Result<Vec<State>> {
                 point.compressibility_factor_error,
             )?,
             free_volume_fraction: match point.free_volume_fraction {
+                Some(0.0) => bail!(
+                    "no point was free for the depletants at the packing fraction {}, and a curve goes through \
+                     logarithms; sweep again with more --points, or without that density",
+                    point.packing_fraction
+                ),
                 Some(value) => Some(estimated(value, point.free_volume_fraction_error)?),
                 None => None,
             },

@@ -4,7 +4,7 @@ use super::mutations::FEWEST_EFFECTIVE_FRAMES;
 use super::result::{MutationRow, PairRow, ResidueRow, ResiduesResult};
 use protomer_common::answer::{Answer, columns};
 use protomer_mc::contributions::Mean;
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
 
 /// Rows of the tables of residues, of pairs, and of exchanges in each direction.
 const RESIDUES: usize = 12;
@@ -38,7 +38,7 @@ impl Answer for ResiduesResult {
             if place.is_none() {
                 names.push(&row.name.body);
                 series.push(Series {
-                    name: row.name.body.clone(),
+                    name: literal(&row.name.body),
                     points: Vec::new(),
                     replicas: Vec::new(),
                     line: true,
