@@ -173,6 +173,11 @@ impl<const D: usize> Pieces<D> {
         corners_of(&self.pieces)
     }
 
+    /// Corners of the convex hull, from the centre of the body.
+    pub(crate) fn hull(&self) -> &[[f64; D]] {
+        &self.hull
+    }
+
     /// Blocks of the corners of the hull; they are the first of a packed body.
     pub(crate) fn hull_blocks(&self) -> usize {
         self.hull.len().div_ceil(LANES)

@@ -4,17 +4,20 @@
 //! the potential is u = 4 sin²(ω/2), which is ω² for small angles. All orientations that look alike
 //! have the same energy, so each of them is counted.
 
-use crate::body::HardBody;
-use crate::pieces::Piece;
+use crate::body::{HardBody, matrix, norm};
 use crate::quadrature::gauss_legendre;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Rotation3};
-use protomer_kernel::random::CounterRng;
+use protomer_kernel::random::{CounterRng, Purpose};
+use protomer_kernel::shape::separation::{Block, dot};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
 
 /// Corners this near to each other, in radii of the body, are the same.
 const SAME: f64 = 1e-6;
+/// Points that compare a body of pieces with itself when it is turned; a difference of a thousandth of its ball
+/// escapes them once in e⁵.
+const POINTS: usize = 5000;
 /// Energies beyond this, in kT, count for nothing: exp(-40) = 4e-18.
 const BEYOND_KT: f64 = 40.0;
 
@@ -42,15 +45,16 @@ impl Symmetry {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn of<const D: usize>(body: &HardBody<D>) -> Result<Self> {
+        // Those of the hull of a body that is not convex, which has all rotations of the body and perhaps more.
         let corners = corners(body);
         let mut rotations = match (body.is_round(), D) {
             (true, _) => vec![Rotation::identity()],
             (false, 2) => in_plane(&corners),
             (false, _) => in_space(&corners)?,
         };
-        if let Some(pieces) = body.pieces() {
-            let pieces: Vec<Vec<Vec3>> = pieces.pieces().iter().map(corners_of_piece).collect();
-            rotations.retain(|rotation| permutes(rotation, &pieces, body.outer_radius));
+        if body.pieces().is_some() {
+            let compared = Compared::new(body);
+            rotations.retain(|rotation| compared.is_the_same(rotation));
         }
         let smallest = rotations
             .iter()
@@ -177,37 +181,59 @@ fn vector<const D: usize>(coordinates: &[f64; D]) -> Vec3 {
     Vec3::from_fn(|axis, _| coordinates.get(axis).copied().unwrap_or(0.0))
 }
 
-/// The corners of a body, each once; those of its pieces but for one at its centre.
+/// The corners of the convex hull of a body.
 fn corners<const D: usize>(body: &HardBody<D>) -> Vec<Vec3> {
-    let mut corners: Vec<Vec3> = Vec::new();
-    let same = SAME * body.outer_radius;
-    for corner in body.corners.iter().map(vector) {
-        let is_new = corners.iter().all(|other| (other - corner).norm() > same);
-        if body.pieces().is_none() || corner.norm() > same && is_new {
-            corners.push(corner);
+    let corners = match body.pieces() {
+        Some(pieces) => pieces.hull(),
+        None => &body.corners,
+    };
+    corners.iter().map(vector).collect()
+}
+
+/// A body of pieces beside itself when it is turned.
+///
+/// The same body can be cut in many ways, so its pieces do not tell. Corners of pieces are, and random points are
+/// both in a body and in the turned one, or in neither.
+struct Compared<'a, const D: usize> {
+    body: &'a HardBody<D>,
+    packed: Vec<Block<D>>,
+    points: Vec<[f64; D]>,
+}
+
+impl<'a, const D: usize> Compared<'a, D> {
+    fn new(body: &'a HardBody<D>) -> Self {
+        let mut packed = vec![[[0.0; 4]; D]; body.blocks()];
+        body.turned_into(&Rotation::identity(), &mut packed);
+        let mut rng = CounterRng::for_purpose(0, 0, 0, Purpose::HardBodyInsertion);
+        let mut points = Vec::with_capacity(POINTS);
+        while points.len() < POINTS {
+            let point: [f64; D] =
+                std::array::from_fn(|_| rng.uniform_in(-1.0, 1.0) * body.outer_radius);
+            if norm(&point) < body.outer_radius {
+                points.push(point);
+            }
+        }
+        Self {
+            body,
+            packed,
+            points,
         }
     }
-    corners
-}
 
-fn corners_of_piece<const D: usize>(piece: &Piece<D>) -> Vec<Vec3> {
-    let centre = vector(&piece.centre);
-    let corners = piece.corners.iter();
-    corners.map(|corner| vector(corner) + centre).collect()
-}
-
-/// Whether a rotation takes each piece to a piece. Another cut of the same body may have more rotations.
-fn permutes(rotation: &Rotation, pieces: &[Vec<Vec3>], size: f64) -> bool {
-    let is_taken_to = |from: &[Vec3], to: &[Vec3]| {
-        from.len() == to.len()
-            && from.iter().all(|corner| {
-                to.iter()
-                    .any(|other| (other - rotation * corner).norm() < SAME * size)
-            })
-    };
-    pieces
-        .iter()
-        .all(|from| pieces.iter().any(|to| is_taken_to(from, to)))
+    fn is_the_same(&self, rotation: &Rotation) -> bool {
+        let matrix = matrix::<D>(rotation);
+        let turned = |point: &[f64; D]| matrix.map(|row| dot(&row, point));
+        let holds = |point: &[f64; D], radius| self.body.covers(&self.packed, point, radius);
+        let margin = SAME * self.body.outer_radius;
+        self.body
+            .corners
+            .iter()
+            .all(|corner| holds(&turned(corner), margin))
+            && self
+                .points
+                .iter()
+                .all(|point| holds(point, 0.0) == holds(&turned(point), 0.0))
+    }
 }
 
 /// Whether a rotation takes each corner to a corner.

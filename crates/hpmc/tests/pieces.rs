@@ -66,6 +66,8 @@ fn a_cut_cube_is_a_cube() {
     assert!((cut.body().volume - 1.0).abs() < 1e-12);
     assert!((cut.body().outer_radius - 0.75_f64.sqrt()).abs() < 1e-12);
     assert_eq!((whole.overlaps(), cut.overlaps()), (0, 0));
+    // It looks as a cube does however it is turned: what counts for the free energy is the body and not the cut.
+    assert_eq!(Symmetry::of(cut.body()).unwrap().rotations().len(), 24);
     // The same pairs meet in the same bins, but for rounding at their edges.
     let compression = Compression::new(&whole, 8.0);
     let [of_whole, of_cut] = [&whole, &cut].map(|system| compression.factor(system));
