@@ -9,7 +9,7 @@ use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::{Shape, builders::by_name};
-use protomer_kernel::statistics::summarize;
+use protomer_kernel::statistics::{Summary, summarize};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::PI;
 
@@ -165,4 +165,79 @@ fn two_spheres_have_their_exact_statistics_closely() {
             assert!((mean - expected).abs() < 3.0 * error, "{found:?}");
         }
     }
+}
+
+/// The compressibility factors of a large system, after a long equilibration.
+fn factors_of_many<const D: usize>(
+    body: &HardBody<D>,
+    (bodies, packing): (usize, f64),
+    (equilibration, sweeps, every): (u64, u64, u64),
+) -> Vec<f64> {
+    let settings = Settings {
+        equilibration_sweeps: equilibration,
+        ..SETTINGS
+    };
+    let start = Start::fluid(bodies, packing);
+    let mut simulation = Simulation::new(&settings, body, &[], &start).unwrap();
+    simulation.run(equilibration);
+    let samples = (0..sweeps / every).map(|_| {
+        simulation.run(every);
+        simulation.sample().compressibility_factor
+    });
+    samples.collect()
+}
+
+fn assert_literature(found: &Summary, expected: f64) {
+    assert!(found.standard_error < 0.001 * expected, "{found:?}");
+    let tolerance = 3.0 * found.standard_error + 0.001 * expected;
+    assert!((found.mean - expected).abs() < tolerance, "{found:?}");
+}
+
+/// At 0.49, a little below freezing, by the equation of state of Kolafa, Labík and Malijevský, Phys. Chem. Chem. Phys. 6,
+/// 2335 (2004), in powers of y = φ/(1 - φ).
+#[test]
+#[ignore = "slow, minutes: 8000 spheres"]
+fn many_spheres_have_the_pressure_of_the_literature() {
+    let y: f64 = 0.49 / 0.51;
+    let terms = [
+        (0, 1.0),
+        (1, 4.0),
+        (2, 6.0),
+        (3, 2.364_768_4),
+        (4, -0.869_855_1),
+        (5, 1.106_280_3),
+        (6, -1.101_422_1),
+        (7, 0.666_058_66),
+        (8, -0.036_334_31),
+        (10, -0.209_651_64),
+        (14, 0.105_555_69),
+        (22, -0.008_723_80),
+    ];
+    let expected = terms
+        .iter()
+        .map(|(power, factor)| factor * y.powi(*power))
+        .sum();
+    let series = factors_of_many(&ball(), (8000, 0.49), (5000, 20_000, 20));
+    let found = summarize(&series);
+    println!(
+        "{} ± {} instead of {expected}",
+        found.mean, found.standard_error
+    );
+    assert_literature(&found, expected);
+}
+
+/// At 0.7, where the liquid begins to melt into the hexatic: βPσ² = 9.185, of Engel, Anderson, Glotzer, Isobe, Bernard and
+/// Krauth, Phys. Rev. E 87, 042134 (2013).
+#[test]
+#[ignore = "slow, minutes: 16 384 disks"]
+fn many_disks_have_the_pressure_of_the_literature_at_melting() {
+    let disk = HardBody::<2>::ball(0.5).unwrap();
+    let expected = 9.185 * 0.25 * PI / 0.7;
+    let series = factors_of_many(&disk, (16_384, 0.7), (60_000, 100_000, 50));
+    let found = summarize(&series);
+    println!(
+        "{} ± {} instead of {expected}",
+        found.mean, found.standard_error
+    );
+    assert_literature(&found, expected);
 }

@@ -63,6 +63,11 @@ fn of_polygon(corners: &[[f64; 2]], r: f64) -> Measures {
         area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
         perimeter += (b[0] - a[0]).hypot(b[1] - a[1]);
     }
+    rounded_in_plane(area, perimeter, r)
+}
+
+/// Of a convex area with a rounding.
+pub(super) fn rounded_in_plane(area: f64, perimeter: f64, r: f64) -> Measures {
     let volume = area + perimeter * r + PI * r * r;
     let surface = perimeter + 2.0 * PI * r;
     Measures {
@@ -84,6 +89,11 @@ fn of_hull(hull: &Hull, r: f64) -> Measures {
             mean_curvature(mesh),
         ),
     };
+    rounded_in_space(volume, surface, curvature, r)
+}
+
+/// Of a convex body with a rounding.
+pub(super) fn rounded_in_space(volume: f64, surface: f64, curvature: f64, r: f64) -> Measures {
     let ball = 4.0 * PI;
     let rounded_volume = volume + surface * r + curvature * r * r + ball / 3.0 * r.powi(3);
     let rounded_surface = surface + 2.0 * curvature * r + ball * r * r;

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`hull`] | the convex hull of points |
 //! | [`measures`] | volume, surface, mean curvature, second virial coefficient; rounding by Steiner's formulas |
+//! | [`ellipsoid`] | the same of ellipsoids and ellipses |
 //! | [`builders`] | shapes by name |
 //! | [`polytope`] | corners, edges and faces about the centroid |
 //! | [`closest`] | the closest points of two convex bodies |
@@ -25,6 +26,7 @@
 
 pub mod builders;
 pub mod closest;
+pub mod ellipsoid;
 pub mod exact;
 mod expansion;
 pub mod hull;

@@ -1,7 +1,7 @@
 //! Bodies from the settings of a run, and how they begin.
 
 use super::settings::DynamicsSettings;
-use crate::shapes::read_shape;
+use crate::shapes::{half_axes, read_shape};
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
 use protomer_io::atomic::sha256_hex;
@@ -150,12 +150,10 @@ fn kind(file_or_name: &str, rounding: f64) -> Result<Kind> {
         "ball" => return Ok(Kind::ball(3, (0.75 / PI).cbrt() + rounding)?),
         _ => {}
     }
-    if let Some(axes) = half_axes(file_or_name) {
+    if let Some(axes) = half_axes(file_or_name)? {
         if rounding > 0.0 {
             bail!("{file_or_name} is round already; leave out --rounding");
         }
-        let axes =
-            axes.with_context(|| format!("{file_or_name}: give ellipse:A,B or ellipsoid:A,B,C"))?;
         let three = Vec3::from_fn(|axis, _| axes.get(axis).copied().unwrap_or(0.0));
         return Kind::ellipsoid(axes.len(), three).with_context(|| file_or_name.to_owned());
     }
@@ -168,21 +166,6 @@ fn kind(file_or_name: &str, rounding: f64) -> Result<Kind> {
         parts.push(Polytope::placed(&shape).with_context(|| name.to_owned())?);
     }
     Kind::union(&parts, rounding).with_context(|| file_or_name.to_owned())
-}
-
-/// The half axes of an ellipse or an ellipsoid, as its name has them: two or three numbers.
-fn half_axes(name: &str) -> Option<Option<Vec<f64>>> {
-    let (kind, numbers) = name.split_once(':')?;
-    let dimension = match kind {
-        "ellipse" => 2,
-        "ellipsoid" => 3,
-        _ => return None,
-    };
-    let numbers: Option<Vec<f64>> = numbers
-        .split(',')
-        .map(|cell| cell.trim().parse().ok())
-        .collect();
-    Some(numbers.filter(|numbers| numbers.len() == dimension))
 }
 
 /// Area or volume of a body with a layer of half of σ_c, the diameter of hard bodies that repel each

@@ -10,6 +10,7 @@ use protomer_common::input::InputFile;
 use protomer_common::output_file::write_once;
 use protomer_io::mesh::{MeshFormat, read_mesh, write_mesh};
 use protomer_kernel::Vec3;
+use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
 use protomer_kernel::shape::hull::Hull;
 use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::{Shape, builders};
@@ -23,7 +24,7 @@ pub struct ShapeReport {
     pub shape: String,
     /// 2 or 3.
     pub dimension: usize,
-    /// Corners of the convex hull.
+    /// Corners of the convex hull; of an ellipsoid none.
     pub corners: usize,
     /// Radius of the ball (in a plane, the disk) that is added to it.
     pub rounding_radius: f64,
@@ -85,6 +86,19 @@ pub fn measure_shape(
 ) -> Result<ShapeReport> {
     let format = output.map(|path| MeshFormat::from_name(&path.display().to_string()));
     let format = format.transpose()?;
+    if let Some(axes) = half_axes(file_or_name)? {
+        if output.is_some() {
+            bail!("{file_or_name} has no faces, so there is no mesh to write; leave out --output");
+        }
+        let measures =
+            measures_of_ellipsoid(&axes, rounding_radius).context(file_or_name.to_owned())?;
+        return Ok(report(
+            file_or_name,
+            (axes.len(), 0),
+            rounding_radius,
+            &measures,
+        ));
+    }
     let shape = read_shape(file_or_name)?;
     let measures = Measures::of(&shape, rounding_radius).context(file_or_name.to_owned())?;
     if let (Some(path), Some(format)) = (output, format) {
@@ -94,17 +108,44 @@ pub fn measure_shape(
         let bytes = write_mesh(format, mesh);
         write_once(path, &bytes, force)?;
     }
-    Ok(ShapeReport {
+    let size = (shape.dimension(), shape.corners());
+    Ok(report(file_or_name, size, rounding_radius, &measures))
+}
+
+fn report(
+    file_or_name: &str,
+    (dimension, corners): (usize, usize),
+    rounding_radius: f64,
+    measures: &Measures,
+) -> ShapeReport {
+    ShapeReport {
         shape: file_or_name.to_owned(),
-        dimension: shape.dimension(),
-        corners: shape.corners(),
+        dimension,
+        corners,
         rounding_radius,
         volume: measures.volume,
         surface: measures.surface,
         integrated_mean_curvature: measures.integrated_mean_curvature,
         b2: measures.b2,
         b2_over_volume: measures.b2 / measures.volume,
-    })
+    }
+}
+
+/// The half axes of an ellipse or an ellipsoid, as its name has them; `None` for other names.
+///
+/// # Errors
+/// For a name with another number of half axes, or with something that is no number.
+pub(crate) fn half_axes(name: &str) -> Result<Option<Vec<f64>>> {
+    let (dimension, numbers) = match name.split_once(':') {
+        Some(("ellipse", numbers)) => (2, numbers),
+        Some(("ellipsoid", numbers)) => (3, numbers),
+        _ => return Ok(None),
+    };
+    let numbers = numbers.split(',').map(|cell| cell.trim().parse().ok());
+    match numbers.collect::<Option<Vec<f64>>>() {
+        Some(numbers) if numbers.len() == dimension => Ok(Some(numbers)),
+        _ => bail!("{name}: give ellipse:A,B or ellipsoid:A,B,C with half axes"),
+    }
 }
 
 /// The convex hull of the points of a file (two or three columns, or a mesh), or the shape of this

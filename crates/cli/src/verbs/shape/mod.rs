@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
 /// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with
 /// edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of
-/// length 1), polygon:N (area 1).
+/// length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
 pub struct ShapeArgs {
