@@ -485,7 +485,7 @@ class _Shape:
     or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron,
     truncated-octahedron, rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the
     tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C,
-    prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
+    prism:N,HEIGHT (edges of length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
     """
 
     def __call__(
@@ -504,7 +504,7 @@ class _Shape:
         disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron,
         truncated-octahedron, rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the
         tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C,
-        prism:N,HEIGHT (edges of length 1), polygon:N (area 1).
+        prism:N,HEIGHT (edges of length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
 
         Parameters
         ----------
