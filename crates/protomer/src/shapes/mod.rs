@@ -46,12 +46,16 @@ impl Answer for ShapeReport {
             2 => ["area", "perimeter"],
             _ => ["volume", "surface"],
         };
+        let corners = match self.corners {
+            0 => "no".into(),
+            corners => corners.to_string(),
+        };
         format!(
             "{}: {} corners, rounded by {}\n\
              {} {:.12}, {} {:.12}, integrated mean curvature {:.12}\n\
              second virial coefficient {:.12}, {:.12} {}s",
             self.shape,
-            self.corners,
+            corners,
             self.rounding_radius,
             names[0],
             self.volume,
@@ -158,6 +162,11 @@ pub fn read_shape(file_or_name: &str) -> Result<Shape> {
     // A run of cubes may stand in a folder `cube`.
     let named = builders::by_name(file_or_name);
     if !path.exists() || path.is_dir() && named.is_ok() {
+        if half_axes(file_or_name)?.is_some() {
+            bail!(
+                "{file_or_name} has no corners; only `shape` and `md` take ellipses and ellipsoids"
+            );
+        }
         return Ok(named?);
     }
     let file = InputFile::read(path)?;
@@ -199,6 +208,24 @@ fn shape_of_columns(name: &str, text: &str) -> Result<Shape> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ellipsoids_are_measured_and_not_moved() {
+        let report = measure_shape("ellipsoid:1,2,3", 0.0, None, false).unwrap();
+        // The surface by Legendre's integrals.
+        assert!((report.surface - 48.882_146_302_582).abs() < 1e-9);
+        assert!(report.text().contains("no corners"));
+        for name in [
+            "ellipsoid:1,2",
+            "ellipse:1,2,3",
+            "ellipse:a,b",
+            "ellipse:0,1",
+        ] {
+            assert!(measure_shape(name, 0.0, None, false).is_err(), "{name}");
+        }
+        let words = read_shape("ellipse:1,2").unwrap_err().to_string();
+        assert!(words.contains("`md`"), "{words}");
+    }
 
     #[test]
     fn columns_say_the_dimension() {
