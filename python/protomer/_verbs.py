@@ -91,6 +91,7 @@ def ingest(
     charges: Literal["force-field", "formal", "none"] | None = None,
     mutate: str | float | Sequence[str | float] | None = None,
     density: float | str | None = None,
+    lattice_spacing: float | str | None = None,
     probe: float | str | None = None,
     cavities: Literal["drop", "keep"] | None = None,
     interior_radius: float | str | None = None,
@@ -139,6 +140,9 @@ def ingest(
         Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
     density
         Mesh vertices per Å² [default: 1]
+    lattice_spacing
+        Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and may close
+        or open what is narrower [default: 0.3]
     probe
         Probe radius, Å [default: 1.4]
     cavities
@@ -209,6 +213,7 @@ def ingest(
             "--charges": charges,
             "--mutate": mutate,
             "--density": density,
+            "--lattice-spacing": lattice_spacing,
             "--probe": probe,
             "--cavities": cavities,
             "--interior-radius": interior_radius,
@@ -290,6 +295,7 @@ def surface(
     input: Path | str | Body,
     *,
     density: float | str | None = None,
+    lattice_spacing: float | str | None = None,
     probe: float | str | None = None,
     cavities: Literal["drop", "keep"] | None = None,
     interior_radius: float | str | None = None,
@@ -308,6 +314,9 @@ def surface(
         Structure, PQR, body or .xyzr file, optionally gzipped
     density
         Mesh vertices per Å² [default: 1]
+    lattice_spacing
+        Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and may close
+        or open what is narrower [default: 0.3]
     probe
         Probe radius, Å [default: 1.4]
     cavities
@@ -353,6 +362,7 @@ def surface(
         [input],
         {
             "--density": density,
+            "--lattice-spacing": lattice_spacing,
             "--probe": probe,
             "--cavities": cavities,
             "--interior-radius": interior_radius,
@@ -1518,6 +1528,7 @@ class _Assemble:
         charges: Literal["force-field", "formal", "none"] | None = None,
         mutate: str | float | Sequence[str | float] | None = None,
         density: float | str | None = None,
+        lattice_spacing: float | str | None = None,
         probe: float | str | None = None,
         cavities: Literal["drop", "keep"] | None = None,
         interior_radius: float | str | None = None,
@@ -1562,6 +1573,9 @@ class _Assemble:
             Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
         density
             Mesh vertices per Å² [default: 1]
+        lattice_spacing
+            Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and may
+            close or open what is narrower [default: 0.3]
         probe
             Probe radius, Å [default: 1.4]
         cavities
@@ -1622,6 +1636,7 @@ class _Assemble:
                 "--charges": charges,
                 "--mutate": mutate,
                 "--density": density,
+                "--lattice-spacing": lattice_spacing,
                 "--probe": probe,
                 "--cavities": cavities,
                 "--interior-radius": interior_radius,

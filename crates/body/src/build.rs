@@ -12,6 +12,7 @@ use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
 use std::collections::{BTreeMap, HashMap};
+use std::ops::RangeInclusive;
 
 /// Every setting that affects a body.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,6 +27,10 @@ pub struct BodySettings {
     pub surface: SurfaceSettings,
 }
 
+/// Lattices that find the surface of a protein: finer ones would fill the memory, and coarser ones
+/// lose clefts between atoms.
+const LATTICE_SPACINGS_ANGSTROM: RangeInclusive<f64> = 0.05..=1.0;
+
 /// Settings of the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSettings {
@@ -33,6 +38,9 @@ pub struct SurfaceSettings {
     pub probe_radius_angstrom: f64,
     /// Mesh vertices per Å².
     pub density_per_angstrom2: f64,
+    /// Spacing of the lattice on which the surface is first found, Å: see
+    /// [`MeshSettings::base_spacing_angstrom`].
+    pub lattice_spacing_angstrom: f64,
     /// Keep the walls of all cavities as part of the surface.
     pub keep_cavities: bool,
     /// A cavity into which a ball of this radius fits is an enclosed interior, Å. Its wall is
@@ -47,6 +55,8 @@ impl SurfaceSettings {
     /// smallest folded proteins (crambin, 46 residues, has the volume of one of 11 Å). The cavities
     /// of single proteins are several times narrower.
     pub const INTERIOR_RADIUS_ANGSTROM: f64 = 10.0;
+    /// The default of [`SurfaceSettings::lattice_spacing_angstrom`].
+    pub const LATTICE_SPACING_ANGSTROM: f64 = MeshSettings::BASE_SPACING_ANGSTROM;
 }
 
 impl Default for SurfaceSettings {
@@ -54,6 +64,7 @@ impl Default for SurfaceSettings {
         Self {
             probe_radius_angstrom: 1.4,
             density_per_angstrom2: 1.0,
+            lattice_spacing_angstrom: Self::LATTICE_SPACING_ANGSTROM,
             keep_cavities: false,
             interior_radius_angstrom: Self::INTERIOR_RADIUS_ANGSTROM,
             inward_offset_angstrom: 0.0,
@@ -234,6 +245,7 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
     }
     let mesh = MeshSettings {
         density_per_angstrom2: settings.density_per_angstrom2,
+        base_spacing_angstrom: settings.lattice_spacing_angstrom,
         ..MeshSettings::default()
     };
     let probe = settings.probe_radius_angstrom + offset;
@@ -329,16 +341,23 @@ fn describe_settings(settings: &BodySettings) -> BTreeMap<String, String> {
 impl SurfaceSettings {
     fn check(&self) -> Result<()> {
         let radius = self.interior_radius_angstrom;
-        if radius > 0.0 {
-            return Ok(());
+        if radius.is_nan() || radius <= 0.0 {
+            return Err(BodyError::Invalid {
+                cause: format!("a radius of {radius} Å for enclosed interiors"),
+                remedy: "give a positive radius, larger than that of any cavity to fill".into(),
+            });
         }
-        Err(BodyError::Invalid {
-            cause: format!("a radius of {radius} Å for enclosed interiors"),
-            remedy: "give a positive radius, larger than that of any cavity to fill".into(),
-        })
+        let spacing = self.lattice_spacing_angstrom;
+        if !LATTICE_SPACINGS_ANGSTROM.contains(&spacing) {
+            return Err(BodyError::Invalid {
+                cause: format!("a lattice with a spacing of {spacing} Å"),
+                remedy: "give 0.05 to 1 Å, such as 0.3".into(),
+            });
+        }
+        Ok(())
     }
 
-    /// The settings by name; the interior radius only where it is not the default.
+    /// The settings by name; the interior radius and the lattice only where they are not the default.
     fn describe(&self) -> BTreeMap<String, String> {
         let cavities = if self.keep_cavities { "keep" } else { "drop" };
         let mut described = BTreeMap::from([("cavities".to_owned(), cavities.to_owned())]);
@@ -353,6 +372,10 @@ impl SurfaceSettings {
         if self.interior_radius_angstrom != Self::INTERIOR_RADIUS_ANGSTROM {
             let radius = self.interior_radius_angstrom.to_string();
             described.insert("interior_radius_angstrom".to_owned(), radius);
+        }
+        if self.lattice_spacing_angstrom != Self::LATTICE_SPACING_ANGSTROM {
+            let spacing = self.lattice_spacing_angstrom.to_string();
+            described.insert("lattice_spacing_angstrom".to_owned(), spacing);
         }
         described
     }

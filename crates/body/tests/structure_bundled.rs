@@ -13,6 +13,7 @@ use common::{bundled, bytes, read, select};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites, mutate, parse_mutations};
 use protomer_body::structure::{MissingAtoms, SelectionSettings, Structure};
+use protomer_body::{BodySettings, BuiltBody, Source, SurfaceSettings, build_body};
 use sha2::{Digest, Sha256};
 
 #[test]
@@ -419,5 +420,60 @@ fn a_file_cut_anywhere_is_read_or_refused_with_its_line() {
                 assert!(error.to_string().starts_with("cut:"), "{error}");
             }
         }
+    }
+}
+
+fn body_on_lattice(spacing_angstrom: f64) -> Result<BuiltBody, String> {
+    let settings = BodySettings {
+        surface: SurfaceSettings {
+            lattice_spacing_angstrom: spacing_angstrom,
+            ..SurfaceSettings::default()
+        },
+        ..BodySettings::default()
+    };
+    let source = Source {
+        file: "5pti.cif",
+        sha256: "",
+    };
+    let text = bytes(&bundled(), "5pti.cif.gz");
+    build_body("5pti", source, &text, &settings).map_err(|error| error.to_string())
+}
+
+#[test]
+fn a_coarser_lattice_finds_the_same_surface_and_is_recorded() {
+    let default = SurfaceSettings::LATTICE_SPACING_ANGSTROM;
+    let (fine, coarse) = (
+        body_on_lattice(default).unwrap(),
+        body_on_lattice(0.5).unwrap(),
+    );
+    let recorded = |built: &BuiltBody| {
+        let settings = &built.body.provenance.settings;
+        settings.get("lattice_spacing_angstrom").cloned()
+    };
+    assert_eq!(
+        (recorded(&fine), recorded(&coarse).as_deref()),
+        (None, Some("0.5"))
+    );
+    // Both are calibrated to the exact measures, so that these say little; the meshes must also be as
+    // near to the exact surface.
+    let (a, b) = (&fine.body.mesh, &coarse.body.mesh);
+    assert!((a.area_angstrom2() / b.area_angstrom2() - 1.0).abs() < 1e-3);
+    assert!((a.volume_angstrom3() / b.volume_angstrom3() - 1.0).abs() < 1e-3);
+    let (near, far) = (fine.deviation, coarse.deviation);
+    assert!(
+        far.rms_angstrom < 1.15 * near.rms_angstrom,
+        "{near:?} {far:?}"
+    );
+    assert_ne!(a.vertices, b.vertices);
+}
+
+#[test]
+fn a_lattice_that_finds_no_clefts_is_refused() {
+    for spacing_angstrom in [0.0, -0.3, 1.5, f64::NAN] {
+        let error = body_on_lattice(spacing_angstrom).unwrap_err();
+        assert!(
+            error.contains("a lattice with a spacing of") && error.contains("0.05 to 1 Å"),
+            "{error}"
+        );
     }
 }

@@ -44,11 +44,16 @@ pub struct MeshSettings {
     pub fewest_vertices_per_shell: usize,
 }
 
+impl MeshSettings {
+    /// The default of [`MeshSettings::base_spacing_angstrom`].
+    pub const BASE_SPACING_ANGSTROM: f64 = 0.3;
+}
+
 impl Default for MeshSettings {
     fn default() -> Self {
         Self {
             density_per_angstrom2: 1.0,
-            base_spacing_angstrom: 0.3,
+            base_spacing_angstrom: Self::BASE_SPACING_ANGSTROM,
             fewest_vertices_per_shell: 120,
         }
     }

@@ -62,6 +62,10 @@ pub struct SurfaceFlags {
     /// Mesh vertices per Å².
     #[arg(long, default_value_t = 1.0)]
     pub density: f64,
+    /// Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and
+    /// may close or open what is narrower.
+    #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM, allow_negative_numbers = true)]
+    pub lattice_spacing: f64,
     /// Probe radius, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
     pub probe: f64,
@@ -107,6 +111,7 @@ impl SurfaceFlags {
     pub fn settings(&self) -> SurfaceSettings {
         SurfaceSettings {
             density_per_angstrom2: self.density,
+            lattice_spacing_angstrom: self.lattice_spacing,
             probe_radius_angstrom: self.probe,
             keep_cavities: self.cavities == Cavities::Keep,
             interior_radius_angstrom: self.interior_radius,

@@ -18,6 +18,10 @@ pub struct SurfaceArgs {
     /// Mesh vertices per Å².
     #[arg(long, default_value_t = 1.0)]
     density: f64,
+    /// Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and
+    /// may close or open what is narrower.
+    #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM, allow_negative_numbers = true)]
+    lattice_spacing: f64,
     /// Probe radius, Å.
     #[arg(long, default_value_t = 1.4)]
     probe: f64,
@@ -40,6 +44,7 @@ impl SurfaceArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let flags = SurfaceFlags {
             density: self.density,
+            lattice_spacing: self.lattice_spacing,
             probe: self.probe,
             cavities: self.cavities,
             interior_radius: self.interior_radius,
