@@ -7,16 +7,21 @@
 //! R_G of the squares (Carlson, Numer. Algorithms 10, 13 (1995)); the perimeter of an ellipse is
 //! 8 R_G(0, a², b²).
 
-use super::measures::{Measures, rounded_in_plane, rounded_in_space};
+use super::measures::{Measures, check_rounding, rounded_in_plane, rounded_in_space};
 use crate::error::require;
 use crate::{KernelError, Result};
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
+
+/// Fourth powers of these neither overflow nor vanish.
+const HALF_AXES: RangeInclusive<f64> = 1e-50..=1e50;
 
 /// Of an ellipse (two half axes) or an ellipsoid (three) and a ball, or a disk, of this radius (Minkowski sum).
 ///
 /// # Errors
-/// [`KernelError::OutOfRange`] for a half axis that is not positive or a negative radius,
-/// [`KernelError::BadShape`] for a number of axes that is neither two nor three.
+/// [`KernelError::OutOfRange`] for a half axis outside 1e-50 to 1e50 or a negative radius,
+/// [`KernelError::BadShape`] for a number of axes that is neither two nor three, and for a radius so
+/// large that the measures overflow.
 ///
 /// ```
 /// use protomer_kernel::shape::ellipsoid::measures_of_ellipsoid;
@@ -25,43 +30,44 @@ use std::f64::consts::PI;
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
 pub fn measures_of_ellipsoid(half_axes: &[f64], rounding_radius: f64) -> Result<Measures> {
-    require(
-        "the rounding radius",
-        rounding_radius,
-        "zero or positive",
-        rounding_radius >= 0.0,
-    )?;
+    check_rounding(rounding_radius)?;
     for axis in half_axes {
-        require("a half axis", *axis, "positive", *axis > 0.0)?;
+        let holds = HALF_AXES.contains(axis);
+        require("a half axis", *axis, "1e-50 to 1e50", holds)?;
     }
-    match half_axes {
+    let measures = match half_axes {
         [a, b] => {
             let perimeter = 8.0 * symmetric_integral([0.0, a * a, b * b]);
-            Ok(rounded_in_plane(PI * a * b, perimeter, rounding_radius))
+            rounded_in_plane(PI * a * b, perimeter, rounding_radius)
         }
         [a, b, c] => {
             let ball = 4.0 * PI;
             let squares = [b * c, c * a, a * b].map(|x| x * x);
-            Ok(rounded_in_space(
+            rounded_in_space(
                 ball / 3.0 * a * b * c,
                 ball * symmetric_integral(squares),
                 ball * symmetric_integral([a * a, b * b, c * c]),
                 rounding_radius,
-            ))
+            )
         }
-        _ => Err(KernelError::BadShape(
-            "an ellipse has two half axes and an ellipsoid three; give so many".into(),
-        )),
-    }
+        _ => {
+            let reason = "an ellipse has two half axes and an ellipsoid three";
+            return Err(KernelError::BadShape(reason.into()));
+        }
+    };
+    measures.if_finite()
 }
 
 /// Carlson's R_G: the mean over the unit sphere of √(x u_x² + y u_y² + z u_z²), for numbers of which two are positive.
 fn symmetric_integral(mut numbers: [f64; 3]) -> f64 {
     numbers.sort_unstable_by(f64::total_cmp);
-    // The formula wants the middle one last, where it loses no digits.
-    let [x, z, y] = numbers;
+    // In parts of the largest, so that no product overflows or vanishes; the formula wants the middle one
+    // last, where it loses no digits.
+    let largest = numbers[2];
+    let [x, z, y] = numbers.map(|number| number / largest);
     let product = (x * y / z).sqrt();
-    0.5 * (z * first_kind([x, y, z]) - (x - z) * (y - z) / 3.0 * second_kind([x, y, z]) + product)
+    let rest = (x - z) * (y - z) / 3.0 * second_kind([x, y, z]);
+    0.5 * largest.sqrt() * (z * first_kind([x, y, z]) - rest + product)
 }
 
 /// Relative error of both integrals.
@@ -194,5 +200,26 @@ mod tests {
             assert!(measures_of_ellipsoid(wrong, 0.0).is_err());
         }
         assert!(measures_of_ellipsoid(&[1.0; 2], -0.1).is_err());
+    }
+
+    /// The integrals come to an end for every shape that is let in, and are those of the limits.
+    #[test]
+    fn shapes_of_every_size_and_ratio_are_measured_or_refused() {
+        let (small, large) = (1e-50, 1e50);
+        for wrong in [1e-300, 1e51, f64::INFINITY] {
+            assert!(measures_of_ellipsoid(&[wrong, 1.0, 1.0], 0.0).is_err());
+            assert!(measures_of_ellipsoid(&[1.0, wrong], 0.0).is_err());
+        }
+        assert!(measures_of_ellipsoid(&[1.0; 3], 1e200).is_err());
+        let surface = |axes: &[f64]| measures_of_ellipsoid(axes, 0.0).unwrap().surface;
+        // A needle: π² a b; a disk: both sides; a line: twice its length.
+        assert_near(surface(&[small, small, large]), PI * PI);
+        assert_near(surface(&[small, large, large]), 2.0 * PI * large * large);
+        assert_near(surface(&[small, large]), 4.0 * large);
+        for size in [1e-49, 1e49] {
+            assert_near(surface(&[size; 3]), 4.0 * PI * size * size);
+            let three = [1.0, 2.0, 3.0].map(|axis| axis * size);
+            assert_near(surface(&three) / (size * size), 48.882_146_302_582_06);
+        }
     }
 }

@@ -36,12 +36,7 @@ impl Measures {
     /// [`KernelError::OutOfRange`] for a negative radius; [`KernelError::BadShape`] for a shape
     /// without volume.
     pub fn of(shape: &Shape, rounding_radius: f64) -> Result<Self> {
-        require(
-            "the rounding radius",
-            rounding_radius,
-            "zero or positive",
-            rounding_radius >= 0.0,
-        )?;
+        check_rounding(rounding_radius)?;
         let measures = match shape {
             Shape::Flat(corners) => of_polygon(corners, rounding_radius),
             Shape::Solid(hull) => of_hull(hull, rounding_radius),
@@ -53,8 +48,28 @@ impl Measures {
                     .into(),
             ));
         }
-        Ok(measures)
+        measures.if_finite()
     }
+
+    /// These, unless the shape is so large that they overflow.
+    pub(super) fn if_finite(self) -> Result<Self> {
+        if self.b2.is_finite() && self.surface.is_finite() {
+            return Ok(self);
+        }
+        Err(KernelError::BadShape(
+            "it is so large that its measures overflow; choose a larger unit of length".into(),
+        ))
+    }
+}
+
+/// Refuses a radius that is negative or no number.
+pub(super) fn check_rounding(radius: f64) -> Result<()> {
+    require(
+        "the rounding radius",
+        radius,
+        "zero or positive",
+        radius >= 0.0,
+    )
 }
 
 fn of_polygon(corners: &[[f64; 2]], r: f64) -> Measures {
