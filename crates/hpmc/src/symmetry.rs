@@ -15,8 +15,8 @@ use std::f64::consts::PI;
 
 /// Corners this near to each other, in radii of the body, are the same.
 const SAME: f64 = 1e-6;
-/// Points that compare a body of pieces with itself when it is turned; a difference of a thousandth of its ball
-/// escapes them once in e⁵.
+/// Random points that compare a body of pieces with itself when it is turned. A difference that fills a
+/// thousandth of its ball is missed with a probability of (1 - 0.001)^5000 = 0.7 %.
 const POINTS: usize = 5000;
 /// Energies beyond this, in kT, count for nothing: exp(-40) = 4e-18.
 const BEYOND_KT: f64 = 40.0;
@@ -45,7 +45,7 @@ impl Symmetry {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn of<const D: usize>(body: &HardBody<D>) -> Result<Self> {
-        // Those of the hull of a body that is not convex, which has all rotations of the body and perhaps more.
+        // The hull of a body that is not convex has all rotations of the body, and perhaps more.
         let corners = corners(body);
         let mut rotations = match (body.is_round(), D) {
             (true, _) => vec![Rotation::identity()],
@@ -190,10 +190,10 @@ fn corners<const D: usize>(body: &HardBody<D>) -> Vec<Vec3> {
     corners.iter().map(vector).collect()
 }
 
-/// A body of pieces beside itself when it is turned.
+/// Compares a body of pieces with itself when it is turned.
 ///
-/// The same body can be cut in many ways, so its pieces do not tell. Corners of pieces are, and random points are
-/// both in a body and in the turned one, or in neither.
+/// The same body can be cut in many ways, so its pieces decide nothing. Turned corners of pieces must lie in the body,
+/// and each of many random points must lie in both the body and the turned body, or in neither.
 struct Compared<'a, const D: usize> {
     body: &'a HardBody<D>,
     packed: Vec<Block<D>>,

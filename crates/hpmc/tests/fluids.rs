@@ -256,8 +256,8 @@ fn many_disks_have_the_pressure_of_the_virial_series() {
 }
 
 /// At 0.7, where the liquid begins to melt: βPσ² = 9.185 for a million disks (Engel, Anderson, Glotzer, Isobe, Bernard and
-/// Krauth, Phys. Rev. E 87, 042134 (2013)). Fewer disks have a loop of the pressure there: with 4096 it is higher by 0.5 %, with
-/// 16 384 by 0.4 %.
+/// Krauth, Phys. Rev. E 87, 042134 (2013)). The pressure of fewer disks lies on a loop there: it is higher by 0.5 % with 4096 and by
+/// 0.4 % with 16 384, for which 0.5 % are allowed.
 #[test]
 #[ignore = "slow, ten minutes: 16 384 disks"]
 fn many_disks_have_the_pressure_of_the_literature_at_melting() {
