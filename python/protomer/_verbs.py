@@ -146,7 +146,7 @@ def ingest(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities inside the body [default: drop]
+        What to do with cavities; if omitted, a body drops them and `surface` keeps them
     interior_radius
         A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
         because other bodies may be inside [default: 10]
@@ -294,13 +294,13 @@ def fetch(
 def surface(
     input: Path | str | Body,
     *,
+    output: Path | str | None = None,
     density: float | str | None = None,
     lattice_spacing: float | str | None = None,
     probe: float | str | None = None,
     cavities: Literal["drop", "keep"] | None = None,
     interior_radius: float | str | None = None,
     offset: float | str | None = None,
-    output: Path | str | None = None,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
@@ -312,6 +312,8 @@ def surface(
     ----------
     input
         Structure, PQR, body or .xyzr file, optionally gzipped
+    output
+        Mesh file to write: .ply, .obj, .off or .stl
     density
         Mesh vertices per Å² [default: 1]
     lattice_spacing
@@ -320,14 +322,12 @@ def surface(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities [default: keep]
+        What to do with cavities; if omitted, a body drops them and `surface` keeps them
     interior_radius
-        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled
-        [default: 10]
+        A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
+        because other bodies may be inside [default: 10]
     offset
         Move the surface inward by this much, Å [default: 0]
-    output
-        Mesh file to write: .ply, .obj, .off or .stl
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -361,13 +361,13 @@ def surface(
         ["surface"],
         [input],
         {
+            "--output": output,
             "--density": density,
             "--lattice-spacing": lattice_spacing,
             "--probe": probe,
             "--cavities": cavities,
             "--interior-radius": interior_radius,
             "--offset": offset,
-            "--output": output,
             "--threads": threads,
             "--force": force,
         },
@@ -1579,7 +1579,7 @@ class _Assemble:
         probe
             Probe radius, Å [default: 1.4]
         cavities
-            What to do with cavities inside the body [default: drop]
+            What to do with cavities; if omitted, a body drops them and `surface` keeps them
         interior_radius
             A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
             filled, because other bodies may be inside [default: 10]

@@ -61,24 +61,24 @@ pub struct ChargeArgs {
 pub struct SurfaceFlags {
     /// Mesh vertices per Å².
     #[arg(long, default_value_t = 1.0)]
-    pub density: f64,
+    density: f64,
     /// Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and
     /// may close or open what is narrower.
     #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM, allow_negative_numbers = true)]
-    pub lattice_spacing: f64,
+    lattice_spacing: f64,
     /// Probe radius, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
-    pub probe: f64,
-    /// What to do with cavities inside the body.
-    #[arg(long, value_enum, default_value_t = Cavities::Drop)]
-    pub cavities: Cavities,
+    probe: f64,
+    /// What to do with cavities; if omitted, a body drops them and `surface` keeps them.
+    #[arg(long, value_enum)]
+    cavities: Option<Cavities>,
     /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
     /// are never filled, because other bodies may be inside.
     #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
-    pub interior_radius: f64,
+    interior_radius: f64,
     /// Move the surface inward by this much, Å.
     #[arg(long, default_value_t = 0.0)]
-    pub offset: f64,
+    offset: f64,
 }
 
 /// What to do with cavities.
@@ -107,13 +107,13 @@ impl SelectionArgs {
 }
 
 impl SurfaceFlags {
-    /// Converts the flags to settings.
-    pub fn settings(&self) -> SurfaceSettings {
+    /// Converts the flags to settings, with what becomes of cavities unless the user says it.
+    pub fn settings(&self, cavities: Cavities) -> SurfaceSettings {
         SurfaceSettings {
             density_per_angstrom2: self.density,
             lattice_spacing_angstrom: self.lattice_spacing,
             probe_radius_angstrom: self.probe,
-            keep_cavities: self.cavities == Cavities::Keep,
+            keep_cavities: self.cavities.unwrap_or(cavities) == Cavities::Keep,
             interior_radius_angstrom: self.interior_radius,
             inward_offset_angstrom: self.offset,
         }
@@ -134,6 +134,6 @@ pub fn body_settings(
             charges: charges.charges.into(),
         },
         mutations: mutations.unwrap_or_default(),
-        surface: surface.settings(),
+        surface: surface.settings(Cavities::Drop),
     })
 }

@@ -26,6 +26,8 @@ pub struct SurfaceReport {
     pub probe_radius_angstrom: f64,
     /// Requested vertices per Å².
     pub density_per_angstrom2: f64,
+    /// Spacing of the lattice on which the surface was first found, Å.
+    pub lattice_spacing_angstrom: f64,
     /// Exact area from the arrangement of the accessible surface, cavities included, Å².
     pub ses_area_angstrom2: f64,
     /// Exact volume, cavities excluded, Å³.
@@ -132,6 +134,7 @@ pub fn surface_of_file(
             .count(),
         probe_radius_angstrom: settings.probe_radius_angstrom,
         density_per_angstrom2: settings.density_per_angstrom2,
+        lattice_spacing_angstrom: settings.lattice_spacing_angstrom,
         ses_area_angstrom2: exact.ses_area_angstrom2(),
         ses_volume_angstrom3: exact.ses_volume_angstrom3,
         relative_error_estimate: exact.area_error_estimate_angstrom2 / exact.ses_area_angstrom2(),
