@@ -243,11 +243,7 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
             remedy: "give a smaller offset".into(),
         });
     }
-    let mesh = MeshSettings {
-        density_per_angstrom2: settings.density_per_angstrom2,
-        base_spacing_angstrom: settings.lattice_spacing_angstrom,
-        ..MeshSettings::default()
-    };
+    let mesh = settings.mesh();
     let probe = settings.probe_radius_angstrom + offset;
     if settings.keep_cavities {
         return solvent_excluded_surface(&centres, &radii, probe, &mesh);
@@ -339,7 +335,11 @@ fn describe_settings(settings: &BodySettings) -> BTreeMap<String, String> {
 }
 
 impl SurfaceSettings {
-    fn check(&self) -> Result<()> {
+    /// Checks what does not depend on the atoms.
+    ///
+    /// # Errors
+    /// [`BodyError::Invalid`] names the setting and its range.
+    pub fn check(&self) -> Result<()> {
         let radius = self.interior_radius_angstrom;
         if radius.is_nan() || radius <= 0.0 {
             return Err(BodyError::Invalid {
@@ -354,7 +354,15 @@ impl SurfaceSettings {
                 remedy: "give 0.05 to 1 Å, such as 0.3".into(),
             });
         }
-        Ok(())
+        self.mesh().check()
+    }
+
+    fn mesh(&self) -> MeshSettings {
+        MeshSettings {
+            density_per_angstrom2: self.density_per_angstrom2,
+            base_spacing_angstrom: self.lattice_spacing_angstrom,
+            ..MeshSettings::default()
+        }
     }
 
     /// The settings by name; the interior radius and the lattice only where they are not the default.

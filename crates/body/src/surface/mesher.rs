@@ -223,7 +223,7 @@ impl MeshSettings {
         })
     }
 
-    fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let Self {
             density_per_angstrom2: density,
             base_spacing_angstrom: spacing,

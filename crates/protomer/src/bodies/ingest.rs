@@ -189,6 +189,7 @@ pub fn ingest_files(
     settings: &IngestSettings,
     progress: &dyn Progress,
 ) -> Result<Ingested> {
+    settings.body.surface.check()?;
     ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;

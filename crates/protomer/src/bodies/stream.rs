@@ -200,6 +200,7 @@ pub fn ingest_stream(
     shard: Shard,
     execution: &Execution,
 ) -> Result<StreamReport> {
+    settings.body.surface.check()?;
     ResultKind::VoxelSet.refuse_in(folder)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
@@ -530,5 +531,23 @@ mod tests {
         let refusal = ingest_stream(&files, &folder, &other, part, &Execution::default());
         let refusal = format!("{:#}", refusal.unwrap_err());
         assert!(refusal.contains("other files or settings"), "{refusal}");
+    }
+
+    #[test]
+    fn settings_that_no_file_can_have_stop_everything() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = folder.path().join("bodies");
+        let mut wrong = settings();
+        wrong.body.surface.lattice_spacing_angstrom = 3.0;
+        let whole = Shard { index: 1, of: 1 };
+        let files = [PathBuf::from("never-read.pdb")];
+        let refusal = ingest_stream(&files, &output, &wrong, whole, &Execution::default());
+        let refusal = refusal.unwrap_err().to_string();
+        assert!(refusal.contains("a spacing of 3 Å"), "{refusal}");
+        assert!(!output.exists());
+        wrong.body.surface.lattice_spacing_angstrom = 0.3;
+        wrong.body.surface.density_per_angstrom2 = -1.0;
+        let refusal = crate::bodies::ingest::ingest_files(&files, &output, &wrong, &());
+        assert!(refusal.is_err() && !output.exists());
     }
 }
