@@ -28,6 +28,31 @@ rust_tests() {
     cargo test --workspace --locked --lib --bins --tests "$@"
 }
 
+# The integration tests of the command line take as long as all other Rust tests.
+command_line_tests() {
+    cargo test --workspace --locked $(test_names crates/cli)
+}
+
+other_rust_tests() {
+    cargo test --workspace --locked --lib --bins $(test_names $(ls -d crates/* | grep -v '/cli$'))
+    documentation_tests
+}
+
+# The integration tests of crates as --test options, one for all tests of a name: with packages as
+# options instead, dependencies would have other features and be compiled again.
+test_names() {
+    local crate test
+    for crate in "$@"; do
+        for test in "$crate"/tests/*.rs "$crate"/tests/*/main.rs; do
+            case $test in
+            *'*'*) ;;
+            */main.rs) echo "--test $(basename "$(dirname "$test")")" ;;
+            *) echo "--test $(basename "$test" .rs)" ;;
+            esac
+        done
+    done | sort -u
+}
+
 documentation_tests() {
     cargo test --workspace --locked --doc
 }
@@ -60,20 +85,28 @@ python_tests() {
     .venv/bin/python -m pytest -q -rs -n 2 --dist loadfile python/checks
 }
 
-# Rust and Python tests each leave a processor idle now and then, so they run side by side.
-both_tests() {
-    local log=target/python-tests.log rust=0 python=0
-    # In a shell of its own: an error would not end a function that is followed by ||.
-    bash test.sh python-tests >"$log" 2>&1 &
-    { rust_tests && documentation_tests; } || rust=$?
-    wait "$!" || python=$?
-    cat "$log"
-    echo "test.sh: Rust tests $(verdict $rust), Python tests $(verdict $python)"
-    return $((rust | python))
-}
-
-verdict() {
-    if [ "$1" -eq 0 ]; then echo passed; else echo failed; fi
+# Each kind of test leaves a processor idle now and then, so they run side by side, each in a shell of
+# its own: an error would not end a function that is followed by ||.
+all_tests() {
+    local kind failed=0
+    declare -A running
+    for kind in command-line other-rust python; do
+        bash test.sh "$kind-tests" >"target/$kind-tests.log" 2>&1 &
+        running[$kind]=$!
+    done
+    for kind in "${!running[@]}"; do
+        if wait "${running[$kind]}"; then
+            running[$kind]=passed
+        else
+            running[$kind]=failed
+            failed=1
+        fi
+        cat "target/$kind-tests.log"
+    done
+    for kind in "${!running[@]}"; do
+        echo "test.sh: $kind tests ${running[$kind]}"
+    done
+    return $failed
 }
 
 case "${1:-all}" in
@@ -87,6 +120,8 @@ python)
     install_package
     python_tests
     ;;
+command-line-tests) command_line_tests ;;
+other-rust-tests) other_rust_tests ;;
 python-tests) python_tests ;;
 all)
     # Downloads come in while the compiler works.
@@ -96,7 +131,7 @@ all)
     rust_tests --no-run
     wait "$downloads"
     install_package
-    both_tests
+    all_tests
     ;;
 *) echo "test.sh: '$1' is not one of: rust, python" >&2 && exit 2 ;;
 esac

@@ -13,6 +13,7 @@
 //!
 //! The salt at a point is that of the part of its box of edge h that ions reach.
 
+use super::ion_gap::IonGap;
 use crate::grid::{Grid, set_points};
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
@@ -30,19 +31,18 @@ pub(super) struct DielectricMap {
 }
 
 impl DielectricMap {
-    /// The map of a solid in a solvent, with the permittivities inside and outside. `ion_gap` says
-    /// how far a point is from what ions cannot enter, Å, where that is more than the solid.
+    /// The map of a solid in a solvent, with the permittivities inside and outside.
     pub fn new(
         grid: &Grid,
         solid: &dyn ImplicitSolid,
         permittivities: [f64; 2],
-        ion_gap: Option<&[f32]>,
+        ion_gap: Option<&IonGap>,
     ) -> Self {
-        let distance = node_distances(grid, solid);
+        let distance = node_distances(grid, solid, ion_gap);
         let edges =
             [0, 1, 2].map(|axis| edge_permittivities(grid, solid, &distance, axis, permittivities));
         let accessible = match ion_gap {
-            Some(gap) => parts_beyond_gap(gap, grid.spacing_angstrom),
+            Some(gap) => parts_beyond_gap(&gap.angstrom, grid.spacing_angstrom),
             None => parts_outside(grid, solid, &distance),
         };
         Self {
@@ -71,8 +71,11 @@ fn edge_permittivities(
         let index = grid.index(i, j, k);
         let ends = [distance[index], distance[index + stride]].map(f64::from);
         let part_inside = match ends.map(|d| d < 0.0) {
-            [true, true] => 1.0,
-            [false, false] => 0.0,
+            [true, true] => {
+                *edge = inner as f32;
+                return;
+            }
+            [false, false] => return,
             [starts_inside, _] => {
                 let start = grid.point(i, j, k);
                 let part = crossing(solid, &start, axis, grid.spacing_angstrom, ends);
@@ -86,7 +89,8 @@ fn edge_permittivities(
 
 /// The parts of the boxes around points that lie farther out than a gap of zero, for gaps in Å.
 fn parts_beyond_gap(gap: &[f32], h: f64) -> Vec<f32> {
-    let part = |gap: &f32| (0.5 + f64::from(*gap) / h).clamp(0.0, 1.0) as f32;
+    let per_spacing = h.recip() as f32;
+    let part = |gap: &f32| (0.5 + gap * per_spacing).clamp(0.0, 1.0);
     gap.iter().map(part).collect()
 }
 
@@ -116,8 +120,8 @@ struct Block {
 }
 
 /// Signed distances at all points, Å. Points of a block that the surface cannot cross take the
-/// value at its middle.
-fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid) -> Vec<f32> {
+/// value at its middle, and those that the gap shows to be far outside a lower bound.
+fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGap>) -> Vec<f32> {
     let h = grid.spacing_angstrom;
     // Far inside and outside distances are cut off near 1 Å: larger blocks could not be decided.
     let edge = ((0.9 / (3f64.sqrt() * 0.5 * h)) as usize).clamp(1, 4);
@@ -132,7 +136,7 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid) -> Vec<f32> {
                     first: [i, j, k],
                     size: [edge.min(nx - i), edge.min(ny - j), depth],
                 };
-                block.find_distances(grid, solid, values);
+                block.find_distances(grid, solid, ion_gap, values);
             }
         }
     });
@@ -142,27 +146,50 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid) -> Vec<f32> {
 impl Block {
     /// Writes the signed distances of the points of this block into the slab of planes that holds
     /// it.
-    fn find_distances(&self, grid: &Grid, solid: &dyn ImplicitSolid, slab: &mut [f32]) {
+    fn find_distances(
+        &self,
+        grid: &Grid,
+        solid: &dyn ImplicitSolid,
+        ion_gap: Option<&IonGap>,
+        slab: &mut [f32],
+    ) {
         let [i0, j0, k0] = self.first;
-        let half =
-            Vec3::from(self.size.map(|points| (points - 1) as f64)) * (0.5 * grid.spacing_angstrom);
-        let middle = grid.point(i0, j0, k0) + half;
+        let h = grid.spacing_angstrom;
+        let half = Vec3::from(self.size.map(|points| (points - 1) as f64)) * (0.5 * h);
         let radius = half.norm();
-        let value = distance_of_block(solid, &middle, radius, grid.spacing_angstrom);
+        let far_outside = ion_gap.and_then(|gap| self.least_distance(grid, gap));
+        let value = far_outside.unwrap_or_else(|| {
+            let middle = grid.point(i0, j0, k0) + half;
+            distance_of_block(solid, &middle, radius, h)
+        });
         // Boxes around points may be cut up to this distance, and need exact values.
-        let uncut = value.abs() >= radius + 1.5 * grid.spacing_angstrom || radius == 0.0;
-        for k in 0..self.size[2] {
-            for j in 0..self.size[1] {
-                for i in 0..self.size[0] {
-                    let at = (k * grid.shape[1] + j0 + j) * grid.shape[0] + i0 + i;
-                    slab[at] = if uncut {
-                        value as f32
-                    } else {
-                        solid.signed_distance(&grid.point(i0 + i, j0 + j, k0 + k)) as f32
-                    };
-                }
-            }
+        let is_uncut = value.abs() >= radius + 1.5 * h;
+        let one_for_all = far_outside.is_some() || is_uncut || radius == 0.0;
+        for [i, j, k] in self.points() {
+            slab[grid.index(i, j, k - k0)] = if one_for_all {
+                value as f32
+            } else {
+                solid.signed_distance(&grid.point(i, j, k)) as f32
+            };
         }
+    }
+
+    /// A lower bound of the signed distances of the points, Å, if none is within a spacing of the
+    /// surface.
+    fn least_distance(&self, grid: &Grid, ion_gap: &IonGap) -> Option<f64> {
+        let mut least = f64::INFINITY;
+        for [i, j, k] in self.points() {
+            least = least.min(ion_gap.distance_from_solid(grid.index(i, j, k)));
+        }
+        (least > grid.spacing_angstrom).then_some(least)
+    }
+
+    /// Coordinates of the points, x fastest.
+    fn points(&self) -> impl Iterator<Item = [usize; 3]> {
+        let ([i0, j0, k0], [columns, rows, layers]) = (self.first, self.size);
+        (k0..k0 + layers).flat_map(move |k| {
+            (j0..j0 + rows).flat_map(move |j| (i0..i0 + columns).map(move |i| [i, j, k]))
+        })
     }
 }
 

@@ -6,21 +6,46 @@ use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// The distance of every grid point from the spheres grown by the radius of ions, Å. It is exact up
-/// to a spacing; farther out it is at least that.
-pub(super) fn ion_gap(grid: &Grid, spheres: &[ChargedSphere], ion_radius: f64) -> Vec<f32> {
-    let mut gap = vec![f32::MAX; grid.len()];
-    let [nx, ny, _] = grid.shape;
-    let planes = gap.par_chunks_mut(nx * ny).enumerate();
-    planes.for_each(|(k, plane)| {
-        for sphere in spheres {
-            if sphere.radius_angstrom > 0.0 {
-                let radius = sphere.radius_angstrom + ion_radius;
-                lower_plane(grid, k, plane, &sphere.centre, radius);
+/// How far the points of a grid are from what ions cannot enter: the spheres grown by the radius of
+/// ions.
+pub(super) struct IonGap {
+    /// The distance of every point, Å. It is exact up to a spacing; farther out it is at least that.
+    pub angstrom: Vec<f32>,
+    spacing_angstrom: f64,
+    /// What ions cannot enter reaches at least this far beyond the solid, Å.
+    beyond_solid_angstrom: f64,
+}
+
+impl IonGap {
+    /// `reach_angstrom` is how far the solid may reach beyond the spheres, Å.
+    pub fn new(
+        grid: &Grid,
+        spheres: &[ChargedSphere],
+        ion_radius_angstrom: f64,
+        reach_angstrom: f64,
+    ) -> Self {
+        let mut gap = vec![f32::MAX; grid.len()];
+        let [nx, ny, _] = grid.shape;
+        let planes = gap.par_chunks_mut(nx * ny).enumerate();
+        planes.for_each(|(k, plane)| {
+            for sphere in spheres {
+                if sphere.radius_angstrom > 0.0 {
+                    let radius = sphere.radius_angstrom + ion_radius_angstrom;
+                    lower_plane(grid, k, plane, &sphere.centre, radius);
+                }
             }
+        });
+        Self {
+            angstrom: gap,
+            spacing_angstrom: grid.spacing_angstrom,
+            beyond_solid_angstrom: ion_radius_angstrom - reach_angstrom,
         }
-    });
-    gap
+    }
+
+    /// A lower bound of the distance of a point from the solid, Å.
+    pub fn distance_from_solid(&self, index: usize) -> f64 {
+        f64::from(self.angstrom[index]).min(self.spacing_angstrom) + self.beyond_solid_angstrom
+    }
 }
 
 /// Lowers the gaps of plane k to the distance from one sphere, where that is below a spacing.

@@ -49,6 +49,7 @@ use crate::point_charges::Source;
 use crate::surface::surface_of;
 use crate::{FieldError, Result};
 use dielectric_map::DielectricMap;
+use ion_gap::IonGap;
 use operator::Operator;
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
@@ -225,8 +226,9 @@ impl Problem<'_> {
         // On a coarse grid a box can be larger than the signed distances reach: then the spheres
         // themselves keep ions out.
         let by_spheres = ion_radius > 0.0 || h > LARGEST_SPACING_ANGSTROM;
-        let gap = by_spheres.then(|| ion_gap::ion_gap(grid, self.spheres, ion_radius));
-        let map = DielectricMap::new(grid, self.solid, [inner, outer], gap.as_deref());
+        let reach = self.dielectric.probe_angstrom;
+        let gap = by_spheres.then(|| IonGap::new(grid, self.spheres, ion_radius, reach));
+        let map = DielectricMap::new(grid, self.solid, [inner, outer], gap.as_ref());
         drop(gap);
         let kappa = self
             .dielectric

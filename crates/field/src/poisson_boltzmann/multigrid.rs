@@ -16,7 +16,8 @@ const SMOOTHING: usize = 3;
 /// Smoothing damps the part of the spectrum of D⁻¹ A above this; all of it lies below 2.
 const SMOOTHED_ABOVE: f32 = 0.35;
 const LARGEST_EIGENVALUE: f32 = 2.0;
-/// Degree of the polynomial that replaces a solution on the coarsest level.
+/// Degree of the polynomial that replaces a solution on the coarsest level, for a spectrum above this;
+/// [`Coarsest`] finds those of larger grids.
 const COARSEST: usize = 24;
 const COARSEST_ABOVE: f32 = 0.02;
 
@@ -62,7 +63,8 @@ impl<'a> Multigrid<'a> {
             let shapes = [fine.operator.shape, coarse.operator.shape];
             restrict(&fine.other, &mut coarse.right, shapes);
         }
-        self.levels[last].smooth(COARSEST, COARSEST_ABOVE, true);
+        let Coarsest { degree, above } = Coarsest::of(self.levels[last].operator.shape);
+        self.levels[last].smooth(degree, above, true);
         for depth in (0..last).rev() {
             let [fine, coarse] = self.level_and_next(depth);
             let shapes = [fine.operator.shape, coarse.operator.shape];
@@ -75,6 +77,27 @@ impl<'a> Multigrid<'a> {
     fn level_and_next(&mut self, depth: usize) -> [&mut Level<'a>; 2] {
         let (fine, coarse) = self.levels.split_at_mut(depth + 1);
         [&mut fine[depth], &mut coarse[0]]
+    }
+}
+
+/// How the equations are solved on the coarsest level.
+struct Coarsest {
+    degree: usize,
+    above: f32,
+}
+
+impl Coarsest {
+    /// The lowest eigenvalue of D⁻¹ A for a uniform medium without salt, with zeros on the faces, is
+    /// 1/3 Σ (1 - cos π/n) over the axes, n cells along each. The degree grows as the root of the
+    /// condition number.
+    fn of(shape: [usize; 3]) -> Self {
+        let mut lowest = 0.0;
+        for points in shape {
+            lowest += (1.0 - (std::f32::consts::PI / (points - 1) as f32).cos()) / 3.0;
+        }
+        let above = lowest.min(COARSEST_ABOVE);
+        let degree = (COARSEST as f32 * (COARSEST_ABOVE / above).sqrt()).ceil() as usize;
+        Self { degree, above }
     }
 }
 

@@ -4,13 +4,11 @@
 //! Restriction is the transpose of trilinear interpolation.
 
 use super::operator::Operator;
-use crate::grid::set_points;
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 /// No level has fewer points along an axis.
 const FEWEST_POINTS: usize = 5;
-/// Weights of a coarse point's neighbours among the fine points along an axis; their sum is one.
-const AVERAGE: [(isize, f32); 3] = [(-1, 0.25), (0, 0.5), (1, 0.25)];
 
 /// The operator with half the points along each axis; `None` where that leaves too few.
 pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
@@ -20,100 +18,130 @@ pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
         }
     }
     let shape = fine.shape.map(|points| points.div_ceil(2));
-    let edges = [0, 1, 2].map(|axis| coarse_edges(fine, shape, axis));
-    Some(Operator::new(shape, edges, coarse_mass(fine, shape)))
-}
-
-/// The fine point of a coarse one.
-fn fine_place(coarse: [usize; 3]) -> [isize; 3] {
-    coarse.map(|index| 2 * index as isize)
-}
-
-/// The index of the fine point nearest to a place that may lie just outside the grid.
-fn nearest_index(fine: &Operator, place: [isize; 3]) -> usize {
-    let strides = fine.strides();
-    let mut index = 0;
-    for axis in 0..3 {
-        let last = fine.shape[axis] as isize - 1;
-        index += place[axis].clamp(0, last) as usize * strides[axis];
-    }
-    index
+    let edges = [0, 1, 2].map(|axis| coarse_edges(fine, axis));
+    Some(Operator::new(shape, edges, coarse_mass(fine)))
 }
 
 /// The edges of the coarse grid along an axis.
-fn coarse_edges(fine: &Operator, shape: [usize; 3], axis: usize) -> Vec<f32> {
-    let edges = &fine.edges[axis];
-    let (second, third) = ((axis + 1) % 3, (axis + 2) % 3);
-    let mut coarse = vec![0.0_f32; shape.iter().product()];
-    set_points(shape, &mut coarse, |at, value| {
-        let place = fine_place(at);
-        let has_next = place[axis] + 1 < fine.shape[axis] as isize;
-        for (da, wa) in AVERAGE {
-            for (db, wb) in AVERAGE {
-                let mut p = place;
-                p[second] += da;
-                p[third] += db;
-                let first = edges[nearest_index(fine, p)];
-                p[axis] += 1;
-                let next = if has_next {
-                    edges[nearest_index(fine, p)]
-                } else {
-                    first
-                };
-                // Two in series over twice the length, through a face four times as large:
-                // 4 · (1/2) · harmonic mean.
-                *value +=
-                    wa * wb * 2.0 * 2.0 * first * next / (first + next).max(f32::MIN_POSITIVE);
-            }
-        }
-    });
-    coarse
+fn coarse_edges(fine: &Operator, axis: usize) -> Vec<f32> {
+    // Two in series over twice the length, through a face four times as large:
+    // 4 · (1/2) · harmonic mean.
+    let in_series =
+        |_, here: f32, after: f32| 4.0 * here * after / (here + after).max(f32::MIN_POSITIVE);
+    Halved::of(&fine.edges[axis], fine.shape)
+        .along(axis, in_series)
+        .along((axis + 1) % 3, average)
+        .along((axis + 2) % 3, average)
+        .values
+        .into_owned()
 }
 
 /// k of the coarse grid: eight times the average of the fine grid's, as boxes are eight times as
 /// large.
-fn coarse_mass(fine: &Operator, shape: [usize; 3]) -> Vec<f32> {
-    let mut coarse = vec![0.0_f32; shape.iter().product()];
-    set_points(shape, &mut coarse, |at, value| {
-        let [i, j, k] = fine_place(at);
-        for (di, wi) in AVERAGE {
-            for (dj, wj) in AVERAGE {
-                for (dk, wk) in AVERAGE {
-                    let index = nearest_index(fine, [i + di, j + dj, k + dk]);
-                    *value += 8.0 * wi * wj * wk * fine.mass[index];
+fn coarse_mass(fine: &Operator) -> Vec<f32> {
+    Halved::of(&fine.mass, fine.shape)
+        .along(2, average)
+        .along(1, average)
+        .along(0, |before, here, after| 8.0 * average(before, here, after))
+        .values
+        .into_owned()
+}
+
+/// The mean of a point and its two neighbours, weighted as trilinear interpolation weighs them.
+fn average(before: f32, here: f32, after: f32) -> f32 {
+    0.25 * before + 0.5 * here + 0.25 * after
+}
+
+/// Values on a grid that has half the points along some axes.
+struct Halved<'a> {
+    values: Cow<'a, [f32]>,
+    shape: [usize; 3],
+}
+
+impl<'a> Halved<'a> {
+    fn of(values: &'a [f32], shape: [usize; 3]) -> Self {
+        let values = Cow::Borrowed(values);
+        Self { values, shape }
+    }
+
+    /// The values with half the points along one more axis: every second one combined with its
+    /// neighbours before and after, which at an end are the point itself.
+    fn along(&self, axis: usize, combine: impl Fn(f32, f32, f32) -> f32 + Sync) -> Halved<'static> {
+        let mut shape = self.shape;
+        let last = shape[axis] - 1;
+        shape[axis] = shape[axis].div_ceil(2);
+        let around = |coarse: usize| {
+            let here = 2 * coarse;
+            [here.saturating_sub(1), here, (here + 1).min(last)]
+        };
+        let set_row = |target: &mut [f32], j: usize, k: usize| {
+            let [before, here, after] = match axis {
+                0 => {
+                    let row = self.row(j, k);
+                    for (i, value) in target.iter_mut().enumerate() {
+                        let [before, here, after] = around(i).map(|i| row[i]);
+                        *value = combine(before, here, after);
+                    }
+                    return;
                 }
+                1 => around(j).map(|j| self.row(j, k)),
+                _ => around(k).map(|k| self.row(j, k)),
+            };
+            let columns = before.iter().zip(here).zip(after);
+            for (value, ((before, here), after)) in target.iter_mut().zip(columns) {
+                *value = combine(*before, *here, *after);
             }
-        }
-    });
-    coarse
+        };
+        let mut values = vec![0.0_f32; shape.iter().product()];
+        let planes = values.par_chunks_mut(shape[0] * shape[1]).enumerate();
+        planes.for_each(|(k, plane)| {
+            for (j, target) in plane.chunks_mut(shape[0]).enumerate() {
+                set_row(target, j, k);
+            }
+        });
+        let values = Cow::Owned(values);
+        Halved { values, shape }
+    }
+
+    /// A row along x.
+    fn row(&self, j: usize, k: usize) -> &[f32] {
+        let [nx, ny, _] = self.shape;
+        &self.values[(k * ny + j) * nx..][..nx]
+    }
 }
 
 /// coarse = Pᵀ fine, with P trilinear interpolation; shapes of the fine and the coarse grid.
 pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[usize; 3]; 2]) {
-    let weights = [(-1_isize, 0.5_f32), (0, 1.0), (1, 0.5)];
-    let sum_around = |i: usize, j: usize, k: usize| {
-        let mut sum = 0.0;
-        for (dk, wk) in weights {
-            for (dj, wj) in weights {
-                let plane = (2 * k as isize + dk) as usize * fine_shape[1];
-                let row = (plane + (2 * j as isize + dj) as usize) * fine_shape[0] + 2 * i;
-                sum += wk * wj * (0.5 * (fine[row - 1] + fine[row + 1]) + fine[row]);
-            }
-        }
-        sum
-    };
+    let row =
+        |j: usize, k: usize| &fine[(k * fine_shape[1] + j) * fine_shape[0]..][..fine_shape[0]];
     let planes = coarse.par_chunks_mut(shape[0] * shape[1]).enumerate();
     planes.for_each(|(k, values)| {
         values.fill(0.0);
         if k == 0 || k + 1 == shape[2] {
             return;
         }
+        let mut across = vec![0.0; fine_shape[0]];
         for j in 1..shape[1] - 1 {
-            for i in 1..shape[0] - 1 {
-                values[j * shape[0] + i] = sum_around(i, j, k);
+            let around = [2 * k - 1, 2 * k, 2 * k + 1]
+                .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| row(j, k)));
+            sum_across(&around, &mut across);
+            let target = &mut values[j * shape[0]..][..shape[0]];
+            let inner = shape[0] - 1;
+            for (i, value) in target.iter_mut().enumerate().take(inner).skip(1) {
+                *value = 0.5 * (across[2 * i - 1] + across[2 * i + 1]) + across[2 * i];
             }
         }
     });
+}
+
+/// The sum over three planes of three rows, those before and after with half the weight.
+fn sum_across(planes: &[[&[f32]; 3]; 3], sum: &mut [f32]) {
+    let n = sum.len();
+    let [below, here, above] = planes.map(|rows| rows.map(|row| &row[..n]));
+    let along = |rows: &[&[f32]; 3], i: usize| 0.5 * (rows[0][i] + rows[2][i]) + rows[1][i];
+    for (i, sum) in sum.iter_mut().enumerate() {
+        *sum = 0.5 * (along(&below, i) + along(&above, i)) + along(&here, i);
+    }
 }
 
 /// fine += P coarse, with P trilinear interpolation; shapes of the fine and the coarse grid.

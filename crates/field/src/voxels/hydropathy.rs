@@ -1,7 +1,7 @@
 //! Kyte-Doolittle indices around a place.
 
 use protomer_kernel::Vec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Averages of the indices of residues near a place.
 ///
@@ -25,7 +25,7 @@ pub struct HydropathyMap {
     atoms: Vec<(Vec3, u32)>,
     indices: Vec<Option<f64>>,
     /// Atoms by cells as wide as the reach.
-    cells: HashMap<[i32; 3], Vec<u32>>,
+    cells: FxHashMap<[i32; 3], Vec<u32>>,
 }
 
 impl HydropathyMap {
@@ -39,7 +39,7 @@ impl HydropathyMap {
             reach: reach_angstrom,
             atoms: Vec::new(),
             indices: indices.to_vec(),
-            cells: HashMap::new(),
+            cells: FxHashMap::default(),
         };
         for (place, residue) in atoms {
             if let Some(residue) = residue
