@@ -93,10 +93,11 @@ pub struct VoxelSettings {
 
 impl VoxelSettings {
     /// Shape, potential and hydropathy with this model: the equation is solved at 1 Å to 1e-4
-    /// (values are kept to three digits), and residues within 5 Å are averaged.
+    /// (values are kept to three digits) on grids of 8 n cells, and residues within 5 Å are averaged.
     pub fn new(dielectric: DielectricModel) -> Self {
         let solve = SolveSettings {
             spacing_angstrom: 1.0,
+            cells_multiple: 8,
             relative_tolerance: 1e-4,
             ..SolveSettings::default()
         };

@@ -35,6 +35,7 @@ pub(super) fn fixed_conditions(settings: &VoxelizeSettings) -> Result<Value> {
         "ion_radius_angstrom": dielectric.ion_radius_angstrom,
         "spacing_angstrom": solve.spacing_angstrom,
         "margin_angstrom": solve.margin_angstrom,
+        "cells_multiple": solve.cells_multiple,
         "boundary": boundary,
         "relative_tolerance": solve.relative_tolerance,
     }))
