@@ -258,8 +258,46 @@ fn cube(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::charged_sphere::{ChargedSphere, bounds};
+    use crate::surface::{SurfaceDefinition, surface_of};
     use protomer_kernel::random::CounterRng;
+
+    /// The slow twin: signed distances at all points, whatever is known of the gap.
+    #[test]
+    fn points_far_from_the_spheres_need_no_distance() {
+        let mut rng = CounterRng::new(3, 0, 0);
+        let mut spheres = Vec::new();
+        for _ in 0..60 {
+            spheres.push(ChargedSphere {
+                centre: rng.vector_in_ball(8.0),
+                radius_angstrom: rng.uniform_in(1.0, 2.0),
+                charge_e: 0.0,
+            });
+        }
+        let (low, high) = bounds(&spheres);
+        let margin = Vec3::repeat(6.0);
+        for definition in [
+            SurfaceDefinition::SolventExcluded,
+            SurfaceDefinition::VanDerWaals,
+            SurfaceDefinition::SolventAccessible,
+        ] {
+            let solid = surface_of(&spheres, definition, 1.4).unwrap();
+            for spacing in [1.0, 0.4] {
+                let grid = Grid::around(&(low - margin), &(high + margin), spacing, 1).unwrap();
+                let gap = IonGap::new(&grid, &spheres, 2.0, 1.4);
+                let known = (0..grid.len())
+                    .filter(|index| gap.distance_from_solid(*index) > spacing)
+                    .count();
+                assert!(5 * known > grid.len(), "{known} of {}", grid.len());
+                let fast = DielectricMap::new(&grid, &*solid, [2.0, 80.0], Some(&gap));
+                let slow = DielectricMap::new(&grid, &*solid, [2.0, 80.0], None);
+                assert_eq!(fast.inside, slow.inside);
+                assert_eq!(fast.edges, slow.edges);
+            }
+        }
+    }
 
     #[test]
     fn parts_of_boxes_are_those_of_many_points() {

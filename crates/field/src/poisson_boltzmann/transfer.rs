@@ -177,3 +177,104 @@ fn add_along_row(rows: &[&[f32]; 4], target: &mut [f32]) {
         *value += 0.5 * (mean(i0) + mean(i1));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    const FINE: [usize; 3] = [17, 9, 13];
+    const COARSE: [usize; 3] = [9, 5, 7];
+
+    fn random(count: usize, rng: &mut CounterRng) -> Vec<f32> {
+        (0..count)
+            .map(|_| rng.uniform_in(1.0, 80.0) as f32)
+            .collect()
+    }
+
+    /// Calls `visit` with each point of the coarse grid and its index.
+    fn for_each_coarse(mut visit: impl FnMut([usize; 3], usize)) {
+        for index in 0..COARSE.iter().product() {
+            let [nx, ny, _] = COARSE;
+            visit([index % nx, index / nx % ny, index / nx / ny], index);
+        }
+    }
+
+    /// The fine points around a coarse one, those at most one away along each axis, held on the grid,
+    /// and the product of `weights` along the axes.
+    fn around(at: [usize; 3], weights: [[f32; 3]; 3]) -> Vec<([usize; 3], f32)> {
+        let mut found = Vec::new();
+        for n in 0..27 {
+            let step = [n % 3, n / 3 % 3, n / 9];
+            let place = [0, 1, 2].map(|axis| {
+                (2 * at[axis] + step[axis])
+                    .saturating_sub(1)
+                    .min(FINE[axis] - 1)
+            });
+            let weight = weights[0][step[0]] * weights[1][step[1]] * weights[2][step[2]];
+            found.push((place, weight));
+        }
+        found
+    }
+
+    fn fine_index([i, j, k]: [usize; 3]) -> usize {
+        (k * FINE[1] + j) * FINE[0] + i
+    }
+
+    fn assert_close(found: f32, expected: f32) {
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    }
+
+    /// The slow twin: sums over all neighbours at once.
+    #[test]
+    fn coarse_coefficients_are_averages_over_all_neighbours() {
+        let mut rng = CounterRng::new(11, 0, 0);
+        let count = FINE.iter().product();
+        let edges = [0; 3].map(|_| random(count, &mut rng));
+        let operator = Operator::new(FINE, edges, random(count, &mut rng));
+        let coarse = coarsen(&operator).unwrap();
+        assert_eq!(coarse.shape, COARSE);
+        let mean = [0.25, 0.5, 0.25];
+        for_each_coarse(|at, index| {
+            let mut mass = 0.0;
+            for (place, weight) in around(at, [mean; 3]) {
+                mass += 8.0 * weight * operator.mass[fine_index(place)];
+            }
+            assert_close(coarse.mass[index], mass);
+            for axis in 0..3 {
+                let mut weights = [mean; 3];
+                weights[axis] = [0.0, 1.0, 0.0];
+                let mut permittivity = 0.0;
+                for (place, weight) in around(at, weights) {
+                    let mut next = place;
+                    next[axis] = (place[axis] + 1).min(FINE[axis] - 1);
+                    let [first, second] =
+                        [place, next].map(|place| operator.edges[axis][fine_index(place)]);
+                    permittivity += weight * 4.0 * first * second / (first + second);
+                }
+                assert_close(coarse.edges[axis][index], permittivity);
+            }
+        });
+    }
+
+    /// The slow twin: sums over all neighbours at once.
+    #[test]
+    fn restriction_sums_over_all_neighbours() {
+        let fine = random(FINE.iter().product(), &mut CounterRng::new(12, 0, 0));
+        let mut coarse = vec![0.0; COARSE.iter().product()];
+        restrict(&fine, &mut coarse, [FINE, COARSE]);
+        for_each_coarse(|at, index| {
+            let is_inner = (0..3).all(|axis| at[axis] > 0 && at[axis] + 1 < COARSE[axis]);
+            if !is_inner {
+                assert_eq!(coarse[index], 0.0);
+                return;
+            }
+            let mut sum = 0.0;
+            for (place, weight) in around(at, [[0.5, 1.0, 0.5]; 3]) {
+                sum += weight * fine[fine_index(place)];
+            }
+            assert_close(coarse[index], sum);
+        });
+    }
+}
