@@ -16,8 +16,8 @@ const SMOOTHING: usize = 3;
 /// Smoothing damps the part of the spectrum of D⁻¹ A above this; all of it lies below 2.
 const SMOOTHED_ABOVE: f32 = 0.35;
 const LARGEST_EIGENVALUE: f32 = 2.0;
-/// Degree of the polynomial that replaces a solution on the coarsest level, for a spectrum above this;
-/// [`Coarsest`] finds those of larger grids.
+/// Degree of the polynomial that replaces a solution on the coarsest level, if its spectrum lies above
+/// [`COARSEST_ABOVE`]; [`Coarsest`] raises it where eigenvalues are lower.
 const COARSEST: usize = 24;
 const COARSEST_ABOVE: f32 = 0.02;
 
@@ -209,6 +209,36 @@ mod tests {
             }
         }
         values
+    }
+
+    /// A grid with an even number of points has one level. The slowest part of the solution is the
+    /// product of sines over the axes.
+    #[test]
+    fn the_coarsest_level_is_solved_however_many_points_it_has() {
+        for points in [12_usize, 32, 60] {
+            let shape = [points; 3];
+            let count = points.pow(3);
+            let a = Operator::new(shape, [0; 3].map(|_| vec![80.0; count]), vec![0.0; count]);
+            let mut cycle = Multigrid::new(&a);
+            assert_eq!(cycle.levels.len(), 1);
+            let sine = |i: usize| (std::f64::consts::PI * i as f64 / (points - 1) as f64).sin();
+            let mut right = Vec::with_capacity(count);
+            for index in 0..count {
+                let [i, j, k] = [1, points, points * points].map(|stride| index / stride % points);
+                right.push(sine(i) * sine(j) * sine(k));
+            }
+            a.clear_faces(&mut right);
+            let solved: Vec<f64> = cycle.apply(&right).iter().map(|x| f64::from(*x)).collect();
+            let mut found = vec![0.0; count];
+            a.apply(&solved, &mut found);
+            let norm = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let left: Vec<f64> = right.iter().zip(&found).map(|(b, ax)| b - ax).collect();
+            assert!(
+                norm(&left) < 0.05 * norm(&right),
+                "{points}: {}",
+                norm(&left) / norm(&right)
+            );
+        }
     }
 
     #[test]

@@ -31,8 +31,8 @@ pub struct SolveSettings {
     /// Least distance from the spheres to the faces of the grid, Å.
     pub margin_angstrom: f64,
     /// The grid has a multiple of this many cells along each axis, a power of two, so that it can be
-    /// halved that often. What that adds to the margin makes the potential on the faces more exact:
-    /// with 8 a grid has a sixth fewer points at 1 Å than with 16.
+    /// halved that often. The cells that this adds widen the margin, which makes the potential on the
+    /// faces more exact. With 8 instead of 16 the grids of 60 proteins at 1 Å have 11 % fewer points.
     pub cells_multiple: usize,
     /// Potential on the faces.
     pub boundary: BoundaryCondition,

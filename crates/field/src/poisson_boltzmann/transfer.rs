@@ -1,7 +1,7 @@
 //! Between a grid and one with half the points along each axis.
 //!
-//! A coarse edge is two fine ones in series, averaged over the four-by-four neighbourhood across.
-//! Restriction is the transpose of trilinear interpolation.
+//! A coarse edge is two fine ones in series, averaged with the edges beside it. Restriction is the
+//! transpose of trilinear interpolation.
 
 use super::operator::Operator;
 use rayon::prelude::*;
@@ -74,19 +74,14 @@ impl<'a> Halved<'a> {
             let here = 2 * coarse;
             [here.saturating_sub(1), here, (here + 1).min(last)]
         };
-        let set_row = |target: &mut [f32], j: usize, k: usize| {
-            let [before, here, after] = match axis {
-                0 => {
-                    let row = self.row(j, k);
-                    for (i, value) in target.iter_mut().enumerate() {
-                        let [before, here, after] = around(i).map(|i| row[i]);
-                        *value = combine(before, here, after);
-                    }
-                    return;
-                }
-                1 => around(j).map(|j| self.row(j, k)),
-                _ => around(k).map(|k| self.row(j, k)),
-            };
+        let halve_row = |j: usize, k: usize, target: &mut [f32]| {
+            let row = self.row(j, k);
+            for (i, value) in target.iter_mut().enumerate() {
+                let [before, here, after] = around(i).map(|i| row[i]);
+                *value = combine(before, here, after);
+            }
+        };
+        let combine_rows = |[before, here, after]: [&[f32]; 3], target: &mut [f32]| {
             let columns = before.iter().zip(here).zip(after);
             for (value, ((before, here), after)) in target.iter_mut().zip(columns) {
                 *value = combine(*before, *here, *after);
@@ -96,7 +91,11 @@ impl<'a> Halved<'a> {
         let planes = values.par_chunks_mut(shape[0] * shape[1]).enumerate();
         planes.for_each(|(k, plane)| {
             for (j, target) in plane.chunks_mut(shape[0]).enumerate() {
-                set_row(target, j, k);
+                match axis {
+                    0 => halve_row(j, k, target),
+                    1 => combine_rows(around(j).map(|j| self.row(j, k)), target),
+                    _ => combine_rows(around(k).map(|k| self.row(j, k)), target),
+                }
             }
         });
         let values = Cow::Owned(values);
