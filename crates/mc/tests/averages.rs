@@ -115,7 +115,7 @@ fn sample(system: &System, model: &dyn Fn() -> Box<dyn EnergyModel>, seed: u64) 
     samples.map(|samples| Estimate::of(&samples))
 }
 
-fn tables(system: &System) -> Vec<Arc<Table<Yukawa>>> {
+fn tables(system: &System) -> Vec<Arc<Table>> {
     let table = |kind: &Arc<BodyType>| Arc::new(Table::new(&kind.charges, &yukawa(), 500.0));
     system.types().iter().map(table).collect()
 }

@@ -10,20 +10,14 @@
 //! | [`assemblies`] | building and reading assemblies |
 //! | [`stability`] | simulations, sweeps over salt, comparisons, benchmarks |
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
-//! | [`hard_bodies`] | Monte Carlo of many hard convex bodies, phases by theory |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`scattering`] | what light and X-rays see of an assembly or a trajectory |
-//! | [`dynamics`] | contact dynamics of convex shapes |
-//! | [`shapes`] | convex shapes from files and names |
 //! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
 
 pub mod assemblies;
 pub mod bodies;
-pub mod dynamics;
 pub mod export;
 pub mod file_kind;
-pub mod hard_bodies;
 pub mod potential;
 pub mod scattering;
-pub mod shapes;
 pub mod stability;

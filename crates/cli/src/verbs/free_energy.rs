@@ -5,7 +5,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+use protomer_convex::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
 use std::path::PathBuf;
 
 /// Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps

@@ -4,7 +4,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer::hard_bodies::phases::{
+use protomer_convex::hard_bodies::phases::{
     PhaseDirectories, Phases, draw, phases_of_measurements, phases_of_mixtures, phases_of_tables,
 };
 use std::path::PathBuf;

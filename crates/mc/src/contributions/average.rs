@@ -5,7 +5,6 @@
 
 use super::state::{Contributions, PairContribution, StateEnergies};
 use crate::System;
-use crate::energy::SitePotential;
 use crate::energy::terms::EnergyParts;
 use protomer_kernel::statistics::RunningMoments;
 use serde::Serialize;
@@ -86,7 +85,7 @@ struct BlockSums {
 
 impl Averages {
     /// Nothing yet, for states of this system.
-    pub fn new<P: SitePotential>(contributions: &Contributions<P>, system: &System) -> Self {
+    pub fn new(contributions: &Contributions, system: &System) -> Self {
         let (mut kinds, mut pairs, mut start) = (Vec::new(), Vec::new(), 0);
         let of_type = |kind: usize| {
             let copies = (0..system.len()).filter(|copy| system.type_index(*copy) == kind);

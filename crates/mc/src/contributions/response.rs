@@ -50,7 +50,7 @@ impl Response {
     }
 }
 
-impl<P: SitePotential> Contributions<P> {
+impl Contributions {
     /// How a state answers to a charge at each of these sites.
     ///
     /// # Errors

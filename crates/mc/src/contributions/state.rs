@@ -7,11 +7,12 @@ use crate::energy::terms::{EnergyParts, Term};
 use crate::energy::{SitePotential, TermsByType};
 use crate::system::Pair;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
 
 /// Shares out the energies of states of a system.
-pub struct Contributions<P> {
+pub struct Contributions {
     pub(super) kinds: Vec<ResiduesOfKind>,
-    pub(super) potential: P,
+    pub(super) potential: Yukawa,
     pub(super) reach_of_charges: Reach,
     terms: Option<(TermsByType, Reach)>,
     reach_of_touch: Reach,
@@ -73,13 +74,13 @@ struct OfBodies {
     desolvation_kt: [Vec<f64>; 2],
 }
 
-impl<P: SitePotential> Contributions<P> {
+impl Contributions {
     /// For systems of these kinds of bodies; `kinds` in the order of the types. Residues touch where
     /// heavy atoms are closer than `touching_angstrom`.
     pub fn new(
         system: &System,
         kinds: Vec<ResiduesOfKind>,
-        potential: P,
+        potential: Yukawa,
         terms: Option<TermsByType>,
         touching_angstrom: f64,
     ) -> Self {

@@ -106,7 +106,7 @@ fn case(seed: u64, edge: f64) -> Case {
 }
 
 impl Case {
-    fn contributions(&self, touching_angstrom: f64) -> Contributions<Yukawa> {
+    fn contributions(&self, touching_angstrom: f64) -> Contributions {
         let types = self.system.types().iter();
         let kinds = self.bodies.iter().zip(types);
         let kinds = kinds.map(|(body, kind)| ResiduesOfKind::new(body, kind).unwrap());

@@ -2,26 +2,26 @@
 
 use super::reach::{Reach, require_room};
 use super::{
-    Effort, EnergyModel, PairEnergy, Pairs, SitePotential, all_pairs, finite, pair_energy_kt,
-    sum_of_pairs,
+    Effort, EnergyModel, PairEnergy, Pairs, all_pairs, finite, pair_energy_kt, sum_of_pairs,
 };
 use crate::Result;
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
+use protomer_kernel::potential::Yukawa;
 
 /// The direct sum in double precision over all images that count, each pair of bodies computed once
 /// per state.
 #[derive(Debug, Clone)]
-pub struct DirectSum<P> {
-    potential: P,
+pub struct DirectSum {
+    potential: Yukawa,
     reach: Reach,
     energies: PairTable<f64>,
     proposed: Vec<PairEnergy>,
 }
 
-impl<P: SitePotential> DirectSum<P> {
+impl DirectSum {
     /// The direct sum of this potential.
-    pub fn new(potential: P) -> Self {
+    pub fn new(potential: Yukawa) -> Self {
         Self {
             potential,
             reach: Reach::default(),
@@ -46,8 +46,8 @@ impl<P: SitePotential> DirectSum<P> {
 }
 
 /// The energy of two bodies with all images that count, kT; `None` if none does.
-pub(super) fn direct_energy_kt<P: SitePotential>(
-    potential: &P,
+pub(super) fn direct_energy_kt(
+    potential: &Yukawa,
     reach: &Reach,
     pair: &Pair<'_>,
 ) -> Result<Option<f64>> {
@@ -62,7 +62,7 @@ pub(super) fn direct_energy_kt<P: SitePotential>(
     energy_kt.map(checked).transpose()
 }
 
-impl<P: SitePotential> EnergyModel for DirectSum<P> {
+impl EnergyModel for DirectSum {
     fn range_angstrom(&self, system: &System) -> f64 {
         Reach::new(system, &self.potential).largest_angstrom()
     }

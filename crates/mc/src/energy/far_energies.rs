@@ -2,6 +2,7 @@
 
 use super::SitePotential;
 use crate::system::System;
+use protomer_kernel::potential::Yukawa;
 
 /// The most that bodies of two types can hold, by the distance of their origins.
 #[derive(Debug, Clone, Default)]
@@ -17,7 +18,7 @@ impl FarEnergies {
     const MOST_STEPS: f64 = 4096.0;
 
     /// Out to the reach.
-    pub fn new<P: SitePotential>(system: &System, potential: &P, reach_angstrom: f64) -> Self {
+    pub fn new(system: &System, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
         let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;

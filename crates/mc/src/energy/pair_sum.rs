@@ -3,14 +3,15 @@
 use super::potential::SitePotential;
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
 
 /// Energy of two bodies, kT: Σ q_k q_l v(r_kl) over all sites k of the first and l of the second.
 ///
 /// `relative` is the pose of the second body in the frame of the first. Groups of sites that a
 /// cut-off leaves out as a whole are passed over; every other pair is summed in double precision,
 /// in one order and without fused operations, so that every processor gives the same bits.
-pub fn pair_energy_kt<P: SitePotential>(
-    potential: &P,
+pub fn pair_energy_kt(
+    potential: &Yukawa,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
@@ -31,8 +32,8 @@ pub fn pair_energy_kt<P: SitePotential>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq")]
-fn sum_avx512<P: SitePotential>(
-    potential: &P,
+fn sum_avx512(
+    potential: &Yukawa,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
@@ -42,8 +43,8 @@ fn sum_avx512<P: SitePotential>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sum_avx2<P: SitePotential>(
-    potential: &P,
+fn sum_avx2(
+    potential: &Yukawa,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
@@ -53,8 +54,8 @@ fn sum_avx2<P: SitePotential>(
 
 /// The sum itself; compiled once per instruction set by inlining.
 #[inline(always)]
-fn sum<P: SitePotential>(
-    potential: &P,
+fn sum(
+    potential: &Yukawa,
     first: &ChargeCloud,
     second: &ChargeCloud,
     relative: &RelativePose,
@@ -91,12 +92,7 @@ fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
 }
 
 #[inline(always)]
-fn add_group_pair<P: SitePotential>(
-    potential: &P,
-    a: &ChargeGroup,
-    b: &ChargeGroup,
-    total: &mut [f64; LANES],
-) {
+fn add_group_pair(potential: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &mut [f64; LANES]) {
     for k in 0..LANES {
         let (x, y, z, charge) = (a.x[k], a.y[k], a.z[k], a.charge_e[k]);
         if charge == 0.0 {

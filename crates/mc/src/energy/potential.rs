@@ -1,8 +1,9 @@
-//! The seam between kinds of interaction and the ways to sum them.
+//! What the ways to sum an interaction need to know of it.
 //!
-//! A kind of interaction is a pair potential of sites: E = Σ q_k q_l v(r_kl) over the sites k, l of
-//! different bodies. Direct sums, tables, trees and their errors are written once, over
-//! [`SitePotential`]; screened charges are its first implementation.
+//! An interaction is a pair potential of sites: E = Σ q_k q_l v(r_kl) over the sites k, l of different
+//! bodies. [`SitePotential`] is all that direct sums, tables, trees and their errors ask of v. Screened
+//! charges ([`Yukawa`]) are the only interaction of this kind, so types name it: generic ones would be
+//! compiled anew in every crate that uses them.
 
 use super::far_field::FarField;
 use super::fused::add;

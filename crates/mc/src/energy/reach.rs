@@ -4,6 +4,7 @@ use super::SitePotential;
 use crate::system::{Pair, System};
 use crate::{McError, Result};
 use protomer_kernel::cells::require_minimum_image;
+use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Vec3};
 
 /// Two bodies, or a body and an image of another, whose energy is surely below this are left out,
@@ -24,7 +25,7 @@ pub(crate) struct Reach {
 
 impl Reach {
     /// |E| ≤ v(d) Σ|q_k| Σ|q_l| for charges no nearer than d.
-    pub fn new(system: &System, potential: &impl SitePotential) -> Self {
+    pub fn new(system: &System, potential: &Yukawa) -> Self {
         let types = system.types().len();
         let mut reach = Self {
             types,
@@ -46,12 +47,12 @@ impl Reach {
     }
 
     /// A shorter one, from [multipoles](super::FarField).
-    pub fn of_multipoles(system: &System, potential: &impl SitePotential) -> Self {
+    pub fn of_multipoles(system: &System, potential: &Yukawa) -> Self {
         Self::beyond(system, potential, NEGLIGIBLE_KT)
     }
 
     /// Beyond it, bodies surely hold less than this, by their multipoles.
-    pub fn beyond(system: &System, potential: &impl SitePotential, energy_kt: f64) -> Self {
+    pub fn beyond(system: &System, potential: &Yukawa, energy_kt: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
         let mut distances = Vec::with_capacity(fields.len() * fields.len());
@@ -150,7 +151,7 @@ fn farther_images(
 /// # Errors
 /// [`KernelError::BoxTooSmall`](protomer_kernel::KernelError::BoxTooSmall) for a cut-off;
 /// [`McError::UnscreenedInBox`] and [`McError::ReachesTooFar`] without one.
-pub(crate) fn require_room(system: &System, potential: &impl SitePotential) -> Result<()> {
+pub(crate) fn require_room(system: &System, potential: &Yukawa) -> Result<()> {
     let range = Reach::new(system, potential).largest_angstrom();
     let smallest = system.boundary().smallest_length_angstrom();
     if potential.cutoff_angstrom().is_some() {

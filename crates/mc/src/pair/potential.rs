@@ -76,7 +76,7 @@ pub struct Charged {
     yukawa: Yukawa,
     first: ChargeCloud,
     second: ChargeCloud,
-    tables: Option<[Arc<Table<Yukawa>>; 2]>,
+    tables: Option<[Arc<Table>; 2]>,
 }
 
 impl Charged {

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The table of one kind of body.
-pub type PotentialTable = Table<Yukawa>;
+pub type PotentialTable = Table;
 
 /// Memory that tables may take where no limit is stated, bytes.
 pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
@@ -42,7 +42,7 @@ struct Made {
     /// By the hash of what they are made of.
     tables: HashMap<String, Arc<PotentialTable>>,
     /// By the same hash; never on the disk, because a cell is made where a charge comes.
-    cells: HashMap<String, Arc<Cells<Yukawa>>>,
+    cells: HashMap<String, Arc<Cells>>,
     /// By the hash of the tables that are compared.
     calibrations: HashMap<String, Calibration>,
     /// Held while a table or a comparison is made, so that nobody makes it a second time and different
@@ -118,7 +118,7 @@ impl EnergyTables {
     ///
     /// # Errors
     /// As [`of`](Self::of).
-    pub fn levels(&self, system: &System, yukawa: Yukawa) -> Result<Levels<Yukawa>> {
+    pub fn levels(&self, system: &System, yukawa: Yukawa) -> Result<Levels> {
         let reach_angstrom = table_reach_angstrom(&yukawa, system);
         let tables = self.of(system.types(), &yukawa, reach_angstrom)?;
         let calibration = self.calibration(system, &yukawa, reach_angstrom, &tables);
@@ -126,7 +126,7 @@ impl EnergyTables {
     }
 
     /// The model of energies with proven bounds for this system, with cells that all its models share.
-    pub fn certified(&self, system: &System, yukawa: Yukawa) -> Certified<Yukawa> {
+    pub fn certified(&self, system: &System, yukawa: Yukawa) -> Certified {
         let reach_angstrom = Certified::cell_reach_angstrom(&yukawa, system);
         let cells = |kind: &Arc<BodyType>| {
             let key = PotentialTable::fingerprint(&kind.charges, &yukawa, reach_angstrom);

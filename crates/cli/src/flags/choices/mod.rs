@@ -46,7 +46,7 @@ choices! {
 
 choices! {
     /// The energy between the centroids of bodies in motion.
-    CentralTerm for protomer::dynamics::settings::CentralName {
+    CentralTerm for protomer_convex::dynamics::settings::CentralName {
         /// None.
         None,
         /// That of the published potential with epsilon_s = epsilon.
@@ -56,7 +56,7 @@ choices! {
 
 choices! {
     /// Which points of two bodies in motion repel each other.
-    ContactPotential for protomer::dynamics::settings::Potential {
+    ContactPotential for protomer_convex::dynamics::settings::Potential {
         /// The closest points alone; torques jump where faces are parallel.
         Contact,
         /// Corners and edges of the two faces that look at each other, as published.
@@ -68,7 +68,7 @@ choices! {
 
 choices! {
     /// What keeps the temperature of bodies in motion, and the pressure.
-    DynamicsEnsemble for protomer::dynamics::settings::EnsembleName {
+    DynamicsEnsemble for protomer_convex::dynamics::settings::EnsembleName {
         /// Nothing: the energy is kept.
         Nve,
         /// Stochastic rescaling of all momenta together; dynamics stay those of the bodies.

@@ -3,7 +3,9 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::hard_bodies::static_free_volume::{StaticFreeVolumeSettings, static_free_volumes};
+use protomer_convex::hard_bodies::static_free_volume::{
+    StaticFreeVolumeSettings, static_free_volumes,
+};
 
 /// Print the free volume of depletants in a perfect crystal whose bodies do not move.
 ///

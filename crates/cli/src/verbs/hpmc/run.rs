@@ -6,8 +6,8 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::hard_bodies::run::run_hard_bodies;
-use protomer::hard_bodies::settings::{HardBodySettings, Pressure};
+use protomer_convex::hard_bodies::run::run_hard_bodies;
+use protomer_convex::hard_bodies::settings::{HardBodySettings, Pressure};
 use std::path::PathBuf;
 
 /// Run hard bodies in a periodic box. The same command continues the run; more sweeps extend it.

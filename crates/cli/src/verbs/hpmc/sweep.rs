@@ -6,8 +6,8 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer::hard_bodies::settings::{HardBodySettings, Pressure};
-use protomer::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
+use protomer_convex::hard_bodies::settings::{HardBodySettings, Pressure};
+use protomer_convex::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
 use protomer_results::End;
 use std::path::PathBuf;
 

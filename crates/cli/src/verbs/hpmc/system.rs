@@ -2,8 +2,10 @@
 
 use anyhow::Result;
 use clap::Args;
-use protomer::hard_bodies::settings::{Freedom, Gravity, HardBodySettings, parse_depletants};
-use protomer::hard_bodies::start::FLUID;
+use protomer_convex::hard_bodies::settings::{
+    Freedom, Gravity, HardBodySettings, parse_depletants,
+};
+use protomer_convex::hard_bodies::start::FLUID;
 
 /// Bodies, their box, and what is measured.
 #[derive(Debug, Args)]

@@ -7,9 +7,9 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::dynamics::run::run_dynamics;
-use protomer::dynamics::settings::DynamicsSettings;
-use protomer::dynamics::start::begin;
+use protomer_convex::dynamics::run::run_dynamics;
+use protomer_convex::dynamics::settings::DynamicsSettings;
+use protomer_convex::dynamics::start::begin;
 use protomer_results::keys::read_toml;
 use std::path::PathBuf;
 

@@ -3,7 +3,7 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use protomer::shapes::contact::contacts;
+use protomer_convex::shapes::contact::contacts;
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
 use protomer_md::pair::{Form, Interaction};

@@ -7,7 +7,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
-use protomer::shapes::measure_shape;
+use protomer_convex::shapes::measure_shape;
 use std::path::PathBuf;
 
 /// Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second

@@ -3,7 +3,7 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::shapes::overlap::shared_volumes;
+use protomer_convex::shapes::overlap::shared_volumes;
 use std::path::PathBuf;
 
 /// Print the volume that two convex shapes, swept by a depletant, have in common, for each pair.

@@ -15,6 +15,7 @@ use crate::energy::SitePotential;
 use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -34,8 +35,8 @@ const ROUNDINGS: f64 = 64.0;
 
 /// The potential of one body type, in its frame.
 #[derive(Debug)]
-pub struct Cells<P> {
-    potential: P,
+pub struct Cells {
+    potential: Yukawa,
     charges: ChargeCloud,
     half_edge_angstrom: f64,
     root: Node,
@@ -89,9 +90,9 @@ struct Surroundings<'a> {
     magnitude_kt_per_e: f64,
 }
 
-impl<P: SitePotential> Cells<P> {
+impl Cells {
     /// Cells around these charges, out to this distance from the body's origin.
-    pub fn new(charges: &ChargeCloud, potential: &P, reach_angstrom: f64) -> Self {
+    pub fn new(charges: &ChargeCloud, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let mut half_edge_angstrom = LEAST_HALF_EDGE_ANGSTROM;
         while half_edge_angstrom < reach_angstrom.min(MOST_HALF_EDGE_ANGSTROM) {
             half_edge_angstrom *= 2.0;

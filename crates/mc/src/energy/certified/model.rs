@@ -5,13 +5,14 @@ use crate::energy::direct::direct_energy_kt;
 use crate::energy::far_energies::FarEnergies;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
-    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, SitePotential, all_pairs, finite,
-    pair_energy_kt, sum_of_pairs,
+    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, finite, pair_energy_kt,
+    sum_of_pairs,
 };
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
 use serde::Serialize;
 use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
@@ -29,9 +30,9 @@ pub struct DecidedByBounds {
 
 /// Energies with proven bounds.
 #[derive(Debug, Clone)]
-pub struct Certified<P> {
-    potential: P,
-    cells: Vec<Arc<Cells<P>>>,
+pub struct Certified {
+    potential: Yukawa,
+    cells: Vec<Arc<Cells>>,
     far: FarEnergies,
     reach: Reach,
     energies: PairTable<Arc<Known>>,
@@ -64,9 +65,9 @@ const FAR: usize = 0;
 const CELLS: usize = 1;
 const DIRECT: usize = 2;
 
-impl<P: SitePotential> Certified<P> {
+impl Certified {
     /// The model for this potential and system. Its cells are made where they are needed.
-    pub fn for_system(potential: P, system: &System) -> Self {
+    pub fn for_system(potential: Yukawa, system: &System) -> Self {
         let reach_angstrom = Self::cell_reach_angstrom(&potential, system);
         let cells =
             |kind: &Arc<BodyType>| Arc::new(Cells::new(&kind.charges, &potential, reach_angstrom));
@@ -75,7 +76,7 @@ impl<P: SitePotential> Certified<P> {
     }
 
     /// The model with the cells of each body type, which others may use at the same time.
-    pub fn with_cells(potential: P, system: &System, cells: Vec<Arc<Cells<P>>>) -> Self {
+    pub fn with_cells(potential: Yukawa, system: &System, cells: Vec<Arc<Cells>>) -> Self {
         let reach = Reach::of_multipoles(system, &potential);
         Self {
             potential,
@@ -89,7 +90,7 @@ impl<P: SitePotential> Certified<P> {
     }
 
     /// How far from a body's origin charges of another interact with it, Å.
-    pub fn cell_reach_angstrom(potential: &P, system: &System) -> f64 {
+    pub fn cell_reach_angstrom(potential: &Yukawa, system: &System) -> f64 {
         let radius = |kind: &Arc<BodyType>| kind.charge_radius_angstrom();
         let largest = system.types().iter().map(radius).fold(0.0, f64::max);
         Reach::of_multipoles(system, potential).largest_angstrom() + largest
@@ -242,7 +243,7 @@ impl Summand {
     }
 }
 
-impl<P: SitePotential> EnergyModel for Certified<P> {
+impl EnergyModel for Certified {
     /// That of the direct sum, so that cluster moves draw the same random numbers.
     fn range_angstrom(&self, system: &System) -> f64 {
         Reach::new(system, &self.potential).largest_angstrom()

@@ -5,9 +5,10 @@ use super::maker::{COARSE_OPENING, PART_OF_DISTANCE};
 use super::neighbours::SKIN_ANGSTROM;
 use super::sharpening::STEPS;
 use super::table::{Estimate, Table, fine_deviation};
-use crate::energy::{SitePotential, pair_energy_kt};
+use crate::energy::pair_energy_kt;
 use crate::system::System;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Pose, Vec3};
 use serde::Serialize;
@@ -76,19 +77,15 @@ pub struct Scales {
 impl Calibration {
     /// Compares the levels for the types that bodies of a system have; `tables` are those of all its
     /// types.
-    pub fn of_system<P: SitePotential>(
-        potential: &P,
-        system: &System,
-        tables: &[Arc<Table<P>>],
-    ) -> Self {
+    pub fn of_system(potential: &Yukawa, system: &System, tables: &[Arc<Table>]) -> Self {
         let placed = system.placed_types().into_iter();
         let table = |index: usize| tables.get(index).map(Arc::as_ref);
-        let placed: Vec<&Table<P>> = placed.filter_map(table).collect();
+        let placed: Vec<&Table> = placed.filter_map(table).collect();
         Self::new(potential, &placed)
     }
 
     /// Compares the levels on random poses of each pair of types.
-    fn new<P: SitePotential>(potential: &P, types: &[&Table<P>]) -> Self {
+    fn new(potential: &Yukawa, types: &[&Table]) -> Self {
         let mut errors = Errors::default();
         for (number, first) in types.iter().enumerate() {
             for second in &types[number..] {
@@ -155,12 +152,7 @@ struct Compared {
 }
 
 impl Compared {
-    fn new<P: SitePotential>(
-        first: &Table<P>,
-        second: &Table<P>,
-        list: &List,
-        pose: &RelativePose,
-    ) -> Option<Self> {
+    fn new(first: &Table, second: &Table, list: &List, pose: &RelativePose) -> Option<Self> {
         let fine = first.fine_energy(second, list, pose)?;
         let energy = list.expanded_energy(first, pose)?;
         Some(Self {
@@ -180,13 +172,7 @@ impl Compared {
 }
 
 impl Errors {
-    fn compare<P: SitePotential>(
-        &mut self,
-        potential: &P,
-        first: &Table<P>,
-        second: &Table<P>,
-        rng: &mut CounterRng,
-    ) {
+    fn compare(&mut self, potential: &Yukawa, first: &Table, second: &Table, rng: &mut CounterRng) {
         for pose in 0..POSES {
             let gap = random_gap(pose, rng);
             let here = apart(first, second, gap, rng);
@@ -241,9 +227,9 @@ impl Errors {
 }
 
 /// The fine energy of a pair, and after each step of sharpening.
-fn fine_estimates<P: SitePotential>(
-    first: &Table<P>,
-    second: &Table<P>,
+fn fine_estimates(
+    first: &Table,
+    second: &Table,
     fine: Estimate,
     pose: &RelativePose,
 ) -> Vec<Estimate> {
@@ -383,12 +369,7 @@ fn random_gap(pose: u32, rng: &mut CounterRng) -> f64 {
 }
 
 /// A random orientation at which the nearest charges of two bodies are this far (Å) apart.
-fn apart<P: SitePotential>(
-    first: &Table<P>,
-    second: &Table<P>,
-    wanted: f64,
-    rng: &mut CounterRng,
-) -> Pose {
+fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Pose {
     let rotation = rng.rotation();
     let direction = rng.unit_vector();
     let at = |distance: f64| Pose {

@@ -6,7 +6,7 @@ use super::known::{Known, Lists};
 use super::model::Levels;
 use super::pair_levels::{COARSE, DIRECT, EXPANDED, FINE};
 use crate::Result;
-use crate::energy::{SitePotential, finite};
+use crate::energy::finite;
 use crate::system::{Pair, Trial};
 use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub(super) struct Changes {
     pub far: FarImages,
 }
 
-impl<P: SitePotential> Levels<P> {
+impl Levels {
     /// The change of the energy of a pair at one level, kT, with its standard deviation.
     fn change(&self, trial: &Trial<'_>, change: &Change, level: usize) -> Result<(f64, f64)> {
         let (new, old) = (change.new.as_deref(), change.old.as_deref());

@@ -5,11 +5,11 @@
 //! ([`FarField`](crate::energy::FarField)), and most decisions need no more than the sum of the bounds.
 //! Nothing is kept of them from move to move.
 
-use crate::energy::SitePotential;
 use crate::energy::far_energies::FarEnergies;
 use crate::energy::reach::{NEGLIGIBLE_KT, Reach};
 use crate::system::{Pair, System};
 use protomer_kernel::Vec3;
+use protomer_kernel::potential::Yukawa;
 
 /// An image that surely holds less than this is far away, kT.
 const FAR_KT: f64 = 4e-3;
@@ -37,9 +37,9 @@ pub(super) struct Far {
 
 impl Far {
     /// For images in reach of each other; less is far where only a tolerance (kT) is asked for.
-    pub fn new<P: SitePotential>(
+    pub fn new(
         system: &System,
-        potential: &P,
+        potential: &Yukawa,
         reach: &Reach,
         tolerance_kt: Option<f64>,
     ) -> Self {

@@ -13,7 +13,6 @@ use super::packed::{Head, Packed, pack};
 use super::sampler::Sites;
 use super::split::Split;
 use crate::charges::ChargeCloud;
-use crate::energy::SitePotential;
 use crate::energy::chebyshev::Chebyshev;
 
 /// The near part ends this many innermost cells from a charge.
@@ -117,11 +116,7 @@ fn is_roomy(sites: &Sites, corners: &[[f64; 2]; 3]) -> bool {
 
 impl Field {
     /// The table of these charges out to `reach_angstrom` from them.
-    pub fn new<P: SitePotential>(
-        charges: &ChargeCloud,
-        split: &Split<P>,
-        reach_angstrom: f64,
-    ) -> Self {
+    pub fn new(charges: &ChargeCloud, split: &Split, reach_angstrom: f64) -> Self {
         let mut field = Self::boxes(charges, split.radius_angstrom, reach_angstrom);
         let chebyshev = Chebyshev::new();
         let sites = Sites::new(charges);

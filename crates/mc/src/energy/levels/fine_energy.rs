@@ -7,11 +7,10 @@ use super::list::List;
 use super::motion::{Block, Motion};
 use super::neighbours::squares;
 use super::table::{Estimate, Table};
-use crate::energy::SitePotential;
 use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
 
-impl<P: SitePotential> Table<P> {
+impl Table {
     /// The energy with another body at this pose: its charges in the fine table, and the near pairs
     /// of a list that serves here one by one. `None` where the table ends before.
     pub(super) fn fine_energy(
@@ -132,7 +131,7 @@ pub(super) mod tests {
 
     /// The tables of two bodies at poses from touching, where charges are 1.5 Å apart, to 90 Å, with
     /// their direct sum, kT.
-    pub fn for_each_pose(mut check: impl FnMut([&Table<Yukawa>; 2], &RelativePose, f64, String)) {
+    pub fn for_each_pose(mut check: impl FnMut([&Table; 2], &RelativePose, f64, String)) {
         let mut rng = CounterRng::new(71, 0, 0);
         let mut cloud = |radius: f64| {
             let mut charges: Vec<(Vec3, f64)> = Vec::new();

@@ -8,6 +8,7 @@
 use crate::energy::SitePotential;
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::Vec3;
+use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
 
 /// Where equivalent charges are fitted, in radii of the node.
@@ -30,12 +31,12 @@ pub(super) struct Equivalent {
 }
 
 /// The `count` charges that stand best for these, which lie within `radius` of `centre`.
-pub(super) fn fit<P: SitePotential>(
+pub(super) fn fit(
     charges: &[(Vec3, f64)],
     centre: &Vec3,
     radius: f64,
     count: usize,
-    potential: &P,
+    potential: &Yukawa,
 ) -> Equivalent {
     let problem = Problem::new(charges, centre, radius, potential);
     let mut present = problem.start(charges, count);
@@ -72,16 +73,16 @@ struct Slopes {
 }
 
 /// The potential that is to be met, at points with weights.
-struct Problem<'a, P> {
-    potential: &'a P,
+struct Problem<'a> {
+    potential: &'a Yukawa,
     centre: Vec3,
     radius: f64,
     points: Vec<(Vec3, f64)>,
     wanted: DVector<f64>,
 }
 
-impl<'a, P: SitePotential> Problem<'a, P> {
-    fn new(charges: &[(Vec3, f64)], centre: &Vec3, radius: f64, potential: &'a P) -> Self {
+impl<'a> Problem<'a> {
+    fn new(charges: &[(Vec3, f64)], centre: &Vec3, radius: f64, potential: &'a Yukawa) -> Self {
         let near = sphere(NEAR_POINTS, f64::from(FIT_DISTANCE) * radius, 1.0);
         let far = sphere(FAR_POINTS, FAR_DISTANCE * radius, FAR_WEIGHT);
         let points: Vec<(Vec3, f64)> = near.chain(far).map(|(x, w)| (centre + x, w)).collect();
@@ -183,7 +184,7 @@ impl<'a, P: SitePotential> Problem<'a, P> {
     }
 }
 
-fn field<P: SitePotential>(charges: &[(Vec3, f64)], x: &Vec3, potential: &P) -> f64 {
+fn field(charges: &[(Vec3, f64)], x: &Vec3, potential: &Yukawa) -> f64 {
     let at = |(y, q): &(Vec3, f64)| q * potential.at_square((x - y).norm_squared());
     charges.iter().map(at).sum()
 }

@@ -9,7 +9,6 @@ use super::lanes::{BLOCK, prefetch};
 use super::motion::{Block, Motion};
 use super::near::NearPairs;
 use super::table::Table;
-use crate::energy::SitePotential;
 use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
 use std::sync::OnceLock;
@@ -204,11 +203,7 @@ impl List {
     }
 
     /// The energy of all points at this pose; `None` where the table of the first body ends before.
-    pub fn energy_of_points<P: SitePotential>(
-        &self,
-        first: &Table<P>,
-        pose: &RelativePose,
-    ) -> Option<ListEnergy> {
+    pub fn energy_of_points(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
         let close_kt = self.close_energy(first, pose)?;
         Some(ListEnergy {
             expanded_kt: close_kt + self.far_energy(first, pose)?,
@@ -218,11 +213,7 @@ impl List {
     }
 
     /// The same with the expansion in place of the far points once the list has been used a few times.
-    pub fn energy<P: SitePotential>(
-        &self,
-        first: &Table<P>,
-        pose: &RelativePose,
-    ) -> Option<ListEnergy> {
+    pub fn energy(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
         let uses = self.uses.fetch_add(1, Ordering::Relaxed);
         match self.far_points.is_empty() || uses < USES_OF_ALL_POINTS {
             true => self.energy_of_points(first, pose),
@@ -231,11 +222,7 @@ impl List {
     }
 
     /// The same with the expansion.
-    pub fn expanded_energy<P: SitePotential>(
-        &self,
-        first: &Table<P>,
-        pose: &RelativePose,
-    ) -> Option<ListEnergy> {
+    pub fn expanded_energy(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
         let Some(expansion) = self.expansion.get_or_init(|| self.expand(first)) else {
             return self.energy_of_points(first, pose);
         };
@@ -248,7 +235,7 @@ impl List {
         })
     }
 
-    fn expand<P: SitePotential>(&self, first: &Table<P>) -> Option<Expansion> {
+    fn expand(&self, first: &Table) -> Option<Expansion> {
         let reference = Motion::new(&self.reference);
         let (centre, points) = (self.far_centre, &self.far_points);
         match points[..] {
@@ -263,23 +250,19 @@ impl List {
         }
     }
 
-    fn close_energy<P: SitePotential>(&self, first: &Table<P>, pose: &RelativePose) -> Option<f64> {
+    fn close_energy(&self, first: &Table, pose: &RelativePose) -> Option<f64> {
         self.points_energy(first, &self.points, Some(&self.near), pose)
     }
 
     /// The energy of the far points at this pose, kT; `None` where the table of the first body ends
     /// before.
-    pub fn far_energy<P: SitePotential>(
-        &self,
-        first: &Table<P>,
-        pose: &RelativePose,
-    ) -> Option<f64> {
+    pub fn far_energy(&self, first: &Table, pose: &RelativePose) -> Option<f64> {
         self.points_energy(first, &self.far_points, None, pose)
     }
 
-    fn points_energy<P: SitePotential>(
+    fn points_energy(
         &self,
-        first: &Table<P>,
+        first: &Table,
         points: &[Block],
         near: Option<&NearPairs>,
         pose: &RelativePose,
@@ -291,9 +274,9 @@ impl List {
     }
 
     vectorised! {
-        fn sum_of_points[sum_avx512, sum_avx2, sum]<P: SitePotential>(
+        fn sum_of_points[sum_avx512, sum_avx2, sum](
             self: &Self,
-            first: &Table<P>,
+            first: &Table,
             points: &[Block],
             near: Option<&NearPairs>,
             pose: &RelativePose
@@ -302,9 +285,9 @@ impl List {
 
     /// The points' energy in the coarse table, and that of the near pairs.
     #[inline(always)]
-    fn sum<P: SitePotential, const FUSED: bool>(
+    fn sum<const FUSED: bool>(
         &self,
-        first: &Table<P>,
+        first: &Table,
         points: &[Block],
         near: Option<&NearPairs>,
         pose: &RelativePose,
@@ -326,7 +309,7 @@ impl List {
         }
         if let Some(near) = near {
             let from_reference = Motion::between(&self.reference, pose);
-            near.add::<P, FUSED>(&first.split, &motion, &from_reference, &mut sum);
+            near.add::<FUSED>(&first.split, &motion, &from_reference, &mut sum);
         }
         Some(sum.iter().map(|part| f64::from(*part)).sum())
     }

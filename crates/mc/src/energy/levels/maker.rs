@@ -36,12 +36,7 @@ const SEEN_ANGSTROM: f32 = 8.0;
 impl List {
     /// The points of the second body for this pose, nodes standing for charges where they are
     /// farther than `opening` of their radii from the charges of the first and their error is small.
-    pub fn new<P: SitePotential>(
-        first: &Table<P>,
-        second: &Table<P>,
-        reference: &RelativePose,
-        opening: f32,
-    ) -> Self {
+    pub fn new(first: &Table, second: &Table, reference: &RelativePose, opening: f32) -> Self {
         let motion = Motion::new(reference);
         let reach = first.split.radius_angstrom as f32 + SKIN_ANGSTROM;
         let mut maker = Maker {
@@ -61,9 +56,9 @@ impl List {
     }
 }
 
-struct Maker<'a, P> {
-    first: &'a Table<P>,
-    second: &'a Table<P>,
+struct Maker<'a> {
+    first: &'a Table,
+    second: &'a Table,
     motion: Motion,
     /// Charges farther apart than this, Å, stay beyond the near part's range.
     reach: f32,
@@ -77,7 +72,7 @@ struct Maker<'a, P> {
     variance: f32,
 }
 
-impl<P: SitePotential> Maker<'_, P> {
+impl Maker<'_> {
     vectorised! {
         fn choose[choose_avx512, choose_avx2, choose_points](self: &mut Self) -> ()
     }

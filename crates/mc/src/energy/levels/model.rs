@@ -10,19 +10,19 @@ use super::table::Table;
 use crate::energy::direct::direct_energy_kt;
 use crate::energy::reach::{Reach, require_room};
 use crate::energy::{
-    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, SitePotential, all_pairs, finite,
-    sum_of_pairs,
+    Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, finite, sum_of_pairs,
 };
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
 use crate::{BodyType, Result};
+use protomer_kernel::potential::Yukawa;
 use std::sync::Arc;
 
 /// Energies by levels.
 #[derive(Debug, Clone)]
-pub struct Levels<P> {
-    pub(super) potential: P,
-    pub(super) tables: Vec<Arc<Table<P>>>,
+pub struct Levels {
+    pub(super) potential: Yukawa,
+    pub(super) tables: Vec<Arc<Table>>,
     pub(super) calibration: Calibration,
     pub(super) tolerance_kt: Option<f64>,
     pub(super) reach: Reach,
@@ -33,18 +33,18 @@ pub struct Levels<P> {
     pub(super) first_energies: u64,
 }
 
-impl<P: SitePotential> Levels<P> {
+impl Levels {
     /// The model for this potential and system, with a table for each of its body types. Their levels
     /// are compared here.
-    pub fn with_tables(potential: P, system: &System, tables: Vec<Arc<Table<P>>>) -> Self {
+    pub fn with_tables(potential: Yukawa, system: &System, tables: Vec<Arc<Table>>) -> Self {
         let calibration = Calibration::of_system(&potential, system, &tables);
         Self::with_calibration(potential, tables, calibration)
     }
 
     /// The model with tables whose levels have been compared.
     pub fn with_calibration(
-        potential: P,
-        tables: Vec<Arc<Table<P>>>,
+        potential: Yukawa,
+        tables: Vec<Arc<Table>>,
         calibration: Calibration,
     ) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl<P: SitePotential> Levels<P> {
     }
 
     /// The model with tables made here.
-    pub fn for_system(potential: P, system: &System) -> Self {
+    pub fn for_system(potential: Yukawa, system: &System) -> Self {
         let reach = table_reach_angstrom(&potential, system);
         let table = |kind: &Arc<BodyType>| Arc::new(Table::new(&kind.charges, &potential, reach));
         let tables = system.types().iter().map(table).collect();
@@ -153,11 +153,11 @@ struct Reported {
 }
 
 /// How far from its charges a table must reach for this system, Å.
-pub fn table_reach_angstrom<P: SitePotential>(potential: &P, system: &System) -> f64 {
+pub fn table_reach_angstrom(potential: &Yukawa, system: &System) -> f64 {
     Reach::of_multipoles(system, potential).largest_angstrom()
 }
 
-impl<P: SitePotential> EnergyModel for Levels<P> {
+impl EnergyModel for Levels {
     /// That of the direct sum: a cluster move draws a random number for each body in the cells of this
     /// size around a place, and must draw the same ones.
     fn range_angstrom(&self, system: &System) -> f64 {

@@ -7,7 +7,6 @@
 use super::lanes::BLOCK;
 use super::motion::{Motion, length};
 use super::split::Split;
-use crate::energy::SitePotential;
 use protomer_kernel::pose::RelativePose;
 
 /// Groups of pairs that are out of range at the reference pose.
@@ -126,9 +125,9 @@ impl NearPairs {
 
     /// Adds the pairs' near energies at a pose to the lanes of `sum`, kT.
     #[inline(always)]
-    pub fn add<P: SitePotential, const FUSED: bool>(
+    pub fn add<const FUSED: bool>(
         &self,
-        split: &Split<P>,
+        split: &Split,
         motion: &Motion,
         from_reference: &Motion,
         sum: &mut [f32; BLOCK],
@@ -149,12 +148,7 @@ impl NearPairs {
 
     /// The same in double precision.
     #[inline(always)]
-    pub fn energy_kt<P: SitePotential>(
-        &self,
-        split: &Split<P>,
-        pose: &RelativePose,
-        from_reference: &Motion,
-    ) -> f64 {
+    pub fn energy_kt(&self, split: &Split, pose: &RelativePose, from_reference: &Motion) -> f64 {
         let mut sum = [0.0_f64; BLOCK];
         let (r, t) = (&pose.rotation, &pose.translation);
         for block in self.in_range(split.radius_angstrom as f32, from_reference) {
@@ -226,7 +220,7 @@ mod tests {
             let from_reference = Motion::between(&from, &to);
             let fine = pairs.energy_kt(&split, &to, &from_reference);
             let mut sum = [0.0; BLOCK];
-            pairs.add::<_, true>(&split, &Motion::new(&to), &from_reference, &mut sum);
+            pairs.add::<true>(&split, &Motion::new(&to), &from_reference, &mut sum);
             let single = f64::from(sum.iter().sum::<f32>());
             assert!((fine - direct).abs() < 2e-4, "{case}: {fine} {direct}");
             assert!((single - direct).abs() < 1e-3, "{case}: {single} {direct}");

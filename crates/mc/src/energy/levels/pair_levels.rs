@@ -10,7 +10,7 @@ use super::model::Levels;
 use super::sharpening::STEPS;
 use super::table::{Estimate, Table, fine_deviation};
 use crate::Result;
-use crate::energy::{SitePotential, finite, pair_energy_kt};
+use crate::energy::{finite, pair_energy_kt};
 use crate::system::Pair;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
@@ -22,8 +22,8 @@ pub(super) const COARSE: usize = 1;
 pub(super) const FINE: usize = 2;
 pub(super) const DIRECT: usize = FINE + 1 + STEPS;
 
-impl<P: SitePotential> Levels<P> {
-    fn tables_of(&self, (first, second): (usize, usize)) -> (&Table<P>, &Table<P>) {
+impl Levels {
+    fn tables_of(&self, (first, second): (usize, usize)) -> (&Table, &Table) {
         (&self.tables[first], &self.tables[second])
     }
 

@@ -68,9 +68,9 @@ impl Sites {
 
     /// The smooth potential at the Chebyshev points of a cell, and how far the nearest charge is
     /// from its centre. Single precision, which is that of the stored series.
-    pub fn sample<P: SitePotential>(
+    pub fn sample(
         &self,
-        split: &Split<P>,
+        split: &Split,
         chebyshev: &Chebyshev<FINE>,
         centre: [f64; 3],
         edge: f64,
@@ -112,7 +112,7 @@ impl Sites {
     }
 }
 
-impl<P: SitePotential> Split<P> {
+impl Split {
     vectorised! {
         /// The smooth potential of charges at a place, kT/e: of those that may be within the near
         /// part's range, and of those beyond.

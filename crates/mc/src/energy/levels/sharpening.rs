@@ -10,7 +10,6 @@ use super::lanes::BLOCK;
 use super::motion::{Block, Motion, blocks};
 use super::table::Table;
 use crate::charges::LANES;
-use crate::energy::SitePotential;
 use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
@@ -63,7 +62,7 @@ impl Ranking {
     }
 }
 
-impl<P: SitePotential> Table<P> {
+impl Table {
     /// The order in which the charges of another body at this pose leave the table; `None` where the
     /// table ends before.
     pub(super) fn ranking(&self, other: &Self, pose: &RelativePose) -> Option<Ranking> {

@@ -9,14 +9,15 @@
 
 use crate::energy::SitePotential;
 use crate::energy::fused::add;
+use protomer_kernel::potential::Yukawa;
 
 /// Number of coefficients of g.
 const TERMS: usize = 6;
 
 /// The parts of a pair potential.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Split<P> {
-    pub potential: P,
+pub(super) struct Split {
+    pub potential: Yukawa,
     /// R, Å.
     pub radius_angstrom: f64,
     /// g in powers of t - R².
@@ -24,8 +25,8 @@ pub(super) struct Split<P> {
     single: [f32; TERMS],
 }
 
-impl<P: SitePotential> Split<P> {
-    pub fn new(potential: P, radius_angstrom: f64) -> Self {
+impl Split {
+    pub fn new(potential: Yukawa, radius_angstrom: f64) -> Self {
         let polynomial = potential.taylor::<TERMS>(radius_angstrom * radius_angstrom);
         Self {
             potential,

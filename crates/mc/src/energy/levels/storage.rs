@@ -25,6 +25,7 @@ use super::tree::{Node, Tree};
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use crate::{McError, Result};
+use protomer_kernel::potential::Yukawa;
 use sha2::{Digest, Sha256};
 use std::io::{BufWriter, Read, Write};
 
@@ -36,11 +37,11 @@ const FINGERPRINT_LENGTH: usize = 64;
 /// The first line of a comparison; its number is raised when equal tables give another one.
 const FIRST_LINE_OF_CALIBRATION: &[u8; 23] = b"protomer calibration 3\n";
 
-impl<P: SitePotential> Table<P> {
+impl Table {
     /// The SHA-256, in hexadecimal, of all that shapes a table: the charges in their order, the
     /// potential, the reach and the kind of processor, whose vector instructions decide the last
     /// bits.
-    pub fn fingerprint(charges: &ChargeCloud, potential: &P, reach_angstrom: f64) -> String {
+    pub fn fingerprint(charges: &ChargeCloud, potential: &Yukawa, reach_angstrom: f64) -> String {
         let mut hash = Sha256::new();
         hash.update(FIRST_LINE);
         for word in [std::env::consts::ARCH, std::env::consts::OS, instructions()] {
@@ -80,7 +81,7 @@ impl<P: SitePotential> Table<P> {
     pub fn read_from(
         reader: impl Read,
         charges: &ChargeCloud,
-        potential: &P,
+        potential: &Yukawa,
         reach_angstrom: f64,
     ) -> Result<Self> {
         let mut reader = Hashing::new(reader);

@@ -8,8 +8,8 @@ use super::sampler::Sites;
 use super::split::Split;
 use super::tree::Tree;
 use crate::charges::ChargeCloud;
-use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
+use protomer_kernel::potential::Yukawa;
 
 /// The range of the near part, in mean distances of neighbouring charges, and its bounds, Å.
 const NEAR_SPACINGS: f64 = 1.9;
@@ -17,8 +17,8 @@ const NEAR_BOUNDS_ANGSTROM: (f64, f64) = (3.0, 8.0);
 
 /// Immutable, to be shared.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table<P> {
-    pub(super) split: Split<P>,
+pub struct Table {
+    pub(super) split: Split,
     pub(super) tree: Tree,
     pub(super) field: Field,
     pub(super) neighbours: Neighbours,
@@ -33,9 +33,9 @@ pub(super) struct Estimate {
     pub variance: f64,
 }
 
-impl<P: SitePotential> Table<P> {
+impl Table {
     /// The table of these charges, which serves partners as far away as `reach_angstrom`.
-    pub fn new(charges: &ChargeCloud, potential: &P, reach_angstrom: f64) -> Self {
+    pub fn new(charges: &ChargeCloud, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let split = Split::new(*potential, near_radius(charges));
         let tree = Tree::new(charges, potential);
         let field = Field::new(charges, &split, reach_angstrom);
@@ -53,7 +53,12 @@ impl<P: SitePotential> Table<P> {
     }
 
     /// The table with what takes long to make from elsewhere.
-    pub(super) fn assemble(charges: &ChargeCloud, potential: &P, tree: Tree, field: Field) -> Self {
+    pub(super) fn assemble(
+        charges: &ChargeCloud,
+        potential: &Yukawa,
+        tree: Tree,
+        field: Field,
+    ) -> Self {
         let split = Split::new(*potential, near_radius(charges));
         let distance = split.radius_angstrom + f64::from(SKIN_ANGSTROM);
         Self {
@@ -67,7 +72,7 @@ impl<P: SitePotential> Table<P> {
     }
 
     /// The field of a table before its cells are filled.
-    pub(super) fn empty_field(charges: &ChargeCloud, _: &P, reach_angstrom: f64) -> Field {
+    pub(super) fn empty_field(charges: &ChargeCloud, _: &Yukawa, reach_angstrom: f64) -> Field {
         Field::boxes(charges, near_radius(charges), reach_angstrom)
     }
 

@@ -3,8 +3,8 @@
 
 use super::fit::{Equivalent, fit};
 use crate::charges::ChargeCloud;
-use crate::energy::SitePotential;
 use protomer_kernel::Vec3;
+use protomer_kernel::potential::Yukawa;
 
 /// Charges of a leaf, which has no equivalent ones.
 const LEAF: usize = 12;
@@ -43,7 +43,7 @@ pub(super) struct Node {
 }
 
 impl Tree {
-    pub fn new<P: SitePotential>(charges: &ChargeCloud, potential: &P) -> Self {
+    pub fn new(charges: &ChargeCloud, potential: &Yukawa) -> Self {
         let mut tree = Self::without_nodes(charges);
         let mut charges: Vec<(Vec3, f64)> = charges.iter().collect();
         if !charges.is_empty() {
@@ -65,7 +65,7 @@ impl Tree {
     }
 
     /// Adds a node of these charges and its children; its number.
-    fn grow<P: SitePotential>(&mut self, charges: &mut [(Vec3, f64)], potential: &P) -> u32 {
+    fn grow(&mut self, charges: &mut [(Vec3, f64)], potential: &Yukawa) -> u32 {
         let (low, high) = bounds(charges);
         let centre = (low + high) / 2.0;
         let farthest = charges

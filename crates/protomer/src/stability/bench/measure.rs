@@ -25,9 +25,9 @@ pub(super) struct Prepared {
     energy: EnergyMode,
     tolerance_kt: f64,
     /// Of the modes that have tables.
-    levels: Option<Levels<Yukawa>>,
+    levels: Option<Levels>,
     /// Of the mode with cells, which its copies share.
-    certified: Option<Certified<Yukawa>>,
+    certified: Option<Certified>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
@@ -93,13 +93,13 @@ impl Prepared {
     }
 
     /// A model of energies by levels, with the prepared tables if this mode has them.
-    pub(super) fn levels(&self) -> Levels<Yukawa> {
+    pub(super) fn levels(&self) -> Levels {
         let prepared = self.levels.clone();
         prepared.unwrap_or_else(|| Levels::for_system(self.yukawa, &self.system))
     }
 
     /// The same of energies with proven bounds.
-    fn certified(&self) -> Certified<Yukawa> {
+    fn certified(&self) -> Certified {
         let prepared = self.certified.clone();
         prepared.unwrap_or_else(|| Certified::for_system(self.yukawa, &self.system))
     }

@@ -1,7 +1,6 @@
 //! The parts of a move's cost: a model of energies that watches the one inside it. Only the
 //! benchmark uses it, so ordinary runs carry no clocks.
 
-use protomer_kernel::potential::Yukawa;
 use protomer_mc::Result;
 use protomer_mc::energy::levels::Levels;
 use protomer_mc::energy::{Effort, EnergyModel, PairEnergy, Pairs};
@@ -46,13 +45,13 @@ impl Readings {
 
 /// Energies by levels with a clock.
 pub(super) struct Metered {
-    inner: Levels<Yukawa>,
+    inner: Levels,
     readings: Arc<Mutex<Readings>>,
 }
 
 impl Metered {
     /// Watches this model and writes down what it sees.
-    pub(super) fn new(inner: Levels<Yukawa>, readings: Arc<Mutex<Readings>>) -> Self {
+    pub(super) fn new(inner: Levels, readings: Arc<Mutex<Readings>>) -> Self {
         Self { inner, readings }
     }
 
@@ -60,10 +59,7 @@ impl Metered {
         change(&mut self.readings.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    fn watched(
-        &mut self,
-        decide: impl FnOnce(&mut Levels<Yukawa>) -> Result<bool>,
-    ) -> Result<bool> {
+    fn watched(&mut self, decide: impl FnOnce(&mut Levels) -> Result<bool>) -> Result<bool> {
         let (before, start) = (Counts::of(&self.inner), Instant::now());
         let decision = decide(&mut self.inner);
         let (time, after) = (start.elapsed(), Counts::of(&self.inner));
@@ -80,7 +76,7 @@ impl Metered {
         decision
     }
 
-    fn kept(&mut self, keep: impl FnOnce(&mut Levels<Yukawa>)) {
+    fn kept(&mut self, keep: impl FnOnce(&mut Levels)) {
         let start = Instant::now();
         keep(&mut self.inner);
         let time = start.elapsed();
@@ -95,7 +91,7 @@ struct Counts {
 }
 
 impl Counts {
-    fn of(model: &Levels<Yukawa>) -> Self {
+    fn of(model: &Levels) -> Self {
         let decided = model.decided();
         Self {
             refined: decided.coarse + decided.fine + decided.direct,

@@ -5,7 +5,6 @@ use super::mutations::{Scan, ScannedSalt};
 use super::settings::ResiduesSettings;
 use anyhow::{Context, Result};
 use protomer_kernel::Pose;
-use protomer_kernel::potential::Yukawa;
 use protomer_mc::System;
 use protomer_mc::contributions::{
     Averages, Contributions, ResiduesOfKind, Response, StateEnergies,
@@ -66,7 +65,7 @@ pub fn analyse(
     Ok((averages, scanned))
 }
 
-fn contributions(settings: &ResiduesSettings, at: &AtSalt) -> Result<Contributions<Yukawa>> {
+fn contributions(settings: &ResiduesSettings, at: &AtSalt) -> Result<Contributions> {
     let system = at.engine.system()?;
     let mut kinds = Vec::new();
     for (body, kind) in at.engine.assembly().bodies.iter().zip(system.types()) {

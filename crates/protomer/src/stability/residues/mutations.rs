@@ -10,7 +10,6 @@ use anyhow::Result;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::chemistry::protonation::side_chain_groups;
 use protomer_body::{Body, Residue};
-use protomer_kernel::potential::Yukawa;
 use protomer_mc::System;
 use protomer_mc::contributions::{
     ChargeSites, Contributions, Mean, ResiduePlaces, Response, charge_sites, mean_of_blocks,
@@ -115,7 +114,7 @@ impl Scan {
     }
 
     /// No frames yet.
-    pub fn at(&self, at: &AtSalt, contributions: &Contributions<Yukawa>) -> ScannedSalt {
+    pub fn at(&self, at: &AtSalt, contributions: &Contributions) -> ScannedSalt {
         let bodies = &at.engine.assembly().bodies;
         let is_effective = at.engine.effective_bodies().is_some();
         let mut effective_per_charge = Vec::new();

@@ -181,8 +181,8 @@ fn is_condition(path: &Path) -> bool {
 /// at their next step and keep their progress.
 ///
 /// ```
-/// use protomer::hard_bodies::settings::HardBodySettings;
-/// use protomer::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
+/// use protomer_convex::hard_bodies::settings::HardBodySettings;
+/// use protomer_convex::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
 /// use protomer_results::Execution;
 /// let settings = HardBodySweepSettings {
 ///     packing_fractions: vec![0.05, 0.1],

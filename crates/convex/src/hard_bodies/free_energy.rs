@@ -288,7 +288,7 @@ fn table_of(points: &[PointResult]) -> Result<String> {
 /// a file that cannot be written.
 ///
 /// ```
-/// use protomer::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+/// use protomer_convex::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
 /// use protomer_results::Execution;
 /// let settings = FreeEnergySettings {
 ///     shape: "rod:1".into(),

@@ -77,7 +77,7 @@ impl Answer for ShapeReport {
 /// with other content, unless `force` is set.
 ///
 /// ```
-/// let cube = protomer::shapes::measure_shape("cube", 0.1, None, false)?;
+/// let cube = protomer_convex::shapes::measure_shape("cube", 0.1, None, false)?;
 /// assert_eq!(cube.corners, 8);
 /// assert!(cube.volume > 1.0);
 /// # Ok::<(), anyhow::Error>(())

@@ -150,7 +150,7 @@ impl HardBodySettings {
 /// Names the part that is not two numbers.
 ///
 /// ```
-/// use protomer::hard_bodies::settings::parse_depletants;
+/// use protomer_convex::hard_bodies::settings::parse_depletants;
 /// let kinds = parse_depletants("0.1:20,0.2:1.5")?;
 /// assert_eq!((kinds[1].radius, kinds[1].fugacity), (0.2, 1.5));
 /// assert!(parse_depletants("0.1").is_err());

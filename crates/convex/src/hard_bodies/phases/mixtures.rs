@@ -11,7 +11,7 @@ use protomer_hpmc::tangent;
 /// For a size ratio that is not positive, or a negative packing fraction.
 ///
 /// ```
-/// let found = protomer::hard_bodies::phases::phases_of_mixtures(&[0.1], &[0.05])?;
+/// let found = protomer_convex::hard_bodies::phases::phases_of_mixtures(&[0.1], &[0.05])?;
 /// assert_eq!(found.coexistences[0].phases, ["fluid", "solid"]);
 /// assert!((found.coexistences[0].packing_fractions[0] - 0.4854011093).abs() < 1e-9);
 /// # Ok::<(), anyhow::Error>(())

@@ -75,7 +75,7 @@ impl Answer for StaticFreeVolumes {
 /// For a shape in a plane, an unknown crystal, bodies that overlap in it, and numbers that are not positive.
 ///
 /// ```
-/// use protomer::hard_bodies::static_free_volume::{StaticFreeVolumeSettings, static_free_volumes};
+/// use protomer_convex::hard_bodies::static_free_volume::{StaticFreeVolumeSettings, static_free_volumes};
 /// let found = static_free_volumes(&StaticFreeVolumeSettings {
 ///     shape: "cube".into(),
 ///     rounding_radius: 0.0,

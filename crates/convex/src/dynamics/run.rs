@@ -133,7 +133,7 @@ impl Answer for DynamicsResult {
 /// cannot be written, and bodies that overlap in motion.
 ///
 /// ```
-/// use protomer::dynamics::{run::run_dynamics, settings::DynamicsSettings};
+/// use protomer_convex::dynamics::{run::run_dynamics, settings::DynamicsSettings};
 /// use protomer_results::Execution;
 /// let settings = DynamicsSettings {
 ///     bodies: 36,

@@ -67,7 +67,7 @@ impl Answer for SharedVolumes {
 /// Names the file and the pair, and what is wrong with it.
 ///
 /// ```
-/// use protomer::shapes::overlap::shared_volumes;
+/// use protomer_convex::shapes::overlap::shared_volumes;
 /// # let folder = tempfile::tempdir()?;
 /// let file = folder.path().join("pairs.json");
 /// let pair = r#"{"a": "cube", "b": "cube", "position": [1.05, 0, 0], "depletant_radius": 0.1}"#;

@@ -2,9 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
-use protomer::dynamics::log::LogRow;
-use protomer::dynamics::run::run_dynamics;
-use protomer::dynamics::settings::{DynamicsSettings, EnsembleName, Potential};
+use protomer_convex::dynamics::log::LogRow;
+use protomer_convex::dynamics::run::run_dynamics;
+use protomer_convex::dynamics::settings::{DynamicsSettings, EnsembleName, Potential};
 use protomer_io::gsd::{ChunkData, GsdFile};
 use protomer_results::{Execution, log};
 use std::path::Path;

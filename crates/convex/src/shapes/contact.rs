@@ -78,7 +78,7 @@ fn vector([x, y, z]: &[f64; 3]) -> String {
 /// Names the file and the pair, and what is wrong with it.
 ///
 /// ```
-/// use protomer::shapes::contact::contacts;
+/// use protomer_convex::shapes::contact::contacts;
 /// use protomer_md::pair::Form;
 /// # let folder = tempfile::tempdir()?;
 /// let file = folder.path().join("pairs.json");

@@ -58,7 +58,7 @@ const LAYOUT: Layout = Layout {
 /// work, and a file that cannot be written.
 ///
 /// ```
-/// use protomer::hard_bodies::{run::run_hard_bodies, settings::HardBodySettings};
+/// use protomer_convex::hard_bodies::{run::run_hard_bodies, settings::HardBodySettings};
 /// use protomer_results::Execution;
 /// let settings = HardBodySettings {
 ///     shape: "cube".into(),

@@ -69,7 +69,7 @@ pub enum EnsembleName {
 /// units: bodies of area or volume one (unless their size is kept) and density one, energy ε.
 ///
 /// ```
-/// use protomer::dynamics::settings::DynamicsSettings;
+/// use protomer_convex::dynamics::settings::DynamicsSettings;
 /// let settings = DynamicsSettings { bodies: 64, ..DynamicsSettings::default() };
 /// settings.check()?;
 /// assert!(DynamicsSettings { packing_fraction: 1.2, ..settings }.check().is_err());
