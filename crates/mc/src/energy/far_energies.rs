@@ -1,6 +1,6 @@
 //! A bound of what two bodies hold, looked up by their distance.
 
-use super::SitePotential;
+use super::FarField;
 use crate::system::System;
 use protomer_kernel::potential::Yukawa;
 
@@ -20,7 +20,9 @@ impl FarEnergies {
     /// Out to the reach.
     pub fn new(system: &System, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let types = system.types().iter();
-        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
+        let fields: Vec<_> = types
+            .map(|of| FarField::new(&of.charges, potential))
+            .collect();
         let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;
         let distances: Vec<f64> = (0..=steps)
             .map(|step| step as f64 * Self::STEP_ANGSTROM)
@@ -28,7 +30,11 @@ impl FarEnergies {
         let mut by_types = Vec::with_capacity(fields.len() * fields.len());
         for first in &fields {
             for second in &fields {
-                by_types.push(potential.far_energies_kt([first, second], &distances));
+                let largest_energy_kt = first.largest_energy_kt(second, potential);
+                let energies = distances
+                    .iter()
+                    .map(|distance| largest_energy_kt(*distance));
+                by_types.push(energies.collect());
             }
         }
         Self {

@@ -25,7 +25,7 @@ pub use direct::DirectSum;
 pub use far_field::FarField;
 pub use none::NoCharges;
 pub use pair_sum::pair_energy_kt;
-pub use potential::SitePotential;
+pub(crate) use potential::SitePotential;
 pub use residue_contacts::{BeadPair, ContactPotential};
 pub use with_terms::{TermsByType, WithTerms};
 

@@ -1,18 +1,15 @@
-//! What the ways to sum an interaction need to know of it.
+//! What sums, tables and trees of charges need to know of their potential.
 //!
-//! An interaction is a pair potential of sites: E = Σ q_k q_l v(r_kl) over the sites k, l of different
-//! bodies. [`SitePotential`] is all that direct sums, tables, trees and their errors ask of v. Screened
-//! charges ([`Yukawa`]) are the only interaction of this kind, so types name it: generic ones would be
+//! The energy is a sum of a pair potential over sites: E = Σ q_k q_l v(r_kl) over the sites k, l of
+//! different bodies. [`Yukawa`] is the only v so far. Types name it: types generic over v would be
 //! compiled anew in every crate that uses them.
 
-use super::far_field::FarField;
 use super::fused::add;
-use crate::charges::ChargeCloud;
 use protomer_kernel::potential::{Yukawa, exp_of_minus};
 
 /// A pair potential v(r) of sites of unit strength, a smooth function of the squared distance t = r²
 /// for t > 0.
-pub trait SitePotential: Copy + Send + Sync + 'static {
+pub(crate) trait SitePotential {
     /// v at a squared distance (Å²), kT. Compiled into vector loops: without branches and calls.
     fn at_square(&self, square_angstrom2: f64) -> f64;
 
@@ -25,20 +22,6 @@ pub trait SitePotential: Copy + Send + Sync + 'static {
 
     /// The largest |∂ⁿv|/n!, along any line, at this distance and all larger ones, kT/Åⁿ.
     fn derivative_bound(&self, order: usize, distance_angstrom: f64) -> f64;
-
-    /// The distance beyond which two sites whose strengths multiply to `product` hold less than
-    /// `energy_kt`, Å.
-    fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64;
-
-    /// The multipoles of charges, as [`far_reach_angstrom`](Self::far_reach_angstrom) wants them.
-    fn far_field(&self, charges: &ChargeCloud) -> FarField;
-
-    /// The distance of origins beyond which two bodies hold less than `energy_kt`, Å.
-    fn far_reach_angstrom(&self, bodies: [&FarField; 2], energy_kt: f64) -> f64;
-
-    /// The most that two bodies can hold at these distances of their origins (Å, ascending), kT; nowhere
-    /// rising.
-    fn far_energies_kt(&self, bodies: [&FarField; 2], distances_angstrom: &[f64]) -> Vec<f64>;
 
     /// The distance at which the potential jumps to zero, if it does.
     fn cutoff_angstrom(&self) -> Option<f64>;
@@ -107,30 +90,6 @@ impl SitePotential for Yukawa {
         }
         let power = distance_angstrom.powi(order as i32 + 1);
         self.bjerrum_length_angstrom * (-screened).exp() * sum / power
-    }
-
-    fn reach_angstrom(&self, product: f64, energy_kt: f64) -> f64 {
-        Yukawa::reach_angstrom(self, product, energy_kt)
-    }
-
-    fn far_field(&self, charges: &ChargeCloud) -> FarField {
-        FarField::new(charges, self)
-    }
-
-    fn far_reach_angstrom(&self, [first, second]: [&FarField; 2], energy_kt: f64) -> f64 {
-        first.reach_angstrom(second, self, energy_kt)
-    }
-
-    fn far_energies_kt(
-        &self,
-        [first, second]: [&FarField; 2],
-        distances_angstrom: &[f64],
-    ) -> Vec<f64> {
-        let largest_energy_kt = first.largest_energy_kt(second, self);
-        let distances = distances_angstrom.iter();
-        distances
-            .map(|distance| largest_energy_kt(*distance))
-            .collect()
     }
 
     fn cutoff_angstrom(&self) -> Option<f64> {

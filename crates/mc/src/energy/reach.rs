@@ -1,6 +1,6 @@
 //! How far bodies interact, and which images of a body that is.
 
-use super::SitePotential;
+use super::{FarField, SitePotential};
 use crate::system::{Pair, System};
 use crate::{McError, Result};
 use protomer_kernel::cells::require_minimum_image;
@@ -54,11 +54,13 @@ impl Reach {
     /// Beyond it, bodies surely hold less than this, by their multipoles.
     pub fn beyond(system: &System, potential: &Yukawa, energy_kt: f64) -> Self {
         let types = system.types().iter();
-        let fields: Vec<_> = types.map(|of| potential.far_field(&of.charges)).collect();
+        let fields: Vec<_> = types
+            .map(|of| FarField::new(&of.charges, potential))
+            .collect();
         let mut distances = Vec::with_capacity(fields.len() * fields.len());
         for first in &fields {
             for second in &fields {
-                distances.push(potential.far_reach_angstrom([first, second], energy_kt));
+                distances.push(first.reach_angstrom(second, potential, energy_kt));
             }
         }
         Self::of_types(system, distances)

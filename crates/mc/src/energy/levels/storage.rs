@@ -88,7 +88,7 @@ impl Table {
         let fingerprint = Self::fingerprint(charges, potential, reach_angstrom);
         read_head(&mut reader, FIRST_LINE, &fingerprint)?;
         let tree = Tree::read_from(&mut reader, charges).map_err(failed)?;
-        let mut field = Self::empty_field(charges, potential, reach_angstrom);
+        let mut field = Self::empty_field(charges, reach_angstrom);
         let cells = field.number_cells(&Sites::new(charges)).len();
         field.read_cells(cells, &mut reader).map_err(failed)?;
         read_hash(reader)?;

@@ -72,7 +72,7 @@ impl Table {
     }
 
     /// The field of a table before its cells are filled.
-    pub(super) fn empty_field(charges: &ChargeCloud, _: &Yukawa, reach_angstrom: f64) -> Field {
+    pub(super) fn empty_field(charges: &ChargeCloud, reach_angstrom: f64) -> Field {
         Field::boxes(charges, near_radius(charges), reach_angstrom)
     }
 
