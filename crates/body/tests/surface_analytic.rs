@@ -70,6 +70,24 @@ fn balls_keep_their_area_and_volume() {
     }
 }
 
+/// The first mesh of a large shell is coarse; that of a small one beside it is not.
+#[test]
+fn a_small_ball_beside_a_large_one_keeps_its_shape() {
+    let solid = Balls::new(&[(0.1, 0.2, 0.3, 12.0), (16.0, 0.0, 0.0, 1.2)]);
+    let (mesh, _) = mesh_of(&solid, 1.0, None);
+    let shells = mesh.shells().unwrap();
+    assert_eq!(shells.len(), 2);
+    for shell in shells {
+        let radius = if shell.vertices[0].x > 14.0 {
+            1.2
+        } else {
+            12.0
+        };
+        let (area, volume) = errors(&shell, ball(radius));
+        assert!(area < 0.01 && volume < 0.002, "{radius}: {area} {volume}");
+    }
+}
+
 #[test]
 fn the_number_of_vertices_follows_the_density() {
     for density in [0.25, 1.0, 4.0, 16.0] {

@@ -1,10 +1,10 @@
 //! From an implicit solid to its mesh: extract, remesh, calibrate, check.
 
 use super::calibrate::{Target, calibrate};
-use super::extract::extract;
+use super::extract::{FirstEdges, extract};
 use super::frame::Frame;
 use super::implicit::ImplicitSolid;
-use super::remesh::{HalfEdgeMesh, remesh};
+use super::remesh::{HalfEdgeMesh, SHORT_EDGES_PER_ANGSTROM2, remesh};
 use crate::{BodyError, Result};
 use protomer_kernel::mesh::Topology;
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -22,6 +22,11 @@ const ATTEMPTS: usize = 3;
 /// Edges of the first mesh, in units of density^(-1/2), which is about the length of those of the
 /// final mesh.
 const FIRST_EDGE: f64 = 0.65;
+/// The same in large shells at [`SHORT_EDGES_PER_ANGSTROM2`] and above. Longer edges than these would
+/// cut the corners of small shapes.
+const FIRST_SHORT_EDGE: f64 = 1.0;
+/// A large shell has this many times the vertices that every shell gets at least.
+const LARGE: f64 = 2.0;
 
 /// What a mesh should be like.
 ///
@@ -131,10 +136,10 @@ pub(crate) fn mesh_in_full(
     let centres: Vec<Vec3> = solid.cover().iter().map(|(centre, _)| *centre).collect();
     let frame = Frame::of_points(&centres);
     let mut spacing = settings.base_spacing_angstrom;
-    let first_edge = FIRST_EDGE * settings.density_per_angstrom2.powf(-0.5);
+    let first_edges = settings.first_edges();
     let mut last = no_surface();
     for _ in 0..ATTEMPTS {
-        let first = extract(solid, &frame, spacing, first_edge)?;
+        let first = extract(solid, &frame, spacing, &first_edges)?;
         settings.check_size(&first)?;
         if !first.triangles.is_empty() {
             match finish(first, solid, settings, goal) {
@@ -221,6 +226,20 @@ impl MeshSettings {
             ),
             remedy: "ask for a lower density".into(),
         })
+    }
+
+    fn first_edges(&self) -> FirstEdges {
+        let density = self.density_per_angstrom2;
+        let in_large_shells = if density < SHORT_EDGES_PER_ANGSTROM2 {
+            FIRST_EDGE
+        } else {
+            FIRST_SHORT_EDGE
+        };
+        FirstEdges {
+            large_shell_angstrom2: LARGE * self.fewest_vertices_per_shell as f64 / density,
+            in_large_shells_angstrom: in_large_shells * density.powf(-0.5),
+            in_small_shells_angstrom: FIRST_EDGE * density.powf(-0.5),
+        }
     }
 
     pub(crate) fn check(&self) -> Result<()> {

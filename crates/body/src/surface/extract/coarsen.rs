@@ -14,21 +14,15 @@ use super::lattice::Cell;
 pub(super) struct Patches {
     /// The patch of each vertex of the dual: one of its members.
     patch: Vec<u32>,
-    size: Vec<u32>,
+    size: Vec<usize>,
     apart: Vec<bool>,
 }
 
 impl Patches {
-    /// Patches of at most `width` cells along each axis.
-    pub(super) fn merged(dual: &Dual, width: i32) -> Self {
-        let mut patch = united(dual, width);
-        for vertex in 0..patch.len() {
-            patch[vertex] = root(&mut patch, vertex as u32);
-        }
-        let mut size = vec![0; patch.len()];
-        for root in &patch {
-            size[*root as usize] += 1;
-        }
+    /// Patches of at most so many cells along each axis.
+    pub(super) fn merged(dual: &Dual, widths: &Widths) -> Self {
+        let patch = united(dual, widths);
+        let size = sizes(&patch);
         let apart = vec![false; patch.len()];
         let mut patches = Self { patch, size, apart };
         let doubled_euler = patches.doubled_euler_numbers(dual);
@@ -101,24 +95,58 @@ impl Patches {
     }
 }
 
-/// A forest over the vertices: neighbours in the same coarse cell are in the same tree.
-fn united(dual: &Dual, width: i32) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..dual.tiles.len() as u32).collect();
-    if width == 1 {
-        return parent;
+/// The width of patches along each axis, in cells.
+pub(super) struct Widths {
+    pub(super) of_large_shells: i32,
+    pub(super) of_small_shells: i32,
+    /// Shells with fewer tiles than this are small.
+    pub(super) tiles_of_large_shells: usize,
+}
+
+/// For each vertex the root of a tree that holds its neighbours in the same coarse cell.
+fn united(dual: &Dual, widths: &Widths) -> Vec<u32> {
+    let coarse_cell = |tile: &Tile, width: i32| tile.cell.map(|x| x.div_euclid(width));
+    let (large, small) = (widths.of_large_shells, widths.of_small_shells);
+    if large == small {
+        return forest(dual, |tile, _| coarse_cell(tile, large));
     }
-    let coarse_cell = |tile: &Tile| tile.cell.map(|x| x.div_euclid(width));
-    let coarse_cells: Vec<Cell> = dual.tiles.iter().map(coarse_cell).collect();
+    let shells = forest(dual, |_, _| [0; 3]);
+    let tiles = sizes(&shells);
+    forest(dual, |tile, vertex| {
+        let is_large = tiles[shells[vertex] as usize] >= widths.tiles_of_large_shells;
+        coarse_cell(tile, if is_large { large } else { small })
+    })
+}
+
+/// For each vertex the root of a tree that holds its neighbours in the same cell.
+fn forest(dual: &Dual, cell: impl Fn(&Tile, usize) -> Cell) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..dual.tiles.len() as u32).collect();
+    let mut cells = Vec::with_capacity(dual.tiles.len());
+    for (vertex, tile) in dual.tiles.iter().enumerate() {
+        cells.push(cell(tile, vertex));
+    }
     for quad in &dual.quads {
         for i in 0..4 {
             let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);
-            if a != b && coarse_cells[a as usize] == coarse_cells[b as usize] {
+            if a != b && cells[a as usize] == cells[b as usize] {
                 let (a, b) = (root(&mut parent, a), root(&mut parent, b));
                 parent[a.max(b) as usize] = a.min(b);
             }
         }
     }
+    for vertex in 0..parent.len() {
+        parent[vertex] = root(&mut parent, vertex as u32);
+    }
     parent
+}
+
+/// How many vertices each root has.
+fn sizes(roots: &[u32]) -> Vec<usize> {
+    let mut sizes = vec![0; roots.len()];
+    for root in roots {
+        sizes[*root as usize] += 1;
+    }
+    sizes
 }
 
 fn root(parent: &mut [u32], mut vertex: u32) -> u32 {

@@ -24,8 +24,20 @@ use super::implicit::ImplicitSolid;
 use crate::Result;
 use protomer_kernel::TriangleMesh;
 
+/// The surface of a plain cube, two cells wide, as its one tile: about this part of the squared edge
+/// of the cube on average over all directions.
+const TILE_AREA: f64 = 2.0 / 3.0;
+
+/// About how far apart the vertices of the first mesh are.
+pub struct FirstEdges {
+    /// In shells of this area or more, Å².
+    pub large_shell_angstrom2: f64,
+    pub in_large_shells_angstrom: f64,
+    pub in_small_shells_angstrom: f64,
+}
+
 /// The surface of `solid` on a lattice of cubes of edge `spacing_angstrom`, placed in `frame`, with
-/// vertices about `edge_angstrom` apart where that keeps the topology; they lie on the surface to
+/// vertices as far apart as `edges` says where that keeps the topology; they lie on the surface to
 /// about a tenth of that.
 ///
 /// # Errors
@@ -34,14 +46,20 @@ pub fn extract(
     solid: &dyn ImplicitSolid,
     frame: &Frame,
     spacing_angstrom: f64,
-    edge_angstrom: f64,
+    edges: &FirstEdges,
 ) -> Result<TriangleMesh> {
     let lattice = lattice::SparseLattice::around(solid, frame, spacing_angstrom)?;
-    // In cells; plain cubes have two along an edge.
-    let width = 2.0
-        * (0.5 * edge_angstrom / spacing_angstrom)
-            .round()
-            .clamp(1.0, 8.0);
     let dual = dual::quadrangles(&lattice);
-    Ok(polygons::triangulate(&lattice, &dual, width as i32))
+    let tile_angstrom2 = TILE_AREA * (2.0 * spacing_angstrom).powi(2);
+    let widths = coarsen::Widths {
+        of_large_shells: width(edges.in_large_shells_angstrom / spacing_angstrom),
+        of_small_shells: width(edges.in_small_shells_angstrom / spacing_angstrom),
+        tiles_of_large_shells: (edges.large_shell_angstrom2 / tile_angstrom2) as usize,
+    };
+    Ok(polygons::triangulate(&lattice, &dual, &widths))
+}
+
+/// The width of patches with edges of this length, both in cells; plain cubes have two along an edge.
+fn width(edge: f64) -> i32 {
+    2 * (0.5 * edge).round().clamp(1.0, 8.0) as i32
 }

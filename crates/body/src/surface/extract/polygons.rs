@@ -3,7 +3,7 @@
 //! Every quadrangle of the dual whose corners belong to three or four patches is a polygon of the
 //! mesh.
 
-use super::coarsen::{EdgeCounts, Patches};
+use super::coarsen::{EdgeCounts, Patches, Widths};
 use super::dual::{Dual, NOTHING, Quad};
 use super::lattice::{Cell, SparseLattice};
 use crate::surface::hashing::FastMap;
@@ -12,15 +12,14 @@ use protomer_kernel::{TriangleMesh, Vec3};
 /// A patch needs at least this many corners in a triangle mesh.
 const FEWEST_CORNERS: u32 = 3;
 
-/// The mesh of a dual surface whose vertices are merged within `width` cells; empty if the dual is
-/// not closed.
-pub(super) fn triangulate(lattice: &SparseLattice, dual: &Dual, width: i32) -> TriangleMesh {
+/// The mesh of a dual surface whose vertices are merged; empty if the dual is not closed.
+pub(super) fn triangulate(lattice: &SparseLattice, dual: &Dual, widths: &Widths) -> TriangleMesh {
     for quad in &dual.quads {
         if quad.corners.contains(&NOTHING) {
             return TriangleMesh::default();
         }
     }
-    let mut patches = Patches::merged(dual, width);
+    let mut patches = Patches::merged(dual, widths);
     loop {
         let (edges, is_settled) = count_edges(dual, &mut patches);
         if is_settled {

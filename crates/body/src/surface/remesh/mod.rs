@@ -15,8 +15,14 @@ use crate::Result;
 use operations::{Onto, Remesher};
 use protomer_kernel::TriangleMesh;
 
-/// Rounds of split, collapse, flip and relax.
-const ROUNDS: usize = 3;
+/// From this density on edges are short: about 1 Å long, less than the radius of an atom or a probe.
+pub(super) const SHORT_EDGES_PER_ANGSTROM2: f64 = 1.0;
+/// Rounds of relax, split, collapse and flip.
+const ROUNDS: [Onto; 3] = [Onto::About; 3];
+/// With short edges, what strays from the surface in one round is little, and the next one pulls it
+/// back.
+const ROUNDS_WITH_SHORT_EDGES: [Onto; 3] =
+    [Onto::PlaneWhereFlat, Onto::About, Onto::PlaneWhereFlat];
 
 /// The same surface at `density_per_angstrom2` vertices per Å², with at least `fewest_vertices` on
 /// every shell.
@@ -32,10 +38,15 @@ pub(crate) fn remesh(
     let start = |mesh| Remesher::new(mesh, solid, density_per_angstrom2, fewest_vertices);
     let mut coarse = start(HalfEdgeMesh::new(mesh)?);
     coarse.collapse_short_edges();
-    // The first mesh is finer than the last: renumber what is left.
+    // Where the first mesh is finer than the last, few are left: renumber them.
     let mut remesher = start(coarse.into_mesh().compacted());
-    for _ in 0..ROUNDS {
-        remesher.relax(Onto::About);
+    let rounds = if density_per_angstrom2 < SHORT_EDGES_PER_ANGSTROM2 {
+        ROUNDS
+    } else {
+        ROUNDS_WITH_SHORT_EDGES
+    };
+    for onto in rounds {
+        remesher.relax(onto);
         remesher.grade_lengths();
         remesher.adjust_lengths();
         remesher.split_long_edges();

@@ -30,11 +30,18 @@ const SPLIT_PASSES: usize = 10;
 /// When less than one in so many half-edges was split, the rest can wait for the next round.
 const FEW: u32 = 200;
 
-/// How well relaxed vertices lie on the surface.
+/// Triangles at a vertex are nearly in a plane from this [`Pull::flatness`] on.
+const FLAT: f64 = 0.85;
+
+/// What relaxed vertices are moved onto.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Onto {
-    /// As far as one step takes them.
+    /// Where the triangles around them are nearly in a plane, that plane, which asks nothing of the
+    /// surface; elsewhere as [`Self::About`].
+    PlaneWhereFlat,
+    /// The surface, as far as one step takes them.
     About,
+    /// The surface.
     Exactly,
 }
 
@@ -230,21 +237,22 @@ impl<'a> Remesher<'a> {
             for spoke in self.mesh.leaving(vertex) {
                 ring.push(self.mesh.position(self.mesh.ends(spoke).1));
             }
-            if let Some(pull) = pull(&self.mesh.position(vertex), &ring) {
-                self.move_along_surface(vertex, pull, onto, &ring);
+            if let Some(pull) = Pull::of(&self.mesh.position(vertex), &ring) {
+                self.move_along_surface(vertex, &pull, onto, &ring);
             }
         }
     }
 
-    /// Moves a vertex by a displacement, or half of it, or none, and onto the surface: as far as
-    /// the triangles at it stay in shape. `ring` are its neighbours.
-    fn move_along_surface(&mut self, vertex: u32, displacement: Vec3, onto: Onto, ring: &[Vec3]) {
+    /// Moves a vertex by a pull, or half of it, or none, and onto the surface: as far as the triangles
+    /// at it stay in shape. `ring` are its neighbours.
+    fn move_along_surface(&mut self, vertex: u32, pull: &Pull, onto: Onto, ring: &[Vec3]) {
         let here = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
         for fraction in [1.0, 0.5, 0.0] {
-            let place = here + displacement * fraction;
+            let place = here + pull.displacement * fraction;
             let (projected, normal) = match onto {
-                Onto::About => self.solid.pull(&place),
+                Onto::PlaneWhereFlat if pull.flatness > FLAT => (place, pull.normal),
+                Onto::PlaneWhereFlat | Onto::About => self.solid.pull(&place),
                 Onto::Exactly => self.solid.project(&place),
             };
             let is_near =
@@ -310,21 +318,37 @@ fn sides(ring: &[Vec3]) -> impl Iterator<Item = (&Vec3, &Vec3)> {
     ring.iter().zip(before)
 }
 
-/// From a vertex to the area-weighted centre of its neighbourhood, within the mean plane there;
-/// `None` for a vertex without triangles, or with triangles without area.
-fn pull(here: &Vec3, ring: &[Vec3]) -> Option<Vec3> {
-    let (mut weight, mut centre, mut normal) = (0.0, Vec3::zeros(), Vec3::zeros());
-    for (p, q) in sides(ring) {
-        let (p, q) = (p - here, q - here);
-        let area = p.cross(&q);
-        let size = area.norm();
-        weight += size;
-        normal += area;
-        centre += (p + q) * size;
+/// What draws a vertex to the middle of its neighbourhood.
+struct Pull {
+    /// To the area-weighted centre, within the mean plane of the triangles at the vertex.
+    displacement: Vec3,
+    /// Unit normal of that plane.
+    normal: Vec3,
+    /// Area of the triangles as seen along the normal, of their whole area: 1 where they are in a
+    /// plane.
+    flatness: f64,
+}
+
+impl Pull {
+    /// `None` for a vertex without triangles, or with triangles without area.
+    fn of(here: &Vec3, ring: &[Vec3]) -> Option<Self> {
+        let (mut area, mut centre, mut vector) = (0.0, Vec3::zeros(), Vec3::zeros());
+        for (p, q) in sides(ring) {
+            let (p, q) = (p - here, q - here);
+            let normal = p.cross(&q);
+            let size = normal.norm();
+            area += size;
+            vector += normal;
+            centre += (p + q) * size;
+        }
+        let normal = vector.try_normalize(f64::MIN_POSITIVE)?;
+        let pull = centre / (3.0 * area);
+        Some(Self {
+            displacement: pull - normal * pull.dot(&normal),
+            normal,
+            flatness: vector.dot(&normal) / area,
+        })
     }
-    let normal = normal.try_normalize(f64::MIN_POSITIVE)?;
-    let pull = centre / (3.0 * weight);
-    Some(pull - normal * pull.dot(&normal))
 }
 
 /// Corners of the two triangles (a, b, c) and (b, a, d) beside an edge a-b.
