@@ -78,14 +78,25 @@ fn a_small_ball_beside_a_large_one_keeps_its_shape() {
     let shells = mesh.shells().unwrap();
     assert_eq!(shells.len(), 2);
     for shell in shells {
-        let radius = if shell.vertices[0].x > 14.0 {
-            1.2
-        } else {
-            12.0
-        };
+        let is_small = shell.vertices[0].x > 14.0;
+        let radius = if is_small { 1.2 } else { 12.0 };
         let (area, volume) = errors(&shell, ball(radius));
         assert!(area < 0.01 && volume < 0.002, "{radius}: {area} {volume}");
     }
+}
+
+/// Its few triangles are in no plane: the first mesh is not coarse, and vertices do not stay in the plane
+/// of their neighbours.
+#[test]
+fn a_small_ball_of_few_vertices_keeps_its_shape() {
+    let settings = MeshSettings {
+        fewest_vertices_per_shell: 0,
+        ..at_density(1.0)
+    };
+    let solid = Balls::new(&[(0.1, 0.2, 0.3, 1.2)]);
+    let mesh = mesh_solid(&solid, &settings, None).unwrap();
+    let (area, _) = errors(&mesh, ball(1.2));
+    assert!(mesh.vertices.len() >= 12 && area < 0.02, "{area}");
 }
 
 #[test]

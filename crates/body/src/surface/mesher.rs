@@ -22,11 +22,11 @@ const ATTEMPTS: usize = 3;
 /// Edges of the first mesh, in units of density^(-1/2), which is about the length of those of the
 /// final mesh.
 const FIRST_EDGE: f64 = 0.65;
-/// The same in large shells at [`SHORT_EDGES_PER_ANGSTROM2`] and above. Longer edges than these would
-/// cut the corners of small shapes.
+/// The same in large shells, if edges are short ([`SHORT_EDGES_PER_ANGSTROM2`]): elsewhere a first mesh
+/// as coarse as the last one would cut the corners of small shapes.
 const FIRST_SHORT_EDGE: f64 = 1.0;
-/// A large shell has this many times the vertices that every shell gets at least.
-const LARGE: f64 = 2.0;
+/// A large shell needs at least this many vertices.
+const FEWEST_OF_LARGE_SHELL: usize = 240;
 
 /// What a mesh should be like.
 ///
@@ -235,8 +235,10 @@ impl MeshSettings {
         } else {
             FIRST_SHORT_EDGE
         };
+        // A shell that gets more vertices than its area asks for has shorter edges.
+        let large_shell = FEWEST_OF_LARGE_SHELL.max(2 * self.fewest_vertices_per_shell);
         FirstEdges {
-            large_shell_angstrom2: LARGE * self.fewest_vertices_per_shell as f64 / density,
+            large_shell_angstrom2: large_shell as f64 / density,
             in_large_shells_angstrom: in_large_shells * density.powf(-0.5),
             in_small_shells_angstrom: FIRST_EDGE * density.powf(-0.5),
         }

@@ -19,7 +19,7 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// Patches of at most so many cells along each axis.
+    /// Patches no wider than `widths` says.
     pub(super) fn merged(dual: &Dual, widths: &Widths) -> Self {
         let patch = united(dual, widths);
         let size = sizes(&patch);

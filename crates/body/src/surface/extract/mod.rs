@@ -24,15 +24,17 @@ use super::implicit::ImplicitSolid;
 use crate::Result;
 use protomer_kernel::TriangleMesh;
 
-/// The surface of a plain cube, two cells wide, as its one tile: about this part of the squared edge
-/// of the cube on average over all directions.
+/// The mean area of the tile of a plain cube, in units of the squared edge of the cube: a plane with
+/// unit normal n crosses |n_x| + |n_y| + |n_z| cubes per unit of area, 3/2 on average over all directions.
 const TILE_AREA: f64 = 2.0 / 3.0;
 
-/// About how far apart the vertices of the first mesh are.
+/// Edge lengths of the first mesh.
 pub struct FirstEdges {
-    /// In shells of this area or more, Å².
+    /// From this area on a shell is large, Å².
     pub large_shell_angstrom2: f64,
+    /// About the length of edges in large shells, Å.
     pub in_large_shells_angstrom: f64,
+    /// About the length of edges in all other shells, Å.
     pub in_small_shells_angstrom: f64,
 }
 

@@ -15,12 +15,12 @@ use crate::Result;
 use operations::{Onto, Remesher};
 use protomer_kernel::TriangleMesh;
 
-/// From this density on edges are short: about 1 Å long, less than the radius of an atom or a probe.
+/// From this density on, edges are short: 1 Å or less, shorter than the radius of an atom or a probe.
 pub(super) const SHORT_EDGES_PER_ANGSTROM2: f64 = 1.0;
 /// Rounds of relax, split, collapse and flip.
 const ROUNDS: [Onto; 3] = [Onto::About; 3];
-/// With short edges, what strays from the surface in one round is little, and the next one pulls it
-/// back.
+/// With short edges, a vertex left in the plane of its neighbours strays little from the surface, and
+/// the next round pulls it back.
 const ROUNDS_WITH_SHORT_EDGES: [Onto; 3] =
     [Onto::PlaneWhereFlat, Onto::About, Onto::PlaneWhereFlat];
 
@@ -38,7 +38,7 @@ pub(crate) fn remesh(
     let start = |mesh| Remesher::new(mesh, solid, density_per_angstrom2, fewest_vertices);
     let mut coarse = start(HalfEdgeMesh::new(mesh)?);
     coarse.collapse_short_edges();
-    // Where the first mesh is finer than the last, few are left: renumber them.
+    // Where the first mesh is finer than the last, few vertices are left: renumber them.
     let mut remesher = start(coarse.into_mesh().compacted());
     let rounds = if density_per_angstrom2 < SHORT_EDGES_PER_ANGSTROM2 {
         ROUNDS

@@ -30,14 +30,14 @@ const SPLIT_PASSES: usize = 10;
 /// When less than one in so many half-edges was split, the rest can wait for the next round.
 const FEW: u32 = 200;
 
-/// Triangles at a vertex are nearly in a plane from this [`Pull::flatness`] on.
+/// Above this [`Pull::flatness`] the triangles at a vertex are nearly in a plane.
 const FLAT: f64 = 0.85;
 
 /// What relaxed vertices are moved onto.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Onto {
-    /// Where the triangles around them are nearly in a plane, that plane, which asks nothing of the
-    /// surface; elsewhere as [`Self::About`].
+    /// The mean plane of the triangles around them where these are nearly in a plane, without asking
+    /// for the surface; elsewhere as [`Self::About`].
     PlaneWhereFlat,
     /// The surface, as far as one step takes them.
     About,
@@ -324,8 +324,7 @@ struct Pull {
     displacement: Vec3,
     /// Unit normal of that plane.
     normal: Vec3,
-    /// Area of the triangles as seen along the normal, of their whole area: 1 where they are in a
-    /// plane.
+    /// The share of the triangles' area that is seen along the normal: 1 where they are in a plane.
     flatness: f64,
 }
 
