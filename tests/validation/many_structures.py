@@ -67,11 +67,23 @@ def commands(which):
     return {verb: [*line, "-q", "-j", "1"] for verb, line in (("ingest", ingest), ("voxelize", voxelize))}
 
 
+def high_water_mark(process):
+    """Peak memory of a running process so far, in MB. The kernel counts it from the start of the program; what wait4 gives
+    includes that of this script, from which the process was forked."""
+    with open(f"/proc/{process.pid}/status") as lines:
+        kilobytes = [line.split()[1] for line in lines if line.startswith("VmHWM:")]
+    return max(map(float, kilobytes), default=0.0) / 1024
+
+
 def wait(process):
     """Exit status, peak memory in MB and processor time in s of a process."""
-    _, status, usage = os.wait4(process.pid, 0)
+    peak, ended = 0.0, 0
+    while not ended:
+        peak = max(peak, high_water_mark(process))
+        time.sleep(SECONDS_BETWEEN_LOOKS)
+        ended, status, usage = os.wait4(process.pid, os.WNOHANG)
     process.returncode = os.waitstatus_to_exitcode(status)
-    return process.returncode, usage.ru_maxrss / 1024, usage.ru_utime + usage.ru_stime
+    return process.returncode, peak, usage.ru_utime + usage.ru_stime
 
 
 def run(command, where):

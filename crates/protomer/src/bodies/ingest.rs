@@ -224,23 +224,27 @@ pub(super) fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result
         return Ok(vec![name.clone()]);
     }
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
-    let mut sharing: BTreeMap<&str, usize> = BTreeMap::new();
-    for stem in &stems {
-        *sharing.entry(stem).or_default() += 1;
-    }
+    let shared = repeated(&stems);
     let mut names = Vec::with_capacity(files.len());
-    let mut seen = BTreeSet::new();
-    for (file, stem) in files.iter().zip(&stems) {
-        let name = match sharing.get(stem.as_str()) {
-            Some(1) => stem.clone(),
-            _ => full_name(file),
-        };
-        if !seen.insert(name.clone()) {
-            bail!("two input files are named {name}; ingest them into different folders");
-        }
-        names.push(name);
+    for (file, stem) in files.iter().zip(stems) {
+        names.push(if shared.contains(&stem) {
+            full_name(file)
+        } else {
+            stem
+        });
+    }
+    if let Some(name) = repeated(&names).first() {
+        bail!("two input files are named {name}; ingest them into different folders");
     }
     Ok(names)
+}
+
+/// The names that are there more than once.
+fn repeated(names: &[String]) -> BTreeSet<String> {
+    let mut sorted: Vec<&String> = names.iter().collect();
+    sorted.sort_unstable();
+    let equal = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
+    equal.map(|pair| pair[0].clone()).collect()
 }
 
 fn full_name(file: &Path) -> String {

@@ -12,7 +12,8 @@ use super::ingest::{
 };
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
-use protomer_io::atomic::{remove_abandoned_of, sha256_hex, write_atomically};
+use protomer_io::atomic::{remove_abandoned_of, write_atomically};
+use protomer_io::digest::Digest;
 use protomer_results::lock::lock_file;
 use protomer_results::{Execution, Hold, Log, LogMark, ResultKind, Row, Shard};
 use rayon::prelude::*;
@@ -216,7 +217,7 @@ pub fn ingest_stream(
         jobs,
         folder,
         settings,
-        identity: identity(files, settings, shard),
+        identity: identity(files, settings, shard)?,
         paths,
     };
     stream.run(execution)
@@ -246,15 +247,17 @@ impl Paths {
 }
 
 /// SHA-256 of what decides the rows, and of the version that wrote them.
-fn identity(files: &[PathBuf], settings: &IngestSettings, shard: Shard) -> String {
+fn identity(files: &[PathBuf], settings: &IngestSettings, shard: Shard) -> Result<String> {
     let (body, exports) = (&settings.body, &settings.exports);
     let version = env!("CARGO_PKG_VERSION");
-    let mut text = format!("{version}\n{body:?}\n{exports:?}\n{shard:?}\n");
-    for file in files {
-        text.push_str(&file.display().to_string());
-        text.push('\n');
-    }
-    sha256_hex(text.as_bytes())
+    let digest = Digest::of_written(|writer| {
+        write!(writer, "{version}\n{body:?}\n{exports:?}\n{shard:?}\n")?;
+        for file in files {
+            writeln!(writer, "{}", file.display())?;
+        }
+        Ok(())
+    })?;
+    Ok(digest.to_string())
 }
 
 struct Stream<'a> {
@@ -488,7 +491,7 @@ mod tests {
             std::fs::write(folder.join(name), format!("{text}more, and half a ro")).unwrap();
             LogMark {
                 bytes: text.len() as u64,
-                sha256: sha256_hex(text.as_bytes()),
+                sha256: Digest::of(text.as_bytes()).to_string(),
             }
         };
         let failed = (0..48).filter(|number| number % 7 == 3).count();
