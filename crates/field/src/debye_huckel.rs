@@ -14,6 +14,7 @@ use crate::charged_sphere::ChargedSphere;
 use crate::dielectric::DielectricModel;
 use crate::grid::{Grid, ScalarField, set_points};
 use crate::point_charges::{PointCharges, Source};
+use crate::screened_sum::ScreenedSum;
 use protomer_kernel::Vec3;
 
 /// The sum of the screened potentials of charged spheres.
@@ -36,19 +37,6 @@ pub struct Superposition {
     direct: PointCharges,
     tree: ChargeTree,
     kappa: f64,
-}
-
-/// What stands for the sum at the places of a box.
-pub(crate) struct Seen {
-    charges: PointCharges,
-    kappa: f64,
-}
-
-impl Seen {
-    /// The potential at a place of the box, kT/e.
-    pub fn at(&self, place: &Vec3) -> f64 {
-        self.charges.screened(place, self.kappa)
-    }
 }
 
 impl Superposition {
@@ -96,11 +84,9 @@ impl Superposition {
 
     /// What stands for the sum at the places of a box between two corners: far atoms in clusters,
     /// with the error of `charge_tree`.
-    pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> Seen {
-        Seen {
-            charges: PointCharges::new(&self.tree.seen_from(low, high, FARTHER)),
-            kappa: self.kappa,
-        }
+    pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> ScreenedSum {
+        let seen = self.tree.seen_from(low, high, FARTHER);
+        ScreenedSum::new(&seen, 0.5 * (low + high), self.kappa)
     }
 
     /// The distance of the nearest charge from a plane perpendicular to an axis, Å; 0 if there are

@@ -13,6 +13,7 @@
 //! | `point_charges` | sums over charges, in vectors |
 //! | `edge_charges` | potential, slope and flux of charges at edges of a grid |
 //! | `far_charges` | far charges seen from a small ball, as a polynomial |
+//! | `screened_sum` | screened charges seen from a small box, in single precision |
 //! | `vectorised` | methods compiled for several instruction sets |
 //! | `charge_tree` | far charges in clusters |
 //! | `chebyshev` | polynomials between a few points |
@@ -36,6 +37,7 @@ mod far_charges;
 mod grid;
 mod point_charges;
 pub mod poisson_boltzmann;
+mod screened_sum;
 pub mod surface;
 mod vectorised;
 pub mod voxels;

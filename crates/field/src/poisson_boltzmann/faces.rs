@@ -4,8 +4,9 @@
 //! into patches whose half edge is 0.6 of their distance d from the nearest charge. On a patch with more
 //! than 7 x 7 points the sum is taken at 7 x 7 Chebyshev points and interpolated, which leaves some
 //! ρ⁻⁷ = 1.3 · 10⁻⁴ of what the nearest charges contribute (`chebyshev`, with ρ = 5/3 + √(1 + 25/9)). Far
-//! charges are seen as clusters (`charge_tree`). In the tests, with random charges that largely
-//! cancel, the error stays below 3 · 10⁻⁴ of the largest potential on the faces.
+//! charges are seen as clusters (`charge_tree`), and sums are taken in single precision
+//! (`screened_sum`). In the tests, with random charges that largely cancel, the error stays below
+//! 3 · 10⁻⁴ of the largest potential on the faces.
 
 use crate::chebyshev::Chebyshev;
 use crate::debye_huckel::Superposition;

@@ -1,0 +1,207 @@
+//! Screened charges seen from a small box, in single precision.
+//!
+//! With d_i the distance of charge i from the middle of the box,
+//!
+//! Σ s_i exp(-κ r_i) / r_i = Σ (s_i exp(-κ d_i)) exp(κ (d_i - r_i)) / r_i.
+//!
+//! The first factors are computed once, in double precision, and the exponents that are left are
+//! small. Places count from the middle. So a term is good to 2 · 10⁻⁶ of itself for charges outside the
+//! box, unless κ times the size of the box is large.
+
+use crate::point_charges::Source;
+use crate::vectorised::vectorised;
+use protomer_kernel::Vec3;
+
+/// Charges in a group.
+const LANES: usize = 16;
+
+/// Charges; unused lanes have no strength and are at a distance.
+#[derive(Debug, Clone)]
+struct Group {
+    /// From the middle of the box, Å, by axis.
+    offsets: [[f32; LANES]; 3],
+    /// Smaller distances count as this one, Å.
+    least: [f32; LANES],
+    /// d, Å.
+    from_middle: [f32; LANES],
+    /// s exp(-κ d).
+    strength: [f32; LANES],
+}
+
+/// A sum of screened potentials at the places of a box.
+#[derive(Debug, Clone)]
+pub(crate) struct ScreenedSum {
+    middle: Vec3,
+    kappa: f32,
+    groups: Vec<Group>,
+}
+
+impl ScreenedSum {
+    /// The sum for places about this one.
+    pub fn new(sources: &[Source], middle: Vec3, kappa: f64) -> Self {
+        let mut groups = Vec::with_capacity(sources.len().div_ceil(LANES));
+        for sources in sources.chunks(LANES) {
+            let mut group = Group {
+                offsets: [[1.0; LANES]; 3],
+                least: [1.0; LANES],
+                from_middle: [1.0; LANES],
+                strength: [0.0; LANES],
+            };
+            for (lane, source) in sources.iter().enumerate() {
+                let offset = source.place - middle;
+                for axis in 0..3 {
+                    group.offsets[axis][lane] = offset[axis] as f32;
+                }
+                let least = source.least_distance_angstrom;
+                // Rounded first, since the exponents have the rounded number.
+                let from_middle = offset.norm().max(least) as f32;
+                group.least[lane] = least as f32;
+                group.from_middle[lane] = from_middle;
+                let screening = (-kappa * f64::from(from_middle)).exp();
+                group.strength[lane] = (source.strength * screening) as f32;
+            }
+            groups.push(group);
+        }
+        Self {
+            middle,
+            kappa: kappa as f32,
+            groups,
+        }
+    }
+
+    vectorised!(
+        /// Σ s_i exp(-κ r_i) / r_i.
+        at, at_any, at_avx512, at_avx2, (place: &Vec3) -> f64
+    );
+
+    #[inline(always)]
+    fn at_any(&self, place: &Vec3) -> f64 {
+        let [x, y, z] = (place - self.middle).map(|x| x as f32).into();
+        let mut sums = [0.0; LANES];
+        for group in &self.groups {
+            let [xs, ys, zs] = &group.offsets;
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let (dx, dy, dz) = (x - xs[lane], y - ys[lane], z - zs[lane]);
+                let (distance, least) = ((dx * dx + dy * dy + dz * dz).sqrt(), group.least[lane]);
+                let distance = if distance > least { distance } else { least };
+                let exponent = self.kappa * (group.from_middle[lane] - distance);
+                *sum += group.strength[lane] * exp(exponent) / distance;
+            }
+        }
+        sums.iter().map(|sum| f64::from(*sum)).sum()
+    }
+}
+
+/// The exponential in single precision: 2ⁿ times a polynomial, without branches. Beyond ±87 it
+/// stays what it is there.
+#[inline(always)]
+fn exp(x: f32) -> f32 {
+    const MOST: f32 = 87.0;
+    /// Adding it rounds to an integer, which then is in the low bits.
+    const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
+    /// ln 2 in two parts; the first has so few bits that n times it is exact.
+    const LN_2_HIGH: f32 = 0.693_359_4;
+    const LN_2_LOW: f32 = -2.121_944_4e-4;
+    const INVERSE_FACTORIALS: [f32; 7] = [
+        1.0 / 720.0,
+        1.0 / 120.0,
+        1.0 / 24.0,
+        1.0 / 6.0,
+        0.5,
+        1.0,
+        1.0,
+    ];
+    let x = if x < MOST { x } else { MOST };
+    let x = if x > -MOST { x } else { -MOST };
+    let shifted = x * std::f32::consts::LOG2_E + ROUNDER;
+    let n = shifted - ROUNDER;
+    let f = (x - n * LN_2_HIGH) - n * LN_2_LOW;
+    let mut polynomial = INVERSE_FACTORIALS[0];
+    for coefficient in &INVERSE_FACTORIALS[1..] {
+        polynomial = polynomial * f + coefficient;
+    }
+    polynomial * f32::from_bits((shifted.to_bits() << 23).wrapping_add(127 << 23))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    #[test]
+    fn the_exponential_is_good_to_single_precision() {
+        for step in -8600..=8600 {
+            let x = step as f32 * 0.01;
+            let exact = f64::from(x).exp();
+            assert!((f64::from(exp(x)) / exact - 1.0).abs() < 3e-7, "{x}");
+        }
+        assert_eq!(exp(1e9), exp(87.0));
+        assert_eq!(exp(-1e9), exp(-87.0));
+    }
+
+    /// The slow twin: double precision, each term by itself.
+    #[test]
+    fn sums_are_those_of_double_precision() {
+        let mut rng = CounterRng::new(72, 0, 0);
+        for kappa in [0.0, 0.1, 0.7, 3.0] {
+            for count in [0, 1, 15, 16, 900] {
+                let middle = rng.vector_in_ball(40.0) + Vec3::repeat(100.0);
+                let sources: Vec<Source> = (0..count)
+                    .map(|_| Source {
+                        place: middle + rng.unit_vector() * rng.uniform_in(12.0, 70.0),
+                        strength: rng.uniform_in(-1.0, 1.0) * (kappa * 4.0_f64).exp(),
+                        least_distance_angstrom: 2.0,
+                    })
+                    .collect();
+                let sum = ScreenedSum::new(&sources, middle, kappa);
+                for _ in 0..50 {
+                    let place = middle + rng.vector_in_ball(8.0);
+                    let (mut exact, mut size) = (0.0, 0.0);
+                    for source in &sources {
+                        let r = (place - source.place).norm();
+                        let term = source.strength * (-kappa * r).exp() / r;
+                        exact += term;
+                        size += f64::abs(term);
+                    }
+                    let found = sum.at(&place);
+                    let bound = (2e-6 + 3e-6 * kappa) * size + 1e-30;
+                    assert!(
+                        (found - exact).abs() < bound,
+                        "{kappa} {found} {exact} {size}"
+                    );
+                    assert_eq!(found.to_bits(), sum.at_any(&place).to_bits());
+                }
+            }
+        }
+    }
+
+    /// A charge in the box, where the distance that counts has a least value.
+    #[test]
+    fn near_charges_count_at_their_least_distance() {
+        let source = Source {
+            place: Vec3::new(1.0, 2.0, 3.0),
+            strength: 2.0,
+            least_distance_angstrom: 1.5,
+        };
+        let found = ScreenedSum::new(&[source], Vec3::zeros(), 0.2).at(&source.place);
+        let exact = 2.0 * (-0.2_f64 * 1.5).exp() / 1.5;
+        assert!((found / exact - 1.0).abs() < 1e-6);
+    }
+
+    /// Ions kept out of a sphere of 200 Å: exp(κ b) is beyond single precision.
+    #[test]
+    fn strengths_of_large_solutes_fit() {
+        let (kappa, b) = (0.7, 200.0_f64);
+        let source = Source {
+            place: Vec3::zeros(),
+            strength: f64::exp(kappa * b),
+            least_distance_angstrom: 2.0,
+        };
+        let middle = Vec3::new(210.0, 0.0, 0.0);
+        let place = middle + Vec3::new(3.0, 5.0, 0.0);
+        let found = ScreenedSum::new(&[source], middle, kappa).at(&place);
+        let r = place.norm();
+        let exact = f64::exp(kappa * (b - r)) / r;
+        assert!((found / exact - 1.0).abs() < 2e-5, "{found} {exact}");
+    }
+}
