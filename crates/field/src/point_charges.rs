@@ -2,7 +2,7 @@
 
 use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
-use protomer_kernel::potential::exp_of_minus;
+use protomer_kernel::exponential::exp_of_minus;
 
 /// Charges in a group.
 const LANES: usize = 8;

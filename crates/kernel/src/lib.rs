@@ -10,6 +10,8 @@
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
 //! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
+//! | [`fused`] | multiply-add where it is one instruction |
+//! | [`exponential`] | exponentials for loops in vectors |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
@@ -23,6 +25,8 @@ pub mod boundary;
 pub mod cells;
 pub mod electrolyte;
 mod error;
+pub mod exponential;
+pub mod fused;
 pub mod mesh;
 pub mod overlap;
 pub mod periodic_box;

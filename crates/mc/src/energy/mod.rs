@@ -10,7 +10,6 @@ mod chebyshev;
 mod direct;
 mod far_energies;
 mod far_field;
-mod fused;
 pub mod levels;
 mod none;
 mod pair_sum;

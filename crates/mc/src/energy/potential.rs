@@ -4,8 +4,8 @@
 //! different bodies. [`Yukawa`] is the only v so far. Types name it: types generic over v would be
 //! compiled anew in every crate that uses them.
 
-use super::fused::add;
-use protomer_kernel::potential::{Yukawa, exp_of_minus};
+use protomer_kernel::exponential::{exp_of_minus, exp_of_minus_f32};
+use protomer_kernel::potential::Yukawa;
 
 /// A pair potential v(r) of sites of unit strength, a smooth function of the squared distance t = r²
 /// for t > 0.
@@ -103,23 +103,6 @@ impl SitePotential for Yukawa {
             self.cutoff_angstrom,
         ]
     }
-}
-
-/// exp(-y) for y ≥ 0 to 2e-7; y above 80 counts as 80. The method is that of [`exp_of_minus`].
-#[inline(always)]
-fn exp_of_minus_f32<const FUSED: bool>(y: f32) -> f32 {
-    const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
-    const LN_2_HIGH: f32 = 0.693_359_4;
-    const LN_2_LOW: f32 = -2.121_944_4e-4;
-    let x = -(if y < 80.0 { y } else { 80.0 });
-    let shifted = add::<FUSED>(x, std::f32::consts::LOG2_E, ROUNDER);
-    let n = shifted - ROUNDER;
-    let f = add::<FUSED>(-n, LN_2_LOW, add::<FUSED>(-n, LN_2_HIGH, x));
-    let mut polynomial = 1.0 / 720.0;
-    for coefficient in [1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
-        polynomial = add::<FUSED>(polynomial, f, coefficient);
-    }
-    polynomial * f32::from_bits((shifted.to_bits() << 23).wrapping_add(127 << 23))
 }
 
 #[cfg(test)]

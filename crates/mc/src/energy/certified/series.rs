@@ -10,7 +10,7 @@
 //! larger than 1, so that the error of this is at most the sum of the coefficients' changes.
 
 use crate::energy::chebyshev::Chebyshev;
-use crate::energy::fused::add_f64;
+use protomer_kernel::fused::add_f64;
 
 /// Points along each axis, n.
 pub(super) const POINTS: usize = 8;

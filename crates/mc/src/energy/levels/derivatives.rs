@@ -6,7 +6,7 @@
 use super::field::{Field, Spots};
 use super::lanes::BLOCK;
 use super::packed::{COARSE, Head, LAST, Packed};
-use crate::energy::fused::add;
+use protomer_kernel::fused::add;
 use std::hint::black_box;
 
 /// The potential at a place (kT/e) with its first and second derivatives (per Å and Å²).

@@ -5,7 +5,7 @@
 //! comes after the sixth order. Low orders are in single precision, the others in 16 bits.
 
 use super::lanes::BLOCK;
-use crate::energy::fused::add;
+use protomer_kernel::fused::add;
 
 /// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;

@@ -7,9 +7,9 @@ use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use crate::energy::chebyshev::Chebyshev;
-use crate::energy::fused::add;
 use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
+use protomer_kernel::fused::add;
 
 /// Of distances, Å.
 const ROUNDING: f32 = 1e-3;

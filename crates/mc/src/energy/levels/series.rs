@@ -6,7 +6,7 @@
 use super::field::{Field, Spots};
 use super::lanes::BLOCK;
 use super::packed::{COARSE, LAST, Packed};
-use crate::energy::fused::add;
+use protomer_kernel::fused::add;
 
 impl Field {
     /// Adds charge times coarse potential of each spot to the lanes of `sum`. `FUSED`: where

@@ -8,7 +8,7 @@
 //! ```
 
 use crate::energy::SitePotential;
-use crate::energy::fused::add;
+use protomer_kernel::fused::add;
 use protomer_kernel::potential::Yukawa;
 
 /// Number of coefficients of g.
