@@ -6,14 +6,15 @@
 //!
 //! flux of -∇φ = -h² (φ' - h²/24 φ''').
 //!
-//! Charges nearer than six edges are summed exactly instead, with solid angles where they are nearer
-//! than four. Farther out the series up to φ'''' leaves at most 10⁻⁵ s/r of a potential, 4 · 10⁻⁴ s/r²
-//! of a slope and 10⁻³ s/r² of a mean flux, and all of these fall with r⁻⁴ and faster. Far charges
-//! are summed in single precision, sixteen at a time, about an origin nearby.
+//! Charges nearer than six edges are summed exactly instead, with their solid angles, which are an
+//! expansion from 2.25 edges on. Farther out the series up to φ'''' leaves at most 10⁻⁵ s/r of a
+//! potential, 4 · 10⁻⁴ s/r² of a slope and 10⁻³ s/r² of a mean flux, and all of these fall with r⁻⁴ and
+//! faster. Far charges are summed in single precision, sixteen at a time, about an origin nearby.
 
 use crate::point_charges::Source;
 use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
+use std::f64::consts::PI;
 use std::ops::Add;
 
 /// Charges in a group.
@@ -21,8 +22,8 @@ const LANES: usize = 16;
 /// Charges nearer than this many edges are summed exactly.
 pub(crate) const EXACT_IN_EDGES: f64 = 6.0;
 /// Faces nearer than this many of their edges take their exact solid angle; for others an expansion
-/// is within 10⁻³ of it.
-const NEAR_IN_EDGES: f64 = 4.0;
+/// is within 2 · 10⁻⁴ of h²/r².
+const NEAR_IN_EDGES: f64 = 2.25;
 
 /// An edge of a grid, and a place on it.
 #[derive(Debug, Clone, Copy)]
@@ -174,33 +175,57 @@ impl EdgePlace {
         let inverse = 1.0 / to_place.max(source.least_distance_angstrom);
         sum.value += source.strength * inverse;
         sum.slope -= source.strength * along * inverse.powi(3);
-        let area = self.length * self.length;
         let angle = if distance <= NEAR_IN_EDGES * self.length {
             solid_angle([z, x, y], self.length)
         } else {
-            // f = z/r³ is harmonic: f_xx + f_yy = -f_zz.
-            let inverse = 1.0 / (distance * distance);
-            let value = z * inverse / distance;
-            let curvature = value * inverse * (9.0 - 15.0 * z * z * inverse);
-            area * (value + area / 24.0 * curvature)
+            expanded_solid_angle([z, x, y], distance, self.length)
         };
         sum.flux += source.strength * angle;
     }
 }
 
 /// The solid angle of a square with its middle at z along its axis and x, y across, negative for
-/// negative z: the sum of ± atan(x y / (z r)) over its corners. Two of these terms are the argument of
-/// a product of complex numbers.
+/// negative z: the sum of ± atan(x y / (z r)) over its corners, the argument of a product of complex
+/// numbers.
 fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
+    let half = 0.5 * edge;
     let corner = |right: f64, up: f64| {
-        let (x, y) = (x + 0.5 * edge * right, y + 0.5 * edge * up);
+        let (x, y) = (x + half * right, y + half * up);
         let distance = (x * x + y * y + z * z).sqrt();
         (z.abs() * distance, right * up * x * y)
     };
-    let of_two = |(a, b): (f64, f64), (c, d): (f64, f64)| (a * d + b * c).atan2(a * c - b * d);
-    let angle =
-        of_two(corner(1.0, 1.0), corner(-1.0, -1.0)) + of_two(corner(-1.0, 1.0), corner(1.0, -1.0));
+    let product = |(a, b): (f64, f64), (c, d): (f64, f64)| (a * c - b * d, a * d + b * c);
+    let (real, imaginary) = product(
+        product(corner(1.0, 1.0), corner(-1.0, -1.0)),
+        product(corner(-1.0, 1.0), corner(1.0, -1.0)),
+    );
+    let argument = imaginary.atan2(real);
+    // Known but for 2π. Beside the square the angle is 0 to π; before it 0.01 to 2π, as far as 10 edges.
+    // Rounding may take it a little beyond.
+    let is_before_square = x.abs().max(y.abs()) <= half;
+    let least = if is_before_square { 0.01 } else { -1.0 };
+    let angle = if argument < least {
+        argument + 2.0 * PI
+    } else {
+        argument
+    };
     if z < 0.0 { -angle } else { angle }
+}
+
+/// The same from a distance r, by Taylor's series of f = z/r³ about the middle of the square. f is
+/// harmonic, so that f_xx + f_yy = -f_zz and f_xxxx + f_yyyy = f_zzzz - 2 f_xxyy:
+///
+/// Ω = h² (f - h²/24 f_zz + h⁴/1920 f_zzzz + h⁴/1440 f_xxyy).
+fn expanded_solid_angle([z, x, y]: [f64; 3], r: f64, edge: f64) -> f64 {
+    let inverse = 1.0 / (r * r);
+    let [xx, yy, zz] = [x, y, z].map(|along| along * along * inverse);
+    let area = edge * edge;
+    let small = area * inverse;
+    let second = 15.0 * zz - 9.0;
+    let fourth = (945.0 * zz - 1050.0) * zz + 225.0;
+    let across = 15.0 - 105.0 * (xx + yy) + 945.0 * xx * yy;
+    let series = 1.0 - small / 24.0 * second + small * small * (fourth / 1920.0 + across / 1440.0);
+    area * z * inverse / r * series
 }
 
 #[cfg(test)]
@@ -235,6 +260,25 @@ pub(crate) mod tests {
             place[0] *= [1.0, 1e-7, 1e-12, 0.0][turn % 4];
             let (found, slow) = (solid_angle(place, 0.7), slow_solid_angle(place, 0.7));
             assert!((found - slow).abs() < 1e-12, "{place:?}: {found} {slow}");
+        }
+    }
+
+    #[test]
+    fn expanded_solid_angles_are_solid_angles() {
+        let mut rng = CounterRng::new(65, 0, 0);
+        let edge = 0.7;
+        for _ in 0..20_000 {
+            let r = rng.uniform_in(NEAR_IN_EDGES, 2.0 * NEAR_IN_EDGES) * edge;
+            let place: [f64; 3] = (rng.unit_vector() * r).into();
+            let (found, slow) = (
+                expanded_solid_angle(place, r, edge),
+                slow_solid_angle(place, edge),
+            );
+            let whole = (edge / r).powi(2);
+            assert!(
+                (found - slow).abs() < 2e-4 * whole,
+                "{place:?}: {found} {slow}"
+            );
         }
     }
 

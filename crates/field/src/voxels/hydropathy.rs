@@ -21,11 +21,17 @@ use rustc_hash::FxHashMap;
 #[derive(Debug, Clone)]
 pub struct HydropathyMap {
     reach: f64,
-    /// Atoms of residues with an index: where, and which residue.
-    atoms: Vec<(Vec3, u32)>,
+    /// Atoms of residues with an index.
+    atoms: Vec<ResidueAtom>,
     indices: Vec<Option<f64>>,
-    /// Atoms by cells as wide as the reach.
-    cells: FxHashMap<[i32; 3], Vec<u32>>,
+    /// The same by cells as wide as the reach, those of a residue one after the other.
+    cells: FxHashMap<[i32; 3], Vec<ResidueAtom>>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct ResidueAtom {
+    place: Vec3,
+    residue: u32,
 }
 
 impl HydropathyMap {
@@ -45,10 +51,9 @@ impl HydropathyMap {
             if let Some(residue) = residue
                 && let Some(Some(_)) = indices.get(residue as usize)
             {
-                let cell = map.cell(&place);
-                let members = map.cells.entry(cell).or_default();
-                members.push(map.atoms.len() as u32);
-                map.atoms.push((place, residue));
+                let atom = ResidueAtom { place, residue };
+                map.cells.entry(map.cell(&place)).or_default().push(atom);
+                map.atoms.push(atom);
             }
         }
         map
@@ -74,11 +79,17 @@ impl HydropathyMap {
         let mut residues = Vec::with_capacity(16);
         for n in 0..27 {
             let cell = [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1];
+            let mut found = None;
             for atom in self.cells.get(&cell).into_iter().flatten() {
-                let (position, residue) = self.atoms[*atom as usize];
-                let within = (position - place).norm_squared() <= self.reach * self.reach;
-                if within && !residues.contains(&residue) {
-                    residues.push(residue);
+                // One atom of a residue is enough; others of it come next.
+                if found == Some(atom.residue)
+                    || (atom.place - place).norm_squared() > self.reach * self.reach
+                {
+                    continue;
+                }
+                found = Some(atom.residue);
+                if !residues.contains(&atom.residue) {
+                    residues.push(atom.residue);
                 }
             }
         }
@@ -88,11 +99,11 @@ impl HydropathyMap {
     fn nearest_residue(&self, place: &Vec3) -> Option<u32> {
         let mut least = f64::INFINITY;
         let mut nearest = None;
-        for (position, residue) in &self.atoms {
-            let squared = (position - place).norm_squared();
+        for atom in &self.atoms {
+            let squared = (atom.place - place).norm_squared();
             if squared < least {
                 least = squared;
-                nearest = Some(*residue);
+                nearest = Some(atom.residue);
             }
         }
         nearest

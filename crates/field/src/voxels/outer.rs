@@ -27,8 +27,8 @@ pub fn at_surface(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Ve
     let grid = potential.grid();
     let known = OuterPoints::new(potential, solid, places);
     let value_at = |place: &Vec3| {
-        let continued = known.near(grid, place);
-        let value = continue_to_origin(&continued).or_else(|| potential.at(place));
+        let continued = known.near(grid, place).at_origin();
+        let value = continued.or_else(|| potential.at(place));
         value.unwrap_or(f64::NAN)
     };
     places.par_iter().map(value_at).collect()
@@ -45,10 +45,8 @@ impl OuterPoints {
         let grid = potential.grid();
         // Neighbouring places share grid points, and each is evaluated once.
         let mut wanted = vec![false; grid.len()];
-        for place in places {
-            for point in points_around(grid, place) {
-                wanted[point] = true;
-            }
+        for around in places.iter().filter_map(|place| Around::new(grid, place)) {
+            around.for_each(grid, |point, _| wanted[point] = true);
         }
         let value_outside = |point: usize| {
             let is_outside = !potential.inside()[point]
@@ -68,63 +66,172 @@ impl OuterPoints {
         }
     }
 
-    /// Offsets, in spacings, and potentials of the outer points around a place.
-    fn near(&self, grid: &Grid, place: &Vec3) -> Vec<(Vec3, f64)> {
-        let mut near = Vec::with_capacity(64);
-        for point in points_around(grid, place) {
+    /// The sums over the outer points around a place.
+    fn near(&self, grid: &Grid, place: &Vec3) -> Sums {
+        let mut sums = Sums::default();
+        let Some(around) = Around::new(grid, place) else {
+            return sums;
+        };
+        let from_place = (grid.point_at(around.lowest(grid)) - place) / grid.spacing_angstrom;
+        // Offsets, in spacings, and the parts of the weights by axis.
+        let along = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
+        let offsets = [0, 1, 2].map(along);
+        let weights = offsets.map(|along| along.map(|x| (-x * x).exp()));
+        around.for_each(grid, |point, [i, j, k]| {
             let value = self.values[point];
             if !value.is_nan() {
-                let offset = (grid.point_at(point) - place) / grid.spacing_angstrom;
-                near.push((offset, value));
+                let weight = weights[0][i] * weights[1][j] * weights[2][k];
+                let offset = Vec3::new(offsets[0][i], offsets[1][j], offsets[2][k]);
+                sums.add(weight, &offset, value);
             }
-        }
-        near
+        });
+        sums
     }
 }
 
 /// The four-by-four-by-four grid points around a place, fewer at the faces.
-fn points_around(grid: &Grid, place: &Vec3) -> Vec<usize> {
-    let Some((cell, _)) = grid.locate(place) else {
-        return Vec::new();
-    };
-    let first = cell.map(|index| index.saturating_sub(1));
-    let mut end = [0; 3];
-    for axis in 0..3 {
-        end[axis] = (cell[axis] + 3).min(grid.shape[axis]);
+struct Around {
+    first: [usize; 3],
+    end: [usize; 3],
+}
+
+impl Around {
+    fn new(grid: &Grid, place: &Vec3) -> Option<Self> {
+        let (cell, _) = grid.locate(place)?;
+        let first = cell.map(|index| index.saturating_sub(1));
+        let end = [0, 1, 2].map(|axis| (cell[axis] + 3).min(grid.shape[axis]));
+        Some(Self { first, end })
     }
-    let mut points = Vec::with_capacity(64);
-    for k in first[2]..end[2] {
-        for j in first[1]..end[1] {
-            for i in first[0]..end[0] {
-                points.push(grid.index(i, j, k));
+
+    fn lowest(&self, grid: &Grid) -> usize {
+        let [i, j, k] = self.first;
+        grid.index(i, j, k)
+    }
+
+    /// Visits the number of each point, and where it is from the lowest.
+    fn for_each(&self, grid: &Grid, mut visit: impl FnMut(usize, [usize; 3])) {
+        let ([i0, j0, k0], [i1, j1, k1]) = (self.first, self.end);
+        for k in k0..k1 {
+            for j in j0..j1 {
+                for i in i0..i1 {
+                    visit(grid.index(i, j, k), [i - i0, j - j0, k - k0]);
+                }
             }
         }
     }
-    points
 }
 
-/// The fitted plane at the origin, from values at other points; `None` without any.
-fn continue_to_origin(known: &[(Vec3, f64)]) -> Option<f64> {
-    let (mut matrix, mut right, mut total) = (Matrix4::zeros(), Vector4::zeros(), 0.0);
-    for (offset, value) in known {
-        let weight = (-offset.norm_squared()).exp();
-        let row = Vector4::new(1.0, offset.x, offset.y, offset.z);
-        matrix += weight * row * row.transpose();
-        right += weight * *value * row;
-        total += weight;
+/// The sums of a fit: w, w x, w x xᵀ, w φ and w φ x over points at x with values φ.
+#[derive(Default)]
+struct Sums {
+    weight: f64,
+    first: Vec3,
+    /// xx, xy, xz, yy, yz, zz.
+    second: [f64; 6],
+    value: f64,
+    value_first: Vec3,
+}
+
+impl Sums {
+    fn add(&mut self, weight: f64, offset: &Vec3, value: f64) {
+        let weighted = offset * weight;
+        let products = [
+            weighted.x * offset.x,
+            weighted.x * offset.y,
+            weighted.x * offset.z,
+            weighted.y * offset.y,
+            weighted.y * offset.z,
+            weighted.z * offset.z,
+        ];
+        for (sum, product) in self.second.iter_mut().zip(products) {
+            *sum += product;
+        }
+        self.weight += weight;
+        self.first += weighted;
+        self.value += weight * value;
+        self.value_first += weighted * value;
     }
-    for slope in 1..4 {
-        matrix[(slope, slope)] += STIFFNESS * total;
+
+    /// The fitted plane at the origin; `None` without points.
+    fn at_origin(&self) -> Option<f64> {
+        let (w, [x, y, z]) = (self.weight, self.first.into());
+        let [xx, xy, xz, yy, yz, zz] = self.second;
+        let stiffness = STIFFNESS * w;
+        let matrix = Matrix4::new(
+            w,
+            x,
+            y,
+            z, //
+            x,
+            xx + stiffness,
+            xy,
+            xz, //
+            y,
+            xy,
+            yy + stiffness,
+            yz, //
+            z,
+            xz,
+            yz,
+            zz + stiffness,
+        );
+        let [u, v, t] = self.value_first.into();
+        let solution = matrix.cholesky()?.solve(&Vector4::new(self.value, u, v, t));
+        Some(solution[0])
     }
-    let solution = matrix.cholesky()?.solve(&right);
-    Some(solution[0])
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::poisson_boltzmann::{SolveSettings, solve};
+    use crate::{ChargedSphere, DielectricModel};
+    use protomer_kernel::Electrolyte;
     use protomer_kernel::random::CounterRng;
+
+    fn sums(known: &[(Vec3, f64)]) -> Sums {
+        let mut sums = Sums::default();
+        for (offset, value) in known {
+            sums.add((-offset.norm_squared()).exp(), offset, *value);
+        }
+        sums
+    }
+
+    /// The slow twin: every grid point outside, near the place or not, as a row of a least-squares
+    /// problem.
+    #[test]
+    fn places_get_what_all_points_within_reach_say() {
+        let electrolyte = Electrolyte::in_water(298.15, 0.15).unwrap();
+        let ion = ChargedSphere {
+            centre: Vec3::new(0.1, -0.3, 0.2),
+            radius_angstrom: 3.0,
+            charge_e: 2.0,
+        };
+        let dielectric = DielectricModel::new(electrolyte);
+        let potential = solve(&[ion], &dielectric, &SolveSettings::default()).unwrap();
+        let solid = crate::surface::solvent_excluded(&[ion], 1.4).unwrap();
+        let grid = potential.grid();
+        let mut rng = CounterRng::new(3, 0, 0);
+        for _ in 0..20 {
+            let place = ion.centre + rng.unit_vector() * ion.radius_angstrom;
+            let (cell, _) = grid.locate(&place).unwrap();
+            let mut known = Vec::new();
+            for point in 0..grid.len() {
+                let at = grid.point_at(point);
+                let (from_cell, _) = grid.locate(&at).unwrap();
+                let is_near =
+                    (0..3).all(|a| (-1..=2).contains(&(from_cell[a] as i64 - cell[a] as i64)));
+                if is_near && solid.signed_distance(&at) > OUTSIDE_ANGSTROM {
+                    let offset = (at - place) / grid.spacing_angstrom;
+                    known.push((offset, potential.at_outer_point(point)));
+                }
+            }
+            let expected = sums(&known).at_origin().unwrap();
+            let found = at_surface(&potential, &solid, &[place])[0];
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 
     #[test]
     fn planes_are_continued_and_constants_kept_exactly() {
@@ -139,13 +246,13 @@ mod tests {
                 .collect();
             let fit = |value: &dyn Fn(&Vec3) -> f64| {
                 let known: Vec<(Vec3, f64)> = points.iter().map(|x| (*x, value(x))).collect();
-                continue_to_origin(&known).unwrap()
+                sums(&known).at_origin().unwrap()
             };
             assert!((fit(&|x| 5.0 + slope.dot(x)) - 5.0).abs() < 0.05 * slope.norm());
             assert!((fit(&|_| -7.0) + 7.0).abs() < 1e-12);
         }
-        let of_one_point = continue_to_origin(&[(Vec3::x(), 3.0)]).unwrap();
+        let of_one_point = sums(&[(Vec3::x(), 3.0)]).at_origin().unwrap();
         assert!((of_one_point - 3.0).abs() < 1e-9);
-        assert_eq!(continue_to_origin(&[]), None);
+        assert_eq!(sums(&[]).at_origin(), None);
     }
 }
