@@ -1,35 +1,33 @@
 //! How far a mesh lies from the surface that it stands for.
 //!
 //! A mesh calibrated to an exact area and volume says nothing about its own error by them. Its
-//! distance from the surface does: d, the exact signed distance. There are two rules for the mean of
-//! d² over a triangle:
+//! distance from the surface does: d, the exact signed distance. The mean of d² over a triangle comes
+//! from seven points, exact for polynomials of degree five (Radon, Monatsh. Math. 52, 286 (1948)).
 //!
-//! * the full rule of seven points, exact for polynomials of degree five (Radon, Monatsh. Math. 52,
-//!   286 (1948)),
-//! * the simple rule of its centroid and corners, exact for degree two, a fifth of the work.
-//!
-//! The simple rule is biased, but in the same way everywhere. So a large mesh gets the simple rule on
-//! all triangles and the full rule on a sample, every k-th triangle; the ratio of the two over the
-//! sample corrects the rest (double sampling with a ratio estimate: Cochran, Sampling Techniques,
-//! chapter 12 (1977)). The largest |d| is sought at the points of the simple rule, and at those of
-//! the full rule in the sample and wherever |d| is large already.
+//! That is done on every triangle of a small mesh. For a large one there is a guide, an approximate
+//! mean of d² for every triangle, either from the centroid and the corners or, at no cost, from what
+//! the calibration of the mesh knows. The triangles with the largest values get the full rule, and of
+//! the others a sample, every k-th triangle; the ratio of the rule and the guide over the sample
+//! corrects the guide's sum over the rest (double sampling with a ratio estimate: Cochran, Sampling
+//! Techniques, chapter 12 (1977)). The largest |d| is sought at the points of the rule and at the
+//! corners of triangles with large values.
 
 use super::implicit::ImplicitSolid;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// The simple rule: weights of the centroid and of each corner.
-const SIMPLE_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
-/// The full rule: the centroid, and two orbits of three points with this barycentric coordinate
-/// twice, with their weights.
+/// The weights of the centroid and of two orbits of three points with this barycentric coordinate
+/// twice.
 const CENTROID_WEIGHT: f64 = 9.0 / 40.0;
 const ORBITS: [(f64, f64); 2] = [
     // (6 ∓ √15) / 21 and (155 ∓ √15) / 1200.
     (0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
     (0.470_142_064_105_115_1, 0.132_394_152_788_506_2),
 ];
+/// A simple rule, exact for degree two: weights of the centroid and of each corner.
+const SIMPLE_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
 /// The sample has at least this many triangles, if there are that many.
 const FEWEST_SAMPLED: usize = 2500;
-/// Triangles with a |d| above this share of the largest may hold a larger one, and get the full rule.
+/// Triangles with a root mean square above this share of the largest get the full rule.
 const LARGE: f64 = 0.5;
 
 /// The distance of a mesh from the surface that it stands for.
@@ -44,7 +42,7 @@ pub struct Deviation {
 
 impl Deviation {
     /// Samples the distance of a closed mesh from the surface of `solid`, three times per vertex of
-    /// the mesh and six times per triangle of the sample.
+    /// the mesh and seven times per triangle of the sample.
     ///
     /// ```
     /// use protomer_body::surface::{Arrangement, Deviation, MeshSettings, SesSolid, mesh_solid};
@@ -57,62 +55,87 @@ impl Deviation {
     /// # Ok::<(), protomer_body::BodyError>(())
     /// ```
     pub fn of(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Self {
+        Self::guided(mesh, solid, &simple_guide(mesh, solid))
+    }
+
+    /// The same with a guide that is known: about the mean square of the distance on every triangle, Å².
+    pub(crate) fn guided(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, guide: &[f64]) -> Self {
         let every = (mesh.triangles.len() / FEWEST_SAMPLED).max(1);
-        sampled(mesh, solid, every)
+        sampled(mesh, solid, guide, every)
     }
 }
 
-/// The deviation with every so many triangles in the sample.
-fn sampled(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, every: usize) -> Deviation {
+/// The mean square on every triangle by the simple rule.
+fn simple_guide(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Vec<f64> {
     let square_at = |point: &Vec3| solid.signed_distance(point).powi(2);
     let at_vertices: Vec<f64> = mesh.vertices.iter().map(square_at).collect();
-    let at_centroids: Vec<f64> = (0..mesh.triangles.len())
-        .map(|triangle| square_at(&centroid(&mesh.corners(triangle))))
-        .collect();
-    let mut largest = at_vertices
-        .iter()
-        .chain(&at_centroids)
-        .fold(0.0, |largest, square| f64::max(largest, *square));
-    let large = LARGE * LARGE * largest;
-    let (mut area, mut simple_sum) = (0.0, 0.0);
-    let (mut simple_of_sample, mut full_of_sample) = (0.0, 0.0);
-    for (triangle, at_centroid) in at_centroids.into_iter().enumerate() {
+    let (of_centroid, of_corner) = SIMPLE_WEIGHTS;
+    let mut guide = Vec::with_capacity(mesh.triangles.len());
+    for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+        let at_corners = vertices.map(|vertex| at_vertices[vertex as usize]);
+        let at_centroid = square_at(&centroid(&mesh.corners(triangle)));
+        guide.push(of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>());
+    }
+    guide
+}
+
+/// The deviation with every so many triangles in the sample.
+fn sampled(
+    mesh: &TriangleMesh,
+    solid: &dyn ImplicitSolid,
+    guide: &[f64],
+    every: usize,
+) -> Deviation {
+    let square_at = |point: &Vec3| solid.signed_distance(point).powi(2);
+    let large = LARGE * LARGE * guide.iter().copied().fold(0.0, f64::max);
+    let (mut area, mut largest) = (0.0, 0.0_f64);
+    // A small mesh is looked at everywhere.
+    let mut looked_at = vec![every == 1; mesh.vertices.len()];
+    // Sums over the triangles with large values, over the rest and over the sample of the rest.
+    let (mut of_large, mut guide_of_rest) = (0.0, 0.0);
+    let (mut of_sample, mut guide_of_sample) = (0.0, 0.0);
+    for (triangle, guide) in (0..mesh.triangles.len()).zip(guide) {
         let corners = mesh.corners(triangle);
         let size = area_of(&corners);
-        let at_corners = mesh.triangles[triangle].map(|vertex| at_vertices[vertex as usize]);
-        let (of_centroid, of_corner) = SIMPLE_WEIGHTS;
-        let simple = of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>();
         area += size;
-        simple_sum += size * simple;
-        let is_sampled = triangle.is_multiple_of(every);
-        let is_large = at_corners.iter().any(|square| *square > large) || at_centroid > large;
-        if is_sampled || is_large {
-            let (full, largest_here) = seven_points(&corners, at_centroid, square_at);
+        let is_large = *guide > large;
+        if !is_large {
+            guide_of_rest += size * guide;
+        }
+        if is_large || triangle.is_multiple_of(every) {
+            let (mean, largest_here) = seven_points(&corners, square_at);
             largest = largest.max(largest_here);
-            if is_sampled {
-                simple_of_sample += size * simple;
-                full_of_sample += size * full;
+            if is_large {
+                of_large += size * mean;
+                for vertex in mesh.triangles[triangle] {
+                    looked_at[vertex as usize] = true;
+                }
+            } else {
+                of_sample += size * mean;
+                guide_of_sample += size * guide;
             }
         }
     }
-    let ratio = if simple_of_sample > 0.0 {
-        full_of_sample / simple_of_sample
+    let vertices = mesh.vertices.iter().zip(looked_at);
+    for (vertex, _) in vertices.filter(|(_, is_looked_at)| *is_looked_at) {
+        largest = largest.max(square_at(vertex));
+    }
+    let ratio = if guide_of_sample > 0.0 {
+        of_sample / guide_of_sample
     } else {
         1.0
     };
+    let sum = of_large + ratio * guide_of_rest;
     Deviation {
-        rms_angstrom: (ratio * simple_sum / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
+        rms_angstrom: (sum / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
         largest_angstrom: largest.sqrt(),
     }
 }
 
 /// The mean of a function over a triangle from seven points, and its largest value at them.
-fn seven_points(
-    corners: &[Vec3; 3],
-    at_centroid: f64,
-    function: impl Fn(&Vec3) -> f64,
-) -> (f64, f64) {
+fn seven_points(corners: &[Vec3; 3], function: impl Fn(&Vec3) -> f64) -> (f64, f64) {
     let sum: Vec3 = corners.iter().sum();
+    let at_centroid = function(&centroid(corners));
     let (mut mean, mut largest) = (CENTROID_WEIGHT * at_centroid, at_centroid);
     for (twice, weight) in ORBITS {
         for corner in corners {
@@ -186,13 +209,17 @@ mod tests {
         for (centres, radii) in crate::surface::test_support::clusters(3, 150..200) {
             let settings = MeshSettings::default();
             let surface = solvent_excluded_surface(&centres, &radii, 1.4, &settings).unwrap();
-            let all = sampled(&surface.mesh, surface.solid(), 1);
-            for every in [2, 5, 11] {
-                let some = sampled(&surface.mesh, surface.solid(), every);
-                let relative = some.rms_angstrom / all.rms_angstrom - 1.0;
-                assert!(relative.abs() < 0.05, "{every}: {relative}");
-                let largest = some.largest_angstrom / all.largest_angstrom;
-                assert!(largest > 0.9 && largest <= 1.0, "{every}: {largest}");
+            let (mesh, solid) = (&surface.mesh, surface.solid());
+            let simple = simple_guide(mesh, solid);
+            let all = sampled(mesh, solid, &simple, 1);
+            for guide in [&simple, surface.expected_squares()] {
+                for every in [2, 5, 11] {
+                    let some = sampled(mesh, solid, guide, every);
+                    let relative = some.rms_angstrom / all.rms_angstrom - 1.0;
+                    assert!(relative.abs() < 0.05, "{every}: {relative}");
+                    let largest = some.largest_angstrom / all.largest_angstrom;
+                    assert!(largest > 0.9 && largest <= 1.0, "{every}: {largest}");
+                }
             }
         }
     }

@@ -103,7 +103,7 @@ pub fn mesh_solid(
     settings: &MeshSettings,
     target: Option<Target>,
 ) -> Result<TriangleMesh> {
-    let mut all_shells = |_: &TriangleMesh| {
+    let mut all_shells = |_: &HalfEdgeMesh| {
         Ok(Goal {
             target,
             is_kept: None,
@@ -116,13 +116,15 @@ pub fn mesh_solid(
 pub(crate) struct Meshed {
     pub(crate) mesh: TriangleMesh,
     pub(crate) topology: Topology,
+    /// About the mean square of the distance from the surface on each triangle, Å².
+    pub(crate) expected_squares: Vec<f64>,
 }
 
 /// What becomes of a mesh whose vertices are on the surface.
 pub(crate) struct Goal {
     /// What it is calibrated to.
     pub(crate) target: Option<Target>,
-    /// Which of its shells stay, by their number; all without.
+    /// Which of its shells stay, in the order of [`HalfEdgeMesh::to_shells`]; all without.
     pub(crate) is_kept: Option<Vec<bool>>,
 }
 
@@ -130,7 +132,7 @@ pub(crate) struct Goal {
 pub(crate) fn mesh_in_full(
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
-    goal: &mut dyn FnMut(&TriangleMesh) -> Result<Goal>,
+    goal: &mut dyn FnMut(&HalfEdgeMesh) -> Result<Goal>,
 ) -> Result<Meshed> {
     settings.check()?;
     let centres: Vec<Vec3> = solid.cover().iter().map(|(centre, _)| *centre).collect();
@@ -157,7 +159,7 @@ fn finish(
     first: TriangleMesh,
     solid: &dyn ImplicitSolid,
     settings: &MeshSettings,
-    goal: &mut dyn FnMut(&TriangleMesh) -> Result<Goal>,
+    goal: &mut dyn FnMut(&HalfEdgeMesh) -> Result<Goal>,
 ) -> Result<Meshed> {
     let mut half_edges = remesh(
         first,
@@ -165,26 +167,18 @@ fn finish(
         settings.density_per_angstrom2,
         settings.fewest_vertices_per_shell,
     )?;
-    let uncalibrated = half_edges.to_mesh();
-    let goal = goal(&uncalibrated)?;
+    let goal = goal(&half_edges)?;
     if let Some(is_kept) = &goal.is_kept {
-        half_edges = HalfEdgeMesh::new(kept_shells(&uncalibrated, is_kept)?)?;
+        half_edges = half_edges.with_shells(is_kept);
     }
-    calibrate(&mut half_edges, solid, goal.target);
+    let expected_squares = calibrate(&mut half_edges, solid, goal.target);
     let mesh = half_edges.to_mesh();
     let topology = mesh.topology()?;
-    Ok(Meshed { mesh, topology })
-}
-
-/// The shells of a mesh that `is_kept` says.
-fn kept_shells(mesh: &TriangleMesh, is_kept: &[bool]) -> Result<TriangleMesh> {
-    let mut kept = TriangleMesh::default();
-    for (shell, is_kept) in mesh.shells()?.into_iter().zip(is_kept) {
-        if *is_kept {
-            append(&mut kept, shell);
-        }
-    }
-    Ok(kept)
+    Ok(Meshed {
+        mesh,
+        topology,
+        expected_squares,
+    })
 }
 
 /// The mesh without the shells that enclose negative volume, and how many those were.

@@ -30,6 +30,8 @@ pub struct Surface {
     /// Which cavities [`surface_without_cavities`] filled.
     pub cavities: FilledCavities,
     solid: SesSolid,
+    /// About the mean square of the distance from the exact surface on each triangle, Å².
+    expected_squares: Vec<f64>,
 }
 
 /// What [`surface_without_cavities`] filled and what it kept.
@@ -58,12 +60,17 @@ impl Surface {
 
     /// How far the mesh is from the exact surface.
     pub fn deviation(&self) -> Deviation {
-        Deviation::of(&self.mesh, &self.solid)
+        Deviation::guided(&self.mesh, &self.solid, &self.expected_squares)
     }
 
     #[cfg(test)]
     pub(crate) fn solid(&self) -> &SesSolid {
         &self.solid
+    }
+
+    #[cfg(test)]
+    pub(crate) fn expected_squares(&self) -> &Vec<f64> {
+        &self.expected_squares
     }
 }
 
@@ -181,9 +188,13 @@ fn surface_with(
     };
     let solid = SesSolid::new(&accessible);
     let mut selection = Selection::everything(&measure);
-    let Meshed { mesh, topology } = mesh_in_full(&solid, &settings, &mut |uncalibrated| {
+    let Meshed {
+        mesh,
+        topology,
+        expected_squares,
+    } = mesh_in_full(&solid, &settings, &mut |uncalibrated| {
         if let Some(radius_angstrom) = interior_radius_angstrom {
-            selection = Selection::of_shells(uncalibrated, &measure, radius_angstrom)?;
+            selection = Selection::of_shells(&uncalibrated.to_shells(), &measure, radius_angstrom);
         }
         Ok(Goal {
             target: Some(target(&selection.exact)),
@@ -200,6 +211,7 @@ fn surface_with(
         measure,
         cavities,
         solid,
+        expected_squares,
     })
 }
 
@@ -221,12 +233,11 @@ impl Selection {
     }
 
     /// All but the cavities into which no ball of this radius (Å) fits.
-    fn of_shells(mesh: &TriangleMesh, measure: &Measure, radius_angstrom: f64) -> Result<Self> {
-        let shells = mesh.shells()?;
+    fn of_shells(shells: &[TriangleMesh], measure: &Measure, radius_angstrom: f64) -> Self {
         let mut is_kept = Vec::with_capacity(shells.len());
         // Volumes of the cavities, and whether each is kept.
         let mut ranking = Vec::new();
-        for shell in &shells {
+        for shell in shells {
             let volume = shell.volume_angstrom3();
             let is_interior = volume < 0.0 && ball_fits_inside(shell, radius_angstrom);
             is_kept.push(volume >= 0.0 || is_interior);
@@ -236,16 +247,16 @@ impl Selection {
         }
         let (exact, cavities) = exact_with(measure, ranking);
         if cavities.filled == 0 {
-            return Ok(Self {
+            return Self {
                 cavities,
                 ..Self::everything(measure)
-            });
+            };
         }
-        Ok(Self {
+        Self {
             exact,
             is_kept: Some(is_kept),
             cavities,
-        })
+        }
     }
 }
 

@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 const SOLID_ANGLE_TOLERANCE: f64 = 1e-6;
 
 /// The faces of an arrangement and what is known of them as a whole.
+#[derive(Debug, Clone)]
 pub(crate) struct Traced {
     pub(crate) faces: Vec<Face>,
     pub(crate) shells: u32,

@@ -6,6 +6,7 @@ use super::{Arc, Vertex};
 use protomer_kernel::Vec3;
 
 /// Arcs and vertices that know each other, and the atoms that are exposed without any arc.
+#[derive(Debug, Clone)]
 pub(crate) struct Joined {
     pub(crate) arcs: Vec<Arc>,
     pub(crate) vertices: Vec<Vertex>,

@@ -6,7 +6,8 @@
 //! touches three atoms. Arcs are found by clipping each circle with the balls near it (`circle`),
 //! which is linear in the number of atoms; the pieces are then joined by their names alone
 //! (`join`): each vertex must be met by exactly three circles, otherwise a coincidence was not
-//! resolved and everything is repeated with a larger perturbation (`balls`).
+//! resolved and everything is repeated with a larger perturbation (`balls`). Faces are traced when they
+//! are first asked for (`faces`): a signed distance does without them.
 
 mod balls;
 mod cells;
@@ -20,8 +21,11 @@ pub(crate) use balls::hashed_fraction;
 use balls::{Balls, invalid};
 pub(crate) use cells::CellList;
 use circle::Cap;
+use faces::Traced;
 pub(crate) use faces::root;
+use join::Joined;
 use protomer_kernel::Vec3;
+use std::sync::OnceLock;
 
 /// Amplitudes of the perturbation of the radii, Å, tried in turn. The first is the rule, the others
 /// have never been needed for real structures.
@@ -91,12 +95,8 @@ pub struct Arrangement {
     probe_radius: f64,
     perturbation: f64,
     balls: Balls,
-    arcs: Vec<Arc>,
-    vertices: Vec<Vertex>,
-    faces: Vec<Face>,
-    shells: u32,
-    arc_shells: Vec<u32>,
-    defects: u32,
+    joined: Joined,
+    traced: OnceLock<Traced>,
 }
 
 impl Arrangement {
@@ -118,17 +118,12 @@ impl Arrangement {
             let Some(joined) = join::join(&balls) else {
                 continue;
             };
-            let faces = faces::trace(&balls, &joined);
             return Ok(Self {
                 probe_radius: probe_radius_angstrom,
                 perturbation: amplitude,
                 balls,
-                arcs: joined.arcs,
-                vertices: joined.vertices,
-                faces: faces.faces,
-                shells: faces.shells,
-                arc_shells: faces.arc_shells,
-                defects: faces.defects,
+                joined,
+                traced: OnceLock::new(),
             });
         }
         Err(invalid(
@@ -159,40 +154,49 @@ impl Arrangement {
 
     /// The arcs.
     pub fn arcs(&self) -> &[Arc] {
-        &self.arcs
+        &self.joined.arcs
     }
 
     /// The vertices.
     pub fn vertices(&self) -> &[Vertex] {
-        &self.vertices
+        &self.joined.vertices
     }
 
     /// The faces, in the order of their atoms.
     pub fn faces(&self) -> &[Face] {
-        &self.faces
+        &self.traced().faces
     }
 
     /// Number of shells, the connected components of the accessible surface.
     pub fn shell_count(&self) -> usize {
-        self.shells as usize
+        self.traced().shells as usize
     }
 
     /// The shell that an arc belongs to.
     pub fn shell_of_arc(&self, arc: usize) -> Option<u32> {
-        self.arc_shells.get(arc).copied()
+        self.traced().arc_shells.get(arc).copied()
     }
 
     /// Atoms with at least one face, in increasing order.
     pub fn exposed_atoms(&self) -> Vec<u32> {
-        let mut atoms: Vec<u32> = self.faces.iter().map(|face| face.atom).collect();
+        let mut atoms = self.joined.free_atoms.clone();
+        for arc in &self.joined.arcs {
+            atoms.extend(arc.atoms);
+        }
+        atoms.sort_unstable();
         atoms.dedup();
         atoms
+    }
+
+    fn traced(&self) -> &Traced {
+        let trace = || faces::trace(&self.balls, &self.joined);
+        self.traced.get_or_init(trace)
     }
 
     /// Faces whose boundary did not close to a possible solid angle: zero, unless rounding defeated
     /// the arrangement.
     pub(crate) fn defects(&self) -> u32 {
-        self.defects
+        self.traced().defects
     }
 
     /// The caps that other balls cut off the ball of `atom`, largest first.

@@ -435,8 +435,8 @@ impl CompactArc {
 fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bool>) {
     let radii = accessible.expanded_radii_angstrom();
     let mut exposed = vec![false; radii.len()];
-    for face in accessible.faces() {
-        exposed[face.atom as usize] = true;
+    for atom in accessible.exposed_atoms() {
+        exposed[atom as usize] = true;
     }
     let mut half_spaces = Vec::new();
     let mut starts = vec![0];

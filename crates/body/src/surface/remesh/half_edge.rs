@@ -92,19 +92,39 @@ impl HalfEdgeMesh {
     /// The same mesh, numbered without the holes that removed vertices and triangles left.
     pub(crate) fn compacted(&self) -> Self {
         let vertices: Vec<u32> = self.vertices().collect();
+        self.renumbered(&vertices, &self.triangles().collect::<Vec<u32>>())
+    }
+
+    /// Those shells that `is_kept` says, in the order of [`Self::to_shells`].
+    pub(crate) fn with_shells(&self, is_kept: &[bool]) -> Self {
+        let kept = self.triangles_by_shell().into_iter().zip(is_kept);
+        let kept = kept.filter(|(_, is_kept)| **is_kept);
+        let triangles: Vec<u32> = kept.flat_map(|(triangles, _)| triangles).collect();
+        let (mut vertices, mut is_new) = (Vec::new(), vec![true; self.positions.len()]);
+        for &triangle in &triangles {
+            for vertex in self.triangle(triangle) {
+                if std::mem::take(&mut is_new[vertex as usize]) {
+                    vertices.push(vertex);
+                }
+            }
+        }
+        self.renumbered(&vertices, &triangles)
+    }
+
+    /// These vertices and triangles alone, in this order. The triangles are all those at the vertices.
+    fn renumbered(&self, vertices: &[u32], triangles: &[u32]) -> Self {
         let mut number = vec![NONE; self.positions.len()];
-        for (new, &old) in (0..).zip(&vertices) {
+        for (new, &old) in (0..).zip(vertices) {
             number[old as usize] = new;
         }
-        let triangles: Vec<u32> = self.triangles().collect();
         let mut first_of = vec![NONE; self.origin.len() / 3];
-        for (new, &old) in (0..).zip(&triangles) {
+        for (new, &old) in (0..).zip(triangles) {
             first_of[old as usize] = 3 * new;
         }
         let mut origin = Vec::with_capacity(3 * triangles.len());
         let mut twin = Vec::with_capacity(3 * triangles.len());
         let mut outgoing = vec![NONE; vertices.len()];
-        for &triangle in &triangles {
+        for &triangle in triangles {
             for old in 3 * triangle..3 * triangle + 3 {
                 let from = number[self.origin[old as usize] as usize];
                 outgoing[from as usize] = origin.len() as u32;
@@ -128,6 +148,44 @@ impl HalfEdgeMesh {
             twin,
             outgoing,
         }
+    }
+
+    /// Each shell as a mesh of its own, in the order of their first triangles.
+    pub(crate) fn to_shells(&self) -> Vec<TriangleMesh> {
+        let mut number = vec![NONE; self.positions.len()];
+        let mut shells = Vec::new();
+        for triangles in self.triangles_by_shell() {
+            let mut shell = TriangleMesh::default();
+            for triangle in triangles {
+                let corners = self.triangle(triangle).map(|vertex| {
+                    let number = &mut number[vertex as usize];
+                    if *number == NONE {
+                        *number = shell.vertices.len() as u32;
+                        shell.vertices.push(self.position(vertex));
+                    }
+                    *number
+                });
+                shell.triangles.push(corners);
+            }
+            shells.push(shell);
+        }
+        shells
+    }
+
+    /// The triangles of each shell, the shells in the order of their first triangles.
+    fn triangles_by_shell(&self) -> Vec<Vec<u32>> {
+        let mut place = vec![usize::MAX; self.shells];
+        let mut triangles_of: Vec<Vec<u32>> = Vec::new();
+        for triangle in self.triangles() {
+            let [corner, ..] = self.triangle(triangle);
+            let place = &mut place[self.shell[corner as usize] as usize];
+            if *place == usize::MAX {
+                *place = triangles_of.len();
+                triangles_of.push(Vec::new());
+            }
+            triangles_of[*place].push(triangle);
+        }
+        triangles_of
     }
 
     /// The mesh without the holes that removed vertices and triangles left.
@@ -523,6 +581,54 @@ mod tests {
                 let edges = plain.triangles.len() * 3 / 2;
                 prop_assert_eq!(plain.vertices.len() + plain.triangles.len(), edges + 2);
             }
+        }
+    }
+
+    /// The slow twin: shells that the plain mesh finds by its edges.
+    #[test]
+    fn shells_are_those_of_the_plain_mesh() {
+        let one = octahedron().to_mesh();
+        let mut three = TriangleMesh::default();
+        for shift in [0.0, 3.0, 6.0] {
+            let moved = one.map_vertices(|vertex| vertex + Vec3::repeat(shift));
+            three.vertices.extend(moved.vertices);
+        }
+        // The triangles of the three take turns, those of the last first.
+        for triangle in &one.triangles {
+            for first in [12, 0, 6] {
+                three.triangles.push(triangle.map(|vertex| vertex + first));
+            }
+        }
+        let mut mesh = HalfEdgeMesh::new(three).unwrap();
+        for half_edge in [0, 10, 20, 30] {
+            let (a, b) = mesh.ends(half_edge);
+            mesh.split(half_edge, 0.5 * (mesh.position(a) + mesh.position(b)));
+        }
+        assert!(mesh.can_collapse(4));
+        mesh.collapse(4);
+        let shells = mesh.to_mesh().shells().unwrap();
+        assert_eq!(shells.len(), 3);
+        assert_eq!(mesh.to_shells(), shells);
+        for is_kept in [
+            [true, false, true],
+            [false, true, false],
+            [false, true, true],
+        ] {
+            let mut kept = TriangleMesh::default();
+            for (shell, _) in shells.iter().zip(is_kept).filter(|(_, is_kept)| *is_kept) {
+                let first = kept.vertices.len() as u32;
+                kept.vertices.extend(&shell.vertices);
+                let triangles = shell.triangles.iter();
+                kept.triangles
+                    .extend(triangles.map(|corners| corners.map(|vertex| vertex + first)));
+            }
+            let anew = HalfEdgeMesh::new(kept).unwrap();
+            let found = mesh.with_shells(&is_kept);
+            assert_eq!(found.positions, anew.positions);
+            assert_eq!(found.origin, anew.origin);
+            assert_eq!(found.twin, anew.twin);
+            assert_eq!(found.outgoing, anew.outgoing);
+            assert_eq!(found.valence, anew.valence);
         }
     }
 
