@@ -19,11 +19,16 @@ use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 
+/// Points less than this far outside, Å, may be inside but for rounding.
+const ON_SURFACE_ANGSTROM: f32 = 1e-4;
+
 /// Permittivities of edges and accessibility of points, x fastest.
 #[derive(Debug, Clone)]
 pub(super) struct DielectricMap {
     /// Whether a point is inside the surface.
     pub inside: Vec<bool>,
+    /// The points that are not, but no more than [`ON_SURFACE_ANGSTROM`] outside, ascending.
+    pub on_surface: Vec<usize>,
     /// Relative permittivity of the edges from a point to its neighbour along x, y and z.
     pub edges: [Vec<f32>; 3],
     /// The part of the box around a point that ions reach, 0 to 1.
@@ -45,8 +50,11 @@ impl DielectricMap {
             Some(gap) => parts_beyond_gap(&gap.angstrom, grid.spacing_angstrom),
             None => parts_outside(grid, solid, &distance),
         };
+        let is_on_surface = |d: &f32| (0.0..=ON_SURFACE_ANGSTROM).contains(d);
+        let on_surface = (0..grid.len()).filter(|point| is_on_surface(&distance[*point]));
         Self {
             inside: distance.iter().map(|d| *d < 0.0).collect(),
+            on_surface: on_surface.collect(),
             edges,
             accessible,
         }

@@ -65,12 +65,21 @@ fn lower_plane(grid: &Grid, k: usize, plane: &mut [f32], centre: &Vec3, radius: 
         if across_row <= 0.0 {
             continue;
         }
-        for i in points_within(across_row.sqrt(), centre.x, x0, h, nx) {
-            let dx = x0 + h * i as f64 - centre.x;
-            let distance = (dx * dx + dy * dy + dz * dz).sqrt() - radius;
-            let gap = &mut plane[j * nx + i];
-            *gap = gap.min(distance as f32);
-        }
+        let points = points_within(across_row.sqrt(), centre.x, x0, h, nx);
+        let first_dx = x0 + h * points.start as f64 - centre.x;
+        let row = &mut plane[j * nx..][points];
+        lower_row(row, first_dx, h, dy * dy + dz * dz, radius);
+    }
+}
+
+/// The same for points of a row, from the first on; `across` is the square of the row's distance from
+/// the centre. In single precision, good to 10⁻⁶ Å, and without branches: it is compiled into vectors.
+fn lower_row(row: &mut [f32], first_dx: f64, h: f64, across: f64, radius: f64) {
+    let [first_dx, h, across, radius] = [first_dx, h, across, radius].map(|x| x as f32);
+    for (step, gap) in (0_i32..).zip(row) {
+        let dx = first_dx + h * step as f32;
+        let distance = (dx * dx + across).sqrt() - radius;
+        *gap = if distance < *gap { distance } else { *gap };
     }
 }
 
@@ -89,5 +98,41 @@ fn points_within(
     if last < 0.0 {
         return 0..0;
     }
-    first as usize..last as usize + 1
+    let end = last as usize + 1;
+    (first as usize).min(end)..end
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    /// The slow twin: all spheres at all points, in double precision. Some spheres are off the grid.
+    #[test]
+    fn gaps_are_distances_up_to_a_spacing() {
+        let mut rng = CounterRng::new(9, 0, 0);
+        let grid = Grid::around(&Vec3::repeat(-6.0), &Vec3::repeat(7.0), 0.8, 1).unwrap();
+        let spheres: Vec<ChargedSphere> = (0..200)
+            .map(|_| ChargedSphere {
+                centre: rng.vector_in_ball(20.0),
+                radius_angstrom: rng.uniform_in(0.0, 2.0),
+                charge_e: 0.0,
+            })
+            .collect();
+        let gap = IonGap::new(&grid, &spheres, 2.0, 1.4);
+        for index in 0..grid.len() {
+            let place = grid.point_at(index);
+            let distance = |sphere: &ChargedSphere| {
+                (sphere.centre - place).norm() - sphere.radius_angstrom - 2.0
+            };
+            let least = spheres.iter().map(distance).fold(f64::INFINITY, f64::min);
+            let found = f64::from(gap.angstrom[index]);
+            if least < 0.8 {
+                assert!((found - least).abs() < 2e-6, "{found} {least}");
+            } else {
+                assert!(found > 0.8 - 2e-6, "{found} {least}");
+            }
+        }
+    }
 }

@@ -51,6 +51,7 @@ use crate::{FieldError, Result};
 use dielectric_map::DielectricMap;
 use ion_gap::IonGap;
 use operator::Operator;
+use potential::Sides;
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
 use settings::{LARGEST_SPACING_ANGSTROM, check_range, coarse_grid_around};
@@ -200,25 +201,26 @@ impl Problem<'_> {
     fn solve_on(&self, grid: Grid, mut values: Vec<f64>) -> Result<Potential> {
         let inner = self.dielectric.inner_permittivity;
         let outer = self.dielectric.electrolyte.relative_permittivity();
-        let (operator, inside) = self.operator_on(&grid);
+        let (operator, sides) = self.operator_on(&grid);
         let coulomb = self.coulomb_inside();
+        let inside = &sides.inside;
         let mut right =
-            coulomb_source::at_surface(&grid, &operator, &inside, &coulomb, [inner, outer]);
-        coulomb_source::add_ions(&mut right, &grid, &operator, &inside, &coulomb);
+            coulomb_source::at_surface(&grid, &operator, inside, &coulomb, [inner, outer]);
+        coulomb_source::add_ions(&mut right, &grid, &operator, inside, &coulomb);
         let iterations =
             conjugate_gradient::solve(&operator, right, &mut values, self.relative_tolerance)?;
         let reduced = ScalarField { grid, values };
         Ok(Potential::new(
             reduced,
-            inside,
+            sides,
             coulomb,
             self.spheres,
             iterations,
         ))
     }
 
-    /// The equations on a grid, and which points are inside the surface.
-    fn operator_on(&self, grid: &Grid) -> (Operator, Vec<bool>) {
+    /// The equations on a grid, and on which side of the surface its points are.
+    fn operator_on(&self, grid: &Grid) -> (Operator, Sides) {
         let inner = self.dielectric.inner_permittivity;
         let outer = self.dielectric.electrolyte.relative_permittivity();
         let ion_radius = self.dielectric.ion_radius_angstrom;
@@ -239,7 +241,11 @@ impl Problem<'_> {
         for part in &mut mass {
             *part = (full_mass * f64::from(*part)) as f32;
         }
-        (Operator::new(grid.shape, map.edges, mass), map.inside)
+        let sides = Sides {
+            inside: map.inside,
+            on_surface: map.on_surface,
+        };
+        (Operator::new(grid.shape, map.edges, mass), sides)
     }
 
     /// The sources l q/ε_in of the Coulomb potential inside.

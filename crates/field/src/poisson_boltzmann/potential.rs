@@ -24,7 +24,7 @@ use rayon::prelude::*;
 pub struct Potential {
     /// The reaction field u inside, φ outside, kT/e.
     reduced: ScalarField,
-    inside: Vec<bool>,
+    sides: Sides,
     /// The Coulomb potential inside.
     coulomb: PointCharges,
     tree: ChargeTree,
@@ -34,17 +34,26 @@ pub struct Potential {
     pub iterations: usize,
 }
 
+/// On which side of the surface the points of a grid are.
+#[derive(Debug, Clone)]
+pub(super) struct Sides {
+    /// Whether a point is inside.
+    pub(super) inside: Vec<bool>,
+    /// The points that are not, but so near that only rounding may have kept them out, ascending.
+    pub(super) on_surface: Vec<usize>,
+}
+
 impl Potential {
     pub(super) fn new(
         reduced: ScalarField,
-        inside: Vec<bool>,
+        sides: Sides,
         tree: ChargeTree,
         spheres: &[ChargedSphere],
         iterations: usize,
     ) -> Self {
         let mut potential = Self {
             reduced,
-            inside,
+            sides,
             coulomb: PointCharges::new(tree.sources()),
             tree,
             solvation_energy_kt: 0.0,
@@ -70,7 +79,12 @@ impl Potential {
 
     /// Which points of the grid are inside the surface.
     pub(crate) fn inside(&self) -> &[bool] {
-        &self.inside
+        &self.sides.inside
+    }
+
+    /// Whether a point of the grid is outside the surface, however distances are rounded.
+    pub(crate) fn is_outside(&self, point: usize) -> bool {
+        !self.sides.inside[point] && self.sides.on_surface.binary_search(&point).is_err()
     }
 
     /// The potential at a point of the grid outside the surface, kT/e.
@@ -87,7 +101,7 @@ impl Potential {
     fn reaction_at(&self, place: &Vec3) -> f64 {
         let grid = &self.reduced.grid;
         if let Some(points) = grid.tricubic(place)
-            && points.points.iter().all(|point| self.inside[*point])
+            && points.points.iter().all(|point| self.sides.inside[*point])
         {
             return points.interpolate(|point| self.reduced.values[point]);
         }
@@ -99,7 +113,7 @@ impl Potential {
 
     fn reaction_at_point(&self, point: usize) -> f64 {
         let value = self.reduced.values[point];
-        if self.inside[point] {
+        if self.sides.inside[point] {
             value
         } else {
             value - self.coulomb.coulomb(&self.reduced.grid.point_at(point))
@@ -111,7 +125,7 @@ impl Potential {
     /// Coulomb potential is added.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.reduced.grid.trilinear(place)?;
-        if corners.points.iter().any(|point| self.inside[*point]) {
+        if corners.points.iter().any(|point| self.sides.inside[*point]) {
             return Some(self.reaction_at(place) + self.coulomb.coulomb(place));
         }
         Some(corners.interpolate(|point| self.reduced.values[point]))
@@ -120,7 +134,8 @@ impl Potential {
     /// The potential at all points of the grid, kT/e: inside, with the error of `charge_tree`.
     pub fn field(&self) -> ScalarField {
         let mut field = self.reduced.clone();
-        for (point, coulomb) in at_points(&field.grid, &self.tree, |point| self.inside[point]) {
+        for (point, coulomb) in at_points(&field.grid, &self.tree, |point| self.sides.inside[point])
+        {
             field.values[point] += coulomb;
         }
         field

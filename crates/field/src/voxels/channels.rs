@@ -263,7 +263,7 @@ fn potentials(
         }
         PotentialModel::PoissonBoltzmann => {
             let solved = solve_within(solid, spheres, &settings.dielectric, &settings.solve)?;
-            at_surface(&solved, solid, &places)
+            at_surface(&solved, &places)
         }
     })
 }

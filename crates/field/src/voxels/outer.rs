@@ -11,21 +11,17 @@
 use crate::grid::Grid;
 use crate::poisson_boltzmann::Potential;
 use nalgebra::{Matrix4, Vector4};
-use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 
 /// μ in units of h² Σ w: keeps slopes bounded where all points outside lie in a plane.
 const STIFFNESS: f64 = 1e-3;
-/// Points count if they are farther outside than this, Å: for the solver, whose distances are
-/// rounded, nearer ones may be inside.
-const OUTSIDE_ANGSTROM: f64 = 1e-4;
 
-/// The potential at places on the surface of the solid for which the potential was solved, kT/e.
+/// The potential at places on the surface for which it was solved, kT/e.
 /// Where no grid point outside is near, in cavities smaller than the grid, it is interpolated.
-pub fn at_surface(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Vec3]) -> Vec<f64> {
+pub fn at_surface(potential: &Potential, places: &[Vec3]) -> Vec<f64> {
     let grid = potential.grid();
-    let known = OuterPoints::new(potential, solid, places);
+    let known = OuterPoints::new(potential, places);
     let value_at = |place: &Vec3| {
         let continued = known.near(grid, place).at_origin();
         let value = continued.or_else(|| potential.at(place));
@@ -41,26 +37,20 @@ struct OuterPoints {
 }
 
 impl OuterPoints {
-    fn new(potential: &Potential, solid: &dyn ImplicitSolid, places: &[Vec3]) -> Self {
+    fn new(potential: &Potential, places: &[Vec3]) -> Self {
         let grid = potential.grid();
         // Neighbouring places share grid points, and each is evaluated once.
         let mut wanted = vec![false; grid.len()];
         for around in places.iter().filter_map(|place| Around::new(grid, place)) {
             around.for_each(grid, |point, _| wanted[point] = true);
         }
-        let value_outside = |point: usize| {
-            let is_outside = !potential.inside()[point]
-                && solid.signed_distance(&grid.point_at(point)) > OUTSIDE_ANGSTROM;
-            match is_outside {
+        let points = wanted.into_par_iter().enumerate();
+        let values = points.map(
+            |(point, wanted)| match wanted && potential.is_outside(point) {
                 true => potential.at_outer_point(point),
                 false => f64::NAN,
-            }
-        };
-        let points = wanted.into_par_iter().enumerate();
-        let values = points.map(|(point, wanted)| match wanted {
-            true => value_outside(point),
-            false => f64::NAN,
-        });
+            },
+        );
         Self {
             values: values.collect(),
         }
@@ -187,6 +177,7 @@ mod tests {
     use super::*;
     use crate::poisson_boltzmann::{SolveSettings, solve};
     use crate::{ChargedSphere, DielectricModel};
+    use protomer_body::surface::ImplicitSolid;
     use protomer_kernel::Electrolyte;
     use protomer_kernel::random::CounterRng;
 
@@ -222,13 +213,13 @@ mod tests {
                 let (from_cell, _) = grid.locate(&at).unwrap();
                 let is_near =
                     (0..3).all(|a| (-1..=2).contains(&(from_cell[a] as i64 - cell[a] as i64)));
-                if is_near && solid.signed_distance(&at) > OUTSIDE_ANGSTROM {
+                if is_near && solid.signed_distance(&at) > 1e-4 {
                     let offset = (at - place) / grid.spacing_angstrom;
                     known.push((offset, potential.at_outer_point(point)));
                 }
             }
             let expected = sums(&known).at_origin().unwrap();
-            let found = at_surface(&potential, &solid, &[place])[0];
+            let found = at_surface(&potential, &[place])[0];
             assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
         }
     }
