@@ -173,8 +173,10 @@ fn surface_with(
     settings: &MeshSettings,
     interior_radius_angstrom: Option<f64>,
 ) -> Result<Surface> {
-    let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
-    let measure = Measure::new(&accessible);
+    let (measure, solid) = {
+        let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
+        (Measure::new(&accessible), SesSolid::new(&accessible))
+    };
     let resolved = radii_angstrom
         .iter()
         .filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
@@ -186,7 +188,6 @@ fn surface_with(
         base_spacing_angstrom,
         ..*settings
     };
-    let solid = SesSolid::new(&accessible);
     let mut selection = Selection::everything(&measure);
     let Meshed {
         mesh,

@@ -204,8 +204,9 @@ pub fn voxelise(
                 let places = atoms.iter().map(|atom| (atom.sphere.centre, atom.residue));
                 let map =
                     HydropathyMap::new(places, hydropathy, settings.hydropathy_reach_angstrom);
-                let at_voxel = |voxel: &u32| map.at(&lattice.centre(*voxel)).unwrap_or(0.0);
-                let indices: Vec<f64> = shell.par_iter().map(at_voxel).collect();
+                let centres: Vec<Vec3> = shell.iter().map(|voxel| lattice.centre(*voxel)).collect();
+                let indices = map.at_all(&centres).into_iter();
+                let indices: Vec<f64> = indices.map(Option::unwrap_or_default).collect();
                 scatter(&index, &shell, &indices)
             }
             Channel::Spacing => vec![lattice.spacing_angstrom() as f32; index.len()],

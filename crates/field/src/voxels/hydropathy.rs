@@ -1,6 +1,7 @@
 //! Kyte-Doolittle indices around a place.
 
 use protomer_kernel::Vec3;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 
 /// Averages of the indices of residues near a place.
@@ -24,7 +25,7 @@ pub struct HydropathyMap {
     /// Atoms of residues with an index.
     atoms: Vec<ResidueAtom>,
     indices: Vec<Option<f64>>,
-    /// The same by cells as wide as the reach, those of a residue one after the other.
+    /// The same by cells as wide as the reach.
     cells: FxHashMap<[i32; 3], Vec<ResidueAtom>>,
 }
 
@@ -74,21 +75,76 @@ impl HydropathyMap {
         Some(sum / residues.len() as f64)
     }
 
-    fn residues_within_reach(&self, place: &Vec3) -> Vec<u32> {
-        let [x, y, z] = self.cell(place);
-        let mut residues = Vec::with_capacity(16);
-        for n in 0..27 {
-            let cell = [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1];
-            let mut found = None;
+    /// [`Self::at`] for many places: those in a cell share their candidates.
+    ///
+    /// ```
+    /// use protomer_field::voxels::hydropathy::HydropathyMap;
+    /// use protomer_kernel::Vec3;
+    /// let map = HydropathyMap::new([(Vec3::zeros(), Some(0))], &[Some(4.5)], 5.0);
+    /// assert_eq!(map.at_all(&[Vec3::x(), Vec3::y() * 9.0]), [Some(4.5), Some(4.5)]);
+    /// ```
+    pub fn at_all(&self, places: &[Vec3]) -> Vec<Option<f64>> {
+        let mut by_cell: Vec<([i32; 3], usize)> = Vec::with_capacity(places.len());
+        by_cell.extend(places.iter().map(|place| self.cell(place)).zip(0..));
+        by_cell.sort_unstable();
+        let groups: Vec<_> = by_cell.chunk_by(|a, b| a.0 == b.0).collect();
+        let of_group = |group: &&[([i32; 3], usize)]| {
+            let places: Vec<Vec3> = group.iter().map(|(_, number)| places[*number]).collect();
+            let candidates = self.candidates(group[0].0, &places);
+            let mean = |place| self.mean_among(&candidates, place);
+            places.iter().map(mean).collect::<Vec<Option<f64>>>()
+        };
+        let of_groups: Vec<Vec<Option<f64>>> = groups.par_iter().map(of_group).collect();
+        let mut all = vec![None; places.len()];
+        for ((_, number), mean) in by_cell.iter().zip(of_groups.into_iter().flatten()) {
+            all[*number] = mean;
+        }
+        all
+    }
+
+    /// The atoms within reach of the box around places of a cell, by residue.
+    fn candidates(&self, cell: [i32; 3], places: &[Vec3]) -> Vec<ResidueAtom> {
+        let (mut low, mut high) = (places[0], places[0]);
+        for place in places {
+            (low, high) = (low.inf(place), high.sup(place));
+        }
+        let mut candidates = Vec::with_capacity(128);
+        for cell in around(cell) {
             for atom in self.cells.get(&cell).into_iter().flatten() {
-                // One atom of a residue is enough; others of it come next.
-                if found == Some(atom.residue)
-                    || (atom.place - place).norm_squared() > self.reach * self.reach
-                {
-                    continue;
+                let beyond = atom.place - atom.place.sup(&low).inf(&high);
+                if beyond.norm_squared() <= self.reach * self.reach {
+                    candidates.push(*atom);
                 }
-                found = Some(atom.residue);
-                if !residues.contains(&atom.residue) {
+            }
+        }
+        candidates.sort_by_key(|atom| atom.residue);
+        candidates
+    }
+
+    /// The mean index at a place with these atoms near, by residue.
+    fn mean_among(&self, candidates: &[ResidueAtom], place: &Vec3) -> Option<f64> {
+        let (mut sum, mut count, mut last) = (0.0, 0, None);
+        for atom in candidates {
+            if last != Some(atom.residue)
+                && (atom.place - place).norm_squared() <= self.reach * self.reach
+            {
+                last = Some(atom.residue);
+                sum += self.indices[atom.residue as usize].unwrap_or(0.0);
+                count += 1;
+            }
+        }
+        if count == 0 {
+            return self.at(place);
+        }
+        Some(sum / f64::from(count))
+    }
+
+    fn residues_within_reach(&self, place: &Vec3) -> Vec<u32> {
+        let mut residues = Vec::with_capacity(16);
+        for cell in around(self.cell(place)) {
+            for atom in self.cells.get(&cell).into_iter().flatten() {
+                let within = (atom.place - place).norm_squared() <= self.reach * self.reach;
+                if within && !residues.contains(&atom.residue) {
                     residues.push(atom.residue);
                 }
             }
@@ -111,5 +167,38 @@ impl HydropathyMap {
 
     fn cell(&self, place: &Vec3) -> [i32; 3] {
         [place.x, place.y, place.z].map(|x| (x / self.reach).floor() as i32)
+    }
+}
+
+/// A cell and its 26 neighbours.
+fn around([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    (0..27).map(move |n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    /// The slow twin: each place by itself.
+    #[test]
+    fn many_places_get_what_each_gets() {
+        let mut rng = CounterRng::new(12, 0, 0);
+        let indices: Vec<Option<f64>> = (0..60)
+            .map(|residue| (residue % 7 != 0).then(|| rng.uniform_in(-4.5, 4.5)))
+            .collect();
+        let atoms: Vec<(Vec3, Option<u32>)> = (0..400)
+            .map(|atom| {
+                (
+                    rng.vector_in_ball(15.0),
+                    (atom % 9 != 0).then_some(atom / 7),
+                )
+            })
+            .collect();
+        let map = HydropathyMap::new(atoms, &indices, 4.0);
+        let places: Vec<Vec3> = (0..500).map(|_| rng.vector_in_ball(25.0)).collect();
+        let slow: Vec<Option<f64>> = places.iter().map(|place| map.at(place)).collect();
+        assert_eq!(map.at_all(&places), slow);
+        assert_eq!(map.at_all(&[]), []);
     }
 }

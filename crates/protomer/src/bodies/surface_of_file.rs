@@ -123,6 +123,8 @@ pub fn surface_of_file(
 ) -> Result<(TriangleMesh, SurfaceReport)> {
     let file = InputFile::read(path)?;
     let (sites, origin) = read_sites(&file)?;
+    // A large file would count in the memory of the surface.
+    drop(file.bytes);
     let surface = surface_of_sites(&sites, settings).with_context(|| file.name.clone())?;
     let deviation = surface.deviation();
     let (mesh, exact, topology) = (surface.mesh, surface.exact, surface.topology);
