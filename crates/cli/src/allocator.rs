@@ -4,20 +4,28 @@
 //! back to the system every time it is freed, and the system clears it every time it is asked for: 8 % of
 //! the CPU time of `voxelize`.
 
-/// Blocks from this size on are given back when they are freed, bytes.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-const LARGE_BLOCK_BYTES: i32 = 4 << 20;
-/// This much free memory is kept per arena, bytes.
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-const KEPT_BYTES: i32 = 64 << 20;
-
-/// Keeps freed memory for the next structure. Only glibc needs to be told.
+/// Keeps freed memory for the next structure. Only glibc needs to be told, and whoever sets
+/// `GLIBC_TUNABLES` knows better.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: mallopt stores numbers in the allocator's settings and may be called at any time; both
-    // parameters exist, and a value out of range is refused, which leaves the defaults.
-    unsafe {
-        libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BLOCK_BYTES);
-        libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT_BYTES);
+    if std::env::var_os("GLIBC_TUNABLES").is_none() {
+        glibc::keep_freed_memory();
+    }
+}
+
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+mod glibc {
+    /// Blocks from this size on are given back when they are freed, bytes.
+    const LARGE_BLOCK_BYTES: i32 = 4 << 20;
+    /// This much free memory is kept per arena, bytes.
+    const KEPT_BYTES: i32 = 64 << 20;
+
+    pub fn keep_freed_memory() {
+        // SAFETY: mallopt stores numbers in the allocator's settings and may be called at any time; both
+        // parameters exist, and a value out of range is refused, which leaves the defaults.
+        unsafe {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BLOCK_BYTES);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT_BYTES);
+        }
     }
 }
