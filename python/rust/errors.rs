@@ -1,6 +1,7 @@
 //! Errors as Python exceptions: one for each kind of error that a user can act on.
 
 use protomer_body::BodyError;
+use protomer_common::remedy;
 use protomer_crystal::CrystalError;
 use protomer_field::FieldError;
 use protomer_io::IoError;
@@ -83,7 +84,7 @@ pub fn missing_file_error(py: Python<'_>) -> PyResult<&Py<PyType>> {
 
 /// The exception for an error of a verb.
 pub fn exception(error: &anyhow::Error) -> PyErr {
-    let message = format!("{error:#}");
+    let message = remedy::message(error);
     for cause in error.chain() {
         match cause.downcast_ref() {
             Some(IoError::File { path, cause, .. }) if cause.kind() == ErrorKind::NotFound => {

@@ -30,6 +30,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use front::Front;
 use global::Global;
+use protomer_common::remedy;
 use std::ffi::OsString;
 use std::fmt;
 use std::time::Instant;
@@ -103,7 +104,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(code) => code,
         Err(error) if reply::is_broken_pipe(&error) => 0,
         Err(error) => {
-            stderr::note(&format!("error: {error:#}"));
+            stderr::note(&format!("error: {}", remedy::message(&error)));
             1
         }
     }

@@ -6,6 +6,7 @@
 //! | [`input`] | input files: found, read, decompressed, hashed |
 //! | [`output_file`] | output files: replaced only on request |
 //! | [`quantity`] | numbers with units, such as `150mM` |
+//! | [`remedy`] | errors of the operating system with what to do about them |
 //! | [`cpu_time`] | processor time of a piece of work |
 
 pub mod answer;
@@ -13,3 +14,4 @@ pub mod cpu_time;
 pub mod input;
 pub mod output_file;
 pub mod quantity;
+pub mod remedy;

@@ -1,5 +1,7 @@
 //! The error type of this crate, and the checks of single numbers that every module makes.
 
+use protomer_kernel::Number;
+
 /// What can go wrong with a lattice or a framework.
 ///
 /// ```
@@ -16,7 +18,7 @@ pub enum CrystalError {
     #[error("{0}")]
     BadNetwork(String),
     /// A setting outside its range.
-    #[error("{setting} is {value}; it must be {requirement}")]
+    #[error("{setting} is {}; it must be {requirement}", Number(*value))]
     BadSetting {
         /// The setting's name.
         setting: &'static str,

@@ -1,14 +1,14 @@
 //! The one error type of this crate.
 
 use protomer_body::BodyError;
-use protomer_kernel::KernelError;
+use protomer_kernel::{KernelError, Number};
 
 /// What can go wrong in a field calculation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FieldError {
     /// A setting out of its range.
-    #[error("{setting} is {value}; it must be {requirement}")]
+    #[error("{setting} is {}; it must be {requirement}", Number(*value))]
     BadSetting {
         /// Name of the setting.
         setting: &'static str,

@@ -1,3 +1,5 @@
+use protomer_kernel::Number;
+
 /// Why hard bodies cannot be simulated, or phases cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -11,7 +13,7 @@ pub enum Error {
         space: usize,
     },
     /// A value outside the range in which it has a meaning.
-    #[error("{quantity} is {value}; it must be {requirement}")]
+    #[error("{quantity} is {}; it must be {requirement}", Number(*value))]
     OutOfRange {
         /// The quantity, as a user would name it.
         quantity: &'static str,

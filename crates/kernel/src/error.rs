@@ -1,11 +1,33 @@
 //! The one error type of this crate.
 
+use std::fmt;
+
+/// A number in a message: with an exponent where it would have many digits.
+///
+/// ```
+/// use protomer_kernel::Number;
+/// assert_eq!(format!("{} {} {}", Number(-0.5), Number(1e300), Number(2e-9)), "-0.5 1e300 2e-9");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Number(pub f64);
+
+impl fmt::Display for Number {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = self.0.abs();
+        if size != 0.0 && size.is_finite() && !(1e-5..1e9).contains(&size) {
+            write!(formatter, "{:e}", self.0)
+        } else {
+            write!(formatter, "{}", self.0)
+        }
+    }
+}
+
 /// What can go wrong in the kernels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KernelError {
     /// A physical quantity outside the range in which its equation holds.
-    #[error("{quantity} is {value}; it must be {requirement}")]
+    #[error("{quantity} is {}; it must be {requirement}", Number(*value))]
     OutOfRange {
         /// The quantity with its unit, as a user would name it.
         quantity: &'static str,

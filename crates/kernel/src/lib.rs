@@ -41,7 +41,7 @@ pub mod units;
 
 pub use boundary::Boundary;
 pub use electrolyte::Electrolyte;
-pub use error::{KernelError, Result};
+pub use error::{KernelError, Number, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
 pub use point_record::PointRecord;

@@ -1,6 +1,6 @@
 //! The one error type of this crate.
 
-use protomer_kernel::KernelError;
+use protomer_kernel::{KernelError, Number};
 
 /// Errors of a simulation.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -56,7 +56,7 @@ pub enum McError {
     #[error("{0}")]
     BadSystem(String),
     /// A setting out of its range.
-    #[error("{setting} is {value}; it must be {requirement}")]
+    #[error("{setting} is {}; it must be {requirement}", Number(*value))]
     BadSetting {
         /// The setting's name.
         setting: &'static str,

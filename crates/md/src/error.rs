@@ -1,3 +1,5 @@
+use protomer_kernel::Number;
+
 /// Why an interaction cannot be computed, or bodies cannot move on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
@@ -62,7 +64,7 @@ pub enum Error {
         needed: f64,
     },
     /// A setting outside its range.
-    #[error("{what} is {value}; give {expected}")]
+    #[error("{what} is {}; give {expected}", Number(*value))]
     OutOfRange {
         /// The setting.
         what: &'static str,

@@ -140,9 +140,9 @@ fn report(
 /// # Errors
 /// For a name with another number of half axes, or with something that is no number.
 pub(crate) fn half_axes(name: &str) -> Result<Option<Vec<f64>>> {
-    let (dimension, numbers) = match name.split_once(':') {
-        Some(("ellipse", numbers)) => (2, numbers),
-        Some(("ellipsoid", numbers)) => (3, numbers),
+    let (dimension, numbers) = match name.split_once(':').unwrap_or((name, "")) {
+        ("ellipse", numbers) => (2, numbers),
+        ("ellipsoid", numbers) => (3, numbers),
         _ => return Ok(None),
     };
     let numbers = numbers.split(',').map(|cell| cell.trim().parse().ok());
@@ -216,6 +216,7 @@ mod tests {
         assert!((report.surface - 48.882_146_302_582).abs() < 1e-9);
         assert!(report.text().contains("no corners"));
         for name in [
+            "ellipse",
             "ellipsoid:1,2",
             "ellipse:1,2,3",
             "ellipse:a,b",

@@ -11,6 +11,7 @@ use protomer_body::{
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::{InputFile, stem};
 use protomer_common::output_file::write_once;
+use protomer_common::remedy;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::{PointRecord, read_points};
 use protomer_io::pqr::write_pqr;
@@ -382,7 +383,7 @@ impl FileOutcome {
             skipped: BTreeMap::new(),
             warnings: Vec::new(),
             selection: None,
-            error: Some(format!("{error:#}")),
+            error: Some(remedy::message(error)),
         }
     }
 }

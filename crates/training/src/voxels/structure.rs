@@ -10,6 +10,7 @@ use protomer_body::chemistry::{
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
 use protomer_body::{BodyError, structure_warnings};
 use protomer_common::input::InputFile;
+use protomer_common::remedy;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
@@ -100,7 +101,7 @@ pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome
         Ok(sample) => Outcome::Sample(Box::new(sample)),
         Err(Excluded(reason, error)) => Outcome::Excluded {
             reason,
-            detail: format!("{error:#}"),
+            detail: remedy::message(&error),
         },
     }
 }
