@@ -8,7 +8,6 @@
 //!
 //! min Σ w_i (φ_i - a - b·(x_i - x))² + μ |b|²,   w_i = exp(-(r_i/h)²),   φ(x) = a.
 
-use crate::grid::Grid;
 use crate::poisson_boltzmann::Potential;
 use nalgebra::{Matrix4, Vector4};
 use protomer_kernel::Vec3;
@@ -17,98 +16,46 @@ use rayon::prelude::*;
 /// μ in units of h² Σ w: keeps slopes bounded where all points outside lie in a plane.
 const STIFFNESS: f64 = 1e-3;
 
-/// The potential at places on the surface for which it was solved, kT/e.
-/// Where no grid point outside is near, in cavities smaller than the grid, it is interpolated.
+/// The potential at places on the surface for which it was solved, kT/e. Where no grid point outside
+/// is near, in cavities smaller than the grid, it is interpolated.
 pub fn at_surface(potential: &Potential, places: &[Vec3]) -> Vec<f64> {
-    let grid = potential.grid();
-    let known = OuterPoints::new(potential, places);
     let value_at = |place: &Vec3| {
-        let continued = known.near(grid, place).at_origin();
+        let continued = sums_around(potential, place).at_origin();
         let value = continued.or_else(|| potential.at(place));
         value.unwrap_or(f64::NAN)
     };
     places.par_iter().map(value_at).collect()
 }
 
-/// The potential at the grid points near some places that are outside the surface; not a number at all
-/// others.
-struct OuterPoints {
-    values: Vec<f64>,
-}
-
-impl OuterPoints {
-    fn new(potential: &Potential, places: &[Vec3]) -> Self {
-        let grid = potential.grid();
-        // Neighbouring places share grid points, and each is evaluated once.
-        let mut wanted = vec![false; grid.len()];
-        for around in places.iter().filter_map(|place| Around::new(grid, place)) {
-            around.for_each(grid, |point, _| wanted[point] = true);
-        }
-        let points = wanted.into_par_iter().enumerate();
-        let values = points.map(
-            |(point, wanted)| match wanted && potential.is_outside(point) {
-                true => potential.at_outer_point(point),
-                false => f64::NAN,
-            },
-        );
-        Self {
-            values: values.collect(),
-        }
-    }
-
-    /// The sums over the outer points around a place.
-    fn near(&self, grid: &Grid, place: &Vec3) -> Sums {
-        let mut sums = Sums::default();
-        let Some(around) = Around::new(grid, place) else {
-            return sums;
-        };
-        let from_place = (grid.point_at(around.lowest(grid)) - place) / grid.spacing_angstrom;
-        // Offsets, in spacings, and the parts of the weights by axis.
-        let along = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
-        let offsets = [0, 1, 2].map(along);
-        let weights = offsets.map(|along| along.map(|x| (-x * x).exp()));
-        around.for_each(grid, |point, [i, j, k]| {
-            let value = self.values[point];
-            if !value.is_nan() {
-                let weight = weights[0][i] * weights[1][j] * weights[2][k];
-                let offset = Vec3::new(offsets[0][i], offsets[1][j], offsets[2][k]);
-                sums.add(weight, &offset, value);
-            }
-        });
-        sums
-    }
-}
-
-/// The four-by-four-by-four grid points around a place, fewer at the faces.
-struct Around {
-    first: [usize; 3],
-    end: [usize; 3],
-}
-
-impl Around {
-    fn new(grid: &Grid, place: &Vec3) -> Option<Self> {
-        let (cell, _) = grid.locate(place)?;
-        let first = cell.map(|index| index.saturating_sub(1));
-        let end = [0, 1, 2].map(|axis| (cell[axis] + 3).min(grid.shape[axis]));
-        Some(Self { first, end })
-    }
-
-    fn lowest(&self, grid: &Grid) -> usize {
-        let [i, j, k] = self.first;
-        grid.index(i, j, k)
-    }
-
-    /// Visits the number of each point, and where it is from the lowest.
-    fn for_each(&self, grid: &Grid, mut visit: impl FnMut(usize, [usize; 3])) {
-        let ([i0, j0, k0], [i1, j1, k1]) = (self.first, self.end);
-        for k in k0..k1 {
-            for j in j0..j1 {
-                for i in i0..i1 {
-                    visit(grid.index(i, j, k), [i - i0, j - j0, k - k0]);
+/// The sums over those of the four by four by four grid points around a place, fewer at the faces, that
+/// are outside.
+fn sums_around(potential: &Potential, place: &Vec3) -> Sums {
+    let (grid, mut sums) = (potential.grid(), Sums::default());
+    let Some((cell, _)) = grid.locate(place) else {
+        return sums;
+    };
+    let first = cell.map(|index| index.saturating_sub(1));
+    let end = [0, 1, 2].map(|axis| (cell[axis] + 3).min(grid.shape[axis]));
+    let [i0, j0, k0] = first;
+    let from_place = (grid.point(i0, j0, k0) - place) / grid.spacing_angstrom;
+    // Offsets, in spacings, and the parts of the weights by axis.
+    let along = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
+    let offsets = [0, 1, 2].map(along);
+    let weights = offsets.map(|along| along.map(|x| (-x * x).exp()));
+    for k in k0..end[2] {
+        for j in j0..end[1] {
+            for i in i0..end[0] {
+                let point = grid.index(i, j, k);
+                if potential.is_outside(point) {
+                    let [x, y, z] = [i - i0, j - j0, k - k0];
+                    let weight = weights[0][x] * weights[1][y] * weights[2][z];
+                    let offset = Vec3::new(offsets[0][x], offsets[1][y], offsets[2][z]);
+                    sums.add(weight, &offset, potential.at_outer_point(point));
                 }
             }
         }
     }
+    sums
 }
 
 /// The sums of a fit: w, w x, w x xᵀ, w φ and w φ x over points at x with values φ.
