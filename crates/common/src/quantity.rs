@@ -4,6 +4,8 @@ use anyhow::{Result, bail};
 
 /// Above this concentration (mol/L) a salt is warned of.
 const USUAL_SALT_MOLAR: f64 = 1.0;
+/// More than any solution holds: a litre of water is 55 mol.
+const MOST_SALT_MOLAR: f64 = 1000.0;
 
 /// Parses a salt concentration in mol/L from `150mM` or `0.15M`. Only zero needs no unit: a bare
 /// 100 may mean mmol/L or mol/L.
@@ -15,6 +17,7 @@ const USUAL_SALT_MOLAR: f64 = 1.0;
 /// assert_eq!(protomer_common::quantity::salt_molar("150mM")?, 0.15);
 /// let error = protomer_common::quantity::salt_molar("100").unwrap_err();
 /// assert_eq!(error.to_string(), "100 what? write 100mM");
+/// assert!(protomer_common::quantity::salt_molar("150000M").is_err());
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn salt_molar(text: &str) -> Result<f64> {
@@ -28,6 +31,11 @@ pub fn salt_molar(text: &str) -> Result<f64> {
     }
     if salt < 0.0 {
         bail!("the salt concentration '{text}' is negative; give zero or more, such as 100mM");
+    }
+    if salt > MOST_SALT_MOLAR {
+        bail!(
+            "the salt concentration '{text}' is more than any solution holds; give one such as 100mM"
+        );
     }
     Ok(salt)
 }
