@@ -4,8 +4,8 @@
 //! back to the system every time it is freed, and the system clears it every time it is asked for: 8 % of
 //! the CPU time of `voxelize`.
 
-/// Keeps freed memory for the next structure. Only glibc needs to be told, and whoever sets
-/// `GLIBC_TUNABLES` knows better.
+/// Keeps freed memory for the next structure, unless `GLIBC_TUNABLES` is set: then the user decides.
+/// Only glibc needs to be told. Call it before there are other threads.
 pub fn keep_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if std::env::var_os("GLIBC_TUNABLES").is_none() {
@@ -21,8 +21,8 @@ mod glibc {
     const KEPT_BYTES: i32 = 64 << 20;
 
     pub fn keep_freed_memory() {
-        // SAFETY: mallopt stores numbers in the allocator's settings and may be called at any time; both
-        // parameters exist, and a value out of range is refused, which leaves the defaults.
+        // SAFETY: mallopt only stores numbers in the allocator's settings, and refuses a value out of
+        // range. It must not run beside other threads: `main` calls this before there are any.
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BLOCK_BYTES);
             libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT_BYTES);

@@ -6,8 +6,8 @@
 //!
 //! flux of -∇φ = -h² (φ' - h²/24 φ''').
 //!
-//! Charges nearer than six edges are summed exactly instead, with their solid angles, which are an
-//! expansion from 2.25 edges on. Farther out the series up to φ'''' leaves at most 10⁻⁵ s/r of a
+//! Charges nearer than six edges are summed one by one instead: potential and slope exactly, the flux
+//! by the solid angle of the face, from 2.25 edges on by its expansion. Farther out the series up to φ'''' leaves at most 10⁻⁵ s/r of a
 //! potential, 4 · 10⁻⁴ s/r² of a slope and 10⁻³ s/r² of a mean flux, and all of these fall with r⁻⁴ and
 //! faster. Far charges are summed in single precision, sixteen at a time, about an origin nearby.
 
@@ -200,10 +200,10 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
         product(corner(-1.0, 1.0), corner(1.0, -1.0)),
     );
     let argument = imaginary.atan2(real);
-    // Known but for 2π. Beside the square the angle is 0 to π; before it 0.01 to 2π, as far as 10 edges.
-    // Rounding may take it a little beyond.
-    let is_before_square = x.abs().max(y.abs()) <= half;
-    let least = if is_before_square { 0.01 } else { -1.0 };
+    // The argument is the angle up to a multiple of 2π. The angle itself lies between 0 and π beside the
+    // square and, up to ten edges away, between 0.01 and 2π in front of it, give or take rounding.
+    let is_in_front = x.abs().max(y.abs()) <= half;
+    let least = if is_in_front { 0.01 } else { -1.0 };
     let angle = if argument < least {
         argument + 2.0 * PI
     } else {

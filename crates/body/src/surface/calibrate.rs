@@ -55,8 +55,8 @@ const STEPS: usize = 12;
 /// Relative errors that need no further step.
 const CLOSE: f64 = 1e-9;
 
-/// Displaces the vertices of `mesh`, which lie on the surface of `solid`. Returns about the mean square
-/// of the distance from the surface on each triangle after that, Å², in the order of the triangles.
+/// Displaces the vertices of `mesh`, which lie on the surface of `solid`. Returns an estimate of the
+/// mean squared distance from the surface on each displaced triangle, Å², in the order of the triangles.
 pub(crate) fn calibrate(
     mesh: &mut HalfEdgeMesh,
     solid: &dyn ImplicitSolid,

@@ -58,7 +58,8 @@ impl Deviation {
         Self::guided(mesh, solid, &simple_guide(mesh, solid))
     }
 
-    /// The same with a guide that is known: about the mean square of the distance on every triangle, Å².
+    /// The same with a guide that is known: an estimate of the mean squared distance on every triangle,
+    /// Å².
     pub(crate) fn guided(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, guide: &[f64]) -> Self {
         let every = (mesh.triangles.len() / FEWEST_SAMPLED).max(1);
         sampled(mesh, solid, guide, every)
@@ -158,7 +159,13 @@ fn area_of([a, b, c]: &[Vec3; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::{MeshSettings, solvent_excluded_surface};
+    use crate::chemistry::{SiteSettings, build_sites};
+    use crate::structure::{SelectionSettings, Structure};
+    use crate::surface::{MeshSettings, Surface, solvent_excluded_surface};
+    use crate::{SurfaceSettings, surface_of_sites};
+    use std::fs::File;
+    use std::io::Read;
+    use std::path::{Path, PathBuf};
 
     /// The slow twin: the centres of the 256 equal parts of every triangle.
     fn of_many_points(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Deviation {
@@ -222,6 +229,50 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// The surface of a structure file as `ingest` makes it; `None` for a file that is no protein.
+    fn surface_of_protein(file: &Path) -> Option<Surface> {
+        let (name, mut bytes) = (file.display().to_string(), Vec::new());
+        let mut text = flate2::read::MultiGzDecoder::new(File::open(file).unwrap());
+        text.read_to_end(&mut bytes).ok()?;
+        let structure = Structure::read(&name, &bytes).ok()?;
+        let selection = structure.select(&SelectionSettings::default()).ok()?;
+        let sites = build_sites(&selection, &SiteSettings::default()).ok()?;
+        surface_of_sites(&sites.sites, &SurfaceSettings::default()).ok()
+    }
+
+    /// The same on proteins, with the sample that `surface` and `ingest` take: gzipped structure files of
+    /// the folder that PROTOMER_STRUCTURES names, or the bundled ones.
+    #[test]
+    fn proteins_are_as_far_off_as_all_seven_points_say() {
+        let bundled = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/structures");
+        let folder = std::env::var("PROTOMER_STRUCTURES").unwrap_or_else(|_| bundled.into());
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+        files.sort();
+        let mut proteins = 0;
+        for file in files {
+            let Some(surface) = surface_of_protein(&file) else {
+                continue;
+            };
+            proteins += 1;
+            let (mesh, solid, found) = (&surface.mesh, surface.solid(), surface.deviation());
+            let all = sampled(mesh, solid, surface.expected_squares(), 1);
+            let relative = found.rms_angstrom / all.rms_angstrom - 1.0;
+            let largest = found.largest_angstrom / all.largest_angstrom;
+            println!(
+                "{}: {} triangles, rms {:.4} Å, found {:+.2} %, largest {:.3} Å, found {largest:.3} of it",
+                file.display(),
+                mesh.triangles.len(),
+                all.rms_angstrom,
+                100.0 * relative,
+                all.largest_angstrom
+            );
+            assert!(relative.abs() < 0.02, "{relative}");
+            assert!(largest > 0.95 && largest <= 1.0, "{largest}");
+        }
+        assert!(proteins > 0);
     }
 
     #[test]

@@ -116,7 +116,7 @@ pub fn mesh_solid(
 pub(crate) struct Meshed {
     pub(crate) mesh: TriangleMesh,
     pub(crate) topology: Topology,
-    /// About the mean square of the distance from the surface on each triangle, Å².
+    /// An estimate of the mean squared distance from the surface on each triangle, Å².
     pub(crate) expected_squares: Vec<f64>,
 }
 

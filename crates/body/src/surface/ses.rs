@@ -30,7 +30,7 @@ pub struct Surface {
     /// Which cavities [`surface_without_cavities`] filled.
     pub cavities: FilledCavities,
     solid: SesSolid,
-    /// About the mean square of the distance from the exact surface on each triangle, Å².
+    /// An estimate of the mean squared distance from the exact surface on each triangle, Å².
     expected_squares: Vec<f64>,
 }
 
@@ -58,7 +58,7 @@ impl Surface {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
     }
 
-    /// How far the mesh is from the exact surface.
+    /// How far the mesh, as it was made, is from the exact surface.
     pub fn deviation(&self) -> Deviation {
         Deviation::guided(&self.mesh, &self.solid, &self.expected_squares)
     }
