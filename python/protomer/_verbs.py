@@ -4754,8 +4754,9 @@ def train(
     config: Path | str | None = None,
     ablate: bool = False,
     ablation_seeds: int | str | None = None,
-    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
+    target: Literal["label", "space-group", "crystal-system", "point-group", "polar", "number"] | None = None,
     least_samples: int | str | None = None,
+    number_classes: int | str | None = None,
     channels: str | float | Sequence[str | float] | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
     split_seed: int | str | None = None,
@@ -4804,6 +4805,8 @@ def train(
         The quantity to predict [default: label]
     least_samples
         Classes with fewer samples become one class, "other" [default: 10]
+    number_classes
+        Ordered classes that the numbers of --target number are cut into [default: 5]
     channels
         Input channels of the network, separated by commas [default: all]
     split_by
@@ -4889,6 +4892,7 @@ def train(
             "--ablation-seeds": ablation_seeds,
             "--target": target,
             "--least-samples": least_samples,
+            "--number-classes": number_classes,
             "--channels": channels,
             "--split-by": split_by,
             "--split-seed": split_seed,
@@ -4991,8 +4995,9 @@ def tune(
     seed: int | str | None = None,
     vary_channels: bool = False,
     shard: str | float | Sequence[str | float] | None = None,
-    target: Literal["label", "space-group", "crystal-system", "point-group", "polar"] | None = None,
+    target: Literal["label", "space-group", "crystal-system", "point-group", "polar", "number"] | None = None,
     least_samples: int | str | None = None,
+    number_classes: int | str | None = None,
     channels: str | float | Sequence[str | float] | None = None,
     split_by: Literal["cluster", "sample"] | None = None,
     split_seed: int | str | None = None,
@@ -5033,6 +5038,8 @@ def tune(
         The quantity to predict [default: label]
     least_samples
         Classes with fewer samples become one class, "other" [default: 10]
+    number_classes
+        Ordered classes that the numbers of --target number are cut into [default: 5]
     channels
         Input channels of the network, separated by commas [default: all]
     split_by
@@ -5102,6 +5109,7 @@ def tune(
             "--shard": shard,
             "--target": target,
             "--least-samples": least_samples,
+            "--number-classes": number_classes,
             "--channels": channels,
             "--split-by": split_by,
             "--split-seed": split_seed,

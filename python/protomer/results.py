@@ -822,8 +822,16 @@ class PredictResult(Result):
         """Probability of each class for each sample, (N, C), in the order of `classes`."""
         return np.array([sample["probabilities"] for sample in self._fields["samples"]], dtype=np.float64)
 
+    @property
+    def predicted_numbers(self) -> Numbers:
+        """The predicted number of each sample, (N,); NaN if the network predicts classes that are not those of a number."""
+        return numbers([sample.get("predicted_number") for sample in self._fields["samples"]])
+
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Draws the confusion matrix, with a separate row for samples of unknown class."""
+        """Draws the confusion matrix, with a separate row for samples of unknown class; of numbers, the predicted against the true
+        ones."""
+        if np.isfinite(self.predicted_numbers).any():
+            return self._plot_numbers(ax)
         classes: list[str] = self._fields["classes"]
         samples = self._fields["samples"]
         rows = [*classes, "unknown"] if any(sample["class"] is None for sample in samples) else classes
@@ -838,6 +846,18 @@ class PredictResult(Result):
         ax.set_yticks(range(len(rows)), rows)
         ax.set_xlabel("predicted")
         ax.set_ylabel("class")
+        return ax
+
+    def _plot_numbers(self, ax: Axes | None) -> Axes:
+        known = np.array([sample["class"] is not None for sample in self._fields["samples"]])
+        true = np.array([float(sample["label"]) for sample in self._fields["samples"] if sample["class"] is not None])
+        ax = new_axes(ax)
+        ax.plot(true, self.predicted_numbers[known], marker="o", linestyle="none")
+        if true.size:
+            ends = [true.min(), true.max()]
+            ax.plot(ends, ends, color="0.5", linestyle="--")
+        ax.set_xlabel("true number")
+        ax.set_ylabel("predicted number")
         return ax
 
 

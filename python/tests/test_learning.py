@@ -79,3 +79,20 @@ def test_a_prediction_has_a_row_per_sample(folder, trained):
         pm.predict(folder / "run", folder / "set.zarr", output=folder / "predictions.csv")
     with pytest.raises(pm.ProtomerError, match="such as .*run"):
         pm.predict(folder, folder / "set.zarr")
+
+
+def test_numbers_are_predicted_and_drawn_against_the_true_ones(folder):
+    rows = [f"{BPTI},{n / 4},i{n},inhibitor{n}\n{PROTEASE},{2 + n / 4},p{n},protease{n}\n" for n in range(4)]
+    (folder / "numbers.csv").write_text("file,label,cluster,name\n" + "".join(rows))
+    made = {"size": 32, "spacing": 2, "potential": "debye-hueckel", "channels": ["shape"]}
+    pm.voxelize(manifest=folder / "numbers.csv", output=folder / "numbers.zarr", **made)
+    small = SMALL | {"widths": "4", "groups": 0, "epochs": 1}
+    trained = pm.train(folder / "numbers.zarr", target="number", number_classes=2, **small, output=folder / "of-numbers")
+    assert trained.classes == ["below 1.4", "from 1.4"] and trained.numbers.classes.bounds == [1.4]
+    prediction = pm.predict(folder / "of-numbers", folder / "numbers.zarr")
+    expected = prediction.probabilities @ np.array(trained.numbers.classes.means)
+    np.testing.assert_allclose(prediction.predicted_numbers, expected)
+    axes = axes_of(prediction)
+    true, drawn = axes.lines[0].get_xydata().T
+    np.testing.assert_array_equal(drawn, prediction.predicted_numbers)
+    assert true[:2].tolist() == [0.0, 2.0] and axes.get_ylabel() == "predicted number"

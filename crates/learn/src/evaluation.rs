@@ -2,9 +2,11 @@
 //! and whether it could be chance.
 
 use crate::Result;
-use crate::baselines::baselines;
+use crate::baselines::{Baseline, baselines};
 use crate::bootstrap::{Interval, bootstrap};
 use crate::error::refuse;
+use crate::number_classes::NumberClasses;
+use crate::number_scores::{NumberIntervals, NumberScores, TrueNumbers};
 use crate::permutation::{PermutationTest, permutation_test};
 use crate::predictions::TestPredictions;
 use crate::scores::Scores;
@@ -13,9 +15,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Resamplings of the clusters behind each interval.
-const RESAMPLINGS: usize = 1000;
+pub(crate) const RESAMPLINGS: usize = 1000;
 /// Share of the resamplings that an interval holds.
-const LEVEL: f64 = 0.95;
+pub(crate) const LEVEL: f64 = 0.95;
 
 /// Intervals that hold 95 % of the values in draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -35,14 +37,25 @@ pub struct Intervals {
 pub struct Evaluation {
     /// Scores of the predictions.
     pub scores: Scores,
-    /// Scores of what is predicted without a network, by name.
-    pub baselines: Vec<(&'static str, Scores)>,
+    /// What is predicted without a network, and its scores.
+    pub baselines: Vec<(Baseline, Scores)>,
     /// 95 % intervals.
     pub intervals: Intervals,
     /// Whether it could be chance.
     pub permutation: PermutationTest,
     /// Clusters of the test part.
     pub test_clusters: usize,
+}
+
+/// Predicted numbers evaluated. Copies of one crystal form count once together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NumberEvaluation {
+    /// Scores of the predictions.
+    pub scores: NumberScores,
+    /// Scores of what is predicted without a network, by name.
+    pub baselines: Vec<(&'static str, NumberScores)>,
+    /// 95 % intervals.
+    pub intervals: NumberIntervals,
 }
 
 impl TestPredictions<'_> {
@@ -90,21 +103,66 @@ impl TestPredictions<'_> {
             self.split,
         )?;
         let mut scores_of_baselines = Vec::with_capacity(found.len());
-        let mut prior: &[f64] = &[];
-        for baseline in &found {
+        let mut prior = Vec::new();
+        for baseline in found {
             let scores = of_test.score(&baseline.probabilities, &of_test.weights)?;
-            scores_of_baselines.push((baseline.name, scores));
             if baseline.name == "prior" {
-                prior = &baseline.probabilities;
+                prior.clone_from(&baseline.probabilities);
             }
+            scores_of_baselines.push((baseline, scores));
         }
         let clusters = self.clusters();
         Ok(Evaluation {
             scores: of_test.score(self.probabilities, &of_test.weights)?,
             baselines: scores_of_baselines,
-            intervals: of_test.intervals(self.probabilities, prior, &clusters, seed)?,
+            intervals: of_test.intervals(self.probabilities, &prior, &clusters, seed)?,
             permutation: permutation_test(self, exchanges, seed)?,
             test_clusters: clusters.iter().collect::<BTreeSet<_>>().len(),
+        })
+    }
+
+    /// The predictions as numbers, where the classes are those of a number: the scores, and those of the
+    /// baselines of an evaluation. `numbers` holds the true number of every sample.
+    ///
+    /// # Errors
+    /// As for [`NumberScores::of`] and [`TrueNumbers::intervals`].
+    pub fn evaluate_numbers(
+        &self,
+        evaluation: &Evaluation,
+        numbers: &[f64],
+        classes: &NumberClasses,
+        seed: u64,
+    ) -> Result<NumberEvaluation> {
+        let (numbers_of_test, weights) = (
+            self.of_test(numbers)?,
+            self.of_test(&family_weights(self.descriptions))?,
+        );
+        let prior = &evaluation.baselines.iter();
+        let prior = prior.clone().find(|(own, _)| own.name == "prior");
+        let mean =
+            prior.and_then(|(own, _)| classes.predicted(&own.probabilities).first().copied());
+        let truth = TrueNumbers {
+            numbers: &numbers_of_test,
+            weights: &weights,
+            training_mean: mean.unwrap_or(f64::NAN),
+        };
+        let predicted = classes.predicted(self.probabilities);
+        let mut baselines = Vec::new();
+        for (
+            Baseline {
+                name,
+                probabilities,
+            },
+            _,
+        ) in &evaluation.baselines
+        {
+            let scores = NumberScores::of(&classes.predicted(probabilities), &truth)?;
+            baselines.push((*name, scores));
+        }
+        Ok(NumberEvaluation {
+            scores: NumberScores::of(&predicted, &truth)?,
+            baselines,
+            intervals: truth.intervals(&predicted, &self.clusters(), seed)?,
         })
     }
 
@@ -184,7 +242,7 @@ impl Evaluation {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if there is none of this name.
     pub fn baseline(&self, name: &str) -> Result<&Scores> {
-        match self.baselines.iter().find(|(own, _)| *own == name) {
+        match self.baselines.iter().find(|(own, _)| own.name == name) {
             Some((_, scores)) => Ok(scores),
             None => refuse(format!("there is no baseline {name}")),
         }
@@ -246,7 +304,11 @@ mod tests {
             evaluation.permutation,
             permutation_test(&predictions, 50, 4).unwrap()
         );
-        let names: Vec<_> = evaluation.baselines.iter().map(|(name, _)| *name).collect();
+        let names: Vec<_> = evaluation
+            .baselines
+            .iter()
+            .map(|(own, _)| own.name)
+            .collect();
         assert_eq!(
             names,
             [

@@ -12,6 +12,7 @@
 //! | [`view`] | some samples of a set, perhaps under other labels |
 //! | [`split`] | parts that keep clusters together; weights of families |
 //! | [`targets`] | space groups and what is coarser |
+//! | [`number_classes`] | numbers as ordered classes |
 //! | [`scaling`] | channels brought to comparable sizes; samples that cannot be used |
 //! | [`augmentation`] | the 24 rotations of the cube, exact |
 //! | [`operations`] | convolution, pooling and normalisation of grids on any device |
@@ -22,6 +23,7 @@
 //! | [`device`] | where networks are computed |
 //! | [`training`] | the loop, its checkpoints, and trained models |
 //! | [`scores`], [`calibration`] | how good probabilities are, and how honest |
+//! | [`number_scores`] | how near predicted numbers come to the true ones |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
 //! | [`predictions`], [`evaluation`] | all of this for the test part |
@@ -48,6 +50,8 @@ pub mod logistic;
 pub mod loss;
 pub mod network;
 pub mod novelty;
+pub mod number_classes;
+pub mod number_scores;
 mod numbers;
 pub mod operations;
 pub mod optimiser;

@@ -66,9 +66,29 @@ impl Place {
     }
 
     fn write_set(&self, name: &str, samples: usize, seed: u64, settings: &VoxelizeSettings) {
+        let mut set = Control::Charge.samples(Variant::Usual, samples, SIZE, seed);
+        for (number, known) in set.descriptions.iter_mut().enumerate() {
+            if number % 15 == 7 {
+                known.label = "rare".into();
+            }
+        }
+        self.write(name, set, seed, settings);
+    }
+
+    /// A set whose labels are the net charges, but for one that is no number.
+    fn write_numbers(&self, name: &str, samples: usize, seed: u64) {
+        let mut set = Control::Charge.samples(Variant::Usual, samples, SIZE, seed);
+        for known in &mut set.descriptions {
+            known.label = known.net_charge_e.to_string();
+        }
+        set.descriptions[3].label = "unknown".into();
+        self.write(name, set, seed, &settings());
+    }
+
+    fn write(&self, name: &str, set: InMemory, seed: u64, settings: &VoxelizeSettings) {
         let drawn = Drawn {
             seed,
-            set: Control::Charge.samples(Variant::Usual, samples, SIZE, seed),
+            set,
             warnings: BTreeMap::new(),
         };
         let making = Making {
@@ -104,11 +124,7 @@ impl Content for Drawn {
             entry: number,
             name: known.name.clone(),
             file: format!("{}.pdb", known.name),
-            label: if number % 15 == 7 {
-                "rare".into()
-            } else {
-                known.label.clone()
-            },
+            label: known.label.clone(),
             cluster: format!("{} {}", self.seed, known.cluster),
             family: if number.is_multiple_of(4) {
                 format!("family {}", number / 12)
@@ -245,6 +261,86 @@ fn on_the_set_of_the_training_the_test_part_has_the_scores_of_the_training() {
             let expected = format!("{name},{name}.pdb,{label},{class},test,{rest}");
             assert!(csv.lines().any(|line| line == expected), "{expected}");
         }
+    }
+}
+
+/// A predicted number is the mean over the classes; `predict` finds the scores of the training again, and
+/// scores another set.
+#[test]
+fn numbers_are_predicted_and_scored() {
+    let place = Place {
+        folder: tempfile::tempdir().unwrap(),
+    };
+    place.write_numbers("set.zarr", 90, 1);
+    place.train("--target number --number-classes 4 -o run");
+    let metrics = json(&place.path("run/metrics.json"));
+    assert_eq!(metrics["quarantined"].as_array().unwrap().len(), 1);
+    let numbers = &metrics["numbers"];
+    let list = |value: &Value| -> Vec<f64> {
+        let numbers = value.as_array().unwrap().iter();
+        numbers.map(|number| number.as_f64().unwrap()).collect()
+    };
+    let (bounds, means) = (
+        list(&numbers["classes"]["bounds"]),
+        list(&numbers["classes"]["means"]),
+    );
+    assert_eq!((bounds.len(), means.len()), (3, 4));
+    for (class, bound) in bounds.iter().enumerate() {
+        assert!(means[class] < *bound && *bound <= means[class + 1]);
+    }
+    let table = std::fs::read_to_string(place.path("run/predictions.csv")).unwrap();
+    let mut rows = table.lines();
+    let heading = rows.next().unwrap();
+    assert!(heading.starts_with("name,cluster,label,predicted,number,predicted_number,p_below "));
+    for row in rows {
+        let cells: Vec<&str> = row.split(',').collect();
+        let values: Vec<f64> = cells[4..]
+            .iter()
+            .map(|cell| cell.parse().unwrap())
+            .collect();
+        let class = bounds.iter().filter(|bound| **bound <= values[0]).count();
+        assert_eq!(metrics["classes"][class], cells[2]);
+        let expected: f64 = means.iter().zip(&values[2..]).map(|(m, p)| m * p).sum();
+        assert!((values[1] - expected).abs() < 1e-9, "{row}");
+    }
+    assert!(place.path("run/predicted_numbers.svg").exists());
+
+    let report = place.predict("run set.zarr");
+    for key in [
+        "rms_error",
+        "mean_absolute_error",
+        "variance_explained",
+        "rank_correlation",
+    ] {
+        let trained = numbers["scores"][key].as_f64().unwrap();
+        let found = report["scores"]["numbers"][key].as_f64().unwrap();
+        assert!((found - trained).abs() < 1e-9, "{key}: {found} {trained}");
+    }
+    place.write_numbers("other.zarr", 40, 5);
+    let report = place.predict("run other.zarr");
+    assert_eq!(report["scores"]["samples"], 39);
+    assert!(report["scores"]["numbers"]["rms_error"].as_f64().unwrap() > 0.0);
+    let unknown = &report["samples"][3];
+    assert_eq!(unknown["unscored"], "no-class");
+    assert!(unknown["class"].is_null() && unknown["predicted_number"].is_f64());
+
+    // Labels that are no numbers, and classes without numbers.
+    place.write_set("words.zarr", 30, 7, &settings());
+    for (words, expected) in [
+        ("words.zarr --target number", "is not a finite number"),
+        ("set.zarr --number-classes 4", "add --target number"),
+        (
+            "set.zarr --target number --number-classes 1",
+            "give 2 to 100",
+        ),
+    ] {
+        let refused = place.run(&format!("train {words} -o refused"));
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            !refused.status.success() && said.contains(expected),
+            "{said}"
+        );
+        assert!(!place.path("refused").exists());
     }
 }
 

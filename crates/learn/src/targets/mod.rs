@@ -6,6 +6,8 @@
 mod space_groups;
 
 use crate::Result;
+use crate::error::refuse;
+use crate::number_classes::NumberClasses;
 use serde::{Deserialize, Serialize};
 use space_groups::{crystal_system, point_group, space_group};
 use std::collections::BTreeMap;
@@ -39,22 +41,26 @@ pub enum Target {
     /// Whether some direction differs from its opposite in every such crystal. It does in the point
     /// groups 1, 2, 3, 4 and 6.
     Polar,
+    /// The label as a number, by [`NumberClasses`](crate::number_classes::NumberClasses).
+    Number,
 }
 
 impl Target {
-    /// The class of a label under this target. For all but [`Target::Label`] the label is a space
-    /// group, by number or by symbol.
+    /// The class of a label under this target; of a number, the number. For all but [`Target::Label`] and
+    /// [`Target::Number`] the label is a space group, by number or by symbol.
     ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if no crystal of a protein can have
-    /// this space group.
+    /// this space group, and if the label is not a finite number.
     pub fn of(self, label: &str) -> Result<String> {
-        if self == Self::Label {
-            return Ok(label.to_owned());
+        match self {
+            Self::Label => return Ok(label.to_owned()),
+            Self::Number => return Ok(number(label)?.to_string()),
+            Self::SpaceGroup | Self::PointGroup | Self::CrystalSystem | Self::Polar => {}
         }
         let (number, symbol) = space_group(label)?;
         let class = match self {
-            Self::Label | Self::SpaceGroup => symbol,
+            Self::Label | Self::Number | Self::SpaceGroup => symbol,
             Self::PointGroup => point_group(number),
             Self::CrystalSystem => crystal_system(number),
             Self::Polar => match point_group(number) {
@@ -63,6 +69,17 @@ impl Target {
             },
         };
         Ok(class.to_owned())
+    }
+}
+
+/// The number that a label is.
+///
+/// # Errors
+/// [`LearnError::Settings`](crate::LearnError::Settings) if it is not a finite number.
+pub fn number(label: &str) -> Result<f64> {
+    match label.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => refuse(format!("the label '{label}' is not a finite number")),
     }
 }
 
@@ -79,7 +96,7 @@ impl Target {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Classes {
-    /// Names in alphabetical order, [`OTHER`] last if there is one.
+    /// Names in alphabetical order, [`OTHER`] last if there is one; of numbers, ascending.
     pub names: Vec<String>,
     /// The class of each sample.
     pub labels: Vec<usize>,
@@ -122,6 +139,17 @@ impl Classes {
             names: names.into_iter().map(String::from).collect(),
             labels,
         })
+    }
+
+    /// The classes of numbers.
+    pub fn of_numbers(numbers: &[f64], classes: &NumberClasses) -> Self {
+        Self {
+            names: classes.names(),
+            labels: numbers
+                .iter()
+                .map(|number| classes.class_of(*number))
+                .collect(),
+        }
     }
 
     /// Which of the labels that these classes were made from became [`OTHER`], in alphabetical
@@ -241,6 +269,10 @@ mod tests {
             assert!(Target::Polar.of(wrong).is_err(), "{wrong}");
         }
         assert_eq!(Target::Label.of("banana").unwrap(), "banana");
+        assert_eq!(Target::Number.of(" -1.50e1").unwrap(), "-15");
+        for wrong in ["banana", "", "inf", "NaN"] {
+            assert!(Target::Number.of(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::loader::{Item, Loader};
 use crate::augmentation::CubeRotation;
 use crate::calibration::{at_temperature, softmax, temperature};
 use crate::error::refuse;
+use crate::number_classes::NumberClasses;
 use crate::scaling::{ChannelScaling, Quarantined, screen};
 use crate::{LearnError, Network, NetworkSettings, Result, SampleSource};
 use candle_core::{Device, Tensor};
@@ -60,6 +61,9 @@ pub struct ModelCard {
     pub scaling: ChannelScaling,
     /// Names of the classes.
     pub classes: Vec<String>,
+    /// The classes as parts of the range of a number, if it is a number that is predicted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub number_classes: Option<NumberClasses>,
     /// Natural logarithm of the share of each class in the training part.
     pub log_prior: Vec<f64>,
     /// The strength τ of the logit adjustment it was trained with.
@@ -275,6 +279,10 @@ impl Model {
         let (classes, channels) = (card.network.classes, card.network.channels);
         let agree = card.classes.len() == classes
             && card.log_prior.len() == classes
+            && card
+                .number_classes
+                .as_ref()
+                .is_none_or(|of| of.count() == classes && of.means.len() == classes)
             && card.channels.len() == channels
             && tensors.len() == network.parameters().len();
         if !agree {

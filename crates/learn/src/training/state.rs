@@ -228,6 +228,7 @@ fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelC
         channels,
         scaling: ChannelScaling::fit(source, usable, settings.scaling)?,
         classes: classes.names.clone(),
+        number_classes: None,
         log_prior: shares.into_iter().map(f64::ln).collect(),
         logit_adjustment: settings.logit_adjustment,
         temperature: 1.0,

@@ -4,7 +4,11 @@ use crate::html::{definitions, escape, list, paragraph, significant, table};
 use crate::page::{Page, Section};
 use crate::{data, figures, provenance};
 use anyhow::Result;
-use protomer_training::learning::train::{Metrics, Source, TrainSettings};
+use protomer_learn::bootstrap::Interval;
+use protomer_learn::number_scores::NumberScores;
+use protomer_training::learning::train::{
+    Metrics, NumberMetrics, PREDICTED_NUMBERS, Source, TrainSettings,
+};
 use std::path::Path;
 
 /// Larger matrices are only in metrics.json.
@@ -28,7 +32,14 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
         Some(metrics) => {
             let mut html = scores(metrics) + &table_of_baselines(metrics);
             html += &figures::of_file(directory, "learning_curve.svg", "Learning curve", &curve)?;
-            html += &data::of_file(directory, "predictions.csv")?;
+            let predictions = data::of_file(directory, "predictions.csv")?;
+            if let Some(numbers) = &metrics.numbers {
+                let title = "Predicted numbers";
+                let html = table_of_numbers(numbers)
+                    + &figures::of_file(directory, PREDICTED_NUMBERS, title, &predictions)?;
+                sections.push(Section::new("Numbers", html));
+            }
+            html += &predictions;
             sections.push(Section::new("Scores", html));
             sections.push(Section::new("Confusion", confusion(metrics)));
             sections.extend(verdict(metrics));
@@ -83,7 +94,7 @@ fn problems(metrics: Option<&Metrics>) -> Vec<String> {
 }
 
 fn scores(metrics: &Metrics) -> String {
-    let interval = |interval: &protomer_learn::bootstrap::Interval| {
+    let interval = |interval: &Interval| {
         format!(
             "95 %: {} to {}",
             significant(interval.low, 3),
@@ -181,6 +192,45 @@ fn table_of_baselines(metrics: &Metrics) -> String {
         "<h3>Compared with predictions without voxels</h3>\n{}",
         table(&head, &rows)
     )
+}
+
+fn table_of_numbers(numbers: &NumberMetrics) -> String {
+    let head = [
+        "",
+        "rms error",
+        "mean size of the error",
+        "variance explained",
+        "rank correlation",
+    ]
+    .map(str::to_owned);
+    let row = |name: &str, scores: &NumberScores| {
+        let values = [
+            scores.rms_error,
+            scores.mean_absolute_error,
+            scores.variance_explained,
+            scores.rank_correlation,
+        ];
+        let mut row = vec![name.to_owned()];
+        row.extend(values.map(|value| significant(value, 4)));
+        row
+    };
+    let mut rows = vec![row("this network", &numbers.scores)];
+    // The majority names one class; only its accuracies mean anything.
+    let baselines = numbers.baselines.iter();
+    for (name, scores) in baselines.filter(|(name, _)| *name != "majority") {
+        rows.push(row(name, scores));
+    }
+    let range = |interval: &Interval| {
+        let ends = [interval.low, interval.high].map(|end| significant(end, 3));
+        format!("95 %: {} to {}", ends[0], ends[1])
+    };
+    let intervals = &numbers.bootstrap_95;
+    table(&head, &rows)
+        + &definitions(&[
+            ("rms error", range(&intervals.rms_error)),
+            ("variance explained", range(&intervals.variance_explained)),
+            ("rank correlation", range(&intervals.rank_correlation)),
+        ])
 }
 
 /// Rows are true classes, columns predicted ones; the shade is the share of the row.

@@ -51,6 +51,8 @@ choices! {
         PointGroup,
         /// Whether the space group is polar.
         Polar,
+        /// The label as a number.
+        Number,
     }
 }
 

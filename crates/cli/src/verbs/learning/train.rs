@@ -13,6 +13,7 @@ use protomer::file_kind::FileKind;
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
+use protomer_learn::targets::Target;
 use protomer_learn::{BlockSettings, Device};
 use protomer_results::{End, Execution, ResultKind};
 use protomer_training::learning::train::{
@@ -30,6 +31,9 @@ pub struct TaskArgs {
     /// Classes with fewer samples become one class, "other" [default: 10].
     #[arg(long)]
     least_samples: Option<usize>,
+    /// Ordered classes that the numbers of --target number are cut into [default: 5].
+    #[arg(long)]
+    number_classes: Option<usize>,
     /// Input channels of the network, separated by commas [default: all].
     #[arg(long, value_delimiter = ',')]
     channels: Option<Vec<String>>,
@@ -58,6 +62,10 @@ impl TaskArgs {
     pub fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         override_with(&mut settings.target, self.target.map(Into::into));
         override_with(&mut settings.least_samples, self.least_samples);
+        settings.number_classes = self.number_classes.or(settings.number_classes);
+        if settings.number_classes.is_some() && settings.target != Target::Number {
+            bail!("--number-classes cuts numbers into classes; add --target number, or omit it");
+        }
         if let Some(channels) = &self.channels {
             settings.training.channels.clone_from(channels);
         }

@@ -8,10 +8,12 @@ use anyhow::{Result, bail};
 use protomer_common::answer::Answer;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::SampleSource;
+use protomer_learn::number_scores::{NumberScores, TrueNumbers};
 use protomer_learn::scaling::Quarantined;
 use protomer_learn::scores::{Scores, most_probable};
 use protomer_learn::split::family_weights;
-use protomer_learn::training::Predictions;
+use protomer_learn::targets::number;
+use protomer_learn::training::{ModelCard, Predictions};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -33,6 +35,9 @@ pub struct SamplePrediction {
     pub unscored: Option<Unscored>,
     /// The most probable class.
     pub predicted: String,
+    /// The number that is predicted, if the network predicts one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_number: Option<f64>,
     /// The probability of each class.
     pub probabilities: Vec<f64>,
 }
@@ -56,6 +61,9 @@ pub struct SetScores {
     pub prior_log_loss_nats: f64,
     /// `prior_log_loss_nats` - `log_loss_nats`: the information gained per sample.
     pub nats_gained_over_prior: f64,
+    /// How near the predicted numbers come, if the network predicts one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub numbers: Option<NumberScores>,
 }
 
 /// The number of samples that are not scored for one reason.
@@ -124,6 +132,10 @@ impl PredictReport {
                 part: truth.parts.get(*sample).copied().flatten(),
                 unscored: truth.unscored.get(*sample).copied().flatten(),
                 predicted: class(most_probable(p)),
+                predicted_number: card
+                    .number_classes
+                    .as_ref()
+                    .and_then(|classes| classes.predicted(p).pop()),
                 probabilities: p.to_vec(),
             });
         }
@@ -137,19 +149,23 @@ impl PredictReport {
             channels: card.channels.clone(),
             samples,
             not_scored,
-            scores: scores(&card.log_prior, set, truth, &predictions)?,
+            scores: scores(card, set, truth, &predictions)?,
             left_out: predictions.quarantined,
             differences,
         })
     }
 
-    /// One row per sample: name, file, label, class, part, predicted, and a probability per class.
+    /// One row per sample: name, file, label, class, part, predicted, the predicted number if there is
+    /// one, and a probability per class.
     ///
     /// # Errors
     /// If rows and classes disagree.
     pub fn table(&self) -> Result<Table> {
         let fixed = ["name", "file", "label", "class", "part", "predicted"];
         let mut heading = fixed.map(str::to_owned).to_vec();
+        let has_number = |sample: &SamplePrediction| sample.predicted_number.is_some();
+        let has_numbers = self.samples.iter().any(has_number);
+        heading.extend(has_numbers.then(|| "predicted_number".to_owned()));
         for class in &self.classes {
             heading.push(format!("p_{class}"));
         }
@@ -163,6 +179,7 @@ impl PredictReport {
                 Cell::from(sample.part.map(Part::name)),
                 Cell::from(sample.predicted.as_str()),
             ];
+            cells.extend(sample.predicted_number.map(Cell::from));
             for probability in &sample.probabilities {
                 cells.push(Cell::from(*probability));
             }
@@ -205,6 +222,12 @@ impl Answer for PredictReport {
                     "log-loss {:.3} nats, prior {:.3}: gained {:+.3}",
                     scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
                 ));
+                lines.extend(scores.numbers.map(|numbers| {
+                    format!(
+                        "numbers: rms error {:.4}, variance explained {:.3}, rank correlation {:.3}",
+                        numbers.rms_error, numbers.variance_explained, numbers.rank_correlation
+                    )
+                }));
             }
             None if self.is_training_set => {
                 lines.push("no scores: no sample of the test part can be read".into())
@@ -237,12 +260,12 @@ fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
 /// are counted over all samples with a class in the set of the training, and over the scored
 /// samples in any other set.
 fn scores(
-    log_prior: &[f64],
+    card: &ModelCard,
     set: &VoxelSet,
     truth: &Truth,
     predictions: &Predictions,
 ) -> Result<Option<SetScores>> {
-    let count = log_prior.len();
+    let count = card.log_prior.len();
     let (mut labelled, mut descriptions) = (Vec::new(), Vec::new());
     for (sample, class) in truth.classes.iter().enumerate() {
         if class.is_some() && (truth.is_training_set || truth.may_be_scored(sample)) {
@@ -252,6 +275,7 @@ fn scores(
     }
     let all_weights = family_weights(&descriptions);
     let (mut probabilities, mut labels, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    let mut numbers = Vec::new();
     let of_samples = predictions.probabilities.chunks(count.max(1));
     for (sample, p) in predictions.samples.iter().zip(of_samples) {
         if let Some(class) = truth.classes[*sample]
@@ -261,13 +285,27 @@ fn scores(
             probabilities.extend_from_slice(p);
             labels.push(class);
             weights.push(all_weights[place]);
+            numbers.extend(number(&set.descriptions()[*sample].label));
         }
     }
     if labels.is_empty() {
         return Ok(None);
     }
     let of = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
-    let prior: Vec<f64> = log_prior.iter().map(|log| log.exp()).collect();
+    let prior: Vec<f64> = card.log_prior.iter().map(|log| log.exp()).collect();
+    let numbers = match &card.number_classes {
+        Some(classes) => {
+            let training_mean = classes.predicted(&prior).pop().unwrap_or(f64::NAN);
+            let truth = TrueNumbers {
+                numbers: &numbers,
+                weights: &weights,
+                training_mean,
+            };
+            let predicted = classes.predicted(&probabilities);
+            Some(NumberScores::of(&predicted, &truth)?)
+        }
+        None => None,
+    };
     let (own, prior) = (of(&probabilities)?, of(&prior.repeat(labels.len()))?);
     Ok(Some(SetScores {
         samples: labels.len(),
@@ -278,5 +316,6 @@ fn scores(
         log_loss_nats: own.log_loss_nats,
         prior_log_loss_nats: prior.log_loss_nats,
         nats_gained_over_prior: own.nats_gained_over(&prior),
+        numbers,
     }))
 }

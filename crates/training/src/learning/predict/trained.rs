@@ -2,6 +2,7 @@
 
 use crate::learning::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
 use anyhow::{Context, Result, bail};
+use protomer_learn::targets::number;
 use protomer_learn::training::Model;
 use std::path::{Path, PathBuf};
 
@@ -75,6 +76,20 @@ impl Trained {
             model,
             seen: TrainedOn::read(directory)?,
         })
+    }
+}
+
+impl Trained {
+    /// The class of a label under the target of the training, if it is one of the network's.
+    pub fn class_of(&self, label: &str) -> Option<usize> {
+        let card = &self.model.card;
+        match &card.number_classes {
+            Some(classes) => number(label).ok().map(|number| classes.class_of(number)),
+            None => {
+                let class = self.settings.target.of(label).ok()?;
+                card.classes.iter().position(|name| *name == class)
+            }
+        }
     }
 }
 

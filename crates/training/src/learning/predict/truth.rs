@@ -125,12 +125,10 @@ impl Truth {
     /// Keeps the labels that are classes under the target of the training. Samples seen in
     /// training are not scored.
     fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
-        let names = &trained.model.card.classes;
         let seen = trained.seen.as_ref().map(seen);
         let (mut classes, mut unscored) = (Vec::new(), Vec::new());
         for (sample, known) in set.descriptions().iter().enumerate() {
-            let class = trained.settings.target.of(&known.label).ok();
-            let class = class.and_then(|class| names.iter().position(|name| *name == class));
+            let class = trained.class_of(&known.label);
             classes.push(class);
             unscored.push(match (class, &seen) {
                 (None, _) => Some(Unscored::NoClass),

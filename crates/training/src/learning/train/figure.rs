@@ -1,4 +1,5 @@
-//! `learning_curve.svg`: loss and balanced accuracy against epochs, with the values of guessing.
+//! `learning_curve.svg`: loss and balanced accuracy against epochs, with the values of guessing;
+//! `predicted_numbers.svg`: predicted against true numbers.
 
 use protomer_learn::training::EpochRecord;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
@@ -51,6 +52,40 @@ pub fn learning_curve(
         caption: caption.into(),
         x: Axis::count("epoch"),
         panels: vec![loss, accuracy],
+    }
+}
+
+/// Predicted against true numbers, given as pairs of true and predicted ones, with the line on which both
+/// agree.
+pub fn predicted_numbers(title: &str, caption: &str, pairs: &[(f64, f64)]) -> Figure {
+    let points = |pairs: &[(f64, f64)]| {
+        let point = |(x, y): &(f64, f64)| Point {
+            x: *x,
+            y: *y,
+            error: None,
+        };
+        pairs.iter().map(point).collect()
+    };
+    let numbers = || pairs.iter().map(|(number, _)| *number);
+    let least = numbers().fold(f64::INFINITY, f64::min);
+    let greatest = numbers().fold(f64::NEG_INFINITY, f64::max);
+    let series = |name: &str, pairs: &[(f64, f64)], line| Series {
+        name: name.into(),
+        points: points(pairs),
+        replicas: Vec::new(),
+        line,
+    };
+    Figure {
+        title: title.into(),
+        caption: caption.into(),
+        x: Axis::linear("true number"),
+        panels: vec![Panel {
+            y: Axis::linear("predicted number"),
+            series: vec![
+                series("samples of the test part", pairs, false),
+                series("equal", &[(least, least), (greatest, greatest)], true),
+            ],
+        }],
     }
 }
 

@@ -1,11 +1,14 @@
 //! `metrics.json`: how well a network predicts the test part, compared with predictions without a
 //! network.
 
+use super::prepared::Numbers;
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, AblationRun};
-use protomer_learn::evaluation::{Evaluation, Intervals};
+use protomer_learn::evaluation::{Evaluation, Intervals, NumberEvaluation};
+use protomer_learn::number_classes::NumberClasses;
+use protomer_learn::number_scores::{NumberIntervals, NumberScores};
 use protomer_learn::predictions::TestPredictions;
 use protomer_learn::sample::Description;
 use protomer_learn::scaling::Quarantined;
@@ -118,12 +121,29 @@ pub struct Metrics {
     /// test them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub single_cluster_classes: Vec<String>,
+    /// How near the predicted numbers come, if it is a number that is predicted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub numbers: Option<NumberMetrics>,
     /// All subsets of the channels, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ablation: Option<Ablation>,
     /// The verdict, for a control.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub control: Option<super::control_report::ControlReport>,
+}
+
+/// Scores of predicted numbers on the test part.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NumberMetrics {
+    /// The classes that the numbers are cut into.
+    pub classes: NumberClasses,
+    /// Of the network.
+    pub scores: NumberScores,
+    /// Of predictions without a network, by name.
+    pub baselines: BTreeMap<String, NumberScores>,
+    /// 95 % intervals.
+    pub bootstrap_95: NumberIntervals,
 }
 
 /// The data that the scores are computed from.
@@ -133,6 +153,8 @@ pub struct Predictions<'a> {
     pub descriptions: &'a [Description],
     /// The class of each.
     pub labels: &'a [usize],
+    /// The numbers of all samples, if it is a number that is predicted.
+    pub numbers: Option<&'a Numbers>,
     /// Names of the classes.
     pub classes: &'a [String],
     /// Names of the channels.
@@ -175,6 +197,10 @@ impl Predictions<'_> {
             probabilities: self.probabilities,
         };
         let evaluation = predictions.evaluate(self.permutations, self.seed)?;
+        let numbers = match self.numbers {
+            Some(numbers) => Some(self.number_metrics(numbers, &predictions, &evaluation)?),
+            None => None,
+        };
         let (majority, prior) = (
             evaluation.baseline("majority")?.accuracy,
             evaluation.baseline("prior")?.log_loss_nats,
@@ -187,8 +213,8 @@ impl Predictions<'_> {
             test_clusters,
         } = evaluation;
         let mut scores_of_baselines = BTreeMap::new();
-        for (name, scores) in baselines {
-            scores_of_baselines.insert(name.to_owned(), BaselineScores::of(&scores));
+        for (baseline, scores) in baselines {
+            scores_of_baselines.insert(baseline.name.to_owned(), BaselineScores::of(&scores));
         }
         Ok(Metrics {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -225,8 +251,34 @@ impl Predictions<'_> {
             quarantined: self.quarantined.to_vec(),
             other_labels: self.other_labels.to_vec(),
             single_cluster_classes: self.single_cluster_classes.to_vec(),
+            numbers,
             ablation: None,
             control: None,
+        })
+    }
+
+    fn number_metrics(
+        &self,
+        numbers: &Numbers,
+        predictions: &TestPredictions,
+        evaluation: &Evaluation,
+    ) -> Result<NumberMetrics> {
+        let NumberEvaluation {
+            scores,
+            baselines,
+            intervals,
+        } = predictions.evaluate_numbers(
+            evaluation,
+            &numbers.of_samples,
+            &numbers.classes,
+            self.seed,
+        )?;
+        let baselines = baselines.into_iter();
+        Ok(NumberMetrics {
+            classes: numbers.classes.clone(),
+            scores,
+            baselines: baselines.map(|(name, of)| (name.to_owned(), of)).collect(),
+            bootstrap_95: intervals,
         })
     }
 
@@ -235,12 +287,14 @@ impl Predictions<'_> {
     /// # Errors
     /// If the file cannot be written.
     pub fn write_csv(&self, path: &Path) -> Result<()> {
-        let fixed = ["name", "cluster", "label", "predicted"].map(str::to_owned);
-        let mut table = Table::new(
-            fixed
-                .into_iter()
-                .chain(self.classes.iter().map(|class| format!("p_{class}"))),
-        );
+        let mut heading = ["name", "cluster", "label", "predicted"]
+            .map(str::to_owned)
+            .to_vec();
+        if self.numbers.is_some() {
+            heading.extend(["number", "predicted_number"].map(str::to_owned));
+        }
+        heading.extend(self.classes.iter().map(|class| format!("p_{class}")));
+        let mut table = Table::new(heading);
         let name = |class: usize| self.classes.get(class).map_or("", String::as_str);
         for (sample, p) in self
             .split
@@ -254,13 +308,22 @@ impl Predictions<'_> {
                 continue;
             };
             let best = name(most_probable(p)).into();
-            let fixed: [Cell; 4] = [
+            let mut cells: Vec<Cell> = vec![
                 known.name.as_str().into(),
                 known.cluster.as_str().into(),
                 name(*label).into(),
                 best,
             ];
-            table.push(fixed.into_iter().chain(p.iter().map(|p| Cell::from(*p))))?;
+            if let Some(Numbers {
+                of_samples,
+                classes,
+            }) = self.numbers
+            {
+                cells.push(of_samples[*sample].into());
+                cells.extend(classes.predicted(p).into_iter().map(Cell::from));
+            }
+            cells.extend(p.iter().map(|p| Cell::from(*p)));
+            table.push(cells)?;
         }
         let csv = table.to_csv()?;
         write_atomically(path, |file| file.write_all(csv.as_bytes()))?;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! DIR/settings.toml  metrics.json  model.safetensors  history.csv  learning_curve.svg
-//! DIR/predictions.csv  trained_on.json  checkpoint.bin
+//! DIR/predictions.csv  predicted_numbers.svg  trained_on.json  checkpoint.bin
 //! DIR/ablation/CHANNELS/seed_N/   a directory each    ablation.csv
 //! DIR/EXPERIMENT/                 the further experiments of a control
 //! ```
@@ -34,12 +34,12 @@ mod trained_on;
 
 pub(crate) use ablation::summary as ablation_summary;
 pub use control_report::{ControlReport, ExperimentReport};
-pub use figure::learning_curve;
+pub use figure::{learning_curve, predicted_numbers};
 pub use job::{ControlRun, Job, run_control, run_job};
-pub use metrics::{BaselineScores, Metrics, Parts, Predictions};
-pub use prepared::Prepared;
+pub use metrics::{BaselineScores, Metrics, NumberMetrics, Parts, Predictions};
+pub use prepared::{Numbers, Prepared};
 pub(crate) use run::{Epochs, TrainingRun};
-pub use run::{MODEL, SETTINGS, check, train_in};
+pub use run::{MODEL, PREDICTED_NUMBERS, SETTINGS, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings};
 pub use source::{channels_of, open_set, samples_of};
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

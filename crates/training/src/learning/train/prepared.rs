@@ -2,10 +2,11 @@
 
 use super::settings::{SplitBy, TrainSettings};
 use anyhow::{Result, bail};
+use protomer_learn::number_classes::NumberClasses;
 use protomer_learn::sample::{Description, SampleSource};
 use protomer_learn::scaling::{Quarantined, screen};
-use protomer_learn::split::{Split, labels_in_one_cluster};
-use protomer_learn::targets::{Classes, LabelCount};
+use protomer_learn::split::{Split, family_weights, labels_in_one_cluster};
+use protomer_learn::targets::{Classes, LabelCount, Target, number};
 use protomer_learn::view::View;
 
 /// A set ready for training: samples with a class, classes, split.
@@ -17,6 +18,8 @@ pub struct Prepared<'a> {
     pub descriptions: Vec<Description>,
     /// Their classes.
     pub classes: Classes,
+    /// Their numbers, if it is a number that is predicted.
+    pub numbers: Option<Numbers>,
     /// The split, without samples that cannot be read.
     pub split: Split,
     /// Samples left out.
@@ -25,6 +28,38 @@ pub struct Prepared<'a> {
     pub other_labels: Vec<LabelCount>,
     /// If clusters stay together: classes confined to one cluster.
     pub single_cluster_classes: Vec<String>,
+}
+
+/// Labels that are numbers, and the classes that they are cut into.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Numbers {
+    /// The number of each sample.
+    pub of_samples: Vec<f64>,
+    /// The classes; each stands for the mean of its training samples.
+    pub classes: NumberClasses,
+}
+
+impl Numbers {
+    fn of(labels: &[&str], settings: &TrainSettings) -> Result<Self> {
+        let of_samples = labels.iter().map(|label| number(label));
+        let of_samples = of_samples.collect::<Result<Vec<f64>, _>>()?;
+        let count = settings.number_classes;
+        let count = count.unwrap_or(TrainSettings::NUMBER_CLASSES);
+        let classes = NumberClasses::of(&of_samples, count)?;
+        Ok(Self {
+            of_samples,
+            classes,
+        })
+    }
+
+    /// The same with the means of the training part.
+    fn fitted(mut self, training: &[usize], descriptions: &[Description]) -> Self {
+        let weights = family_weights(descriptions);
+        let weighted = |sample: &usize| (self.of_samples[*sample], weights[*sample]);
+        let weighted: Vec<(f64, f64)> = training.iter().map(weighted).collect();
+        self.classes = self.classes.with_means_of(&weighted);
+        self
+    }
 }
 
 impl<'a> Prepared<'a> {
@@ -58,11 +93,14 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|description| description.label.as_str())
             .collect();
-        let classes = Classes::of(
-            &labels,
-            protomer_learn::targets::Target::Label,
-            settings.least_samples,
-        )?;
+        let numbers = match target {
+            Target::Number if !labels.is_empty() => Some(Numbers::of(&labels, settings)?),
+            _ => None,
+        };
+        let classes = match &numbers {
+            Some(numbers) => Classes::of_numbers(&numbers.of_samples, &numbers.classes),
+            None => Classes::of(&labels, Target::Label, settings.least_samples)?,
+        };
         if classes.names.len() < 2 {
             let example = quarantined
                 .first()
@@ -125,10 +163,12 @@ impl<'a> Prepared<'a> {
                 bail!("the {part} part has no samples: {why}");
             }
         }
+        let numbers = numbers.map(|numbers| numbers.fitted(&split.training, &descriptions));
         Ok(Self {
             view,
             descriptions,
             classes,
+            numbers,
             split,
             quarantined,
             other_labels,

@@ -1,8 +1,8 @@
 //! One training in its directory: start or continue, save regularly, write the results.
 
-use super::figure::learning_curve;
+use super::figure::{learning_curve, predicted_numbers};
 use super::metrics::{Metrics, Predictions};
-use super::prepared::Prepared;
+use super::prepared::{Numbers, Prepared};
 use super::settings::{Source, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
 use anyhow::{Context, Error, Result, bail};
@@ -13,7 +13,7 @@ use protomer_learn::logistic::prior;
 use protomer_learn::network::NetworkSettings;
 use protomer_learn::sample::SampleSource;
 use protomer_learn::scores::Scores;
-use protomer_learn::split::family_weights;
+use protomer_learn::split::{Split, family_weights};
 use protomer_learn::training::{
     EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
     TrainingSettings, epochs_done,
@@ -33,6 +33,8 @@ pub const SETTINGS: &str = "settings.toml";
 const HISTORY: &str = "history.csv";
 const PREDICTIONS: &str = "predictions.csv";
 const CURVE: &str = "learning_curve.svg";
+/// Predicted against true numbers, if it is a number that is predicted.
+pub const PREDICTED_NUMBERS: &str = "predicted_numbers.svg";
 /// The directory of a training and its ablation.
 const LAYOUT: Layout = Layout {
     kind: ResultKind::Training,
@@ -44,6 +46,7 @@ const LAYOUT: Layout = Layout {
         HISTORY,
         PREDICTIONS,
         CURVE,
+        PREDICTED_NUMBERS,
         CHECKPOINT,
         TRAINED_ON,
         "ablation.csv",
@@ -343,6 +346,7 @@ fn write_results(
         view,
         descriptions,
         classes,
+        numbers,
         split,
         ..
     } = prepared;
@@ -364,10 +368,12 @@ fn write_results(
         Some(&weights),
         how,
     )?;
+    model.card.number_classes = numbers.as_ref().map(|numbers| numbers.classes.clone());
     let predicted = model.predict(view, &split.test, how)?;
     let predictions = Predictions {
         descriptions,
         labels: &classes.labels,
+        numbers: numbers.as_ref(),
         classes: &classes.names,
         channels: &settings.training.channels,
         split,
@@ -393,9 +399,35 @@ fn write_results(
     if !history.is_empty() {
         write_curve(settings, prepared, &history, best_epoch, path)?;
     }
+    if let Some(numbers) = numbers {
+        write_numbers(settings, numbers, split, &predicted.probabilities, path)?;
+    }
     note_samples(settings, prepared, path)?;
     metrics.write(path)?;
     Ok(metrics)
+}
+
+/// `predicted_numbers.svg`.
+fn write_numbers(
+    settings: &TrainSettings,
+    numbers: &Numbers,
+    split: &Split,
+    probabilities: &[f64],
+    path: &Path,
+) -> Result<()> {
+    let of_samples = split.test.iter().map(|sample| numbers.of_samples[*sample]);
+    let predicted = numbers.classes.predicted(probabilities);
+    let pairs: Vec<(f64, f64)> = of_samples.zip(predicted).collect();
+    let title = format!("Numbers from {}", settings.training.channels.join(", "));
+    let caption = format!(
+        "{} test samples, {} training samples in {} classes, seed {}",
+        pairs.len(),
+        split.training.len(),
+        numbers.classes.count(),
+        settings.training.seed
+    );
+    predicted_numbers(&title, &caption, &pairs).write_svg(&path.join(PREDICTED_NUMBERS))?;
+    Ok(())
 }
 
 /// `learning_curve.svg`, with the loss of the prior on the validation part.

@@ -105,6 +105,10 @@ pub struct TrainSettings {
     pub target: Target,
     /// Classes with fewer samples are merged into one class.
     pub least_samples: usize,
+    /// Into how many classes numbers are cut; [`Self::NUMBER_CLASSES`] if it is not given. Only for the
+    /// target [`Target::Number`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub number_classes: Option<usize>,
     /// The unit of the split.
     pub split_by: SplitBy,
     /// Seed of the split; by default that of the training. Settings found by a search keep the
@@ -138,6 +142,9 @@ impl Settings for TrainSettings {
 }
 
 impl TrainSettings {
+    /// The default of [`Self::number_classes`].
+    pub const NUMBER_CLASSES: usize = 5;
+
     /// Settings from a file.
     ///
     /// # Errors
@@ -165,6 +172,7 @@ impl TrainSettings {
         Ok(Self {
             target: Target::Label,
             least_samples: 10,
+            number_classes: None,
             split_by: SplitBy::Cluster,
             split_seed: None,
             permutations: 1000,
@@ -193,6 +201,7 @@ impl TrainSettings {
         Self {
             target: Target::Label,
             least_samples: 1,
+            number_classes: None,
             split_by: if experiment.split_by_cluster {
                 SplitBy::Cluster
             } else {

@@ -2,11 +2,13 @@
 //! same split.
 
 use super::ablation_summary;
-use super::metrics::{BaselineScores, Metrics};
+use super::metrics::{BaselineScores, Metrics, NumberMetrics};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::evaluation::Intervals;
+use protomer_learn::number_scores::{NumberIntervals, NumberScores};
 use protomer_learn::targets::{LabelCount, OTHER};
+use std::collections::BTreeMap;
 
 /// Largest number of classes for which the confusion matrix is shown.
 const MOST_CLASSES_SHOWN: usize = 12;
@@ -14,7 +16,9 @@ const MOST_CLASSES_SHOWN: usize = 12;
 impl Answer for Metrics {
     /// The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
-        let mut parts = vec![head(self), scores(self), intervals(self), calibration(self)];
+        let mut parts = vec![head(self)];
+        parts.extend(self.numbers.as_ref().map(numbers));
+        parts.extend([scores(self), intervals(self), calibration(self)]);
         parts.extend((self.classes.len() <= MOST_CLASSES_SHOWN).then(|| confusion(self)));
         if !self.quarantined.is_empty() {
             parts.push(format!(
@@ -99,18 +103,78 @@ fn scores(metrics: &Metrics) -> String {
         rows.push(row);
     };
     add("network", &network);
-    let first = ["majority", "prior", "size"];
-    let mut others: Vec<(&String, &BaselineScores)> = metrics.baselines.iter().collect();
-    others.sort_by_key(|(name, _)| {
-        first
-            .iter()
-            .position(|known| known == name)
-            .unwrap_or(first.len())
-    });
-    others
-        .into_iter()
-        .for_each(|(name, scores)| add(name, scores));
+    for name in simplest_first(&metrics.baselines) {
+        add(name, &metrics.baselines[name]);
+    }
     columns(&rows)
+}
+
+/// How near predicted numbers come, in their own unit. The mean of the training part is the prior.
+fn numbers(metrics: &NumberMetrics) -> String {
+    let words = [
+        "",
+        "rms error",
+        "mean size of the error",
+        "variance explained",
+        "rank correlation",
+    ];
+    // Three digits of the network's error.
+    let magnitude = metrics
+        .scores
+        .rms_error
+        .max(f64::MIN_POSITIVE)
+        .log10()
+        .floor();
+    let decimals = (2.0 - magnitude).clamp(0.0, 12.0) as usize;
+    let error = |value: f64| format!("{value:.decimals$}");
+    let mut rows = vec![heading(words)];
+    let mut add = |name: &str, scores: &NumberScores| {
+        rows.push(vec![
+            name.to_owned(),
+            error(scores.rms_error),
+            error(scores.mean_absolute_error),
+            format!("{:.3}", scores.variance_explained),
+            format!("{:.3}", scores.rank_correlation),
+        ]);
+    };
+    add("network", &metrics.scores);
+    for name in simplest_first(&metrics.baselines) {
+        match name.as_str() {
+            // Names one class; only its accuracies mean anything.
+            "majority" => continue,
+            "prior" => add("mean of the training part", &metrics.baselines[name]),
+            _ => add(&name.replace('_', " "), &metrics.baselines[name]),
+        }
+    }
+    let NumberIntervals {
+        rms_error,
+        variance_explained,
+        rank_correlation,
+    } = &metrics.bootstrap_95;
+    format!(
+        "{}\n\n95 % over clusters: rms error {} to {}, variance explained {}, rank correlation {}",
+        columns(&rows),
+        error(rms_error.low),
+        error(rms_error.high),
+        range(variance_explained),
+        range(rank_correlation)
+    )
+}
+
+/// The names of baselines, the simplest first.
+fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String> {
+    let first = ["majority", "prior", "size"];
+    let place = |name: &&String| {
+        let known = first.iter().position(|known| known == name);
+        known.unwrap_or(first.len())
+    };
+    let mut names: Vec<&String> = baselines.keys().collect();
+    names.sort_by_key(place);
+    names
+}
+
+fn range(interval: &Interval) -> String {
+    format!("{:.3} to {:.3}", interval.low, interval.high)
 }
 
 fn intervals(metrics: &Metrics) -> String {
@@ -119,7 +183,6 @@ fn intervals(metrics: &Metrics) -> String {
         balanced_accuracy,
         nats_gained_over_prior,
     } = &metrics.bootstrap_95;
-    let range = |interval: &Interval| format!("{:.3} to {:.3}", interval.low, interval.high);
     let p = if metrics.permutation_p < 0.001 {
         "< 0.001".into()
     } else {
