@@ -88,7 +88,7 @@ def test_numbers_are_predicted_and_drawn_against_the_true_ones(folder):
     pm.voxelize(manifest=folder / "numbers.csv", output=folder / "numbers.zarr", **made)
     small = SMALL | {"widths": "4", "groups": 0, "epochs": 1}
     trained = pm.train(folder / "numbers.zarr", target="number", number_classes=2, **small, output=folder / "of-numbers")
-    assert trained.classes == ["below 1.4", "from 1.4"] and trained.numbers.classes.bounds == [1.4]
+    assert trained.classes == ["below 1", "from 1"] and trained.numbers.classes.bounds == [1.0]
     prediction = pm.predict(folder / "of-numbers", folder / "numbers.zarr")
     expected = prediction.probabilities @ np.array(trained.numbers.classes.means)
     np.testing.assert_allclose(prediction.predicted_numbers, expected)

@@ -53,10 +53,10 @@ def main():
                 stage_sets(output, task, setting)
         elif stage == "networks":
             for task, setting in tried():
-                stage_networks(folder_of(output, task, setting), setting)
+                stage_networks(folder_of(output, task, setting), task, setting)
         elif stage == "permuted":
             for (task, setting), permutation in itertools.product(PERMUTED.items(), range(1, arguments.retrained + 1)):
-                stage_networks(stage_sets(output, task, setting, permutation), setting)
+                stage_networks(stage_sets(output, task, setting, permutation), task, setting)
         elif stage == "report":
             stage_report(output)
 

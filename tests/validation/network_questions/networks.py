@@ -5,7 +5,7 @@ import itertools
 import json
 import random
 
-from plan import FOLDS, SETTINGS, TASKS, TRAINING, TRIED, VOXELS, VOXELS_OF, protomer, write
+from plan import FOLDS, SETTINGS, TARGETS, TASKS, TRAINING, TRIED, VOXELS, VOXELS_OF, protomer, write
 from samples import blocks, exchanged, folds_of, samples_of
 
 
@@ -66,7 +66,7 @@ def runs_of(setting):
     return "runs-" + setting.replace(", ", "-").replace(" ", "-")
 
 
-def stage_networks(folder, setting):
+def stage_networks(folder, task, setting):
     """For each fold a network trained on the others, and what it says about the fold."""
     runs = folder / runs_of(setting)
     kinds = ["fold", "conjugates"] if setting != "first" and (folder / "conjugates-0.zarr").exists() else ["fold"]
@@ -77,7 +77,7 @@ def stage_networks(folder, setting):
         if not others.exists():
             parts = [folder / f"{kind}-{f}.zarr" for kind in kinds for f in range(FOLDS) if f != held]
             protomer("merge", *parts, "-o", others, "-q")
-        _, train = protomer("train", others, *TRAINING, *SETTINGS[setting], "-o", run, "-q")
+        _, train = protomer("train", others, *TRAINING, *SETTINGS[setting], *TARGETS.get(task, []), "-o", run, "-q")
         predictions = runs / f"predictions-{held}.csv"
         _, predict = protomer("predict", run, folder / f"fold-{held}.zarr", "-o", predictions, "-q", "--force")
         write(runs / f"{held}.json", json.dumps({"train_cpu_s": train, "predict_cpu_s": predict}))
@@ -90,10 +90,11 @@ def finished(runs):
 
 
 def predictions(runs, classes):
-    """The probabilities of the classes by the name of the sample."""
+    """The probabilities of the classes by the name of the sample; without classes the predicted number."""
     known = {}
     for held in range(FOLDS):
         with open(runs / f"predictions-{held}.csv", newline="") as file:
             for row in csv.DictReader(file):
-                known[row["name"]] = [float(row.get(f"p_{name}", 0.0)) for name in classes]
+                columns = [f"p_{name}" for name in classes] if classes else ["predicted_number"]
+                known[row["name"]] = [float(row.get(column, 0.0)) for column in columns]
     return known

@@ -43,14 +43,20 @@ SETTINGS = {
     "second, seed 2": [*LONG, "--seed", "2"],
 }
 # Which settings each task is tried with; the third is about charges only.
-TRIED = {"sign": ["first", "second", "third"], "size": ["first", "third"], "oligomer": ["first", "second", "second, seed 2"]}
+TRIED = {
+    "sign": ["first", "second", "third"],
+    "size": ["first", "third"],
+    "number": ["third"],
+    "oligomer": ["first", "second", "second, seed 2"],
+}
 # What is also trained on labels exchanged between clusters.
 PERMUTED = {"sign": "third", "oligomer": "second"}
 DRAWS = 2000
 CHARGE_BINS = (0, 1, 2, 4, 8, 100)
 
-# A task is a set and a label of its samples.
-TASKS = {"sign": "b22", "size": "b22", "oligomer": "oligomer"}
+# A task is a set and a label of its samples. The size is a class, the number is B2 over its hard part itself.
+TASKS = {"sign": "b22", "size": "b22", "number": "b22", "oligomer": "oligomer"}
+TARGETS = {"number": ["--target", "number", "--number-classes", "8"]}
 CLASSES = {
     "sign": ["attraction", "repulsion"],
     "size": ["1-below", "2-middle", "3-above"],

@@ -33,7 +33,9 @@ def show(result):
         lines.append([who, *cells])
     print(table(lines))
     p = ", ".join(f"{what} {value:.4f}" for what, value in result["permutation_p"].items())
-    print(f"\npermutation p of the network: {p}\nconfusion (true by row): {result['confusion']}")
+    print(f"\npermutation p of the network: {p}")
+    if "confusion" in result:
+        print(f"confusion (true by row): {result['confusion']}")
     print(f"mean potential and net charge: correlation {result['correlation_of_mean_potential_and_charge']:.2f}")
 
 
@@ -115,7 +117,7 @@ def stage_report(output):
         if not finished(folder_of(output, task, setting) / runs_of(setting)):
             continue
         result = report[f"{task}, {setting}"] = judge(output, task, setting)
-        print(f"\n{task}, {setting}: {result['samples']} samples of {result['clusters']} clusters, {result['classes']},", end=" ")
+        print(f"\n{task}, {setting}: {result['samples']} samples of {result['clusters']} clusters, {result.get('classes', 'a number')},", end=" ")
         print(f"{result['left_out']} left out\n")
         show(result)
         if task == "sign":

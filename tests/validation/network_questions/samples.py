@@ -25,8 +25,11 @@ def samples_of(output, task):
     for path in sorted((output / "pairs").glob("*.json")):
         row = json.loads(path.read_text())
         row["ratio"] = row["b2_angstrom3"] / row["b2_hard_angstrom3"]
-        at = sum(row["ratio"] >= cut for cut in ((1.0,) if task == "sign" else SIZE_CUTS))
-        samples.append({**row, "label": CLASSES[task][at], "pqr": path.with_suffix(".pqr")})
+        if task == "number":
+            label = str(row["ratio"])
+        else:
+            label = CLASSES[task][sum(row["ratio"] >= cut for cut in ((1.0,) if task == "sign" else SIZE_CUTS))]
+        samples.append({**row, "label": label, "pqr": path.with_suffix(".pqr")})
     return samples
 
 

@@ -1,4 +1,4 @@
-"""How well probabilities of classes fit the truth; rankings compare samples of one fold only."""
+"""How well probabilities of classes, and numbers, fit the truth; rankings compare samples of one fold only."""
 
 import numpy as np
 from plan import FOLDS
@@ -42,3 +42,13 @@ def scores(p, y, fold, ratio):
         result["rank correlation"] = rank_correlation(expected, ratio, fold)
     result["log-loss"] = -np.log(np.maximum(p[np.arange(len(y)), y], 1e-6)).mean()
     return result
+
+
+def scores_of_numbers(predicted, truth, fold, prior):
+    """Error, ranking, and the share of the variance about the prior that is explained."""
+    square = np.mean((predicted - truth) ** 2)
+    return {
+        "rms error": np.sqrt(square),
+        "rank correlation": rank_correlation(predicted, truth, fold),
+        "variance explained": 1 - square / np.mean((prior - truth) ** 2),
+    }
