@@ -327,7 +327,10 @@ fn numbers_are_predicted_and_scored() {
     // Labels that are no numbers, and classes without numbers.
     place.write_set("words.zarr", 30, 7, &settings());
     for (words, expected) in [
-        ("words.zarr --target number", "is not a finite number"),
+        (
+            "words.zarr --target number",
+            "none of the 30 samples has a number",
+        ),
         ("set.zarr --number-classes 4", "add --target number"),
         (
             "set.zarr --target number --number-classes 1",

@@ -69,19 +69,7 @@ impl<'a> Prepared<'a> {
     /// If fewer than two classes remain, or there are too few clusters for the split.
     pub fn new(settings: &TrainSettings, set: &'a dyn SampleSource) -> Result<Self> {
         let target = settings.target;
-        let mut quarantined = Vec::new();
-        for (sample, description) in set.descriptions().iter().enumerate() {
-            let reason = match target.of(&description.label) {
-                Ok(class) if class.is_empty() => "it has no label".to_owned(),
-                Ok(_) => continue,
-                Err(error) => error.to_string(),
-            };
-            quarantined.push(Quarantined {
-                sample,
-                name: description.name.clone(),
-                reason,
-            });
-        }
+        let mut quarantined = without_class(target, set);
         let view = View::new(set).relabelled(|description| {
             target
                 .of(&description.label)
@@ -93,8 +81,17 @@ impl<'a> Prepared<'a> {
             .iter()
             .map(|description| description.label.as_str())
             .collect();
+        let example = quarantined
+            .first()
+            .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
+        let example = example.unwrap_or_default();
         let numbers = match target {
-            Target::Number if !labels.is_empty() => Some(Numbers::of(&labels, settings)?),
+            Target::Number if labels.is_empty() => bail!(
+                "none of the {} samples has a number{example}; make a set with numbers as labels, or \
+                 take another --target",
+                set.descriptions().len()
+            ),
+            Target::Number => Some(Numbers::of(&labels, settings)?),
             _ => None,
         };
         let classes = match &numbers {
@@ -102,15 +99,11 @@ impl<'a> Prepared<'a> {
             None => Classes::of(&labels, Target::Label, settings.least_samples)?,
         };
         if classes.names.len() < 2 {
-            let example = quarantined
-                .first()
-                .map(|bad| format!(" ({} has none: {})", bad.name, bad.reason));
             bail!(
-                "{} of {} samples have a class{}, and there are {} classes of at least {} samples; \
+                "{} of {} samples have a class{example}, and there are {} classes of at least {} samples; \
                  two are needed: take more samples, another --target, or a smaller --least-samples",
                 labels.len(),
                 set.descriptions().len(),
-                example.unwrap_or_default(),
                 classes.names.len(),
                 settings.least_samples
             );
@@ -143,26 +136,7 @@ impl<'a> Prepared<'a> {
             validation: part(&split.validation),
             test: part(&split.test),
         };
-        for (part, samples) in [
-            ("training", &split.training),
-            ("validation", &split.validation),
-            ("test", &split.test),
-        ] {
-            if samples.is_empty() {
-                let why = quarantined.first().map_or_else(
-                    || "give it a share with --fractions, or take more clusters".to_owned(),
-                    |bad| {
-                        format!(
-                            "{} samples cannot be used, such as {}: {}",
-                            quarantined.len(),
-                            bad.name,
-                            bad.reason
-                        )
-                    },
-                );
-                bail!("the {part} part has no samples: {why}");
-            }
-        }
+        check_parts(&split, &quarantined)?;
         let numbers = numbers.map(|numbers| numbers.fitted(&split.training, &descriptions));
         Ok(Self {
             view,
@@ -175,4 +149,47 @@ impl<'a> Prepared<'a> {
             single_cluster_classes,
         })
     }
+}
+
+/// The samples without a class under a target, and why.
+fn without_class(target: Target, set: &dyn SampleSource) -> Vec<Quarantined> {
+    let mut without = Vec::new();
+    for (sample, description) in set.descriptions().iter().enumerate() {
+        let reason = match target.of(&description.label) {
+            Ok(class) if class.is_empty() => "it has no label".to_owned(),
+            Ok(_) => continue,
+            Err(error) => error.to_string(),
+        };
+        without.push(Quarantined {
+            sample,
+            name: description.name.clone(),
+            reason,
+        });
+    }
+    without
+}
+
+/// Refuses a split with an empty part.
+fn check_parts(split: &Split, quarantined: &[Quarantined]) -> Result<()> {
+    for (part, samples) in [
+        ("training", &split.training),
+        ("validation", &split.validation),
+        ("test", &split.test),
+    ] {
+        if samples.is_empty() {
+            let why = quarantined.first().map_or_else(
+                || "give it a share with --fractions, or take more clusters".to_owned(),
+                |bad| {
+                    format!(
+                        "{} samples cannot be used, such as {}: {}",
+                        quarantined.len(),
+                        bad.name,
+                        bad.reason
+                    )
+                },
+            );
+            bail!("the {part} part has no samples: {why}");
+        }
+    }
+    Ok(())
 }
