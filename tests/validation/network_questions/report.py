@@ -89,8 +89,9 @@ def costs(output):
 def figure(report, path):
     """Rankings of all networks and baselines with their intervals, a panel per task."""
     matplotlib.rcParams |= {"svg.hashsalt": "network-questions", "svg.fonttype": "none"}
-    panels, axes = plt.subplots(1, len(TASKS), figsize=(13, 3.4), constrained_layout=True)
-    for axis, task in zip(axes, TASKS):
+    tasks = [task for task in TASKS if any(f"{task}, {setting}" in report for setting in TRIED[task])]
+    panels, axes = plt.subplots(1, len(tasks), figsize=(4.3 * len(tasks), 3.4), constrained_layout=True, squeeze=False)
+    for axis, task in zip(axes[0], tasks):
         networks, baselines = {}, {}
         for setting in TRIED[task]:
             result = report.get(f"{task}, {setting}")
