@@ -133,31 +133,21 @@ impl TestPredictions<'_> {
         classes: &NumberClasses,
         seed: u64,
     ) -> Result<NumberEvaluation> {
-        let (numbers_of_test, weights) = (
-            self.of_test(numbers)?,
-            self.of_test(&family_weights(self.descriptions))?,
-        );
-        let prior = &evaluation.baselines.iter();
-        let prior = prior.clone().find(|(own, _)| own.name == "prior");
-        let mean =
-            prior.and_then(|(own, _)| classes.predicted(&own.probabilities).first().copied());
+        let of_test = self.of_test(numbers)?;
+        let weights = self.of_test(&family_weights(self.descriptions))?;
+        let (prior, _) = evaluation.named("prior")?;
+        let means = classes.predicted(&prior.probabilities);
         let truth = TrueNumbers {
-            numbers: &numbers_of_test,
+            numbers: &of_test,
             weights: &weights,
-            training_mean: mean.unwrap_or(f64::NAN),
+            // The prior is the same for every sample.
+            training_mean: means.first().copied().unwrap_or_default(),
         };
         let predicted = classes.predicted(self.probabilities);
         let mut baselines = Vec::new();
-        for (
-            Baseline {
-                name,
-                probabilities,
-            },
-            _,
-        ) in &evaluation.baselines
-        {
-            let scores = NumberScores::of(&classes.predicted(probabilities), &truth)?;
-            baselines.push((*name, scores));
+        for (baseline, _) in &evaluation.baselines {
+            let predicted = classes.predicted(&baseline.probabilities);
+            baselines.push((baseline.name, NumberScores::of(&predicted, &truth)?));
         }
         Ok(NumberEvaluation {
             scores: NumberScores::of(&predicted, &truth)?,
@@ -242,8 +232,12 @@ impl Evaluation {
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if there is none of this name.
     pub fn baseline(&self, name: &str) -> Result<&Scores> {
+        self.named(name).map(|(_, scores)| scores)
+    }
+
+    fn named(&self, name: &str) -> Result<&(Baseline, Scores)> {
         match self.baselines.iter().find(|(own, _)| own.name == name) {
-            Some((_, scores)) => Ok(scores),
+            Some(found) => Ok(found),
             None => refuse(format!("there is no baseline {name}")),
         }
     }

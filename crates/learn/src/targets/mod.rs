@@ -41,7 +41,7 @@ pub enum Target {
     /// Whether some direction differs from its opposite in every such crystal. It does in the point
     /// groups 1, 2, 3, 4 and 6.
     Polar,
-    /// The label as a number, by [`NumberClasses`](crate::number_classes::NumberClasses).
+    /// The label as a number, by [`NumberClasses`].
     Number,
 }
 

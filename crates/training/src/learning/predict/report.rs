@@ -3,6 +3,7 @@
 use super::fit::Difference;
 use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
+use crate::learning::train::decimals_of;
 use crate::voxels::samples::VoxelSet;
 use anyhow::{Result, bail};
 use protomer_common::answer::Answer;
@@ -223,9 +224,10 @@ impl Answer for PredictReport {
                     scores.log_loss_nats, scores.prior_log_loss_nats, scores.nats_gained_over_prior
                 ));
                 lines.extend(scores.numbers.map(|numbers| {
+                    let (error, decimals) = (numbers.rms_error, decimals_of(numbers.rms_error));
                     format!(
-                        "numbers: rms error {:.4}, variance explained {:.3}, rank correlation {:.3}",
-                        numbers.rms_error, numbers.variance_explained, numbers.rank_correlation
+                        "numbers: rms error {error:.decimals$}, variance explained {:.3}, rank correlation {:.3}",
+                        numbers.variance_explained, numbers.rank_correlation
                     )
                 }));
             }

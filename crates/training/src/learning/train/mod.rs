@@ -42,4 +42,5 @@ pub(crate) use run::{Epochs, TrainingRun};
 pub use run::{MODEL, PREDICTED_NUMBERS, SETTINGS, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings};
 pub use source::{channels_of, open_set, samples_of};
+pub(crate) use summary::decimals_of;
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

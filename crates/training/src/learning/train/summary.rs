@@ -118,14 +118,7 @@ fn numbers(metrics: &NumberMetrics) -> String {
         "variance explained",
         "rank correlation",
     ];
-    // Three digits of the network's error.
-    let magnitude = metrics
-        .scores
-        .rms_error
-        .max(f64::MIN_POSITIVE)
-        .log10()
-        .floor();
-    let decimals = (2.0 - magnitude).clamp(0.0, 12.0) as usize;
+    let decimals = decimals_of(metrics.scores.rms_error);
     let error = |value: f64| format!("{value:.decimals$}");
     let mut rows = vec![heading(words)];
     let mut add = |name: &str, scores: &NumberScores| {
@@ -159,6 +152,12 @@ fn numbers(metrics: &NumberMetrics) -> String {
         range(variance_explained),
         range(rank_correlation)
     )
+}
+
+/// Decimals that show three digits of an error.
+pub(crate) fn decimals_of(error: f64) -> usize {
+    let magnitude = error.max(f64::MIN_POSITIVE).log10().floor();
+    (2.0 - magnitude).clamp(0.0, 12.0) as usize
 }
 
 /// The names of baselines, the simplest first.
