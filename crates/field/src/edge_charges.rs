@@ -7,9 +7,9 @@
 //! flux of -∇φ = -h² (φ' - h²/24 φ''').
 //!
 //! Charges nearer than six edges are summed one by one instead: potential and slope exactly, the flux
-//! by the solid angle of the face, from 2.25 edges on by its expansion. Farther out the series up to φ'''' leaves at most 10⁻⁵ s/r of a
-//! potential, 4 · 10⁻⁴ s/r² of a slope and 10⁻³ s/r² of a mean flux, and all of these fall with r⁻⁴ and
-//! faster. Far charges are summed in single precision, sixteen at a time, about an origin nearby.
+//! by the solid angle of the face, from 2.25 edges on by its expansion. Farther out the series up to
+//! φ'''' leaves at most 10⁻⁵ s/r of a potential, 4 · 10⁻⁴ s/r² of a slope and 10⁻³ s/r² of a mean flux,
+//! and all of these fall with r⁻⁴ and faster. Far charges are summed in single precision, sixteen at a time, about an origin nearby.
 
 use crate::point_charges::Source;
 use crate::vectorised::vectorised;

@@ -8,6 +8,11 @@ use serde::{Deserialize, Serialize};
 use std::array;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Resamplings of the clusters behind each interval.
+pub(crate) const RESAMPLINGS: usize = 1000;
+/// Share of the resamplings that an interval holds.
+pub(crate) const LEVEL: f64 = 0.95;
+
 /// A value and where it would fall in other draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {

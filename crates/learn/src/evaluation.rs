@@ -3,7 +3,7 @@
 
 use crate::Result;
 use crate::baselines::{Baseline, baselines};
-use crate::bootstrap::{Interval, bootstrap};
+use crate::bootstrap::{Interval, LEVEL, RESAMPLINGS, bootstrap};
 use crate::error::refuse;
 use crate::number_classes::NumberClasses;
 use crate::number_scores::{NumberIntervals, NumberScores, TrueNumbers};
@@ -13,11 +13,6 @@ use crate::scores::Scores;
 use crate::split::family_weights;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-
-/// Resamplings of the clusters behind each interval.
-pub(crate) const RESAMPLINGS: usize = 1000;
-/// Share of the resamplings that an interval holds.
-pub(crate) const LEVEL: f64 = 0.95;
 
 /// Intervals that hold 95 % of the values in draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -7,9 +7,9 @@
 //! x = Σ_k p_k m_k
 //! ```
 //!
-//! of the numbers m_k that the classes stand for, by the probabilities p_k of the classes. Networks learn
-//! numbers as well from the cross entropy of such classes as from squared errors, or better (Imani and
-//! White, ICML 2018).
+//! of the numbers m_k that the classes stand for, weighted by the probabilities p_k of the classes. The
+//! cross entropy of such classes can teach a network a number better than the squared error does (Imani and
+//! White, ICML 2018). No prediction lies beyond the m_k of the first and the last class.
 
 use crate::Result;
 use crate::error::refuse;

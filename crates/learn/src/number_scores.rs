@@ -12,9 +12,8 @@
 //! The variance explained is 0 for always predicting m, and negative for what is worse than that.
 
 use crate::Result;
-use crate::bootstrap::{Interval, bootstrap};
+use crate::bootstrap::{Interval, LEVEL, RESAMPLINGS, bootstrap};
 use crate::error::refuse;
-use crate::evaluation::{LEVEL, RESAMPLINGS};
 use serde::{Deserialize, Serialize};
 
 /// Scores of predicted numbers. Errors have the unit of the numbers.

@@ -305,6 +305,10 @@ fn numbers_are_predicted_and_scored() {
     }
     assert!(place.path("run/predicted_numbers.svg").exists());
 
+    is_ok(&place.run("report run -q"));
+    let page = std::fs::read_to_string(place.path("run/report.html")).unwrap();
+    assert!(page.contains("variance explained") && page.contains("mean of the training part"));
+
     let report = place.predict("run set.zarr");
     for key in [
         "rms_error",
@@ -332,6 +336,11 @@ fn numbers_are_predicted_and_scored() {
             "none of the 30 samples has a number",
         ),
         ("set.zarr --number-classes 4", "add --target number"),
+        // Another target than the configuration's has no use for its number of classes.
+        (
+            "set.zarr --config run/settings.toml --target label --least-samples 200",
+            "two are needed",
+        ),
         (
             "set.zarr --target number --number-classes 1",
             "give 2 to 100",

@@ -195,14 +195,8 @@ fn table_of_baselines(metrics: &Metrics) -> String {
 }
 
 fn table_of_numbers(numbers: &NumberMetrics) -> String {
-    let head = [
-        "",
-        "rms error",
-        "mean size of the error",
-        "variance explained",
-        "rank correlation",
-    ]
-    .map(str::to_owned);
+    let mut head = vec![String::new()];
+    head.extend(NumberMetrics::HEADINGS.map(str::to_owned));
     let row = |name: &str, scores: &NumberScores| {
         let values = [
             scores.rms_error,
@@ -215,10 +209,8 @@ fn table_of_numbers(numbers: &NumberMetrics) -> String {
         row
     };
     let mut rows = vec![row("this network", &numbers.scores)];
-    // The majority names one class; only its accuracies mean anything.
-    let baselines = numbers.baselines.iter();
-    for (name, scores) in baselines.filter(|(name, _)| *name != "majority") {
-        rows.push(row(name, scores));
+    for (name, scores) in numbers.of_baselines() {
+        rows.push(row(&name, scores));
     }
     let range = |interval: &Interval| {
         let ends = [interval.low, interval.high].map(|end| significant(end, 3));

@@ -62,6 +62,10 @@ impl TaskArgs {
     pub fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         override_with(&mut settings.target, self.target.map(Into::into));
         override_with(&mut settings.least_samples, self.least_samples);
+        if self.target.is_some() && settings.target != Target::Number {
+            // Another target than that of the configuration has no use for its number of classes.
+            settings.number_classes = None;
+        }
         settings.number_classes = self.number_classes.or(settings.number_classes);
         if settings.number_classes.is_some() && settings.target != Target::Number {
             bail!("--number-classes cuts numbers into classes; add --target number, or omit it");

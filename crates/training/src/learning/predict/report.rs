@@ -297,14 +297,15 @@ fn scores(
     let prior: Vec<f64> = card.log_prior.iter().map(|log| log.exp()).collect();
     let numbers = match &card.number_classes {
         Some(classes) => {
-            let training_mean = classes.predicted(&prior).pop().unwrap_or(f64::NAN);
             let truth = TrueNumbers {
                 numbers: &numbers,
                 weights: &weights,
-                training_mean,
+                training_mean: classes.predicted(&prior).iter().sum(),
             };
-            let predicted = classes.predicted(&probabilities);
-            Some(NumberScores::of(&predicted, &truth)?)
+            Some(NumberScores::of(
+                &classes.predicted(&probabilities),
+                &truth,
+            )?)
         }
         None => None,
     };

@@ -146,6 +146,43 @@ pub struct NumberMetrics {
     pub bootstrap_95: NumberIntervals,
 }
 
+impl NumberMetrics {
+    /// The headings of a table of scores, after one for the names.
+    pub const HEADINGS: [&str; 4] = [
+        "rms error",
+        "mean absolute error",
+        "variance explained",
+        "rank correlation",
+    ];
+
+    /// What predicts without the network, the simplest first, and how near it comes. The majority is left
+    /// out: it names one class, which only accuracies can judge.
+    pub fn of_baselines(&self) -> Vec<(String, &NumberScores)> {
+        let mut rows = Vec::new();
+        for name in simplest_first(&self.baselines) {
+            let shown = match name.as_str() {
+                "majority" => continue,
+                "prior" => "mean of the training part".to_owned(),
+                _ => name.replace('_', " "),
+            };
+            rows.push((shown, &self.baselines[name]));
+        }
+        rows
+    }
+}
+
+/// The names of baselines, the simplest first.
+pub(super) fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String> {
+    let first = ["majority", "prior", "size"];
+    let place = |name: &&String| {
+        let known = first.iter().position(|known| known == name);
+        known.unwrap_or(first.len())
+    };
+    let mut names: Vec<&String> = baselines.keys().collect();
+    names.sort_by_key(place);
+    names
+}
+
 /// The data that the scores are computed from.
 #[derive(Debug)]
 pub struct Predictions<'a> {

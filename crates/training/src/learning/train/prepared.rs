@@ -35,15 +35,15 @@ pub struct Prepared<'a> {
 pub struct Numbers {
     /// The number of each sample.
     pub of_samples: Vec<f64>,
-    /// The classes; each stands for the mean of its training samples.
+    /// The classes. Their bounds are those of all samples, as the split deals out classes; each stands for
+    /// the mean of its training samples.
     pub classes: NumberClasses,
 }
 
 impl Numbers {
-    fn of(labels: &[&str], settings: &TrainSettings) -> Result<Self> {
+    fn of(labels: &[&str], count: Option<usize>) -> Result<Self> {
         let of_samples = labels.iter().map(|label| number(label));
         let of_samples = of_samples.collect::<Result<Vec<f64>, _>>()?;
-        let count = settings.number_classes;
         let count = count.unwrap_or(TrainSettings::NUMBER_CLASSES);
         let classes = NumberClasses::of(&of_samples, count)?;
         Ok(Self {
@@ -91,7 +91,7 @@ impl<'a> Prepared<'a> {
                  take another --target",
                 set.descriptions().len()
             ),
-            Target::Number => Some(Numbers::of(&labels, settings)?),
+            Target::Number => Some(Numbers::of(&labels, settings.number_classes)?),
             _ => None,
         };
         let classes = match &numbers {

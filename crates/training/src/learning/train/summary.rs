@@ -2,13 +2,12 @@
 //! same split.
 
 use super::ablation_summary;
-use super::metrics::{BaselineScores, Metrics, NumberMetrics};
+use super::metrics::{BaselineScores, Metrics, NumberMetrics, simplest_first};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::evaluation::Intervals;
 use protomer_learn::number_scores::{NumberIntervals, NumberScores};
 use protomer_learn::targets::{LabelCount, OTHER};
-use std::collections::BTreeMap;
 
 /// Largest number of classes for which the confusion matrix is shown.
 const MOST_CLASSES_SHOWN: usize = 12;
@@ -109,18 +108,13 @@ fn scores(metrics: &Metrics) -> String {
     columns(&rows)
 }
 
-/// How near predicted numbers come, in their own unit. The mean of the training part is the prior.
+/// How near predicted numbers come, in their own unit.
 fn numbers(metrics: &NumberMetrics) -> String {
-    let words = [
-        "",
-        "rms error",
-        "mean size of the error",
-        "variance explained",
-        "rank correlation",
-    ];
     let decimals = decimals_of(metrics.scores.rms_error);
     let error = |value: f64| format!("{value:.decimals$}");
-    let mut rows = vec![heading(words)];
+    let mut words = heading([""]);
+    words.extend(heading(NumberMetrics::HEADINGS));
+    let mut rows = vec![words];
     let mut add = |name: &str, scores: &NumberScores| {
         rows.push(vec![
             name.to_owned(),
@@ -131,13 +125,8 @@ fn numbers(metrics: &NumberMetrics) -> String {
         ]);
     };
     add("network", &metrics.scores);
-    for name in simplest_first(&metrics.baselines) {
-        match name.as_str() {
-            // Names one class; only its accuracies mean anything.
-            "majority" => continue,
-            "prior" => add("mean of the training part", &metrics.baselines[name]),
-            _ => add(&name.replace('_', " "), &metrics.baselines[name]),
-        }
+    for (name, scores) in metrics.of_baselines() {
+        add(&name, scores);
     }
     let NumberIntervals {
         rms_error,
@@ -158,18 +147,6 @@ fn numbers(metrics: &NumberMetrics) -> String {
 pub(crate) fn decimals_of(error: f64) -> usize {
     let magnitude = error.max(f64::MIN_POSITIVE).log10().floor();
     (2.0 - magnitude).clamp(0.0, 12.0) as usize
-}
-
-/// The names of baselines, the simplest first.
-fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String> {
-    let first = ["majority", "prior", "size"];
-    let place = |name: &&String| {
-        let known = first.iter().position(|known| known == name);
-        known.unwrap_or(first.len())
-    };
-    let mut names: Vec<&String> = baselines.keys().collect();
-    names.sort_by_key(place);
-    names
 }
 
 fn range(interval: &Interval) -> String {
