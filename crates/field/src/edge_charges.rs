@@ -6,23 +6,24 @@
 //!
 //! flux of -∇φ = -h² (φ' - h²/24 φ''').
 //!
-//! Charges nearer than six edges are summed one by one instead: potential and slope exactly, the flux
-//! by the solid angle of the face, from 2.25 edges on by its expansion. Farther out the series up to
-//! φ'''' leaves at most 10⁻⁵ s/r of a potential, 4 · 10⁻⁴ s/r² of a slope and 10⁻³ s/r² of a mean flux,
-//! and all of these fall with r⁻⁴ and faster. Far charges are summed in single precision, sixteen at a time, about an origin nearby.
+//! The series up to φ'''' leaves at most 10⁻⁵ s/r of a potential, 4 · 10⁻⁴ s/r² of a slope and
+//! 10⁻³ s/r² of a mean flux of charges at a distance of six edges, and all of these fall with r⁻⁴ and
+//! faster. Nearer charges have their potential and slope exactly, and the flux by an expansion of the
+//! solid angle of the face. Charges are summed in single precision, sixteen at a time, about an origin
+//! nearby; those nearer than 2.25 edges one by one in double precision, with the exact solid angle.
 
 use crate::point_charges::Source;
 use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use std::f64::consts::PI;
-use std::ops::Add;
+use std::ops::{Add, Div, Mul, Range, Sub};
 
 /// Charges in a group.
 const LANES: usize = 16;
-/// Charges nearer than this many edges are summed exactly.
+/// Charges nearer than this many edges have an exact potential and slope.
 pub(crate) const EXACT_IN_EDGES: f64 = 6.0;
-/// Faces nearer than this many of their edges take their exact solid angle; for others an expansion
-/// is within 2 · 10⁻⁴ of h²/r².
+/// Charges nearer than this many edges are summed one by one: for others an expansion of the solid
+/// angle is within 2 · 10⁻⁴ of h²/r².
 const NEAR_IN_EDGES: f64 = 2.25;
 
 /// An edge of a grid, and a place on it.
@@ -92,45 +93,108 @@ impl EdgeCharges {
 
     #[inline(always)]
     fn at_any(&self, edge: &EdgePlace) -> AtEdge {
-        let exact = (EXACT_IN_EDGES * edge.length).powi(2) as f32;
+        let length = edge.length as f32;
+        let [exact, near] = [EXACT_IN_EDGES as f32, NEAR_IN_EDGES as f32];
+        let [exact, near] = [exact, near].map(|edges| (edges * length).powi(2));
         let middle = edge.middle - self.origin;
-        let [third, first, second] = edge.axes();
-        let [at_z, at_x, at_y] = [third, first, second].map(|axis| middle[axis] as f32);
-        let mut sums = [[0.0_f32; LANES]; 5];
-        let mut near = AtEdge::default();
+        let axes @ [third, first, second] = edge.axes();
+        let at = axes.map(|axis| middle[axis] as f32);
+        let (mut of_far, mut of_exact) = ([[0.0_f32; LANES]; 5], [[0.0_f32; LANES]; 3]);
+        let mut of_near = AtEdge::default();
         for (number, group) in self.groups.iter().enumerate() {
             let [z, x, y] = [third, first, second].map(|axis| &group.places[axis]);
-            let (mut squares, mut exact_lanes) = ([0.0; LANES], 0);
+            let mut offsets = [[0.0; LANES]; 3];
+            let mut squares = [0.0; LANES];
+            let (mut exact_lanes, mut near_lanes) = (0, 0);
             for lane in 0..LANES {
-                let (dz, dx, dy) = (at_z - z[lane], at_x - x[lane], at_y - y[lane]);
+                let (dz, dx, dy) = (at[0] - z[lane], at[1] - x[lane], at[2] - y[lane]);
                 let square = dx * dx + dy * dy + dz * dz;
+                [offsets[0][lane], offsets[1][lane], offsets[2][lane]] = [dz, dx, dy];
                 squares[lane] = square;
                 exact_lanes += i32::from(square <= exact);
-                let far = square > exact;
-                let strength = if far { group.strength[lane] } else { 0.0 };
-                let inverse = 1.0 / if far { square } else { exact };
-                let value = strength * inverse.sqrt();
-                // The derivatives of 1/r along z, with c = z/r: Legendre polynomials.
-                let (slope, second) = (dz * inverse, dz * dz * inverse);
-                let per_square = value * inverse;
-                sums[0][lane] += value;
-                sums[1][lane] -= value * slope;
-                sums[2][lane] += per_square * (3.0 * second - 1.0);
-                sums[3][lane] += per_square * slope * (9.0 - 15.0 * second);
-                sums[4][lane] += per_square * inverse * ((105.0 * second - 90.0) * second + 9.0);
+                near_lanes += i32::from(square <= near);
             }
+            group.add_far(&offsets, &squares, exact, &mut of_far);
             if exact_lanes > 0 {
+                group.add_exact(&offsets, &squares, near..exact, edge, &mut of_exact);
+            }
+            if near_lanes > 0 {
                 // The same comparison as above, so that no charge is lost or counted twice.
                 let sources = self.sources[number * LANES..].iter();
                 for (source, square) in sources.zip(squares) {
-                    if square <= exact {
-                        edge.add(source, &mut near);
+                    if square <= near {
+                        edge.add(source, &mut of_near);
                     }
                 }
             }
         }
-        let far = sums.map(|lanes| lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>());
-        near + edge.with_derivatives(far)
+        let [value, slope, flux] = of_exact.map(|lanes| sum_of(&lanes));
+        let of_exact = AtEdge { value, slope, flux };
+        of_near + of_exact + edge.with_derivatives(of_far.map(|lanes| sum_of(&lanes)))
+    }
+}
+
+/// The sum over lanes, in double precision.
+#[inline(always)]
+fn sum_of(lanes: &[f32; LANES]) -> f64 {
+    lanes.iter().map(|value| f64::from(*value)).sum()
+}
+
+impl Group {
+    /// Adds the potential and its derivatives along z at the middle of an edge, up to the fourth, of
+    /// charges at a squared distance of more than `exact`, given the offsets of the middle from the
+    /// charges along z, x and y and their squares.
+    #[inline(always)]
+    fn add_far(
+        &self,
+        [dz, _, _]: &[[f32; LANES]; 3],
+        squares: &[f32; LANES],
+        exact: f32,
+        sums: &mut [[f32; LANES]; 5],
+    ) {
+        for lane in 0..LANES {
+            let is_far = squares[lane] > exact;
+            let strength = if is_far { self.strength[lane] } else { 0.0 };
+            let inverse = 1.0 / if is_far { squares[lane] } else { exact };
+            let value = strength * inverse.sqrt();
+            // The derivatives of 1/r along z, with c = z/r: Legendre polynomials.
+            let (slope, second) = (dz[lane] * inverse, dz[lane] * dz[lane] * inverse);
+            let per_square = value * inverse;
+            sums[0][lane] += value;
+            sums[1][lane] -= value * slope;
+            sums[2][lane] += per_square * (3.0 * second - 1.0);
+            sums[3][lane] += per_square * slope * (9.0 - 15.0 * second);
+            sums[4][lane] += per_square * inverse * ((105.0 * second - 90.0) * second + 9.0);
+        }
+    }
+
+    /// Adds potential and slope at the place on the edge and the flux through the face, of charges at a
+    /// squared distance between these.
+    #[inline(always)]
+    fn add_exact(
+        &self,
+        [dz, dx, dy]: &[[f32; LANES]; 3],
+        squares: &[f32; LANES],
+        between: Range<f32>,
+        edge: &EdgePlace,
+        sums: &mut [[f32; LANES]; 3],
+    ) {
+        let (offset, length) = (edge.offset as f32, edge.length as f32);
+        for lane in 0..LANES {
+            let is_between = (squares[lane] > between.start) & (squares[lane] <= between.end);
+            let strength = if is_between { self.strength[lane] } else { 0.0 };
+            let square = if is_between { squares[lane] } else { between.end };
+            let along = dz[lane] + offset;
+            let across = dx[lane] * dx[lane] + dy[lane] * dy[lane];
+            let to_place = across + along * along;
+            let inverse = 1.0 / if is_between { to_place } else { between.end };
+            let value = strength * inverse.sqrt();
+            sums[0][lane] += value;
+            sums[1][lane] -= value * along * inverse;
+            let offsets = [dz[lane], dx[lane], dy[lane]];
+            let angle = expanded_solid_angle(offsets, (1.0 / square).sqrt(), length);
+            sums[2][lane] += strength * angle;
+        }
     }
 }
 
@@ -178,7 +242,7 @@ impl EdgePlace {
         let angle = if distance <= NEAR_IN_EDGES * self.length {
             solid_angle([z, x, y], self.length)
         } else {
-            expanded_solid_angle([z, x, y], distance, self.length)
+            expanded_solid_angle([z, x, y], 1.0 / distance, self.length)
         };
         sum.flux += source.strength * angle;
     }
@@ -212,21 +276,33 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
     if z < 0.0 { -angle } else { angle }
 }
 
-/// The same from a distance r, by Taylor's series of f = z/r³ about the middle of the square. f is
-/// harmonic, so that f_xx + f_yy = -f_zz and f_xxxx + f_yyyy = f_zzzz - 2 f_xxyy:
+/// The same from a distance r, given by its inverse, by Taylor's series of f = z/r³ about the middle of
+/// the square. f is harmonic, so that f_xx + f_yy = -f_zz and f_xxxx + f_yyyy = f_zzzz - 2 f_xxyy:
 ///
 /// Ω = h² (f - h²/24 f_zz + h⁴/1920 f_zzzz + h⁴/1440 f_xxyy).
-fn expanded_solid_angle([z, x, y]: [f64; 3], r: f64, edge: f64) -> f64 {
-    let inverse = 1.0 / (r * r);
+#[inline(always)]
+fn expanded_solid_angle<T: Real>([z, x, y]: [T; 3], inverse_distance: T, edge: T) -> T {
+    let number = T::from;
+    let inverse = inverse_distance * inverse_distance;
     let [xx, yy, zz] = [x, y, z].map(|along| along * along * inverse);
     let area = edge * edge;
     let small = area * inverse;
-    let second = 15.0 * zz - 9.0;
-    let fourth = (945.0 * zz - 1050.0) * zz + 225.0;
-    let across = 15.0 - 105.0 * (xx + yy) + 945.0 * xx * yy;
-    let series = 1.0 - small / 24.0 * second + small * small * (fourth / 1920.0 + across / 1440.0);
-    area * z * inverse / r * series
+    let second = number(15.0) * zz - number(9.0);
+    let fourth = (number(945.0) * zz - number(1050.0)) * zz + number(225.0);
+    let across = number(15.0) - number(105.0) * (xx + yy) + number(945.0) * xx * yy;
+    let of_fourth = fourth / number(1920.0) + across / number(1440.0);
+    let series = number(1.0) - small / number(24.0) * second + small * small * of_fourth;
+    area * z * inverse * inverse_distance * series
 }
+
+/// A number in single or double precision.
+trait Real:
+    Copy + From<f32> + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
+{
+}
+
+impl Real for f32 {}
+impl Real for f64 {}
 
 #[cfg(test)]
 pub(crate) mod tests {
@@ -271,7 +347,7 @@ pub(crate) mod tests {
             let r = rng.uniform_in(NEAR_IN_EDGES, 2.0 * NEAR_IN_EDGES) * edge;
             let place: [f64; 3] = (rng.unit_vector() * r).into();
             let (found, slow) = (
-                expanded_solid_angle(place, r, edge),
+                expanded_solid_angle(place, 1.0 / r, edge),
                 slow_solid_angle(place, edge),
             );
             let whole = (edge / r).powi(2);
