@@ -105,12 +105,12 @@ fn each_with_charges(
     h: f64,
     visit: &mut dyn FnMut(&Crossing, AtEdge),
 ) {
-    let (far, near) = far_and_near(crossings, charges, h);
+    let (far, near) = far_and_near(crossings, &charges, h);
     if crossings.len() <= MOST_CROSSINGS {
         return each_with_far_and_near(crossings, &[far], near, h, visit);
     }
     for group in groups(crossings) {
-        let (farther, near) = far_and_near(group, near.clone(), h);
+        let (farther, near) = far_and_near(group, &near, h);
         each_with_far_and_near(group, &[far.clone(), farther], near, h, visit);
     }
 }
@@ -136,11 +136,11 @@ fn groups(crossings: &mut [Crossing]) -> Vec<&mut [Crossing]> {
 /// The charges far from these crossings as a polynomial, if that is worth its cost, and the others.
 fn far_and_near(
     crossings: &[Crossing],
-    charges: Vec<Source>,
+    charges: &[Source],
     h: f64,
 ) -> (Option<FarCharges>, Vec<Source>) {
     if crossings.len() < FEWEST_CROSSINGS {
-        return (None, charges);
+        return (None, charges.to_vec());
     }
     let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
     let middle = 0.5 * (low + high);
@@ -148,8 +148,13 @@ fn far_and_near(
         radius.max((crossing.middle - middle).norm())
     });
     let limit = (FAR_IN_RADII * radius).max(radius + (EXACT_IN_EDGES + 0.1) * h);
-    let is_near = |source: &Source| (source.place - middle).norm() < limit;
-    let (near, far): (Vec<Source>, Vec<Source>) = charges.into_iter().partition(is_near);
+    let mut near = Vec::with_capacity(charges.len());
+    let mut far = Vec::with_capacity(charges.len());
+    for source in charges {
+        let is_near = (source.place - middle).norm_squared() < limit * limit;
+        let side = if is_near { &mut near } else { &mut far };
+        side.push(*source);
+    }
     (Some(FarCharges::new(&far, middle)), near)
 }
 
