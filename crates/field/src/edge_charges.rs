@@ -13,8 +13,8 @@
 //! nearby; those nearer than 2.25 edges one by one in double precision, with the exact solid angle.
 
 use crate::point_charges::Source;
-use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
+use protomer_kernel::vectorised;
 use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Range, Sub};
 
@@ -183,7 +183,11 @@ impl Group {
         for lane in 0..LANES {
             let is_between = (squares[lane] > between.start) & (squares[lane] <= between.end);
             let strength = if is_between { self.strength[lane] } else { 0.0 };
-            let square = if is_between { squares[lane] } else { between.end };
+            let square = if is_between {
+                squares[lane]
+            } else {
+                between.end
+            };
             let along = dz[lane] + offset;
             let across = dx[lane] * dx[lane] + dy[lane] * dy[lane];
             let to_place = across + along * along;

@@ -15,8 +15,8 @@
 
 use crate::edge_charges::{AtEdge, EdgePlace};
 use crate::point_charges::Source;
-use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
+use protomer_kernel::vectorised;
 
 /// Degree of the polynomial.
 const DEGREE: usize = 6;

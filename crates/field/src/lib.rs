@@ -39,7 +39,6 @@ mod point_charges;
 pub mod poisson_boltzmann;
 mod screened_sum;
 pub mod surface;
-mod vectorised;
 pub mod voxels;
 
 pub use charged_sphere::ChargedSphere;

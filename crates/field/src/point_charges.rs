@@ -1,8 +1,8 @@
 //! Sums over point charges, eight at a time.
 
-use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::exponential::exp_of_minus;
+use protomer_kernel::vectorised;
 
 /// Charges in a group.
 const LANES: usize = 8;

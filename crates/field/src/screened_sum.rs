@@ -9,9 +9,9 @@
 //! to 3/Å, a sum is good to (2 + 3 κ Å) · 10⁻⁶ of Σ |s_i| exp(-κ r_i) / r_i.
 
 use crate::point_charges::Source;
-use crate::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::exponential::exp_of_minus_f32;
+use protomer_kernel::vectorised;
 
 /// Charges in a group.
 const LANES: usize = 16;

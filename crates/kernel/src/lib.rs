@@ -12,6 +12,7 @@
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`fused`] | multiply-add where it is one instruction |
 //! | [`exponential`] | exponentials for loops in vectors |
+//! | [`mod@vectorised`] | methods compiled for several instruction sets |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
@@ -38,6 +39,7 @@ pub mod shape;
 pub mod sparse;
 pub mod statistics;
 pub mod units;
+pub mod vectorised;
 
 pub use boundary::Boundary;
 pub use electrolyte::Electrolyte;

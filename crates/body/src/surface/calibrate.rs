@@ -52,6 +52,8 @@ const FOLDED: f64 = 0.3;
 const UNFOLDINGS: usize = 6;
 /// Steps towards the area, and towards the volume after them.
 const STEPS: usize = 12;
+/// Edges whose middles are looked at together.
+const AT_ONCE: usize = 4096;
 /// Relative errors that need no further step.
 const CLOSE: f64 = 1e-9;
 
@@ -145,14 +147,20 @@ impl Facets {
     /// quadratic d.
     fn straddle(&mut self, mesh: &HalfEdgeMesh, solid: &dyn ImplicitSolid) {
         let mut distance = vec![0.0; mesh.half_edge_bound() as usize];
-        for half_edge in 0..mesh.half_edge_bound() {
-            if !mesh.is_edge(half_edge) {
-                continue;
+        let (mut middles, mut values) = (Vec::with_capacity(AT_ONCE), Vec::new());
+        let edges = (0..mesh.half_edge_bound()).filter(|half_edge| mesh.is_edge(*half_edge));
+        let edges: Vec<u32> = edges.collect();
+        for some in edges.chunks(AT_ONCE) {
+            middles.clear();
+            for &half_edge in some {
+                let (a, b) = mesh.ends(half_edge);
+                middles.push(0.5 * (mesh.position(a) + mesh.position(b)));
             }
-            let (a, b) = mesh.ends(half_edge);
-            let value = solid.signed_distance(&(0.5 * (mesh.position(a) + mesh.position(b))));
-            distance[half_edge as usize] = value;
-            distance[mesh.twin(half_edge) as usize] = value;
+            solid.signed_distances(&middles, &mut values);
+            for (&half_edge, value) in some.iter().zip(&values) {
+                distance[half_edge as usize] = *value;
+                distance[mesh.twin(half_edge) as usize] = *value;
+            }
         }
         let (mut gap, mut area) = (vec![0.0; self.start.len()], vec![0.0; self.start.len()]);
         for triangle in mesh.triangles() {

@@ -68,13 +68,13 @@ impl Deviation {
 
 /// The mean square on every triangle by the simple rule.
 fn simple_guide(mesh: &TriangleMesh, solid: &dyn ImplicitSolid) -> Vec<f64> {
-    let square_at = |point: &Vec3| solid.signed_distance(point).powi(2);
-    let at_vertices: Vec<f64> = mesh.vertices.iter().map(square_at).collect();
+    let at_vertices = squares_at(&mesh.vertices, solid);
+    let centroids = (0..mesh.triangles.len()).map(|triangle| centroid(&mesh.corners(triangle)));
+    let at_centroids = squares_at(&centroids.collect::<Vec<Vec3>>(), solid);
     let (of_centroid, of_corner) = SIMPLE_WEIGHTS;
     let mut guide = Vec::with_capacity(mesh.triangles.len());
-    for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+    for (vertices, at_centroid) in mesh.triangles.iter().zip(at_centroids) {
         let at_corners = vertices.map(|vertex| at_vertices[vertex as usize]);
-        let at_centroid = square_at(&centroid(&mesh.corners(triangle)));
         guide.push(of_centroid * at_centroid + of_corner * at_corners.iter().sum::<f64>());
     }
     guide
@@ -87,8 +87,12 @@ fn sampled(
     guide: &[f64],
     every: usize,
 ) -> Deviation {
-    let square_at = |point: &Vec3| solid.signed_distance(point).powi(2);
     let large = LARGE * LARGE * guide.iter().copied().fold(0.0, f64::max);
+    let is_in_full = |triangle: usize| guide[triangle] > large || triangle.is_multiple_of(every);
+    let in_full: Vec<usize> = (0..mesh.triangles.len())
+        .filter(|t| is_in_full(*t))
+        .collect();
+    let mut of_rule = means_and_largest(mesh, solid, &in_full).into_iter();
     let (mut area, mut largest) = (0.0, 0.0_f64);
     // A small mesh is looked at everywhere.
     let mut looked_at = vec![every == 1; mesh.vertices.len()];
@@ -96,15 +100,15 @@ fn sampled(
     let (mut of_large, mut guide_of_rest) = (0.0, 0.0);
     let (mut of_sample, mut guide_of_sample) = (0.0, 0.0);
     for (triangle, guide) in (0..mesh.triangles.len()).zip(guide) {
-        let corners = mesh.corners(triangle);
-        let size = area_of(&corners);
+        let size = area_of(&mesh.corners(triangle));
         area += size;
         let is_large = *guide > large;
         if !is_large {
             guide_of_rest += size * guide;
         }
-        if is_large || triangle.is_multiple_of(every) {
-            let (mean, largest_here) = seven_points(&corners, square_at);
+        if is_in_full(triangle)
+            && let Some((mean, largest_here)) = of_rule.next()
+        {
             largest = largest.max(largest_here);
             if is_large {
                 of_large += size * mean;
@@ -118,8 +122,10 @@ fn sampled(
         }
     }
     let vertices = mesh.vertices.iter().zip(looked_at);
-    for (vertex, _) in vertices.filter(|(_, is_looked_at)| *is_looked_at) {
-        largest = largest.max(square_at(vertex));
+    let vertices = vertices.filter(|(_, is_looked_at)| *is_looked_at);
+    let vertices: Vec<Vec3> = vertices.map(|(vertex, _)| *vertex).collect();
+    for square in squares_at(&vertices, solid) {
+        largest = largest.max(square);
     }
     let ratio = if guide_of_sample > 0.0 {
         of_sample / guide_of_sample
@@ -133,19 +139,55 @@ fn sampled(
     }
 }
 
-/// The mean of a function over a triangle from seven points, and its largest value at them.
-fn seven_points(corners: &[Vec3; 3], function: impl Fn(&Vec3) -> f64) -> (f64, f64) {
-    let sum: Vec3 = corners.iter().sum();
-    let at_centroid = function(&centroid(corners));
-    let (mut mean, mut largest) = (CENTROID_WEIGHT * at_centroid, at_centroid);
-    for (twice, weight) in ORBITS {
-        for corner in corners {
-            let value = function(&(sum * twice + corner * (1.0 - 3.0 * twice)));
-            mean += weight * value;
-            largest = largest.max(value);
-        }
+/// The squared distances of places, Å².
+fn squares_at(places: &[Vec3], solid: &dyn ImplicitSolid) -> Vec<f64> {
+    let mut values = Vec::new();
+    solid.signed_distances(places, &mut values);
+    for value in &mut values {
+        *value *= *value;
     }
-    (mean, largest)
+    values
+}
+
+/// The mean of the squared distance over each of some triangles from seven points, and the largest at
+/// them, Å².
+fn means_and_largest(
+    mesh: &TriangleMesh,
+    solid: &dyn ImplicitSolid,
+    triangles: &[usize],
+) -> Vec<(f64, f64)> {
+    let mut places = Vec::with_capacity(7 * triangles.len());
+    for triangle in triangles {
+        places.extend(seven_points(&mesh.corners(*triangle)));
+    }
+    let squares = squares_at(&places, solid);
+    let (of_triangles, _) = squares.as_chunks::<7>();
+    let each = of_triangles.iter().map(|squares| {
+        let [centre, near @ .., a, b, c] = squares;
+        let mut mean = CENTROID_WEIGHT * centre;
+        for (orbit, (_, weight)) in [near, &[*a, *b, *c]].into_iter().zip(ORBITS) {
+            mean += weight * orbit.iter().sum::<f64>();
+        }
+        (mean, squares.iter().copied().fold(0.0, f64::max))
+    });
+    each.collect()
+}
+
+/// The points of the rule: the centroid and the two orbits.
+fn seven_points(corners: &[Vec3; 3]) -> [Vec3; 7] {
+    let sum: Vec3 = corners.iter().sum();
+    let at = |twice: f64, corner: &Vec3| sum * twice + corner * (1.0 - 3.0 * twice);
+    let [a, b, c] = corners;
+    let [(near, _), (far, _)] = ORBITS;
+    [
+        centroid(corners),
+        at(near, a),
+        at(near, b),
+        at(near, c),
+        at(far, a),
+        at(far, b),
+        at(far, c),
+    ]
 }
 
 fn centroid([a, b, c]: &[Vec3; 3]) -> Vec3 {

@@ -28,6 +28,22 @@ pub trait ImplicitSolid: Sync {
     fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
         (self.signed_distance(point), None)
     }
+    /// The signed distances at many points, Å, with the signs of [`Self::signed_distance`] and within
+    /// some 1e-5 Å of its values: faster than one by one, if some points are near each other.
+    fn signed_distances(&self, points: &[Vec3], values: &mut Vec<f64>) {
+        values.clear();
+        values.extend(points.iter().map(|point| self.signed_distance(point)));
+    }
+    /// The same with an empty ball for each point, as [`Self::signed_distance_and_empty_ball`] finds one.
+    fn signed_distances_and_empty_balls(
+        &self,
+        points: &[Vec3],
+        found: &mut Vec<(f64, Option<Ball>)>,
+    ) {
+        found.clear();
+        let each = points.iter();
+        found.extend(each.map(|point| self.signed_distance_and_empty_ball(point)));
+    }
     /// Adds balls that lie inside the solid and may reach within `reach_angstrom` of `point`, as
     /// many as are found at once. They save evaluations.
     fn add_inner_balls(&self, _point: &Vec3, _reach_angstrom: f64, _balls: &mut Vec<Ball>) {}

@@ -121,96 +121,43 @@ fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Ve
     parts
 }
 
-/// A block of grid points: the first point and the number of points along each axis.
-struct Block {
-    first: [usize; 3],
-    size: [usize; 3],
-}
+/// Planes of points whose distances are found together.
+const PLANES: usize = 4;
 
-/// Signed distances at all points, Å. Points of a block that the surface cannot cross take the
-/// value at its middle, and those that the gap shows to be far outside a lower bound.
+/// Signed distances at all points, Å; a lower bound for points so far outside that their boxes are not
+/// cut, as far as the gap or the box around the solid shows that.
 fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGap>) -> Vec<f32> {
     let h = grid.spacing_angstrom;
-    // Far inside and outside distances are cut off near 1 Å: larger blocks could not be decided.
-    let edge = ((0.9 / (3f64.sqrt() * 0.5 * h)) as usize).clamp(1, 4);
     let [nx, ny, _] = grid.shape;
+    let slab = nx * ny * PLANES;
+    let (low, high) = solid.bounds();
     let mut distance = vec![0.0_f32; grid.len()];
-    let slabs = distance.par_chunks_mut(nx * ny * edge).enumerate();
-    slabs.for_each(|(slab, values)| {
-        let (k, depth) = (slab * edge, values.len() / (nx * ny));
-        for j in (0..ny).step_by(edge) {
-            for i in (0..nx).step_by(edge) {
-                let block = Block {
-                    first: [i, j, k],
-                    size: [edge.min(nx - i), edge.min(ny - j), depth],
-                };
-                block.find_distances(grid, solid, ion_gap, values);
+    let slabs = distance.par_chunks_mut(slab).enumerate();
+    slabs.for_each(|(number, distance)| {
+        let (mut points, mut places) = (Vec::new(), Vec::new());
+        for (place, value) in distance.iter_mut().enumerate() {
+            let index = number * slab + place;
+            let by_gap = ion_gap.map_or(0.0, |gap| gap.distance_from_solid(index));
+            if by_gap > h {
+                *value = by_gap as f32;
+                continue;
             }
+            let point = grid.point_at(index);
+            let outside_bounds = (low - point).sup(&(point - high)).max();
+            if outside_bounds > 2.0 * h {
+                *value = 2.0 * h as f32;
+                continue;
+            }
+            points.push(point);
+            places.push(place);
+        }
+        let mut found = Vec::new();
+        solid.signed_distances(&points, &mut found);
+        for (place, value) in places.into_iter().zip(found) {
+            distance[place] = value as f32;
         }
     });
     distance
-}
-
-impl Block {
-    /// Writes the signed distances of the points of this block into the slab of planes that holds
-    /// it.
-    fn find_distances(
-        &self,
-        grid: &Grid,
-        solid: &dyn ImplicitSolid,
-        ion_gap: Option<&IonGap>,
-        slab: &mut [f32],
-    ) {
-        let [i0, j0, k0] = self.first;
-        let h = grid.spacing_angstrom;
-        let half = Vec3::from(self.size.map(|points| (points - 1) as f64)) * (0.5 * h);
-        let radius = half.norm();
-        let far_outside = ion_gap.and_then(|gap| self.least_distance(grid, gap));
-        let value = far_outside.unwrap_or_else(|| {
-            let middle = grid.point(i0, j0, k0) + half;
-            distance_of_block(solid, &middle, radius, h)
-        });
-        // Boxes around points may be cut up to this distance, and need exact values.
-        let is_uncut = value.abs() >= radius + 1.5 * h;
-        let one_for_all = far_outside.is_some() || is_uncut || radius == 0.0;
-        for [i, j, k] in self.points() {
-            slab[grid.index(i, j, k - k0)] = if one_for_all {
-                value as f32
-            } else {
-                solid.signed_distance(&grid.point(i, j, k)) as f32
-            };
-        }
-    }
-
-    /// A lower bound of the signed distances of the points, Å, if none is within a spacing of the
-    /// surface.
-    fn least_distance(&self, grid: &Grid, ion_gap: &IonGap) -> Option<f64> {
-        let mut least = f64::INFINITY;
-        for [i, j, k] in self.points() {
-            least = least.min(ion_gap.distance_from_solid(grid.index(i, j, k)));
-        }
-        (least > grid.spacing_angstrom).then_some(least)
-    }
-
-    /// Coordinates of the points, x fastest.
-    fn points(&self) -> impl Iterator<Item = [usize; 3]> {
-        let ([i0, j0, k0], [columns, rows, layers]) = (self.first, self.size);
-        (k0..k0 + layers).flat_map(move |k| {
-            (j0..j0 + rows).flat_map(move |j| (i0..i0 + columns).map(move |i| [i, j, k]))
-        })
-    }
-}
-
-/// The signed distance at the middle of a block, Å; a lower bound far outside the bounding box of
-/// the solid.
-fn distance_of_block(solid: &dyn ImplicitSolid, middle: &Vec3, radius: f64, h: f64) -> f64 {
-    let (low, high) = solid.bounds();
-    let outside_box = (low - middle).sup(&(middle - high)).max();
-    if outside_box > radius + 2.0 * h {
-        radius + 2.0 * h
-    } else {
-        solid.signed_distance(middle)
-    }
 }
 
 /// Where along an edge of length h the surface crosses it, 0 to 1, from the signed distances of its

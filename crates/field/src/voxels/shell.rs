@@ -2,7 +2,11 @@
 
 use super::lattice::Lattice;
 use protomer_body::surface::ImplicitSolid;
+use protomer_kernel::Vec3;
 use rayon::prelude::*;
+
+/// Layers of voxels that are sorted together.
+const LAYERS: usize = 4;
 
 /// Voxels of the surface and of the solid, ascending.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -24,33 +28,40 @@ pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
     let (low, high) = solid.bounds();
     let [columns, rows, layers] =
         [0, 1, 2].map(|axis| layers_within(lattice, low[axis], high[axis]));
-    let occupied_of_layer = |z: &usize| {
-        let mut occupied = Occupied::default();
-        for y in &rows {
-            for x in &columns {
-                occupied.sort_in(lattice, solid, lattice.index(*x, *y, *z));
+    let occupied_of_layers = |layers: &[usize]| {
+        let mut voxels = Vec::with_capacity(columns.len() * rows.len() * layers.len());
+        for z in layers {
+            for y in &rows {
+                voxels.extend(columns.iter().map(|x| lattice.index(*x, *y, *z)));
             }
         }
-        occupied
+        Occupied::among(voxels, lattice, solid)
     };
-    let of_layers: Vec<Occupied> = layers.par_iter().map(occupied_of_layer).collect();
+    let of_layers: Vec<Occupied> = layers.par_chunks(LAYERS).map(occupied_of_layers).collect();
     let mut all = Occupied::default();
-    for layer in of_layers {
-        all.shell.extend(layer.shell);
-        all.inside.extend(layer.inside);
+    for layers in of_layers {
+        all.shell.extend(layers.shell);
+        all.inside.extend(layers.inside);
     }
     all
 }
 
 impl Occupied {
-    fn sort_in(&mut self, lattice: &Lattice, solid: &dyn ImplicitSolid, voxel: u32) {
-        let distance = solid.signed_distance(&lattice.centre(voxel));
-        if distance.abs() < 0.5 * lattice.spacing_angstrom() {
-            self.shell.push(voxel);
+    /// Sorts some voxels.
+    fn among(voxels: Vec<u32>, lattice: &Lattice, solid: &dyn ImplicitSolid) -> Self {
+        let mut occupied = Self::default();
+        let centres: Vec<Vec3> = voxels.iter().map(|voxel| lattice.centre(*voxel)).collect();
+        let mut distances = Vec::new();
+        solid.signed_distances(&centres, &mut distances);
+        for (voxel, distance) in voxels.into_iter().zip(distances) {
+            if distance.abs() < 0.5 * lattice.spacing_angstrom() {
+                occupied.shell.push(voxel);
+            }
+            if distance < 0.0 {
+                occupied.inside.push(voxel);
+            }
         }
-        if distance < 0.0 {
-            self.inside.push(voxel);
-        }
+        occupied
     }
 }
 

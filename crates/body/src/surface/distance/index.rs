@@ -193,21 +193,74 @@ impl FeatureIndex {
 
     /// The features that matter at `point` (and some others).
     pub(super) fn nearby(&self, point: &Vec3) -> Nearby<'_> {
-        let cell = [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom));
-        let Some(chunk) = self.table.get(&chunk_of(cell)) else {
+        let Some(cell) = self.cell_of(point) else {
             return Nearby::default();
         };
-        let middle = cell.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
-        let from_middle = (point - Vec3::from(middle)).norm() + ROUNDING_ANGSTROM;
-        let first = KINDS * (chunk as usize * CELLS + cell_in_chunk(cell));
-        let [a, b, c, d] = [0, 1, 2, 3].map(|kind| self.starts[first + kind] as usize);
+        let Lists {
+            atoms,
+            arcs,
+            vertices,
+        } = self.lists(cell.list);
         Nearby {
+            atoms,
+            arcs,
+            vertices,
+            from_middle: cell.distance_from_middle(point),
+        }
+    }
+
+    /// The cell of a point, if it has lists.
+    #[inline]
+    pub(super) fn cell_of(&self, point: &Vec3) -> Option<Cell> {
+        let cell = [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom));
+        let chunk = self.table.get(&chunk_of(cell))?;
+        let middle = cell.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
+        Some(Cell {
+            list: chunk * CELLS as u32 + cell_in_chunk(cell) as u32,
+            middle: Vec3::from(middle),
+        })
+    }
+
+    /// The lists of a cell.
+    #[inline]
+    pub(super) fn lists(&self, list: u32) -> Lists<'_> {
+        let first = KINDS * list as usize;
+        let [a, b, c, d] = [0, 1, 2, 3].map(|kind| self.starts[first + kind] as usize);
+        Lists {
             atoms: &self.entries[a..b],
             arcs: &self.entries[b..c],
             vertices: &self.entries[c..d],
-            from_middle,
         }
     }
+}
+
+/// A cell that has lists.
+pub(super) struct Cell {
+    /// Their number.
+    pub(super) list: u32,
+    middle: Vec3,
+}
+
+impl Cell {
+    /// Distance of a point from the middle, Å, and what rounding of the bounds may add.
+    #[inline]
+    pub(super) fn distance_from_middle(&self, point: &Vec3) -> f64 {
+        (point - self.middle).norm() + ROUNDING_ANGSTROM
+    }
+
+    /// A point seen from the middle.
+    #[inline]
+    pub(super) fn seen(&self, point: &Vec3) -> [f32; 3] {
+        let seen = point - self.middle;
+        [seen.x as f32, seen.y as f32, seen.z as f32]
+    }
+}
+
+/// The lists of a cell, nearest first.
+pub(super) struct Lists<'a> {
+    pub(super) atoms: &'a [Entry],
+    pub(super) arcs: &'a [Entry],
+    pub(super) vertices: &'a [Entry],
 }
 
 /// Cells of one size, some of which exist.

@@ -13,11 +13,13 @@
 //! Inside the solid and between both surfaces f is the signed distance itself, cut off at a fixed
 //! depth.
 
+mod batch;
 mod index;
 mod project;
 
 use super::arrangement::{Arc, Arrangement};
 use super::implicit::{Ball, ImplicitSolid};
+use batch::Nearest;
 use index::{Entry, Feature, FeatureIndex, Kind, Nearby, limit};
 use protomer_kernel::Vec3;
 
@@ -74,12 +76,14 @@ pub struct SesSolid {
     vertices: Vec<Vec3>,
     cover: Vec<(Vec3, f64)>,
     bounds: (Vec3, Vec3),
+    /// Of the expanded balls, Å.
+    largest_radius: f64,
     index: FeatureIndex,
 }
 
 /// A point of the accessible surface and its distance from the point asked about.
 #[derive(Debug, Clone, Copy)]
-struct Nearest {
+struct NearestPoint {
     point: Vec3,
     distance: f64,
 }
@@ -94,10 +98,15 @@ impl SesSolid {
             vertices.push(vertex.position);
         }
         let (cover, bounds) = cover_of(accessible);
+        let radii = accessible.expanded_radii_angstrom();
+        let members = accessible.members().iter();
+        let largest_radius = members.fold(1e-3, |largest: f64, atom| {
+            largest.max(radii[*atom as usize])
+        });
         let mut solid = Self {
             probe_radius: accessible.probe_radius_angstrom(),
             centres: accessible.centres().to_vec(),
-            radii: accessible.expanded_radii_angstrom().to_vec(),
+            radii: radii.to_vec(),
             half_space_starts,
             half_spaces,
             exposed,
@@ -105,6 +114,7 @@ impl SesSolid {
             vertices,
             cover,
             bounds,
+            largest_radius,
             index: FeatureIndex::new(1.0, &[], 0.0, |_, _| 0.0),
         };
         solid.index = solid.build_index(accessible.members());
@@ -112,10 +122,6 @@ impl SesSolid {
     }
 
     fn build_index(&self, members: &[u32]) -> FeatureIndex {
-        let mut largest = 1e-3_f64;
-        for &atom in members {
-            largest = largest.max(self.radii[atom as usize]);
-        }
         let reach = self.reach();
         let beyond = self.largest_value() - self.probe_radius;
         let mut features = Vec::with_capacity(members.len() + self.arcs.len());
@@ -153,7 +159,7 @@ impl SesSolid {
             let from_ball = (point - centre).norm() - radius;
             arc.distance_from_circle(point).max(from_ball)
         };
-        let cell_edge = CELL_EDGE_PER_REACH * (largest + BAND_ANGSTROM);
+        let cell_edge = CELL_EDGE_PER_REACH * (self.largest_radius + BAND_ANGSTROM);
         FeatureIndex::new(cell_edge, &features, reach, distance)
     }
 
@@ -222,7 +228,7 @@ impl SesSolid {
         arcs: impl Iterator<Item = Entry>,
         vertices: impl Iterator<Item = Entry>,
         (farthest, from_middle): (f64, f64),
-    ) -> Option<Nearest> {
+    ) -> Option<NearestPoint> {
         let mut best = farthest * farthest;
         let mut distance = farthest;
         let mut beyond = limit(distance, from_middle);
@@ -258,14 +264,14 @@ impl SesSolid {
             (None, Some(vertex)) => self.vertices[vertex as usize],
             (None, None) => return None,
         };
-        Some(Nearest {
+        Some(NearestPoint {
             point: nearest,
             distance,
         })
     }
 
     /// The nearest point on the arcs and vertices near `point`, if it is within reach.
-    fn nearest_edge_within_reach(&self, point: &Vec3, nearby: &Nearby) -> Option<Nearest> {
+    fn nearest_edge_within_reach(&self, point: &Vec3, nearby: &Nearby) -> Option<NearestPoint> {
         let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
         let limit = (self.reach(), nearby.from_middle);
         self.nearest_edge(point, arcs, vertices, limit)
@@ -273,12 +279,12 @@ impl SesSolid {
 
     /// The nearest point of the accessible surface from a point inside it; searches everything if
     /// nothing is near.
-    fn nearest_accessible(&self, point: &Vec3) -> Option<Nearest> {
+    fn nearest_accessible(&self, point: &Vec3) -> Option<NearestPoint> {
         let nearby = self.index.nearby(point);
         if let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle)
             && let Some(onto) = self.on_face(point, atom)
         {
-            return Some(Nearest {
+            return Some(NearestPoint {
                 point: onto,
                 distance: depth,
             });
@@ -309,18 +315,26 @@ impl SesSolid {
         self.deepest(point, &exposed, 0.0)
     }
 
+    /// The signed distance of a point that its depth in a ball alone tells, Å: of one that a probe
+    /// centred there touches nothing from, or that is too deep inside.
+    fn value_at_depth(&self, depth: f64) -> Option<f64> {
+        if depth <= 0.0 {
+            Some((self.probe_radius - depth).min(self.largest_value()))
+        } else if depth >= self.reach() {
+            Some(-BAND_ANGSTROM)
+        } else {
+            None
+        }
+    }
+
     /// The signed distance, and the nearest accessible point if it is within reach.
     fn signed_distance_and_probe(&self, point: &Vec3) -> (f64, Option<Vec3>) {
         let nearby = self.index.nearby(point);
         let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle) else {
             return (self.largest_value(), Some(*point));
         };
-        if depth <= 0.0 {
-            let value = (self.probe_radius - depth).min(self.largest_value());
-            return (value, Some(*point));
-        }
-        if depth >= self.reach() {
-            return (-BAND_ANGSTROM, None);
+        if let Some(value) = self.value_at_depth(depth) {
+            return (value, (depth <= 0.0).then_some(*point));
         }
         if let Some(onto) = self.on_face(point, atom) {
             return (self.probe_radius - depth, Some(onto));
@@ -341,6 +355,31 @@ impl ImplicitSolid for SesSolid {
     fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
         let (value, centre) = self.signed_distance_and_probe(point);
         (value, centre.map(|centre| (centre, self.probe_radius)))
+    }
+
+    fn signed_distances(&self, points: &[Vec3], values: &mut Vec<f64>) {
+        values.clear();
+        values.resize(points.len(), 0.0);
+        self.for_each_nearest(points, |number, value, _| values[number] = value);
+    }
+
+    fn signed_distances_and_empty_balls(
+        &self,
+        points: &[Vec3],
+        found: &mut Vec<(f64, Option<Ball>)>,
+    ) {
+        found.clear();
+        found.resize(points.len(), (0.0, None));
+        self.for_each_nearest(points, |number, value, nearest| {
+            let centre = match nearest {
+                Nearest::Nowhere => None,
+                Nearest::Here => Some(points[number]),
+                Nearest::At(place) => Some(place),
+                Nearest::Arc(arc) => Some(self.arcs[arc as usize].nearest(&points[number])),
+                Nearest::Vertex(vertex) => Some(self.vertices[vertex as usize]),
+            };
+            found[number] = (value, centre.map(|centre| (centre, self.probe_radius)));
+        });
     }
 
     /// The atoms are inside.

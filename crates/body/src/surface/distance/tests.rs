@@ -74,6 +74,53 @@ fn the_distance_agrees_with_brute_force() {
     assert!(near > 2000, "{near} points near the surface");
 }
 
+/// The slow twin: one by one.
+#[test]
+fn many_points_have_the_distances_of_each() {
+    let mut at_edges = 0;
+    for (number, (centres, radii)) in clusters(30, 1..30).into_iter().enumerate() {
+        let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+        let (low, high) = solid.bounds();
+        let fraction = |seed: u64| super::super::test_support::fraction(number as u64 * 31 + seed);
+        let points: Vec<Vec3> = (0..1000)
+            .map(|step| {
+                let place = Vec3::from([0, 1, 2].map(|axis| 1.6 * fraction(3 * step + axis) - 0.3));
+                low + (high - low).component_mul(&place)
+            })
+            .collect();
+        let (mut values, mut found) = (Vec::new(), Vec::new());
+        solid.signed_distances(&points, &mut values);
+        solid.signed_distances_and_empty_balls(&points, &mut found);
+        for (number, point) in points.iter().enumerate() {
+            let (value, ball) = solid.signed_distance_and_empty_ball(point);
+            let fast = values[number];
+            assert!((fast - value).abs() < 2e-5, "{point}: {fast} {value}");
+            assert_eq!(fast < 0.0, value < 0.0);
+            assert_eq!(found[number].0, fast);
+            assert_eq!(
+                found[number].1.is_some(),
+                ball.is_some(),
+                "{point}: {value} {fast}"
+            );
+            if let (Some((fast, radius)), Some((centre, _))) = (found[number].1, ball) {
+                // Another probe may be as near.
+                let distances = [fast, centre].map(|probe| (probe - point).norm());
+                assert!((distances[0] - distances[1]).abs() < 2e-5 && radius == 1.4);
+                at_edges += i32::from(value < 1.3);
+            }
+        }
+    }
+    assert!(at_edges > 1000, "{at_edges}");
+}
+
+/// Every instruction set finds the same.
+#[test]
+fn lanes_do_not_depend_on_the_processor() {
+    let (centres, radii) = clusters(1, 29..30).remove(0);
+    let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+    batch::tests::lanes_do_not_depend_on_the_processor(&solid);
+}
+
 #[test]
 fn projected_points_lie_on_the_surface_nearest_to_the_point() {
     for (number, (centres, radii)) in clusters(40, 3..30).into_iter().enumerate() {

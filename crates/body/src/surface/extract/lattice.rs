@@ -10,12 +10,12 @@ use protomer_kernel::Vec3;
 pub(super) const BLOCK: i32 = 4;
 /// Nodes of a block, and blocks of a region: as many as a word has bits.
 pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
+/// From the first node of a block to its centre along each axis, in cells.
+const HALF: f64 = 0.5 * (BLOCK - 1) as f64;
 /// At most this many blocks are looked at by the balls of the cover, and this many regions kept; a
 /// protein of 50 000 atoms has about 40 000 regions.
 const MOST_LOOKS: f64 = 1e9;
 const MOST_REGIONS: usize = 4_000_000;
-/// The eight nodes of a block that are on none of its faces.
-const INNER: u64 = 0x0000_0660_0660_0000;
 /// A ball settles the nodes whose squared distance from its centre is within this factor of its
 /// squared radius, so that rounding settles nothing wrongly.
 const WELL_WITHIN: f64 = 1.0 - 1e-9;
@@ -69,25 +69,17 @@ impl<'a> SparseLattice<'a> {
             index_of: FastMap::default(),
             inside: Vec::new(),
         };
-        let mut balls = Vec::new();
+        let mut buffers = Buffers::default();
         for (place, candidates) in lattice.candidates(&solid.cover())? {
-            let mut region = Region {
-                place,
-                kept: 0,
-                kept_before: lattice.inside.len() as u32,
-            };
-            for block in bits(candidates) {
-                let [x, y, z] = place.map(|x| x * BLOCK);
-                let [i, j, k] = node_at(block);
-                let filled = lattice.fill(solid, [x + i, y + j, z + k], &mut balls);
-                if let Some(inside) = filled {
-                    region.kept |= 1 << block;
-                    lattice.inside.push(inside);
-                }
-            }
-            if region.kept != 0 {
+            let kept_before = lattice.inside.len() as u32;
+            let kept = lattice.fill(solid, place, candidates, &mut buffers);
+            if kept != 0 {
                 lattice.index_of.insert(place, lattice.regions.len() as u32);
-                lattice.regions.push(region);
+                lattice.regions.push(Region {
+                    place,
+                    kept,
+                    kept_before,
+                });
             }
         }
         Ok(lattice)
@@ -138,52 +130,87 @@ impl<'a> SparseLattice<'a> {
         Ok(candidates)
     }
 
-    /// The inside nodes of a block, or `None` if the distance at its centre shows that no cell with
-    /// a corner here crosses the surface: |f(centre)| > radius of the block's nodes about it +
-    /// diagonal of a cell, for a 1-Lipschitz f.
-    ///
-    /// The value at a node settles the nodes nearer to it than the surface is; so do the balls known
-    /// to be inside or outside. What is left is evaluated. `balls` is scratch.
-    fn fill(&self, solid: &dyn ImplicitSolid, place: Cell, balls: &mut Vec<Ball>) -> Option<u64> {
-        let first = place.map(|x| f64::from(x * BLOCK));
-        let half = 0.5 * f64::from(BLOCK - 1);
-        let centre = self.point(first.map(|x| x + half));
-        let (value, empty) = solid.signed_distance_and_empty_ball(&centre);
-        let diagonal = 3f64.sqrt() * self.spacing;
-        if value.abs() > (half + 1.0) * diagonal {
-            return None;
+    /// Fills those candidates among the blocks of a region that the surface may cross, and says which
+    /// these are, as bits.
+    fn fill(
+        &mut self,
+        solid: &dyn ImplicitSolid,
+        region: Cell,
+        candidates: u64,
+        buffers: &mut Buffers,
+    ) -> u64 {
+        let Buffers {
+            blocks,
+            points,
+            at_centres,
+            values,
+            left,
+            balls,
+        } = buffers;
+        blocks.clear();
+        points.clear();
+        for block in bits(candidates) {
+            let filling = Filling::new(region, block);
+            points.push(self.point(filling.first.map(|x| x + HALF)));
+            blocks.push(filling);
         }
-        if value.abs() > half * diagonal * (1.0 + 1e-9) {
-            return Some(if value < 0.0 { u64::MAX } else { 0 });
+        solid.signed_distances_and_empty_balls(points, at_centres);
+        for ((block, centre), (value, empty)) in blocks.iter_mut().zip(&*points).zip(&*at_centres) {
+            balls.clear();
+            solid.add_inner_balls(centre, HALF * self.diagonal(), balls);
+            self.settle_by_balls(block, *value, empty.as_ref(), balls);
         }
-        let mut signs = Signs::default();
-        signs.settle(self.nodes_in([half; 3], value), value < 0.0);
-        if let Some(ball) = empty {
-            signs.settle(self.nodes_in_ball(first, &ball), false);
-        }
-        balls.clear();
-        solid.add_inner_balls(&centre, half * diagonal, balls);
-        for ball in balls.iter() {
-            signs.settle(self.nodes_in_ball(first, ball), true);
-        }
-        while signs.settled != u64::MAX {
-            let left = !signs.settled;
-            // The inner nodes first: a ball about one of them settles more.
-            let next = if left & INNER == 0 {
-                left
-            } else {
-                left & INNER
-            };
-            let node = next.trailing_zeros() as usize;
-            let here = node_at(node).map(f64::from);
-            let place = [0, 1, 2].map(|axis| first[axis] + here[axis]);
-            let (value, empty) = solid.signed_distance_and_empty_ball(&self.point(place));
-            signs.settle(self.nodes_near(node, here, value), value < 0.0);
-            if let Some(ball) = empty {
-                signs.settle(self.nodes_in_ball(first, &ball), false);
+        points.clear();
+        left.clear();
+        for (number, block) in (0..).zip(&*blocks) {
+            for node in bits(block.unknown()) {
+                let here = node_at(node).map(f64::from);
+                points.push(self.point([0, 1, 2].map(|axis| block.first[axis] + here[axis])));
+                left.push((number, node));
             }
         }
-        Some(signs.inside)
+        solid.signed_distances(points, values);
+        for ((number, node), value) in left.iter().zip(&*values) {
+            blocks[*number].settle(1 << node, *value < 0.0);
+        }
+        let mut kept = 0;
+        for block in blocks.iter().filter(|block| block.is_kept) {
+            kept |= 1 << block.number;
+            self.inside.push(block.inside);
+        }
+        kept
+    }
+
+    /// Decides by the signed distance at its centre whether a block is kept, and settles what nodes that
+    /// and the balls outside and inside the solid can.
+    ///
+    /// No cell with a corner in a block crosses the surface if |f(centre)| > radius of the block's nodes
+    /// about it + diagonal of a cell, for a 1-Lipschitz f.
+    fn settle_by_balls(
+        &self,
+        block: &mut Filling,
+        value: f64,
+        empty: Option<&Ball>,
+        inner: &[Ball],
+    ) {
+        let diagonal = self.diagonal();
+        block.is_kept = value.abs() <= (HALF + 1.0) * diagonal;
+        if value.abs() > HALF * diagonal * (1.0 + 1e-9) {
+            block.settle(u64::MAX, value < 0.0);
+            return;
+        }
+        block.settle(self.nodes_in([HALF; 3], value), value < 0.0);
+        if let Some(ball) = empty {
+            block.settle(self.nodes_in_ball(block.first, ball), false);
+        }
+        for ball in inner {
+            block.settle(self.nodes_in_ball(block.first, ball), true);
+        }
+    }
+
+    /// Of a cell, Å.
+    fn diagonal(&self) -> f64 {
+        3f64.sqrt() * self.spacing
     }
 
     /// The nodes of a block with the first node `first` that lie in a ball.
@@ -191,15 +218,6 @@ impl<'a> SparseLattice<'a> {
         let centre = self.frame.to_lattice(centre) / self.spacing;
         let centre = [0, 1, 2].map(|axis| centre[axis] - first[axis]);
         self.nodes_in(centre, *radius)
-    }
-
-    /// The nodes of a block that the value at one of them settles: those nearer to it than that.
-    fn nodes_near(&self, node: usize, here: [f64; 3], value: f64) -> u64 {
-        let only = 1 << node;
-        if value.abs() <= self.spacing {
-            return only;
-        }
-        only | self.nodes_in(here, value)
     }
 
     /// The nodes of a block within `radius` Å of a point given in cells from its first node.
@@ -211,20 +229,53 @@ impl<'a> SparseLattice<'a> {
     }
 }
 
-/// What is known of the nodes of a block, as bits.
+/// What [`SparseLattice::fill`] needs for one region after the other.
 #[derive(Default)]
-struct Signs {
+struct Buffers {
+    blocks: Vec<Filling>,
+    points: Vec<Vec3>,
+    at_centres: Vec<(f64, Option<Ball>)>,
+    values: Vec<f64>,
+    /// Where in `blocks`, and which of its nodes, each point is.
+    left: Vec<(usize, usize)>,
+    balls: Vec<Ball>,
+}
+
+/// A block that is being filled. Nodes are bits.
+struct Filling {
+    /// Its number in the region.
+    number: usize,
+    /// Its first node, in cells from the origin.
+    first: [f64; 3],
+    is_kept: bool,
     settled: u64,
     inside: u64,
 }
 
-impl Signs {
+impl Filling {
+    fn new(region: Cell, number: usize) -> Self {
+        let place = node_at(number);
+        let first = [0, 1, 2].map(|axis| (region[axis] * BLOCK + place[axis]) * BLOCK);
+        Self {
+            number,
+            first: first.map(f64::from),
+            is_kept: false,
+            settled: 0,
+            inside: 0,
+        }
+    }
+
     /// Settles those of `nodes` that are not settled yet.
     fn settle(&mut self, nodes: u64, is_inside: bool) {
         if is_inside {
             self.inside |= nodes & !self.settled;
         }
         self.settled |= nodes;
+    }
+
+    /// The nodes that are not settled.
+    fn unknown(&self) -> u64 {
+        !self.settled
     }
 }
 

@@ -244,7 +244,7 @@ fn half_planes(caps: &[Cap], index: usize, frame: &CircleFrame) -> Vec<HalfPlane
     let mut half_planes = Vec::with_capacity(caps.len());
     for (other, cap) in caps.iter().enumerate() {
         let (x, y) = (cap.axis.dot(&frame.e1), cap.axis.dot(&frame.e2));
-        let length = x.hypot(y);
+        let length = (x * x + y * y).sqrt();
         if other != index && length > PARALLEL {
             let distance = cap.height - frame.height * cap.axis.dot(&frame.axis);
             half_planes.push(HalfPlane {
