@@ -1,9 +1,10 @@
 //! Signed distances at many points.
 //!
-//! A single query waits for one list entry after the other. Points of the same cell of the index see
-//! the same lists, so they go through them side by side, [`LANES`] at a time, in single precision about
-//! the middle of the cell. Points for which the rounding could matter are asked for alone: those as deep in
-//! one ball as in another, of which one may be hidden, and those next to the surface, whose sign counts.
+//! A search for the feature nearest to one point is mostly waiting: each entry of a list decides whether
+//! the next one matters. Points in the same cell of the index have the same lists, so they go through them
+//! side by side, [`LANES`] at a time, in single precision about the middle of the cell. Points for which
+//! the rounding could matter are asked for alone: those as deep in one ball as in another, of which one
+//! may be hidden, and those next to the surface, whose sign counts.
 
 use super::index::{Cell, Entry, Lists};
 use super::{BAND_ANGSTROM, SesSolid};
@@ -23,6 +24,24 @@ const ROUNDING_ANGSTROM: f32 = 1e-5;
 const NOTHING: u32 = u32::MAX;
 /// Two features between which single precision cannot decide.
 const TIE: u32 = u32::MAX - 1;
+
+/// The number of a point behind that of the lists of its cell: sorted as one word.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct InCell(u64);
+
+impl InCell {
+    fn new(list: u32, number: usize) -> Self {
+        Self(u64::from(list) << 32 | number as u64)
+    }
+
+    fn list(&self) -> u64 {
+        self.0 >> 32
+    }
+
+    fn number(&self) -> usize {
+        self.0 as u32 as usize
+    }
+}
 
 /// Points about the middle of a cell.
 pub(super) struct Lanes {
@@ -72,48 +91,71 @@ impl SesSolid {
         points: &[Vec3],
         mut visit: impl FnMut(usize, f64, Nearest),
     ) {
-        let mut order = Vec::with_capacity(points.len());
-        for (number, point) in (0_u64..).zip(points) {
+        let mut in_cells = Vec::with_capacity(points.len());
+        for (number, point) in points.iter().enumerate() {
             match self.index.cell_of(point) {
-                Some(cell) => order.push(u64::from(cell.list) << 32 | number),
-                None => visit(number as usize, self.largest_value(), Nearest::Here),
+                Some(cell) => in_cells.push(InCell::new(cell.list, number)),
+                None => visit(number, self.largest_value(), Nearest::Here),
             }
         }
-        order.sort_unstable();
-        let number = |entry: &u64| *entry as u32 as usize;
+        in_cells.sort_unstable();
         let mut at_edges = Vec::new();
-        for of_cell in order.chunk_by(|a, b| a >> 32 == b >> 32) {
-            let Some(cell) = self.index.cell_of(&points[number(&of_cell[0])]) else {
-                continue;
-            };
-            let lists = self.index.lists(cell.list);
-            at_edges.clear();
-            for some in of_cell.chunks(LANES) {
-                let lanes = Lanes::new(some.iter().map(|entry| &points[number(entry)]), &cell);
-                let deepest = self.deepest_of(&lanes, lists.atoms, &cell);
-                for (entry, atom) in some.iter().zip(deepest) {
-                    let number = number(entry);
-                    let point = &points[number];
-                    let known = match atom {
-                        TIE => Some(self.nearest_alone(point)),
-                        _ => self.nearest_on_atom(point, atom),
-                    };
-                    match known {
-                        Some((value, nearest)) => visit(number, value, nearest),
-                        None => at_edges.push(number),
-                    }
+        for of_cell in in_cells.chunk_by(|a, b| a.list() == b.list()) {
+            let first = &points[of_cell[0].number()];
+            if let Some(cell) = self.index.cell_of(first) {
+                at_edges.clear();
+                self.visit_at_faces(points, of_cell, &cell, &mut visit, &mut at_edges);
+                self.visit_at_edges(points, &at_edges, &cell, &mut visit);
+            }
+        }
+    }
+
+    /// Visits those points of a cell whose depth in a ball tells their distance; the numbers of the others
+    /// are added to `at_edges`.
+    fn visit_at_faces(
+        &self,
+        points: &[Vec3],
+        of_cell: &[InCell],
+        cell: &Cell,
+        visit: &mut impl FnMut(usize, f64, Nearest),
+        at_edges: &mut Vec<usize>,
+    ) {
+        let atoms = self.index.lists(cell.list).atoms;
+        for some in of_cell.chunks(LANES) {
+            let numbers = some.iter().map(InCell::number);
+            let lanes = Lanes::new(numbers.clone().map(|number| &points[number]), cell);
+            for (number, atom) in numbers.zip(self.deepest_of(&lanes, atoms, cell)) {
+                let point = &points[number];
+                let known = match atom {
+                    TIE => Some(self.nearest_alone(point)),
+                    _ => self.nearest_on_atom(point, atom),
+                };
+                match known {
+                    Some((value, nearest)) => visit(number, value, nearest),
+                    None => at_edges.push(number),
                 }
             }
-            for some in at_edges.chunks(LANES) {
-                let lanes = Lanes::new(some.iter().map(|number| &points[*number]), &cell);
-                let edges = self.nearest_edges(&lanes, &lists, &cell);
-                for (lane, number) in some.iter().enumerate() {
-                    let (mut value, mut nearest) = edges.at(lane, self.probe_radius);
-                    if value.abs() < self.error_angstrom() {
-                        (value, nearest) = self.nearest_alone(&points[*number]);
-                    }
-                    visit(*number, value, nearest);
+        }
+    }
+
+    /// Visits points of a cell that are nearest to an arc or a vertex.
+    fn visit_at_edges(
+        &self,
+        points: &[Vec3],
+        at_edges: &[usize],
+        cell: &Cell,
+        visit: &mut impl FnMut(usize, f64, Nearest),
+    ) {
+        let lists = self.index.lists(cell.list);
+        for some in at_edges.chunks(LANES) {
+            let lanes = Lanes::new(some.iter().map(|number| &points[*number]), cell);
+            let edges = self.nearest_edges(&lanes, &lists, cell);
+            for (lane, number) in some.iter().enumerate() {
+                let (mut value, mut nearest) = edges.at(lane, self.probe_radius);
+                if value.abs() < self.error_angstrom() {
+                    (value, nearest) = self.nearest_alone(&points[*number]);
                 }
+                visit(*number, value, nearest);
             }
         }
     }
