@@ -92,8 +92,9 @@ pub struct VoxelSettings {
 }
 
 impl VoxelSettings {
-    /// Shape, potential and hydropathy with this model: the equation is solved at 1 Å to 1e-4
-    /// (values are kept to three digits) on grids of 8 n cells, and residues within 5 Å are averaged.
+    /// Shape, potential and hydropathy with this model: the equation is solved at 1 Å to 1e-4, which
+    /// leaves 0.1 to 0.5 % of the potentials of proteins, on grids of 8 n cells, and residues within 5 Å
+    /// are averaged.
     pub fn new(dielectric: DielectricModel) -> Self {
         let solve = SolveSettings {
             spacing_angstrom: 1.0,
