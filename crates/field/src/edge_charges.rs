@@ -8,7 +8,7 @@
 //!
 //! The series up to φ'''' leaves at most 10⁻⁵ s/r of a potential, 4 · 10⁻⁴ s/r² of a slope and
 //! 10⁻³ s/r² of a mean flux of charges at a distance of six edges, and all of these fall with r⁻⁴ and
-//! faster. Nearer charges have their potential and slope exactly, and the flux by an expansion of the
+//! faster. For nearer charges potential and slope are exact, and the flux follows from an expansion of the
 //! solid angle of the face. Charges are summed in single precision, sixteen at a time, about an origin
 //! nearby; those nearer than 2.25 edges one by one in double precision, with the exact solid angle.
 
@@ -88,7 +88,7 @@ impl EdgeCharges {
 
     vectorised!(
         /// Sums over all charges.
-        at, at_any, at_avx512, at_avx2, (edge: &EdgePlace) -> AtEdge
+        pub fn at, at_any, at_avx512, at_avx2, (edge: &EdgePlace) -> AtEdge
     );
 
     #[inline(always)]

@@ -13,7 +13,7 @@
 /// impl Numbers {
 ///     vectorised!(
 ///         /// The largest square.
-///         largest, largest_any, largest_avx512, largest_avx2, (start: f32) -> f32
+///         fn largest, largest_any, largest_avx512, largest_avx2, (start: f32) -> f32
 ///     );
 ///
 ///     #[inline(always)]
@@ -26,9 +26,9 @@
 /// ```
 #[macro_export]
 macro_rules! vectorised {
-    ($(#[$doc:meta])* $name:ident, $any:ident, $avx512:ident, $avx2:ident, ($($argument:ident: $type:ty),*) -> $out:ty) => {
+    ($(#[$doc:meta])* $visible:vis fn $name:ident, $any:ident, $avx512:ident, $avx2:ident, ($($argument:ident: $type:ty),*) -> $out:ty) => {
         $(#[$doc])*
-        pub fn $name(&self, $($argument: $type),*) -> $out {
+        $visible fn $name(&self, $($argument: $type),*) -> $out {
             #[cfg(target_arch = "x86_64")]
             {
                 if ::std::is_x86_feature_detected!("avx512f") && ::std::is_x86_feature_detected!("avx512dq") {

@@ -52,7 +52,7 @@ const FOLDED: f64 = 0.3;
 const UNFOLDINGS: usize = 6;
 /// Steps towards the area, and towards the volume after them.
 const STEPS: usize = 12;
-/// Edges whose middles are looked at together.
+/// Distances are found for the middles of so many edges at once.
 const AT_ONCE: usize = 4096;
 /// Relative errors that need no further step.
 const CLOSE: f64 = 1e-9;

@@ -92,6 +92,7 @@ fn sampled(
     let in_full: Vec<usize> = (0..mesh.triangles.len())
         .filter(|t| is_in_full(*t))
         .collect();
+    // In the order of the triangles.
     let mut of_rule = means_and_largest(mesh, solid, &in_full).into_iter();
     let (mut area, mut largest) = (0.0, 0.0_f64);
     // A small mesh is looked at everywhere.

@@ -79,7 +79,7 @@ pub(super) fn at_surface(
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
             let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
-            each_with_charges(&mut crossings, seen, h, &mut |crossing, at_edge| {
+            each_with_charges(&mut crossings, &seen, h, &mut |crossing, at_edge| {
                 let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
@@ -101,11 +101,11 @@ pub(super) fn at_surface(
 /// the others those far from a group of crossings as another, and the rest one by one.
 fn each_with_charges(
     crossings: &mut [Crossing],
-    charges: Vec<Source>,
+    charges: &[Source],
     h: f64,
     visit: &mut dyn FnMut(&Crossing, AtEdge),
 ) {
-    let (far, near) = far_and_near(crossings, &charges, h);
+    let (far, near) = far_and_near(crossings, charges, h);
     if crossings.len() <= MOST_CROSSINGS {
         return each_with_far_and_near(crossings, &[far], near, h, visit);
     }

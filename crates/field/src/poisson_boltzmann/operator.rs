@@ -112,17 +112,17 @@ impl Operator {
 
     vectorised!(
         /// One row of A x.
-        apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
+        pub fn apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
         (x: &[f64], out: &mut [f64], start: usize) -> ()
     );
     vectorised!(
         /// One row of the residual b - A x.
-        residual_row, residual_row_any, residual_row_avx512, residual_row_avx2,
+        pub fn residual_row, residual_row_any, residual_row_avx512, residual_row_avx2,
         (x: &[f32], b: &[f32], out: &mut [f32], start: usize) -> ()
     );
     vectorised!(
         /// One row of a step d = keep · d + take · D⁻¹ (b - A x) and next = x + d.
-        step_row, step_row_any, step_row_avx512, step_row_avx2,
+        pub fn step_row, step_row_any, step_row_avx512, step_row_avx2,
         (x: &[f32], b: &[f32], step: Step, d: &mut [f32], next: &mut [f32], start: usize) -> ()
     );
 

@@ -3,17 +3,16 @@
 //! A search for the feature nearest to one point is mostly waiting: each entry of a list decides whether
 //! the next one matters. Points in the same cell of the index have the same lists, so they go through them
 //! side by side, [`LANES`] at a time, in single precision about the middle of the cell. Points for which
-//! the rounding could matter are asked for alone: those as deep in one ball as in another, of which one
-//! may be hidden, and those next to the surface, whose sign counts.
+//! rounding could matter are searched for alone, in double precision: those as deep in one ball as in
+//! another, since one of the balls may be hidden, and those next to the surface, since their sign counts.
 
 use super::index::{Cell, Entry, Lists};
 use super::{BAND_ANGSTROM, SesSolid};
-use protomer_kernel::Vec3;
-use protomer_kernel::vectorised;
+use protomer_kernel::{Vec3, vectorised};
 
-/// Points that are looked at side by side.
+/// Points that go through the lists side by side.
 const LANES: usize = 16;
-/// Entries of a list between two looks at whether the rest of it is too far.
+/// After so many entries of a list, check whether the rest is too far away to matter.
 const STRIDE: usize = 4;
 /// More than the error of a distance, in units of the radius of the largest ball.
 const ERROR_PER_RADIUS: f64 = 4e-6;
@@ -25,7 +24,8 @@ const NOTHING: u32 = u32::MAX;
 /// Two features between which single precision cannot decide.
 const TIE: u32 = u32::MAX - 1;
 
-/// The number of a point behind that of the lists of its cell: sorted as one word.
+/// The number of a cell's lists and that of a point in the cell, as one word: such words sort faster than
+/// pairs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct InCell(u64);
 
@@ -76,7 +76,7 @@ pub(super) enum Nearest {
     Here,
     /// Out of reach.
     Nowhere,
-    /// At this point.
+    /// At this place.
     At(Vec3),
     Arc(u32),
     Vertex(u32),
@@ -160,8 +160,8 @@ impl SesSolid {
         }
     }
 
-    /// The error of distances of many points is less than this, Å.
-    fn error_angstrom(&self) -> f64 {
+    /// Distances found side by side err by less than this, Å.
+    pub(super) fn error_angstrom(&self) -> f64 {
         ERROR_PER_RADIUS * self.largest_radius
     }
 
@@ -192,7 +192,7 @@ impl SesSolid {
 
     vectorised!(
         /// The ball in which each point lies deepest, [`NOTHING`] or [`TIE`].
-        deepest_of, deepest_of_any, deepest_of_avx512, deepest_of_avx2,
+        fn deepest_of, deepest_of_any, deepest_of_avx512, deepest_of_avx2,
         (lanes: &Lanes, atoms: &[Entry], cell: &Cell) -> [u32; LANES]
     );
 
@@ -235,7 +235,7 @@ impl SesSolid {
 
     vectorised!(
         /// The arc or the vertex nearest to each point, within reach.
-        nearest_edges, nearest_edges_any, nearest_edges_avx512, nearest_edges_avx2,
+        fn nearest_edges, nearest_edges_any, nearest_edges_avx512, nearest_edges_avx2,
         (lanes: &Lanes, lists: &Lists, cell: &Cell) -> Edges
     );
 

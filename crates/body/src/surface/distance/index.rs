@@ -32,12 +32,18 @@ pub(super) struct Entry {
     pub(super) number: u32,
 }
 
-/// The lists of one cell, nearest first, seen from a point in it.
+/// The lists of a cell, nearest first.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Nearby<'a> {
+pub(super) struct Lists<'a> {
     pub(super) atoms: &'a [Entry],
     pub(super) arcs: &'a [Entry],
     pub(super) vertices: &'a [Entry],
+}
+
+/// The lists of the cell that a point is in.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Nearby<'a> {
+    pub(super) lists: Lists<'a>,
     /// Distance of the point from the middle of the cell, Å, and what rounding of the bounds may add.
     pub(super) from_middle: f64,
 }
@@ -196,15 +202,8 @@ impl FeatureIndex {
         let Some(cell) = self.cell_of(point) else {
             return Nearby::default();
         };
-        let Lists {
-            atoms,
-            arcs,
-            vertices,
-        } = self.lists(cell.list);
         Nearby {
-            atoms,
-            arcs,
-            vertices,
+            lists: self.lists(cell.list),
             from_middle: cell.distance_from_middle(point),
         }
     }
@@ -254,13 +253,6 @@ impl Cell {
         let seen = point - self.middle;
         [seen.x as f32, seen.y as f32, seen.z as f32]
     }
-}
-
-/// The lists of a cell, nearest first.
-pub(super) struct Lists<'a> {
-    pub(super) atoms: &'a [Entry],
-    pub(super) arcs: &'a [Entry],
-    pub(super) vertices: &'a [Entry],
 }
 
 /// Cells of one size, some of which exist.

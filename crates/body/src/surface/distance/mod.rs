@@ -20,7 +20,7 @@ mod project;
 use super::arrangement::{Arc, Arrangement};
 use super::implicit::{Ball, ImplicitSolid};
 use batch::Nearest;
-use index::{Entry, Feature, FeatureIndex, Kind, Nearby, limit};
+use index::{Entry, Feature, FeatureIndex, Kind, Lists, Nearby, limit};
 use protomer_kernel::Vec3;
 
 /// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
@@ -272,7 +272,8 @@ impl SesSolid {
 
     /// The nearest point on the arcs and vertices near `point`, if it is within reach.
     fn nearest_edge_within_reach(&self, point: &Vec3, nearby: &Nearby) -> Option<NearestPoint> {
-        let (arcs, vertices) = (nearby.arcs.iter().copied(), nearby.vertices.iter().copied());
+        let Lists { arcs, vertices, .. } = nearby.lists;
+        let (arcs, vertices) = (arcs.iter().copied(), vertices.iter().copied());
         let limit = (self.reach(), nearby.from_middle);
         self.nearest_edge(point, arcs, vertices, limit)
     }
@@ -281,7 +282,7 @@ impl SesSolid {
     /// nothing is near.
     fn nearest_accessible(&self, point: &Vec3) -> Option<NearestPoint> {
         let nearby = self.index.nearby(point);
-        if let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle)
+        if let Some((atom, depth)) = self.deepest(point, nearby.lists.atoms, nearby.from_middle)
             && let Some(onto) = self.on_face(point, atom)
         {
             return Some(NearestPoint {
@@ -302,7 +303,7 @@ impl SesSolid {
     /// everything if nothing is near.
     fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
         let nearby = self.index.nearby(point);
-        let near = self.deepest(point, nearby.atoms, nearby.from_middle);
+        let near = self.deepest(point, nearby.lists.atoms, nearby.from_middle);
         if near.is_some() {
             return near;
         }
@@ -330,7 +331,8 @@ impl SesSolid {
     /// The signed distance, and the nearest accessible point if it is within reach.
     fn signed_distance_and_probe(&self, point: &Vec3) -> (f64, Option<Vec3>) {
         let nearby = self.index.nearby(point);
-        let Some((atom, depth)) = self.deepest(point, nearby.atoms, nearby.from_middle) else {
+        let Some((atom, depth)) = self.deepest(point, nearby.lists.atoms, nearby.from_middle)
+        else {
             return (self.largest_value(), Some(*point));
         };
         if let Some(value) = self.value_at_depth(depth) {
@@ -384,7 +386,7 @@ impl ImplicitSolid for SesSolid {
 
     /// The atoms are inside.
     fn add_inner_balls(&self, point: &Vec3, reach_angstrom: f64, balls: &mut Vec<Ball>) {
-        for entry in self.index.nearby(point).atoms {
+        for entry in self.index.nearby(point).lists.atoms {
             let atom = entry.number;
             let centre = self.centres[atom as usize];
             let radius = self.radii[atom as usize] - self.probe_radius;

@@ -79,7 +79,13 @@ fn the_distance_agrees_with_brute_force() {
 fn many_points_have_the_distances_of_each() {
     let mut at_edges = 0;
     for (number, (centres, radii)) in clusters(30, 1..30).into_iter().enumerate() {
-        let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+        // Every third cluster is that of large spheres, for which single precision errs by more.
+        let scale = [1.0, 1.0, 40.0][number % 3];
+        let centres: Vec<Vec3> = centres.iter().map(|centre| centre * scale).collect();
+        let radii: Vec<f64> = radii.iter().map(|radius| radius * scale).collect();
+        let probe = 1.4 * scale;
+        let solid = SesSolid::new(&Arrangement::new(&centres, &radii, probe).unwrap());
+        let allowed = solid.error_angstrom();
         let (low, high) = solid.bounds();
         let fraction = |seed: u64| super::super::test_support::fraction(number as u64 * 31 + seed);
         let points: Vec<Vec3> = (0..1000)
@@ -94,7 +100,7 @@ fn many_points_have_the_distances_of_each() {
         for (number, point) in points.iter().enumerate() {
             let (value, ball) = solid.signed_distance_and_empty_ball(point);
             let fast = values[number];
-            assert!((fast - value).abs() < 2e-5, "{point}: {fast} {value}");
+            assert!((fast - value).abs() < allowed, "{point}: {fast} {value}");
             assert_eq!(fast < 0.0, value < 0.0);
             assert_eq!(found[number].0, fast);
             assert_eq!(
@@ -105,8 +111,8 @@ fn many_points_have_the_distances_of_each() {
             if let (Some((fast, radius)), Some((centre, _))) = (found[number].1, ball) {
                 // Another probe may be as near.
                 let distances = [fast, centre].map(|probe| (probe - point).norm());
-                assert!((distances[0] - distances[1]).abs() < 2e-5 && radius == 1.4);
-                at_edges += i32::from(value < 1.3);
+                assert!((distances[0] - distances[1]).abs() < allowed && radius == probe);
+                at_edges += i32::from(value < 0.9 * probe);
             }
         }
     }

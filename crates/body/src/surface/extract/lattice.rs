@@ -229,7 +229,7 @@ impl<'a> SparseLattice<'a> {
     }
 }
 
-/// What [`SparseLattice::fill`] needs for one region after the other.
+/// Buffers of [`SparseLattice::fill`], kept from one region to the next.
 #[derive(Default)]
 struct Buffers {
     blocks: Vec<Filling>,
