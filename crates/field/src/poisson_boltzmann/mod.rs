@@ -208,7 +208,7 @@ impl Problem<'_> {
             coulomb_source::at_surface(&grid, &operator, inside, &coulomb, [inner, outer]);
         coulomb_source::add_ions(&mut right, &grid, &operator, inside, &coulomb);
         let iterations =
-            conjugate_gradient::solve(&operator, right, &mut values, self.relative_tolerance)?;
+            conjugate_gradient::solve(&operator, &right, &mut values, self.relative_tolerance)?;
         let reduced = ScalarField { grid, values };
         Ok(Potential::new(
             reduced,

@@ -1,12 +1,12 @@
 //! (A φ)_i = Σ_edges c (φ_i - φ_j) + k_i φ_i on the inner points of a grid.
 //!
 //! c is the permittivity of an edge and k is permittivity · κ² · h²: each balance of fluxes is
-//! divided by the spacing. Points on the faces of the grid are given, not unknown: A ignores their rows, and their
-//! values are zero in what it is applied to. A is symmetric and positive definite.
+//! divided by the spacing. Points on the faces of the grid are given, not unknown: A ignores their rows,
+//! and their values are zero in what it is applied to. A is symmetric and positive definite.
 
+use super::conjugate_gradient::dot_of_piece;
 use protomer_kernel::vectorised;
 use rayon::prelude::*;
-use std::ops::{Mul, Sub};
 
 /// A in single precision.
 #[derive(Debug, Clone)]
@@ -16,15 +16,10 @@ pub struct Operator {
     pub edges: [Vec<f32>; 3],
     /// k.
     pub mass: Vec<f32>,
-    /// The sum of the edges of a point and k; one on the faces.
-    pub diagonal: Vec<f32>,
+    /// D, the sum of the edges of a point and k, and its inverse; zero on the faces.
+    diagonal: Vec<f32>,
+    inverse_diagonal: Vec<f32>,
 }
-
-/// The precision in which an operator is applied.
-pub trait Number: Copy + Send + Sync + From<f32> + Mul<Output = Self> + Sub<Output = Self> {}
-
-impl Number for f32 {}
-impl Number for f64 {}
 
 impl Operator {
     pub fn new(shape: [usize; 3], edges: [Vec<f32>; 3], mass: Vec<f32>) -> Self {
@@ -33,16 +28,22 @@ impl Operator {
             edges,
             mass,
             diagonal: Vec::new(),
+            inverse_diagonal: Vec::new(),
         };
         operator.diagonal = operator.sum_rows();
+        let mut inverse = operator.diagonal.clone();
+        operator.inner_planes(&mut inverse, |inverse, _| {
+            inverse.iter_mut().for_each(|value| *value = value.recip());
+        });
+        operator.inverse_diagonal = inverse;
         operator
     }
 
     fn sum_rows(&self) -> Vec<f32> {
-        let mut diagonal = vec![1.0; self.len()];
-        self.inner_rows(&mut diagonal, |row, start| {
+        let mut diagonal = vec![0.0; self.len()];
+        self.inner_planes(&mut diagonal, |diagonal, start| {
             let [_, y, z] = self.strides();
-            for (offset, value) in row.iter_mut().enumerate() {
+            for (offset, value) in diagonal.iter_mut().enumerate() {
                 let i = start + offset;
                 let [ex, ey, ez] = &self.edges;
                 *value = ex[i] + ex[i - 1] + ey[i] + ey[i - y] + ez[i] + ez[i - z] + self.mass[i];
@@ -59,38 +60,30 @@ impl Operator {
         [1, self.shape[0], self.shape[0] * self.shape[1]]
     }
 
-    /// Calls `work` for the inner points of every row along x, with the index of the first.
-    pub fn inner_rows<T: Send>(&self, values: &mut [T], work: impl Fn(&mut [T], usize) + Sync) {
+    /// Calls `work` for every plane across z but the faces, with the values from its first inner point to
+    /// its last and the index of the first, and returns its results. One long row makes better use of
+    /// vectors than many short ones; what `work` leaves on the faces between rows becomes zero.
+    pub fn inner_planes<T: Copy + Default + Send, R: Send>(
+        &self,
+        values: &mut [T],
+        work: impl Fn(&mut [T], usize) -> R + Sync,
+    ) -> Vec<R> {
         let [nx, ny, nz] = self.shape;
+        let inner = nx + 1..nx * (ny - 1) - 1;
         let planes = values.par_chunks_mut(nx * ny).enumerate();
         let inner_planes = planes.skip(1).take(nz - 2);
-        inner_planes.for_each(|(k, plane)| {
-            for j in 1..ny - 1 {
-                let row = &mut plane[j * nx + 1..(j + 1) * nx - 1];
-                work(row, (k * ny + j) * nx + 1);
+        let on_plane = |(k, plane): (usize, &mut [T])| {
+            let found = work(&mut plane[inner.clone()], k * nx * ny + inner.start);
+            for row in plane[nx..nx * (ny - 1)].chunks_exact_mut(nx) {
+                (row[0], row[nx - 1]) = (T::default(), T::default());
             }
-        });
-    }
-
-    /// As [`inner_rows`](Self::inner_rows), for the same rows of two lists.
-    pub fn inner_rows_of_two<T: Send, U: Send>(
-        &self,
-        one: &mut [T],
-        two: &mut [U],
-        work: impl Fn(&mut [T], &mut [U], usize) + Sync,
-    ) {
-        let [nx, ny, nz] = self.shape;
-        let planes = one.par_chunks_mut(nx * ny).zip(two.par_chunks_mut(nx * ny));
-        let inner_planes = planes.enumerate().skip(1).take(nz - 2);
-        inner_planes.for_each(|(k, (one, two))| {
-            for j in 1..ny - 1 {
-                let row = j * nx + 1..(j + 1) * nx - 1;
-                work(&mut one[row.clone()], &mut two[row], (k * ny + j) * nx + 1);
-            }
-        });
+            found
+        };
+        inner_planes.map(on_plane).collect()
     }
 
     /// Zero on the faces.
+    #[cfg(test)]
     pub fn clear_faces<T: Copy + Default>(&self, values: &mut [T]) {
         let [nx, ny, nz] = self.shape;
         for (k, plane) in values.chunks_mut(nx * ny).enumerate() {
@@ -105,61 +98,93 @@ impl Operator {
         }
     }
 
-    /// out = A x on inner points.
-    pub fn apply(&self, x: &[f64], out: &mut [f64]) {
-        self.inner_rows(out, |row, start| self.apply_row(x, row, start));
+    /// out = A x on inner points; returns x · A x.
+    pub fn apply(&self, x: &[f32], out: &mut [f32]) -> f64 {
+        let products = self.inner_planes(out, |plane, start| {
+            self.apply_row(x, plane, start);
+            dot_of_piece(&x[start..start + plane.len()], plane)
+        });
+        products.iter().sum()
+    }
+
+    /// b - A x on inner points, in double precision but for the result.
+    pub fn residual(&self, x: &[f64], b: &[f64], out: &mut [f32]) {
+        self.inner_planes(out, |plane, start| {
+            self.exact_residual_row(x, b, plane, start)
+        });
     }
 
     vectorised!(
-        /// One row of A x.
-        pub fn apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
-        (x: &[f64], out: &mut [f64], start: usize) -> ()
+        /// A x at successive points.
+        fn apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
+        (x: &[f32], out: &mut [f32], start: usize) -> ()
     );
     vectorised!(
-        /// One row of the residual b - A x.
+        /// The residual b - A x at successive points.
         pub fn residual_row, residual_row_any, residual_row_avx512, residual_row_avx2,
         (x: &[f32], b: &[f32], out: &mut [f32], start: usize) -> ()
     );
     vectorised!(
-        /// One row of a step d = keep · d + take · D⁻¹ (b - A x) and next = x + d.
+        /// The residual b - A x at successive points, in double precision.
+        fn exact_residual_row, exact_residual_any, exact_residual_avx512, exact_residual_avx2,
+        (x: &[f64], b: &[f64], out: &mut [f32], start: usize) -> ()
+    );
+    vectorised!(
+        /// A step at successive points: x + keep · (x - last) + take · D⁻¹ (b - A x) in place of the
+        /// last x.
         pub fn step_row, step_row_any, step_row_avx512, step_row_avx2,
-        (x: &[f32], b: &[f32], step: Step, d: &mut [f32], next: &mut [f32], start: usize) -> ()
+        (x: &[f32], b: &[f32], step: Step, last: &mut [f32], start: usize) -> ()
     );
 
     #[inline(always)]
-    fn apply_row_any(&self, x: &[f64], out: &mut [f64], start: usize) {
-        let row = Row::new(self, x, start, out.len());
+    fn apply_row_any(&self, x: &[f32], out: &mut [f32], start: usize) {
+        let n = out.len();
+        let row = Row::new(self, x, start, n);
+        let diagonal = &self.diagonal[start..start + n];
         for (i, out) in out.iter_mut().enumerate() {
-            *out = row.product(i);
+            *out = diagonal[i] * row.here[i] - row.sum_around(i);
+        }
+    }
+
+    #[inline(always)]
+    fn exact_residual_any(&self, x: &[f64], b: &[f64], out: &mut [f32], start: usize) {
+        let n = out.len();
+        let row = Row::new(self, x, start, n);
+        let (mass, b) = (&self.mass[start..start + n], &b[start..start + n]);
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = (b[i] - row.flux(i) - f64::from(mass[i]) * row.here[i]) as f32;
         }
     }
 
     #[inline(always)]
     fn residual_row_any(&self, x: &[f32], b: &[f32], out: &mut [f32], start: usize) {
-        let row = Row::new(self, x, start, out.len());
-        let b = &b[start..start + out.len()];
+        let n = out.len();
+        let row = Row::new(self, x, start, n);
+        let (diagonal, b) = (&self.diagonal[start..start + n], &b[start..start + n]);
         for (i, out) in out.iter_mut().enumerate() {
-            *out = b[i] - row.product(i);
+            *out = b[i] + row.sum_around(i) - diagonal[i] * row.here[i];
         }
     }
 
     #[inline(always)]
-    fn step_row_any(
-        &self,
-        x: &[f32],
-        b: &[f32],
-        step: Step,
-        d: &mut [f32],
-        next: &mut [f32],
-        start: usize,
-    ) {
-        let n = d.len();
+    fn step_row_any(&self, x: &[f32], b: &[f32], step: Step, last: &mut [f32], start: usize) {
+        let n = last.len();
         let row = Row::new(self, x, start, n);
-        let (b, next) = (&b[start..start + n], &mut next[..n]);
-        for i in 0..n {
-            let residual = b[i] - row.product(i);
-            d[i] = step.keep * d[i] + step.take * residual / row.diagonal[i];
-            next[i] = row.here[i] + d[i];
+        let b = &b[start..start + n];
+        let inverse = &self.inverse_diagonal[start..start + n];
+        for (i, last) in last.iter_mut().enumerate() {
+            let here = row.here[i];
+            // D⁻¹ (b - A x) = D⁻¹ (b + Σ c x_j) - x.
+            let residual = inverse[i] * (b[i] + row.sum_around(i)) - here;
+            *last = here + step.keep * (here - *last) + step.take * residual;
+        }
+    }
+
+    /// D⁻¹ b at successive points, times a factor.
+    pub fn scale_row(&self, b: &[f32], factor: f32, out: &mut [f32], start: usize) {
+        let terms = b[start..].iter().zip(&self.inverse_diagonal[start..]);
+        for (out, (b, inverse)) in out.iter_mut().zip(terms) {
+            *out = factor * b * inverse;
         }
     }
 }
@@ -171,10 +196,9 @@ pub struct Step {
     pub take: f32,
 }
 
-/// Coefficients and values around a row of points. Equal lengths let the compiler drop the bounds
+/// Coefficients and values around successive points. Equal lengths let the compiler drop the bounds
 /// checks and use vectors.
 struct Row<'a, T> {
-    diagonal: &'a [f32],
     /// Edges to the east, west, north, south, up and down.
     edges: [&'a [f32]; 6],
     here: &'a [T],
@@ -182,7 +206,7 @@ struct Row<'a, T> {
     neighbours: [&'a [T]; 6],
 }
 
-impl<'a, T: Number> Row<'a, T> {
+impl<'a, T> Row<'a, T> {
     #[inline(always)]
     fn new(operator: &'a Operator, x: &'a [T], start: usize, n: usize) -> Self {
         let [_, y, z] = operator.strides();
@@ -190,7 +214,6 @@ impl<'a, T: Number> Row<'a, T> {
         let part = |edges: &'a [f32], first: usize| &edges[first..first + n];
         let values = |first: usize| &x[first..first + n];
         Self {
-            diagonal: part(&operator.diagonal, start),
             edges: [
                 part(ex, start),
                 part(ex, start - 1),
@@ -210,18 +233,30 @@ impl<'a, T: Number> Row<'a, T> {
             ],
         }
     }
+}
 
-    /// (A x) at a point of the row.
+impl Row<'_, f32> {
+    /// Σ c φ_j.
     #[inline(always)]
-    fn product(&self, i: usize) -> T {
+    fn sum_around(&self, i: usize) -> f32 {
         let [east, west, north, south, up, down] = self.edges;
         let [xe, xw, xn, xs, xu, xd] = self.neighbours;
-        T::from(self.diagonal[i]) * self.here[i]
-            - T::from(east[i]) * xe[i]
-            - T::from(west[i]) * xw[i]
-            - T::from(north[i]) * xn[i]
-            - T::from(south[i]) * xs[i]
-            - T::from(up[i]) * xu[i]
-            - T::from(down[i]) * xd[i]
+        east[i] * xe[i]
+            + west[i] * xw[i]
+            + north[i] * xn[i]
+            + south[i] * xs[i]
+            + up[i] * xu[i]
+            + down[i] * xd[i]
+    }
+}
+
+impl Row<'_, f64> {
+    /// Σ c (φ_i - φ_j).
+    #[inline(always)]
+    fn flux(&self, i: usize) -> f64 {
+        let here = self.here[i];
+        let [east, west, north, south, up, down] = self.edges.map(|edges| f64::from(edges[i]));
+        let [xe, xw, xn, xs, xu, xd] = self.neighbours.map(|values| here - values[i]);
+        east * xe + west * xw + north * xn + south * xs + up * xu + down * xd
     }
 }

@@ -5,7 +5,6 @@
 
 use super::operator::Operator;
 use rayon::prelude::*;
-use std::borrow::Cow;
 
 /// No level has fewer points along an axis.
 const FEWEST_POINTS: usize = 5;
@@ -17,95 +16,134 @@ pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
             return None;
         }
     }
-    let shape = fine.shape.map(|points| points.div_ceil(2));
-    let edges = [0, 1, 2].map(|axis| coarse_edges(fine, axis));
-    Some(Operator::new(shape, edges, coarse_mass(fine)))
+    let fine_shape = fine.shape;
+    let [x, y, z] = [0, 1, 2].map(|axis| Rows::of(&fine.edges[axis], fine_shape));
+    // The mean over the planes and rows around, by halves along the rows.
+    let along_x = |[j, k]: [usize; 2], coarse: &mut [f32], _: &mut [f32]| {
+        coarse.fill(0.0);
+        for (k, of_plane) in around(k, fine_shape[2]) {
+            for (j, of_row) in around(j, fine_shape[1]) {
+                add_in_series(coarse, of_plane * of_row, x.at(j, k));
+            }
+        }
+    };
+    let along_y = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
+        let [_, (here, _), (after, _)] = around(j, fine_shape[1]);
+        across.fill(0.0);
+        for (k, weight) in around(k, fine_shape[2]) {
+            add_both_in_series(across, weight, [y.at(here, k), y.at(after, k)]);
+        }
+        average_by_halves(across, 1.0, coarse);
+    };
+    let along_z = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
+        let [_, (here, _), (after, _)] = around(k, fine_shape[2]);
+        across.fill(0.0);
+        for (j, weight) in around(j, fine_shape[1]) {
+            add_both_in_series(across, weight, [z.at(j, here), z.at(j, after)]);
+        }
+        average_by_halves(across, 1.0, coarse);
+    };
+    // Eight times the average of the fine grid's, as boxes are eight times as large.
+    let mass = Rows::of(&fine.mass, fine_shape);
+    let of_mass = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
+        across.fill(0.0);
+        for (k, of_plane) in around(k, fine_shape[2]) {
+            for (j, of_row) in around(j, fine_shape[1]) {
+                add(across, of_plane * of_row, mass.at(j, k));
+            }
+        }
+        average_by_halves(across, 8.0, coarse);
+    };
+    let edges = [
+        halved(fine_shape, along_x),
+        halved(fine_shape, along_y),
+        halved(fine_shape, along_z),
+    ];
+    let shape = fine_shape.map(|points| points.div_ceil(2));
+    Some(Operator::new(shape, edges, halved(fine_shape, of_mass)))
 }
 
-/// The edges of the coarse grid along an axis.
-fn coarse_edges(fine: &Operator, axis: usize) -> Vec<f32> {
-    // Two in series over twice the length, through a face four times as large:
-    // 4 · (1/2) · harmonic mean.
-    let in_series =
-        |_, here: f32, after: f32| 4.0 * here * after / (here + after).max(f32::MIN_POSITIVE);
-    Halved::of(&fine.edges[axis], fine.shape)
-        .along(axis, in_series)
-        .along((axis + 1) % 3, average)
-        .along((axis + 2) % 3, average)
-        .values
-        .into_owned()
+/// Values on a grid with half the points along each axis. `fill` makes the coarse row [j, k], with room
+/// for a fine row.
+fn halved(
+    fine_shape: [usize; 3],
+    fill: impl Fn([usize; 2], &mut [f32], &mut [f32]) + Sync,
+) -> Vec<f32> {
+    let [nx, ny, nz] = fine_shape.map(|points| points.div_ceil(2));
+    let mut values = vec![0.0; nx * ny * nz];
+    let planes = values.par_chunks_mut(nx * ny).enumerate();
+    planes.for_each(|(k, plane)| {
+        let mut across = vec![0.0; fine_shape[0]];
+        for (j, row) in plane.chunks_mut(nx).enumerate() {
+            fill([j, k], row, &mut across);
+        }
+    });
+    values
 }
 
-/// k of the coarse grid: eight times the average of the fine grid's, as boxes are eight times as
-/// large.
-fn coarse_mass(fine: &Operator) -> Vec<f32> {
-    Halved::of(&fine.mass, fine.shape)
-        .along(2, average)
-        .along(1, average)
-        .along(0, |before, here, after| 8.0 * average(before, here, after))
-        .values
-        .into_owned()
-}
-
-/// The mean of a point and its two neighbours, weighted as trilinear interpolation weighs them.
-fn average(before: f32, here: f32, after: f32) -> f32 {
-    0.25 * before + 0.5 * here + 0.25 * after
-}
-
-/// Values on a grid that has half the points along some axes.
-struct Halved<'a> {
-    values: Cow<'a, [f32]>,
+/// Values on a grid, by rows along x.
+#[derive(Clone, Copy)]
+struct Rows<'a> {
+    values: &'a [f32],
     shape: [usize; 3],
 }
 
-impl<'a> Halved<'a> {
+impl<'a> Rows<'a> {
     fn of(values: &'a [f32], shape: [usize; 3]) -> Self {
-        let values = Cow::Borrowed(values);
         Self { values, shape }
     }
 
-    /// The values with half the points along one more axis: every second one combined with its
-    /// neighbours before and after, which at an end are the point itself.
-    fn along(&self, axis: usize, combine: impl Fn(f32, f32, f32) -> f32 + Sync) -> Halved<'static> {
-        let mut shape = self.shape;
-        let last = shape[axis] - 1;
-        shape[axis] = shape[axis].div_ceil(2);
-        let around = |coarse: usize| {
-            let here = 2 * coarse;
-            [here.saturating_sub(1), here, (here + 1).min(last)]
-        };
-        let halve_row = |j: usize, k: usize, target: &mut [f32]| {
-            let row = self.row(j, k);
-            for (i, value) in target.iter_mut().enumerate() {
-                let [before, here, after] = around(i).map(|i| row[i]);
-                *value = combine(before, here, after);
-            }
-        };
-        let combine_rows = |[before, here, after]: [&[f32]; 3], target: &mut [f32]| {
-            let columns = before.iter().zip(here).zip(after);
-            for (value, ((before, here), after)) in target.iter_mut().zip(columns) {
-                *value = combine(*before, *here, *after);
-            }
-        };
-        let mut values = vec![0.0_f32; shape.iter().product()];
-        let planes = values.par_chunks_mut(shape[0] * shape[1]).enumerate();
-        planes.for_each(|(k, plane)| {
-            for (j, target) in plane.chunks_mut(shape[0]).enumerate() {
-                match axis {
-                    0 => halve_row(j, k, target),
-                    1 => combine_rows(around(j).map(|j| self.row(j, k)), target),
-                    _ => combine_rows(around(k).map(|k| self.row(j, k)), target),
-                }
-            }
-        });
-        let values = Cow::Owned(values);
-        Halved { values, shape }
-    }
-
-    /// A row along x.
-    fn row(&self, j: usize, k: usize) -> &[f32] {
+    fn at(&self, j: usize, k: usize) -> &'a [f32] {
         let [nx, ny, _] = self.shape;
         &self.values[(k * ny + j) * nx..][..nx]
+    }
+}
+
+/// The fine points before, at and after a coarse one, those beyond an end being the end, with the weights
+/// of trilinear interpolation.
+fn around(coarse: usize, fine_points: usize) -> [(usize, f32); 3] {
+    let here = 2 * coarse;
+    let after = (here + 1).min(fine_points - 1);
+    [(here.saturating_sub(1), 0.25), (here, 0.5), (after, 0.25)]
+}
+
+/// Two edges in series over twice the length, through a face four times as large: 4 · (1/2) · harmonic
+/// mean.
+fn in_series(one: f32, two: f32) -> f32 {
+    4.0 * one * two / (one + two).max(f32::MIN_POSITIVE)
+}
+
+/// sum += weight · row.
+fn add(sum: &mut [f32], weight: f32, row: &[f32]) {
+    for (sum, value) in sum.iter_mut().zip(row) {
+        *sum += weight * value;
+    }
+}
+
+/// Adds the edges of two rows in series.
+fn add_both_in_series(sum: &mut [f32], weight: f32, [one, two]: [&[f32]; 2]) {
+    for (sum, (one, two)) in sum.iter_mut().zip(one.iter().zip(two)) {
+        *sum += weight * in_series(*one, *two);
+    }
+}
+
+/// Adds each second edge of a row in series with the next, the last with itself.
+fn add_in_series(sum: &mut [f32], weight: f32, row: &[f32]) {
+    let (pairs, last) = row.as_chunks::<2>();
+    let pairs = pairs
+        .iter()
+        .copied()
+        .chain(last.iter().map(|last| [*last; 2]));
+    for (sum, [one, two]) in sum.iter_mut().zip(pairs) {
+        *sum += weight * in_series(one, two);
+    }
+}
+
+/// Each second point of a row averaged with its neighbours, times a factor.
+fn average_by_halves(row: &[f32], factor: f32, coarse: &mut [f32]) {
+    for (i, value) in coarse.iter_mut().enumerate() {
+        let [before, here, after] = around(i, row.len()).map(|(i, weight)| weight * row[i]);
+        *value = factor * (before + here + after);
     }
 }
 
@@ -143,20 +181,24 @@ fn sum_across(planes: &[[&[f32]; 3]; 3], sum: &mut [f32]) {
     }
 }
 
-/// fine += P coarse, with P trilinear interpolation; shapes of the fine and the coarse grid.
+/// fine += P coarse, with P trilinear interpolation, for values that are zero on the faces of the coarse
+/// grid; shapes of the fine and the coarse grid.
 pub(super) fn prolong(coarse: &[f32], fine: &mut [f32], [fine_shape, shape]: [[usize; 3]; 2]) {
-    let row = |k: usize, j: usize| &coarse[(k * shape[1] + j) * shape[0]..][..shape[0]];
+    let coarse = Rows::of(coarse, shape);
     let planes = fine
         .par_chunks_mut(fine_shape[0] * fine_shape[1])
         .enumerate();
     let inner_planes = planes.skip(1).take(fine_shape[2] - 2);
     inner_planes.for_each(|(k, values)| {
         let (k0, k1) = ends(k);
+        let mut across = vec![0.0; shape[0]];
         for j in 1..fine_shape[1] - 1 {
             let (j0, j1) = ends(j);
-            let rows = [row(k0, j0), row(k0, j1), row(k1, j0), row(k1, j1)];
-            let target = &mut values[j * fine_shape[0]..][..fine_shape[0]];
-            add_along_row(&rows, target);
+            across.fill(0.0);
+            for (j, k) in [(j0, k0), (j1, k0), (j0, k1), (j1, k1)] {
+                add(&mut across, 0.25, coarse.at(j, k));
+            }
+            add_between(&across, &mut values[j * fine_shape[0]..][..fine_shape[0]]);
         }
     });
 }
@@ -166,14 +208,12 @@ fn ends(index: usize) -> (usize, usize) {
     (index / 2, index.div_ceil(2))
 }
 
-/// Adds the interpolant of four coarse rows, a fine row between them, to its inner points.
-#[inline(always)]
-fn add_along_row(rows: &[&[f32]; 4], target: &mut [f32]) {
-    let mean = |i: usize| 0.25 * (rows[0][i] + rows[1][i] + rows[2][i] + rows[3][i]);
-    let last = target.len() - 1;
-    for (i, value) in target.iter_mut().enumerate().take(last).skip(1) {
-        let (i0, i1) = ends(i);
-        *value += 0.5 * (mean(i0) + mean(i1));
+/// Adds a row and the means of its neighbours, in turn, to a fine row from its second point on.
+fn add_between(row: &[f32], fine: &mut [f32]) {
+    let pairs = fine[1..].as_chunks_mut::<2>().0;
+    for ([between, at], (before, after)) in pairs.iter_mut().zip(row.iter().zip(&row[1..])) {
+        *between += 0.5 * (before + after);
+        *at += after;
     }
 }
 
