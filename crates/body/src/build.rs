@@ -5,9 +5,7 @@ use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
-use crate::surface::{
-    Deviation, MeshSettings, Surface, solvent_excluded_surface, surface_without_cavities,
-};
+use crate::surface::{Deviation, ExactSurface, MeshSettings, Surface};
 use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
@@ -121,35 +119,21 @@ pub fn build_body(
     check_name(name)?;
     let structure = Structure::read(source.file, bytes)?;
     let selection = structure.select(&settings.selection)?;
-    let mut built = build_body_of_selection(name, source, selection, settings)?;
-    built.warnings.splice(0..0, reader_warnings(&structure));
-    Ok(built)
+    let draft = Draft::of_selection(name, source, selection, settings)?;
+    draft.with_warnings_of(&structure).build()
 }
 
 /// Makes a body from selected residues.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for an empty name, a mutation that does not fit, or atoms that have no
-/// surface.
+/// As [`Draft::of_selection`] and [`Draft::build`].
 pub fn build_body_of_selection(
     name: &str,
     source: Source<'_>,
-    mut selection: Selection,
+    selection: Selection,
     settings: &BodySettings,
 ) -> Result<BuiltBody> {
-    check_name(name)?;
-    mutate(&mut selection, &settings.mutations)?;
-    let sites = build_sites(&selection, &settings.sites)?;
-    let mut report = selection.report;
-    if settings.sites.charges != ChargeModel::None {
-        list_charges(&mut report, &sites);
-    }
-    let described = describe_settings(settings);
-    let mut built = finish(name, source, sites, described, &settings.surface)?;
-    let warnings = selection_warnings(&report);
-    built.warnings.splice(0..0, warnings);
-    built.selection = Some(report);
-    Ok(built)
+    Draft::of_selection(name, source, selection, settings)?.build()
 }
 
 /// Makes a body from bare points that have charges and radii of their own. Points with a radius of
@@ -173,11 +157,173 @@ pub fn build_body_of_points(
     points: &[PointRecord],
     surface: &SurfaceSettings,
 ) -> Result<BuiltBody> {
-    check_name(name)?;
-    let sites = sites_of_points(points)?;
-    let mut described = surface.describe();
-    described.insert("charges".into(), "from the file".into());
-    finish(name, source, sites, described, surface)
+    Draft::of_points(name, source, points, surface)?.build()
+}
+
+/// A body before its surface: its sites, and what they were made from.
+///
+/// ```
+/// use protomer_body::surface::ImplicitSolid;
+/// use protomer_body::{Draft, Source, SurfaceSettings};
+/// use protomer_kernel::PointRecord;
+/// let ion = PointRecord { charge_e: 1.0, radius_angstrom: 2.0, ..PointRecord::default() };
+/// let source = Source { file: "ion.xyzr", sha256: "" };
+/// let draft = Draft::of_points("ion", source, &[ion], &SurfaceSettings::default())?;
+/// // The exact surface serves others before it becomes a mesh.
+/// let surface = draft.exact_surface()?;
+/// assert!(surface.solid().signed_distance(&draft.sites().sites[0].position) < 0.0);
+/// assert_eq!(draft.finish(surface)?.body.sites.len(), 1);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Draft {
+    name: String,
+    file: String,
+    sha256: String,
+    sites: ChargedSites,
+    /// All settings by name.
+    described: BTreeMap<String, String>,
+    surface: SurfaceSettings,
+    selection: Option<SelectionReport>,
+    /// Warnings of the reader.
+    warnings: Vec<String>,
+}
+
+impl Draft {
+    /// The sites of selected residues.
+    ///
+    /// # Errors
+    /// [`BodyError::Invalid`] for an empty name and a mutation that does not fit;
+    /// [`BodyError::Trace`] for a trace of Cα atoms.
+    pub fn of_selection(
+        name: &str,
+        source: Source<'_>,
+        mut selection: Selection,
+        settings: &BodySettings,
+    ) -> Result<Self> {
+        check_name(name)?;
+        mutate(&mut selection, &settings.mutations)?;
+        let sites = build_sites(&selection, &settings.sites)?;
+        let mut report = selection.report;
+        if settings.sites.charges != ChargeModel::None {
+            list_charges(&mut report, &sites);
+        }
+        Ok(Self {
+            name: name.into(),
+            file: source.file.into(),
+            sha256: source.sha256.into(),
+            sites,
+            described: describe_settings(settings),
+            surface: settings.surface,
+            selection: Some(report),
+            warnings: Vec::new(),
+        })
+    }
+
+    /// Bare points that have charges and radii of their own.
+    ///
+    /// # Errors
+    /// [`BodyError::Invalid`] for an empty name and without points.
+    pub fn of_points(
+        name: &str,
+        source: Source<'_>,
+        points: &[PointRecord],
+        surface: &SurfaceSettings,
+    ) -> Result<Self> {
+        check_name(name)?;
+        let mut described = surface.describe();
+        described.insert("charges".into(), "from the file".into());
+        Ok(Self {
+            name: name.into(),
+            file: source.file.into(),
+            sha256: source.sha256.into(),
+            sites: sites_of_points(points)?,
+            described,
+            surface: *surface,
+            selection: None,
+            warnings: Vec::new(),
+        })
+    }
+
+    /// The same with the warnings about the file that the selection is from.
+    pub fn with_warnings_of(self, structure: &Structure) -> Self {
+        Self {
+            warnings: reader_warnings(structure),
+            ..self
+        }
+    }
+
+    /// The name of the body.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The sites, about an origin of their own.
+    pub fn sites(&self) -> &ChargedSites {
+        &self.sites
+    }
+
+    /// The surface of the sites.
+    ///
+    /// # Errors
+    /// As [`surface_of_sites`].
+    pub fn exact_surface(&self) -> Result<ExactSurface> {
+        exact_surface_of_sites(&self.sites.sites, &self.surface)
+    }
+
+    /// Makes the surface, and the body.
+    ///
+    /// # Errors
+    /// As [`surface_of_sites`].
+    pub fn build(self) -> Result<BuiltBody> {
+        let surface = self.exact_surface()?;
+        self.finish(surface)
+    }
+
+    /// Makes the mesh of the surface that [`Self::exact_surface`] returned, and the body.
+    ///
+    /// # Errors
+    /// [`BodyError::Invalid`] for a surface too large to be meshed.
+    pub fn finish(self, surface: ExactSurface) -> Result<BuiltBody> {
+        let surface = self.surface.mesh_of(surface)?;
+        let (sites, mut settings) = (self.sites, self.described);
+        let cavities = surface.cavities;
+        let mut warnings = self.warnings;
+        warnings.extend(self.selection.iter().flat_map(selection_warnings));
+        let interior_radius = self.surface.interior_radius_angstrom;
+        warnings.extend(cavity_warnings(&cavities, interior_radius));
+        if cavities.kept > 0 {
+            let kept = cavities.kept.to_string();
+            settings.insert("enclosed_interiors".into(), kept);
+        }
+        let pieces = surface.topology.components - surface.topology.cavities;
+        if pieces > 1 {
+            warnings.push(format!(
+                "the surface has {pieces} separate pieces; they move as one rigid body"
+            ));
+        }
+        let deviation = surface.deviation();
+        let mass_properties = surface.mesh.mass_properties()?;
+        let body = Body {
+            name: self.name,
+            mesh: surface.mesh,
+            sites: sites.sites,
+            residues: sites.residues,
+            mass_properties,
+            provenance: Provenance {
+                source: self.file,
+                source_sha256: self.sha256,
+                origin_angstrom: sites.origin_angstrom,
+                settings,
+            },
+        };
+        Ok(BuiltBody {
+            body,
+            selection: self.selection,
+            deviation,
+            warnings,
+        })
+    }
 }
 
 /// Refuses an empty name of a body.
@@ -224,6 +370,11 @@ pub fn check_name(name: &str) -> Result<()> {
 /// [`BodyError::Invalid`] for a probe, density or offset out of range, without a site that has a
 /// radius, and for an offset larger than the smallest radius.
 pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Surface> {
+    settings.mesh_of(exact_surface_of_sites(sites, settings)?)
+}
+
+/// The same before it is meshed.
+fn exact_surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<ExactSurface> {
     settings.check()?;
     let offset = settings.inward_offset_angstrom;
     let (mut centres, mut radii) = (Vec::new(), Vec::new());
@@ -243,58 +394,7 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
             remedy: "give a smaller offset".into(),
         });
     }
-    let mesh = settings.mesh();
-    let probe = settings.probe_radius_angstrom + offset;
-    if settings.keep_cavities {
-        return solvent_excluded_surface(&centres, &radii, probe, &mesh);
-    }
-    let interior_radius = settings.interior_radius_angstrom;
-    surface_without_cavities(&centres, &radii, probe, &mesh, interior_radius)
-}
-
-/// Surface, mass and provenance of charged sites, and the warnings about its cavities.
-fn finish(
-    name: &str,
-    source: Source<'_>,
-    sites: ChargedSites,
-    mut settings: BTreeMap<String, String>,
-    surface_settings: &SurfaceSettings,
-) -> Result<BuiltBody> {
-    let surface = surface_of_sites(&sites.sites, surface_settings)?;
-    let cavities = surface.cavities;
-    let interior_radius = surface_settings.interior_radius_angstrom;
-    let mut warnings = cavity_warnings(&cavities, interior_radius);
-    if cavities.kept > 0 {
-        let kept = cavities.kept.to_string();
-        settings.insert("enclosed_interiors".into(), kept);
-    }
-    let pieces = surface.topology.components - surface.topology.cavities;
-    if pieces > 1 {
-        warnings.push(format!(
-            "the surface has {pieces} separate pieces; they move as one rigid body"
-        ));
-    }
-    let deviation = surface.deviation();
-    let mass_properties = surface.mesh.mass_properties()?;
-    let body = Body {
-        name: name.into(),
-        mesh: surface.mesh,
-        sites: sites.sites,
-        residues: sites.residues,
-        mass_properties,
-        provenance: Provenance {
-            source: source.file.into(),
-            source_sha256: source.sha256.into(),
-            origin_angstrom: sites.origin_angstrom,
-            settings,
-        },
-    };
-    Ok(BuiltBody {
-        body,
-        selection: None,
-        deviation,
-        warnings,
-    })
+    ExactSurface::new(&centres, &radii, settings.probe_radius_angstrom + offset)
 }
 
 /// Adds the charges of the residues listed in the report, now that the pH is known.
@@ -355,6 +455,12 @@ impl SurfaceSettings {
             });
         }
         self.mesh().check()
+    }
+
+    /// The mesh of a surface, with the cavities that are kept.
+    fn mesh_of(&self, surface: ExactSurface) -> Result<Surface> {
+        let interior_radius = (!self.keep_cavities).then_some(self.interior_radius_angstrom);
+        surface.mesh(&self.mesh(), interior_radius)
     }
 
     fn mesh(&self) -> MeshSettings {

@@ -38,7 +38,7 @@ mod warnings;
 
 pub use body::{Body, Provenance, Residue, Site};
 pub use build::{
-    BodySettings, BuiltBody, Source, SurfaceSettings, build_body, build_body_of_points,
+    BodySettings, BuiltBody, Draft, Source, SurfaceSettings, build_body, build_body_of_points,
     build_body_of_selection, check_name, surface_of_sites,
 };
 pub use error::{BodyError, Result};

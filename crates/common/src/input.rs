@@ -53,18 +53,7 @@ impl InputFile {
     /// Names the file and what is wrong with it.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
-        if path.is_dir() {
-            bail!("{name} is a folder; name a file");
-        }
-        let mut raw = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
-            .with_context(|| format!("cannot read {name}"))?;
-        if raw.len() as u64 > LARGEST_INPUT_BYTES {
-            bail!(
-                "{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file"
-            );
-        }
+        let raw = stored_bytes(path)?;
         let sha256 = sha256_hex(&raw);
         let bytes = if raw.starts_with(&[0x1f, 0x8b]) {
             read_maybe_gzip_from(&name, raw.as_slice(), LARGEST_INPUT_BYTES)?
@@ -77,6 +66,32 @@ impl InputFile {
             sha256,
         })
     }
+
+    /// The SHA-256 alone, without decompression.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn sha256_of(path: &Path) -> Result<String> {
+        Ok(sha256_hex(&stored_bytes(path)?))
+    }
+}
+
+/// A file as it is stored.
+fn stored_bytes(path: &Path) -> Result<Vec<u8>> {
+    let name = path.display();
+    if path.is_dir() {
+        bail!("{name} is a folder; name a file");
+    }
+    let mut raw = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
+        .with_context(|| format!("cannot read {name}"))?;
+    if raw.len() as u64 > LARGEST_INPUT_BYTES {
+        bail!(
+            "{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file"
+        );
+    }
+    Ok(raw)
 }
 
 /// Expands folders and lists: a folder stands for the structure files in it, sorted by name, and a

@@ -18,6 +18,7 @@
 //! | `calibrate` | the exact area and volume for flat triangles |
 //! | [`mesher`] | extract, remesh, calibrate, check: the mesh of any implicit solid |
 //! | [`deviation`] | how far a mesh lies from the surface that it stands for |
+//! | [`placed`] | a solid turned and moved |
 //! | `interior` | whether a cavity is an enclosed interior that other bodies may enter |
 //! | [`ses`] | atoms in, mesh and exact measures out |
 //!
@@ -37,6 +38,7 @@ pub mod implicit;
 mod interior;
 pub mod measure;
 pub mod mesher;
+pub mod placed;
 mod remesh;
 pub mod ses;
 #[cfg(test)]
@@ -50,4 +52,7 @@ pub use implicit::ImplicitSolid;
 pub use interior::ball_fits_inside;
 pub use measure::{Measure, SurfaceMeasure};
 pub use mesher::{MeshSettings, mesh_solid, without_cavities};
-pub use ses::{FilledCavities, Surface, solvent_excluded_surface, surface_without_cavities};
+pub use placed::Placed;
+pub use ses::{
+    ExactSurface, FilledCavities, Surface, solvent_excluded_surface, surface_without_cavities,
+};

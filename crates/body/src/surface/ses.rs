@@ -1,5 +1,5 @@
-//! Atoms in, solvent-excluded surface out: the mesh, what it should measure exactly, and by how
-//! much it misses that.
+//! Atoms in, solvent-excluded surface out: first exactly, as a solid with a signed distance, then the
+//! mesh, what it should measure exactly, and by how much it misses that.
 
 use super::calibrate::Target;
 use super::deviation::Deviation;
@@ -15,6 +15,106 @@ use protomer_kernel::{TriangleMesh, Vec3};
 const SPACING_PER_RADIUS: f64 = 0.6;
 /// Atoms smaller than this do not make the lattice finer, Å.
 const SMALLEST_RESOLVED_RADIUS_ANGSTROM: f64 = 0.3;
+
+/// A solvent-excluded surface before it has a mesh.
+///
+/// ```
+/// use protomer_body::surface::{ExactSurface, ImplicitSolid, MeshSettings};
+/// use protomer_kernel::Vec3;
+/// let exact = ExactSurface::new(&[Vec3::zeros()], &[1.7], 1.4)?;
+/// assert!((exact.solid().signed_distance(&Vec3::x()) + 0.7).abs() < 1e-7);
+/// let surface = exact.mesh(&MeshSettings::default(), None)?;
+/// assert_eq!(surface.topology.components, 1);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ExactSurface {
+    accessible: Arrangement,
+    solid: SesSolid,
+    /// The smallest radius that the lattice resolves, Å.
+    smallest_radius: f64,
+}
+
+impl ExactSurface {
+    /// The surface of atoms at these places, Å.
+    ///
+    /// # Errors
+    /// As [`Arrangement::new`].
+    pub fn new(
+        centres: &[Vec3],
+        radii_angstrom: &[f64],
+        probe_radius_angstrom: f64,
+    ) -> Result<Self> {
+        let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
+        let resolved = radii_angstrom
+            .iter()
+            .filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
+        Ok(Self {
+            solid: SesSolid::new(&accessible),
+            smallest_radius: resolved.copied().fold(f64::INFINITY, f64::min),
+            accessible,
+        })
+    }
+
+    /// What the surface encloses.
+    pub fn solid(&self) -> &SesSolid {
+        &self.solid
+    }
+
+    /// The mesh: with all cavities as [`solvent_excluded_surface`] makes it, or with those that hold a
+    /// ball of a radius (Å) as [`surface_without_cavities`] does.
+    ///
+    /// # Errors
+    /// [`crate::BodyError::Invalid`] for settings that make no sense, and surfaces too large to be
+    /// meshed.
+    pub fn mesh(
+        self,
+        settings: &MeshSettings,
+        interior_radius_angstrom: Option<f64>,
+    ) -> Result<Surface> {
+        let Self {
+            accessible,
+            solid,
+            smallest_radius,
+        } = self;
+        let measure = Measure::new(&accessible);
+        // The mesh needs the memory.
+        drop(accessible);
+        let settings = MeshSettings {
+            base_spacing_angstrom: settings
+                .base_spacing_angstrom
+                .min(SPACING_PER_RADIUS * smallest_radius),
+            ..*settings
+        };
+        let mut selection = Selection::everything(&measure);
+        let Meshed {
+            mesh,
+            topology,
+            expected_squares,
+        } = mesh_in_full(&solid, &settings, &mut |uncalibrated| {
+            if let Some(radius_angstrom) = interior_radius_angstrom {
+                selection =
+                    Selection::of_shells(&uncalibrated.to_shells(), &measure, radius_angstrom);
+            }
+            Ok(Goal {
+                target: Some(target(&selection.exact)),
+                is_kept: selection.is_kept.clone(),
+            })
+        })?;
+        let Selection {
+            exact, cavities, ..
+        } = selection;
+        Ok(Surface {
+            mesh,
+            topology,
+            exact,
+            measure,
+            cavities,
+            solid,
+            expected_squares,
+        })
+    }
+}
 
 /// A solvent-excluded surface; [`solvent_excluded_surface`] and [`surface_without_cavities`] make it.
 #[derive(Debug, Clone)]
@@ -111,13 +211,7 @@ pub fn solvent_excluded_surface(
     probe_radius_angstrom: f64,
     settings: &MeshSettings,
 ) -> Result<Surface> {
-    surface_with(
-        centres,
-        radii_angstrom,
-        probe_radius_angstrom,
-        settings,
-        None,
-    )
+    ExactSurface::new(centres, radii_angstrom, probe_radius_angstrom)?.mesh(settings, None)
 }
 
 /// The same without the walls of its cavities, calibrated to the exact area and volume of the shells
@@ -155,65 +249,8 @@ pub fn surface_without_cavities(
     settings: &MeshSettings,
     interior_radius_angstrom: f64,
 ) -> Result<Surface> {
-    let interior = Some(interior_radius_angstrom);
-    surface_with(
-        centres,
-        radii_angstrom,
-        probe_radius_angstrom,
-        settings,
-        interior,
-    )
-}
-
-/// With all cavities, or with those that hold a ball of this radius (Å).
-fn surface_with(
-    centres: &[Vec3],
-    radii_angstrom: &[f64],
-    probe_radius_angstrom: f64,
-    settings: &MeshSettings,
-    interior_radius_angstrom: Option<f64>,
-) -> Result<Surface> {
-    let (measure, solid) = {
-        let accessible = Arrangement::new(centres, radii_angstrom, probe_radius_angstrom)?;
-        (Measure::new(&accessible), SesSolid::new(&accessible))
-    };
-    let resolved = radii_angstrom
-        .iter()
-        .filter(|radius| **radius >= SMALLEST_RESOLVED_RADIUS_ANGSTROM);
-    let smallest = resolved.copied().fold(f64::INFINITY, f64::min);
-    let base_spacing_angstrom = settings
-        .base_spacing_angstrom
-        .min(SPACING_PER_RADIUS * smallest);
-    let settings = MeshSettings {
-        base_spacing_angstrom,
-        ..*settings
-    };
-    let mut selection = Selection::everything(&measure);
-    let Meshed {
-        mesh,
-        topology,
-        expected_squares,
-    } = mesh_in_full(&solid, &settings, &mut |uncalibrated| {
-        if let Some(radius_angstrom) = interior_radius_angstrom {
-            selection = Selection::of_shells(&uncalibrated.to_shells(), &measure, radius_angstrom);
-        }
-        Ok(Goal {
-            target: Some(target(&selection.exact)),
-            is_kept: selection.is_kept.clone(),
-        })
-    })?;
-    let Selection {
-        exact, cavities, ..
-    } = selection;
-    Ok(Surface {
-        mesh,
-        topology,
-        exact,
-        measure,
-        cavities,
-        solid,
-        expected_squares,
-    })
+    let exact = ExactSurface::new(centres, radii_angstrom, probe_radius_angstrom)?;
+    exact.mesh(settings, Some(interior_radius_angstrom))
 }
 
 /// Which shells of a mesh stay.

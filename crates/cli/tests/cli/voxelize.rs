@@ -2,9 +2,12 @@
 //! threads, the same files.
 
 use crate::common::{Watcher, program};
+use protomer_body::Draft;
+use protomer_body::surface::ExactSurface;
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use protomer_learn::SampleSource;
 use protomer_results::{Execution, Shard};
+use protomer_training::voxels::body_store::{BodyRecord, BodyStore};
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::merge::merge;
 use protomer_training::voxels::samples::VoxelSet;
@@ -16,6 +19,7 @@ use serde_json::json;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Output;
+use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
 /// Helices of five residues each, as PDB text: small, and enough to have a surface, charges and
@@ -96,7 +100,15 @@ impl Place {
     fn make(&self, name: &str, shard: Shard, settings: &VoxelizeSettings) -> VoxelizeReport {
         let manifest = Manifest::read(&self.path("set.csv")).unwrap();
         let execution = Execution::default();
-        voxelize(&manifest, shard, settings, &self.path(name), &execution).unwrap()
+        voxelize(
+            &manifest,
+            shard,
+            settings,
+            None,
+            &self.path(name),
+            &execution,
+        )
+        .unwrap()
     }
 
     /// A manifest of these files in place of the six peptides, each of a cluster of its own.
@@ -313,6 +325,7 @@ fn the_same_command_again_has_nothing_to_do_until_something_changes() {
             &manifest,
             Shard::WHOLE,
             settings,
+            None,
             &place.path(name),
             &execution,
         )
@@ -354,7 +367,15 @@ fn an_interrupted_run_goes_on_and_ends_as_if_it_had_not_been() {
         // Stops after the first structure that gets done.
         let watcher = Watcher::stopping_after(1);
         let execution = watcher.execution();
-        let report = voxelize(&manifest, Shard::WHOLE, &settings(), &output, &execution).unwrap();
+        let report = voxelize(
+            &manifest,
+            Shard::WHOLE,
+            &settings(),
+            None,
+            &output,
+            &execution,
+        )
+        .unwrap();
         assert_eq!(
             report.taken_over as u64 + watcher.total.load(Ordering::Relaxed),
             8
@@ -870,4 +891,135 @@ fn a_run_without_a_single_sample_has_failed() {
     let output = place.run("merge 1.zarr 2.zarr -o b.zarr -q");
     assert_eq!(output.status.code(), Some(1));
     assert!(String::from_utf8_lossy(&output.stderr).contains("has no samples"));
+}
+
+/// The rows of a table that say `ok`.
+fn good_rows(table: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(table).unwrap();
+    let rows = text.lines().filter(|row| row.contains(",ok,"));
+    rows.map(|row| row.replace("ingested/", "made/")).collect()
+}
+
+/// The slow twin: voxels and bodies one after the other.
+#[test]
+fn bodies_on_the_way_are_those_of_ingest_and_the_set_is_the_same() {
+    let place = Place::new();
+    let set = "voxelize --manifest set.csv --size 32 --most-incomplete 0.3 -o";
+    let both = place.run(&format!("{set} both.zarr --bodies made --density 0.3"));
+    assert!(both.status.success(), "{both:?}");
+    assert!(place.run(&format!("{set} alone.zarr")).status.success());
+    place.run("ingest --stream one.pdb two.pdb far.pdb three.pdb --density 0.3 -o ingested");
+    assert_eq!(
+        content(&place.path("both.zarr")),
+        content(&place.path("alone.zarr"))
+    );
+    // The one that does not fit the grid has a body too.
+    for name in ["one", "two", "far", "three"] {
+        let [made, ingested] = ["made", "ingested"]
+            .map(|folder| std::fs::read(place.path(&format!("{folder}/{name}.body"))).unwrap());
+        assert!(made == ingested, "{name}");
+    }
+    let [made, ingested] =
+        ["made", "ingested"].map(|folder| good_rows(&place.path(&format!("{folder}/ingest.csv"))));
+    assert_eq!((made.len(), &made), (4, &ingested));
+    let warnings = std::fs::read_to_string(place.path("made/warnings.csv")).unwrap();
+    let errors = warnings.lines().filter(|line| line.contains(",error,"));
+    assert_eq!(errors.count(), 4, "{warnings}");
+
+    let again = place.run(&format!("{set} both.zarr --bodies made --density 0.3"));
+    assert!(again.status.success(), "{again:?}");
+    let late = place.run(&format!("{set} alone.zarr --bodies late"));
+    let told = String::from_utf8(late.stderr).unwrap();
+    assert!(told.contains("'protomer ingest'"), "{told}");
+    let wrong = place.run(&format!("{set} wrong.zarr --bodies wrong --density -1"));
+    assert!(!wrong.status.success() && !place.path("wrong").exists());
+}
+
+/// Keeps nothing, and counts.
+#[derive(Default)]
+struct Counting {
+    kept: Mutex<Vec<String>>,
+    finished: Mutex<Vec<String>>,
+}
+
+impl BodyStore for Counting {
+    fn density_per_angstrom2(&self) -> f64 {
+        0.3
+    }
+
+    fn keep(&self, file: &Path, _: Draft, _: ExactSurface) -> BodyRecord {
+        let file = file.file_name().unwrap().to_string_lossy().into_owned();
+        self.kept.lock().unwrap().push(file.clone());
+        BodyRecord {
+            row: vec!["ok".into()],
+            file,
+            warnings: Vec::new(),
+            error: None,
+        }
+    }
+
+    fn failed(&self, file: &Path, error: &anyhow::Error) -> BodyRecord {
+        BodyRecord {
+            file: file.file_name().unwrap().to_string_lossy().into_owned(),
+            row: vec!["failed".into()],
+            warnings: Vec::new(),
+            error: Some(error.to_string()),
+        }
+    }
+
+    fn table(&self) -> &Path {
+        Path::new("nowhere")
+    }
+
+    fn finish(
+        &self,
+        records: &mut dyn Iterator<Item = anyhow::Result<BodyRecord>>,
+    ) -> anyhow::Result<()> {
+        for record in records {
+            self.finished.lock().unwrap().push(record?.file);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn bodies_of_a_run_that_was_continued_are_made_once_and_told_in_order() {
+    let place = Place::new();
+    let manifest = Manifest::read(&place.path("set.csv")).unwrap();
+    let (output, store) = (place.path("set.zarr"), Counting::default());
+    loop {
+        let watcher = Watcher::stopping_after(1);
+        let execution = watcher.execution();
+        let pool = rayon_pool(1);
+        let report = pool.install(|| {
+            let bodies = Some(&store as &dyn BodyStore);
+            voxelize(
+                &manifest,
+                Shard::WHOLE,
+                &settings(),
+                bodies,
+                &output,
+                &execution,
+            )
+            .unwrap()
+        });
+        if report.state == State::Written {
+            break;
+        }
+        assert!(store.finished.lock().unwrap().is_empty());
+    }
+    let mut kept = store.kept.into_inner().unwrap();
+    kept.sort();
+    assert_eq!(kept, ["far.pdb", "one.pdb", "three.pdb", "two.pdb"]);
+    let expected = [
+        "one.pdb",
+        "trace.pdb",
+        "two.pdb",
+        "broken.pdb",
+        "water.pdb",
+        "missing.pdb",
+        "far.pdb",
+        "three.pdb",
+    ];
+    assert_eq!(store.finished.into_inner().unwrap(), expected);
 }

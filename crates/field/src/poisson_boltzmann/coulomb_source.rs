@@ -55,8 +55,6 @@ struct Crossing {
     direction: f64,
 }
 
-/// Crossings of a group, which sees the same charges as near.
-const MOST_CROSSINGS: usize = 40;
 /// For fewer crossings a polynomial of the far charges is not worth its cost.
 const FEWEST_CROSSINGS: usize = 10;
 
@@ -74,12 +72,12 @@ pub(super) fn at_surface(
     let [inner, _] = permittivities;
     let h = grid.spacing_angstrom;
     let sources_of_block = |block: &Block| {
-        let mut crossings = crossings(block, grid, operator, inside, permittivities);
+        let crossings = crossings(block, grid, operator, inside, permittivities);
         let mut sources = Vec::with_capacity(2 * crossings.len());
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
             let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
-            each_with_charges(&mut crossings, &seen, h, &mut |crossing, at_edge| {
+            each_with_charges(&crossings, &seen, h, &mut |crossing, at_edge| {
                 let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
@@ -97,40 +95,24 @@ pub(super) fn at_surface(
     right
 }
 
-/// Visits each crossing with what charges do there: those far from all crossings as one polynomial, of
-/// the others those far from a group of crossings as another, and the rest one by one.
+/// Visits each crossing with what charges do there: those far from all crossings as one polynomial, the
+/// others one by one.
 fn each_with_charges(
-    crossings: &mut [Crossing],
+    crossings: &[Crossing],
     charges: &[Source],
     h: f64,
     visit: &mut dyn FnMut(&Crossing, AtEdge),
 ) {
+    let Some(first) = crossings.first() else {
+        return;
+    };
     let (far, near) = far_and_near(crossings, charges, h);
-    if crossings.len() <= MOST_CROSSINGS {
-        return each_with_far_and_near(crossings, &[far], near, h, visit);
+    let near = EdgeCharges::new(near, first.middle);
+    for crossing in crossings {
+        let edge = crossing.edge(h);
+        let of_far = far.iter().map(|charges| charges.at(&edge));
+        visit(crossing, of_far.fold(near.at(&edge), AtEdge::add));
     }
-    for group in groups(crossings) {
-        let (farther, near) = far_and_near(group, &near, h);
-        each_with_far_and_near(group, &[far.clone(), farther], near, h, visit);
-    }
-}
-
-/// Halves along the longest edge of their box, again and again until they are few.
-fn groups(crossings: &mut [Crossing]) -> Vec<&mut [Crossing]> {
-    if crossings.len() <= MOST_CROSSINGS {
-        return vec![crossings];
-    }
-    let (low, high) = bounds(crossings.iter().map(|crossing| &crossing.middle));
-    let (axis, _) = (high - low).argmax();
-    let half = crossings.len() / 2;
-    crossings.select_nth_unstable_by(half, |a, b| {
-        let order = a.middle[axis].total_cmp(&b.middle[axis]);
-        order.then((a.inside, a.outside).cmp(&(b.inside, b.outside)))
-    });
-    let (first, second) = crossings.split_at_mut(half);
-    let mut all = groups(first);
-    all.extend(groups(second));
-    all
 }
 
 /// The charges far from these crossings as a polynomial, if that is worth its cost, and the others.
@@ -156,24 +138,6 @@ fn far_and_near(
         side.push(*source);
     }
     (Some(FarCharges::new(&far, middle)), near)
-}
-
-fn each_with_far_and_near(
-    crossings: &[Crossing],
-    far: &[Option<FarCharges>],
-    near: Vec<Source>,
-    h: f64,
-    visit: &mut dyn FnMut(&Crossing, AtEdge),
-) {
-    let Some(first) = crossings.first() else {
-        return;
-    };
-    let near = EdgeCharges::new(near, first.middle);
-    for crossing in crossings {
-        let edge = crossing.edge(h);
-        let of_far = far.iter().flatten().map(|charges| charges.at(&edge));
-        visit(crossing, of_far.fold(near.at(&edge), AtEdge::add));
-    }
 }
 
 impl Crossing {

@@ -122,7 +122,7 @@ fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Ve
 }
 
 /// Planes of points whose distances are found together.
-const PLANES: usize = 4;
+const PLANES: usize = 12;
 
 /// Signed distances at all points, Å; a lower bound for points so far outside that their boxes are not
 /// cut, as far as the gap or the box around the solid shows that.

@@ -10,7 +10,7 @@ use crate::dielectric::DielectricModel;
 use crate::poisson_boltzmann::{SolveSettings, solve_within};
 use crate::surface::solvent_excluded;
 use crate::{FieldError, Result};
-use protomer_body::surface::{ImplicitSolid, SesSolid};
+use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::{Rotation, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -183,10 +183,24 @@ pub fn voxelise(
     settings: &VoxelSettings,
 ) -> Result<Voxels> {
     check_settings(settings)?;
-    let spheres: Vec<ChargedSphere> = atoms.iter().map(|atom| atom.sphere).collect();
-    let solid = solvent_excluded(&spheres, settings.dielectric.probe_angstrom)?;
+    let solid = solvent_excluded(&spheres_of(atoms), settings.dielectric.probe_angstrom)?;
+    voxelise_within(&solid, atoms, hydropathy, lattice, settings)
+}
+
+/// The same, with the solvent-excluded surface of these atoms for the probe of the settings.
+///
+/// # Errors
+/// As [`voxelise`].
+pub fn voxelise_within(
+    solid: &dyn ImplicitSolid,
+    atoms: &[VoxelAtom],
+    hydropathy: &[Option<f64>],
+    lattice: &Lattice,
+    settings: &VoxelSettings,
+) -> Result<Voxels> {
+    check_settings(settings)?;
     check_room(atoms, lattice)?;
-    let Occupied { shell, inside } = occupied(lattice, &solid);
+    let Occupied { shell, inside } = occupied(lattice, solid);
     let index = if settings.channels.contains(&Channel::Solid) {
         union(&shell, &inside)
     } else {
@@ -198,7 +212,7 @@ pub fn voxelise(
             Channel::Shape => scatter(&index, &shell, &vec![1.0; shell.len()]),
             Channel::Solid => scatter(&index, &inside, &vec![1.0; inside.len()]),
             Channel::Potential => {
-                let potential = potentials(&spheres, &solid, lattice, &shell, settings)?;
+                let potential = potentials(&spheres_of(atoms), solid, lattice, &shell, settings)?;
                 scatter(&index, &shell, &potential)
             }
             Channel::Hydropathy => {
@@ -215,6 +229,10 @@ pub fn voxelise(
         values.push(of_channel);
     }
     Ok(Voxels { index, values })
+}
+
+fn spheres_of(atoms: &[VoxelAtom]) -> Vec<ChargedSphere> {
+    atoms.iter().map(|atom| atom.sphere).collect()
 }
 
 fn check_settings(settings: &VoxelSettings) -> Result<()> {
@@ -250,7 +268,7 @@ fn check_room(atoms: &[VoxelAtom], lattice: &Lattice) -> Result<()> {
 /// The potential at the points of the surface nearest to the centres of these voxels, kT/e.
 fn potentials(
     spheres: &[ChargedSphere],
-    solid: &SesSolid,
+    solid: &dyn ImplicitSolid,
     lattice: &Lattice,
     shell: &[u32],
     settings: &VoxelSettings,

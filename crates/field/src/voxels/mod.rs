@@ -21,6 +21,8 @@ pub mod orientation;
 mod outer;
 pub mod shell;
 
-pub use channels::{Channel, PotentialModel, VoxelAtom, VoxelSettings, Voxels, voxelise};
+pub use channels::{
+    Channel, PotentialModel, VoxelAtom, VoxelSettings, Voxels, voxelise, voxelise_within,
+};
 pub use lattice::Lattice;
 pub use orientation::Orientation;

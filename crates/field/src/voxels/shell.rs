@@ -6,7 +6,7 @@ use protomer_kernel::Vec3;
 use rayon::prelude::*;
 
 /// Layers of voxels that are sorted together.
-const LAYERS: usize = 4;
+const LAYERS: usize = 12;
 
 /// Voxels of the surface and of the solid, ascending.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -263,8 +263,19 @@ fn ingest_file(
     folder: &Path,
     settings: &IngestSettings,
 ) -> Result<FileOutcome> {
-    let path = folder.join(format!("{name}.body"));
     let built = read_and_build(file, name, &settings.body)?;
+    keep(file, name, built, folder, settings)
+}
+
+/// Keeps a body in a folder.
+pub(super) fn keep(
+    file: &Path,
+    name: &str,
+    built: BuiltBody,
+    folder: &Path,
+    settings: &IngestSettings,
+) -> Result<FileOutcome> {
+    let path = folder.join(format!("{name}.body"));
     let force = settings.force;
     body_file::refuse_another(&path, &built.body, force)
         .with_context(|| file.display().to_string())?;
@@ -373,7 +384,7 @@ fn point_records(body: &Body) -> Vec<PointRecord> {
 }
 
 impl FileOutcome {
-    fn failed(file: &Path, error: &anyhow::Error) -> Self {
+    pub(super) fn failed(file: &Path, error: &anyhow::Error) -> Self {
         Self {
             file: file.display().to_string(),
             status: "failed",

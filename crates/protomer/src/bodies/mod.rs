@@ -2,7 +2,9 @@
 
 pub mod body_file;
 pub mod fetch;
+pub mod folder;
 pub mod ingest;
 pub mod own_body;
 pub mod stream;
 pub mod surface_of_file;
+pub mod tables;

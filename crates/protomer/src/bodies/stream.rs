@@ -7,15 +7,14 @@
 //! removes files that were not finished and converts the rest; a body that is already there is
 //! recognised by its bytes. So the folder equals that of an uninterrupted run byte for byte.
 
-use super::ingest::{
-    BodyMeasures, FileOutcome, IngestSettings, MeshDistance, body_names, ingest_one,
-};
+use super::ingest::{FileOutcome, IngestSettings, body_names, ingest_one};
+use super::tables::{Entry, Paths, Tables};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_io::atomic::{remove_abandoned_of, write_atomically};
 use protomer_io::digest::Digest;
 use protomer_results::lock::lock_file;
-use protomer_results::{Execution, Hold, Log, LogMark, ResultKind, Row, Shard};
+use protomer_results::{Execution, Hold, LogMark, ResultKind, Shard};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -90,91 +89,6 @@ struct Done {
     warnings_table: LogMark,
 }
 
-/// A file in `ingest.csv`.
-#[derive(Debug, Clone, PartialEq)]
-struct FileRow(Vec<String>);
-
-/// A warning or an error in `warnings.csv`.
-#[derive(Debug, Clone, PartialEq)]
-struct WarningRow([String; 3]);
-
-impl Row for FileRow {
-    fn columns() -> Vec<&'static str> {
-        vec![
-            "file",
-            "status",
-            "body",
-            "atoms",
-            "residues",
-            "net_charge_e",
-            "mesh_area_angstrom2",
-            "mesh_volume_angstrom3",
-            "mesh_rms_distance_angstrom",
-            "mesh_largest_distance_angstrom",
-            "radius_angstrom",
-            "warnings",
-        ]
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        self.0.clone()
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        (cells.len() == Self::columns().len()).then(|| Self(cells.to_vec()))
-    }
-}
-
-impl Row for WarningRow {
-    fn columns() -> Vec<&'static str> {
-        vec!["file", "kind", "message"]
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        self.0.to_vec()
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        Some(Self(cells.to_vec().try_into().ok()?))
-    }
-}
-
-impl FileRow {
-    fn of(outcome: &FileOutcome) -> Self {
-        let measures = |of: fn(&BodyMeasures) -> String| {
-            let measures = outcome.measures.as_ref();
-            measures.map(of).unwrap_or_default()
-        };
-        let distance = |of: fn(&MeshDistance) -> f64| {
-            let distance = outcome.distance.as_ref().map(of);
-            distance.map_or(String::new(), |angstrom| angstrom.to_string())
-        };
-        let body = outcome.body.as_ref();
-        Self(vec![
-            outcome.file.clone(),
-            outcome.status.to_owned(),
-            body.map(|body| body.display().to_string())
-                .unwrap_or_default(),
-            measures(|body| body.atoms.to_string()),
-            measures(|body| body.residues.to_string()),
-            measures(|body| body.net_charge_e.to_string()),
-            measures(|body| body.mesh_area_angstrom2.to_string()),
-            measures(|body| body.mesh_volume_angstrom3.to_string()),
-            distance(|mesh| mesh.mesh_rms_distance_angstrom),
-            distance(|mesh| mesh.mesh_largest_distance_angstrom),
-            measures(|body| body.radius_angstrom.to_string()),
-            outcome.warnings.len().to_string(),
-        ])
-    }
-}
-
-impl WarningRow {
-    fn of(file: &str, kind: &str, message: &str) -> Self {
-        // A row is a line.
-        Self([file, kind, message].map(|cell| cell.replace(['\n', '\r'], " ")))
-    }
-}
-
 /// Ingests every file of a part into `folder`. With `execution.start_anew` the tables begin anew.
 ///
 /// # Errors
@@ -223,29 +137,6 @@ pub fn ingest_stream(
     stream.run(execution)
 }
 
-/// The files that a part writes beside the bodies.
-struct Paths {
-    table: PathBuf,
-    warnings_table: PathBuf,
-    done: PathBuf,
-    lock: PathBuf,
-}
-
-impl Paths {
-    fn new(folder: &Path, shard: Shard) -> Self {
-        let part = match shard.is_whole() {
-            true => String::new(),
-            false => format!("-{}-of-{}", shard.index, shard.of),
-        };
-        Self {
-            table: folder.join(format!("ingest{part}.csv")),
-            warnings_table: folder.join(format!("warnings{part}.csv")),
-            done: folder.join(format!("ingest{part}.json")),
-            lock: folder.join(format!(".ingest{part}.lock")),
-        }
-    }
-}
-
 /// SHA-256 of what decides the rows, and of the version that wrote them.
 fn identity(files: &[PathBuf], settings: &IngestSettings, shard: Shard) -> Result<String> {
     let (body, exports) = (&settings.body, &settings.exports);
@@ -273,7 +164,7 @@ impl Stream<'_> {
         let start = Instant::now();
         self.remove_unfinished()?;
         let mut done = self.begin(execution.start_anew)?;
-        let mut tables = Tables::open(&self.paths, &done)?;
+        let mut tables = Tables::open(&self.paths, [&done.table, &done.warnings_table])?;
         let taken_over = done.ok + done.failed;
         let progress = execution.progress.as_ref();
         progress.begin(self.jobs.len() as u64, "structures");
@@ -291,7 +182,15 @@ impl Stream<'_> {
                 outcome
             };
             let outcomes: Vec<FileOutcome> = jobs.par_iter().map(convert).collect();
-            tables.append(&outcomes, &mut done)?;
+            for outcome in &outcomes {
+                tables.append(&Entry::of(outcome))?;
+                done.warnings += outcome.warnings.len();
+                match outcome.error {
+                    None => done.ok += 1,
+                    Some(_) => done.failed += 1,
+                }
+            }
+            (done.table, done.warnings_table) = tables.sync()?;
             self.save(&done)?;
         }
         Ok(StreamReport {
@@ -352,48 +251,10 @@ impl Stream<'_> {
     }
 }
 
-/// The two tables.
-struct Tables {
-    files: Log,
-    warnings: Log,
-}
-
-impl Tables {
-    fn open(paths: &Paths, done: &Done) -> Result<Self> {
-        Ok(Self {
-            files: Log::open::<FileRow>(&paths.table, &done.table)?,
-            warnings: Log::open::<WarningRow>(&paths.warnings_table, &done.warnings_table)?,
-        })
-    }
-
-    /// Appends the rows of a block and counts them.
-    fn append(&mut self, outcomes: &[FileOutcome], done: &mut Done) -> Result<()> {
-        for outcome in outcomes {
-            let file = &outcome.file;
-            self.files.append(&FileRow::of(outcome))?;
-            for warning in &outcome.warnings {
-                self.warnings
-                    .append(&WarningRow::of(file, "warning", warning))?;
-            }
-            if let Some(error) = &outcome.error {
-                self.warnings
-                    .append(&WarningRow::of(file, "error", error))?;
-            }
-            done.warnings += outcome.warnings.len();
-            match outcome.error {
-                None => done.ok += 1,
-                Some(_) => done.failed += 1,
-            }
-        }
-        done.table = self.files.sync()?;
-        done.warnings_table = self.warnings.sync()?;
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use super::super::tables::{FileRow, WarningRow};
     use super::*;
     use std::collections::BTreeMap;
 

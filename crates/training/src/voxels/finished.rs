@@ -35,7 +35,8 @@ impl<'a> Finished<'a> {
         };
         for structure in 0..part.len() {
             let row = part.row(structure)?;
-            match work.get(structure).with_context(|| row.name.clone())? {
+            let done = work.get(structure).with_context(|| row.name.clone())?;
+            match done.outcome {
                 Outcome::Sample(sample) => {
                     finished.structures.push(structure);
                     finished.voxels += sample.voxels.index.len() as u64;
@@ -80,7 +81,7 @@ impl Content for Finished<'_> {
     }
 
     fn sample(&self, sample: usize) -> Result<(Properties, Voxels)> {
-        match self.work.get(self.structure(sample)?)? {
+        match self.work.get(self.structure(sample)?)?.outcome {
             Outcome::Sample(sample) => Ok((sample.properties, sample.voxels)),
             Outcome::Excluded { .. } => bail!("sample {sample} was excluded"),
         }

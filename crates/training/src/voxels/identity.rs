@@ -67,12 +67,16 @@ where
 pub struct Keys(Value);
 
 impl Keys {
-    /// The keys with these settings.
+    /// The keys with these settings, and with the vertices per Å² of bodies that are stored.
     ///
     /// # Errors
     /// If the settings cannot be serialised.
-    pub fn new(settings: &VoxelizeSettings) -> Result<Self> {
-        Ok(Self(making(settings)?))
+    pub fn new(settings: &VoxelizeSettings, body_density: Option<f64>) -> Result<Self> {
+        let making = making(settings)?;
+        Ok(Self(match body_density {
+            Some(density) => json!([making, density]),
+            None => making,
+        }))
     }
 
     /// The key of a sample: a hash of the settings, the name, the bytes of the file, and the record
@@ -152,7 +156,7 @@ mod tests {
         let streamed = identity(&settings, || rows.iter().cloned().map(Ok)).unwrap();
         let made = making(&settings).unwrap();
         assert_eq!(streamed, whole(json!([made, rows])).to_string());
-        let keys = Keys::new(&settings).unwrap();
+        let keys = Keys::new(&settings, None).unwrap();
         for sha256 in [None, Some(Digest::of(b"file"))] {
             let text = sha256.map(|digest| digest.to_string());
             assert_eq!(

@@ -13,6 +13,7 @@
 //! | [`settings`] | the settings of the grids |
 //! | [`structure`] | one structure to one sample, or the reason for its exclusion |
 //! | [`work`] | finished samples, stored until all are done |
+//! | [`body_store`] | bodies made on the way |
 //! | [`content`] | what becomes a set: samples and exclusions, one at a time |
 //! | `part` | the structures that one process voxelises |
 //! | `finished` | the content in the work file |
@@ -29,6 +30,7 @@
 //! | [`mod@merge`] | merges several sets into one |
 
 pub mod attributes;
+pub mod body_store;
 pub mod columns;
 pub mod content;
 mod finished;

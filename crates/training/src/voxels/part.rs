@@ -27,6 +27,7 @@ impl<'a> Part<'a> {
         manifest: &'a Manifest,
         shard: Shard,
         settings: &'a VoxelizeSettings,
+        body_density: Option<f64>,
     ) -> Result<Self> {
         let count = (0..manifest.len())
             .filter(|number| shard.has(*number))
@@ -36,12 +37,12 @@ impl<'a> Part<'a> {
             shard,
             settings,
             hashes: Vec::new(),
-            keys: Keys::new(settings)?,
+            keys: Keys::new(settings, body_density)?,
             identity: String::new(),
         };
         let hash = |structure| {
-            let file = InputFile::read(&part.entry(structure).ok()?.path).ok()?;
-            Digest::from_hex(&file.sha256)
+            let path = part.entry(structure).ok()?.path;
+            Digest::from_hex(&InputFile::sha256_of(&path).ok()?)
         };
         part.hashes = (0..count).into_par_iter().map(hash).collect();
         let rows = || (0..count).map(|structure| part.row(structure));

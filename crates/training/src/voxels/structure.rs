@@ -1,25 +1,25 @@
-//! One structure to one sample, or the reason why not.
+//! One structure to one sample, or the reason why not; and to a body, where bodies are stored.
 
+use super::body_store::{BodyRecord, BodyStore};
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use anyhow::{Result, anyhow, bail};
 use protomer_body::chemistry::residue_names::modified_residue;
-use protomer_body::chemistry::{
-    AminoAcid, ChargedSites, SiteSettings, build_sites, sites_of_points,
-};
+use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings};
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
-use protomer_body::{BodyError, structure_warnings};
+use protomer_body::surface::{ExactSurface, Placed};
+use protomer_body::{BodyError, BodySettings, Draft, Source, SurfaceSettings, structure_warnings};
 use protomer_common::input::InputFile;
 use protomer_common::remedy;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
-use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise};
+use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise_within};
 use protomer_field::{ChargedSphere, FieldError};
 use protomer_io::digest::Digest;
 use protomer_io::points::read_points;
 use protomer_io::zarr::as_stored;
-use protomer_kernel::{Rotation, Vec3};
+use protomer_kernel::{Pose, Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Why a structure is excluded.
@@ -90,57 +90,123 @@ pub struct Properties {
 /// Maximum number of warnings kept per structure.
 const MOST_WARNINGS: usize = 10;
 
+/// What was made of a structure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Done {
+    /// Its voxels, or why there are none.
+    pub outcome: Outcome,
+    /// What is told of its body, if bodies are stored.
+    pub body: Option<BodyRecord>,
+}
+
 /// An error that excludes a structure.
 struct Excluded(Reason, anyhow::Error);
 
-type Checked<T> = std::result::Result<T, Excluded>;
-
-/// Voxelises a structure.
-pub fn voxelize_structure(entry: &Entry, settings: &VoxelizeSettings) -> Outcome {
-    match sample(entry, settings) {
-        Ok(sample) => Outcome::Sample(Box::new(sample)),
-        Err(Excluded(reason, error)) => Outcome::Excluded {
+impl From<Excluded> for Outcome {
+    fn from(Excluded(reason, error): Excluded) -> Self {
+        Outcome::Excluded {
             reason,
             detail: remedy::message(&error),
+        }
+    }
+}
+
+type Checked<T> = std::result::Result<T, Excluded>;
+
+/// Voxelises a structure, and makes its body if somebody keeps bodies. An error is its outcome.
+pub fn voxelize_structure(
+    entry: &Entry,
+    settings: &VoxelizeSettings,
+    bodies: Option<&dyn BodyStore>,
+) -> Done {
+    match try_both(entry, settings, bodies) {
+        Ok(done) => done,
+        Err(excluded) => Done {
+            body: bodies.map(|bodies| bodies.failed(&entry.path, &excluded.1)),
+            outcome: excluded.into(),
         },
     }
 }
 
-fn sample(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Sample> {
-    let content = read(entry, settings)?;
+/// A structure that does not become a sample may still become a body, and the error is that of both
+/// otherwise.
+fn try_both(
+    entry: &Entry,
+    settings: &VoxelizeSettings,
+    bodies: Option<&dyn BodyStore>,
+) -> Checked<Done> {
+    let (content, amino_acids) = usable(entry, settings, density_of(bodies))?;
+    let posed = Posed::new(entry, content.draft.sites(), settings);
+    let lattice = lattice(&posed.atoms, settings);
+    let mut lattice = lattice.map_err(|error| Excluded(Reason::TooLarge, error));
+    if bodies.is_none() {
+        // What does not fit needs no surface.
+        lattice = Ok(lattice?);
+    }
+    let surface = content.draft.exact_surface();
+    let surface = surface.map_err(|error| Excluded(Reason::Failed, error.into()))?;
+    let outcome = lattice
+        .and_then(|lattice| sample(&content, &posed, &lattice, &surface, &amino_acids, settings))
+        .map_or_else(Outcome::from, |sample| Outcome::Sample(Box::new(sample)));
+    let draft = content.draft;
+    Ok(Done {
+        outcome,
+        body: bodies.map(|bodies| bodies.keep(&entry.path, draft, surface)),
+    })
+}
+
+/// A structure that can be used, with its amino acids.
+fn usable(
+    entry: &Entry,
+    settings: &VoxelizeSettings,
+    density_per_angstrom2: f64,
+) -> Checked<(Content, Vec<AminoAcid>)> {
+    let content = read(entry, settings, density_per_angstrom2)?;
     let amino_acids = amino_acids_of(&content, settings)?;
-    let Content {
-        sites, warnings, ..
-    } = content;
+    Ok((content, amino_acids))
+}
+
+fn sample(
+    content: &Content,
+    posed: &Posed,
+    lattice: &Lattice,
+    surface: &ExactSurface,
+    amino_acids: &[AminoAcid],
+    settings: &VoxelizeSettings,
+) -> Checked<Sample> {
+    let sites = content.draft.sites();
+    let voxel_settings = settings.voxel_settings();
+    let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
+    let residues = sites.residues.iter();
+    let hydropathy: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
     let Posed {
         atoms,
         positions,
         rotation,
         middle,
-    } = Posed::new(entry, &sites, settings);
-    let lattice = lattice(&atoms, settings).map_err(|error| Excluded(Reason::TooLarge, error))?;
-    let voxel_settings = settings.voxel_settings();
-    let voxel_settings = voxel_settings.map_err(|error| Excluded(Reason::Failed, error))?;
-    let residues = sites.residues.iter();
-    let hydropathy: Vec<Option<f64>> = residues.map(|residue| residue.hydropathy).collect();
-    let voxels = voxelise(&atoms, &hydropathy, &lattice, &voxel_settings);
+    } = posed;
+    // The surface is about the origin of the sites.
+    let position = rotation * sites.origin_angstrom - middle;
+    let rotation = *rotation;
+    let solid = Placed::new(surface.solid(), Pose { position, rotation });
+    let voxels = voxelise_within(&solid, atoms, &hydropathy, lattice, &voxel_settings);
     let voxels = voxels.map_err(no_voxels)?;
     check_values(&voxels, &settings.channels)
         .map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
         residues: amino_acids.len(),
-        radius_of_gyration_angstrom: radius_of_gyration(&positions),
-        extents_angstrom: extents(&atoms),
+        radius_of_gyration_angstrom: radius_of_gyration(positions),
+        extents_angstrom: extents(atoms),
         net_charge_e: sites.net_charge_e(),
         spacing_angstrom: lattice.spacing_angstrom(),
         rotation_wxyz: [rotation.w, rotation.i, rotation.j, rotation.k],
-        middle_angstrom: middle.into(),
-        composition: composition(&amino_acids),
+        middle_angstrom: (*middle).into(),
+        composition: composition(amino_acids),
     };
     Ok(Sample {
         properties,
         voxels,
-        warnings,
+        warnings: at_most(MOST_WARNINGS, content.warnings.clone()),
     })
 }
 
@@ -174,9 +240,8 @@ impl Posed {
 /// The largest extent of a structure along an axis of the grid, Å; `None` if it cannot be used for
 /// another reason than its size.
 pub(super) fn extent_angstrom(entry: &Entry, settings: &VoxelizeSettings) -> Option<f64> {
-    let content = read(entry, settings).ok()?;
-    amino_acids_of(&content, settings).ok()?;
-    let (low, high) = bounds(&Posed::new(entry, &content.sites, settings).atoms);
+    let (content, _) = usable(entry, settings, density_of(None)).ok()?;
+    let (low, high) = bounds(&Posed::new(entry, content.draft.sites(), settings).atoms);
     Some((high - low).max())
 }
 
@@ -187,7 +252,7 @@ pub(super) fn voxels_needed(extent: f64, spacing: f64) -> usize {
 
 /// The amino acids of a structure, if it has any and enough of them are complete.
 fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec<AminoAcid>> {
-    let residues = &content.sites.residues;
+    let residues = &content.draft.sites().residues;
     let mut amino_acids = Vec::with_capacity(residues.len());
     for residue in residues {
         amino_acids.extend(amino_acid(&residue.name));
@@ -245,20 +310,39 @@ fn check_values(voxels: &Voxels, channels: &[Channel]) -> Result<()> {
 
 /// The content of a structure file.
 struct Content {
-    sites: ChargedSites,
+    draft: Draft,
     /// Residues that lack heavy atoms.
     incomplete: usize,
     warnings: Vec<String>,
 }
 
-fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
+/// The vertices of a mesh per Å², which count only where bodies are stored.
+fn density_of(bodies: Option<&dyn BodyStore>) -> f64 {
+    let default = SurfaceSettings::default().density_per_angstrom2;
+    bodies.map_or(default, BodyStore::density_per_angstrom2)
+}
+
+fn read(
+    entry: &Entry,
+    settings: &VoxelizeSettings,
+    density_per_angstrom2: f64,
+) -> Checked<Content> {
     let file = InputFile::read(&entry.path).map_err(unreadable)?;
+    let source = Source {
+        file: &file.name,
+        sha256: &file.sha256,
+    };
+    let surface = SurfaceSettings {
+        probe_radius_angstrom: settings.probe_angstrom,
+        density_per_angstrom2,
+        ..SurfaceSettings::default()
+    };
     if Format::of_name(&file.name) == Some(Format::Pqr) {
         let points = read_points(&file.name, &file.bytes).map_err(unreadable)?;
-        let sites = sites_of_points(&points).map_err(unreadable)?;
+        let draft = Draft::of_points(&entry.name, source, &points, &surface).map_err(unreadable)?;
         let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
         return Ok(Content {
-            sites,
+            draft,
             incomplete: 0,
             warnings,
         });
@@ -269,19 +353,25 @@ fn read(entry: &Entry, settings: &VoxelizeSettings) -> Checked<Content> {
     // ligands and water.
     let selection = structure.select(&SelectionSettings::default());
     let selection = selection.map_err(|error| Excluded(Reason::NoProtein, error.into()))?;
-    let site_settings = SiteSettings {
-        ph: settings.ph,
-        ..SiteSettings::default()
+    let incomplete = selection.report.incomplete.len();
+    warnings.extend(structure_warnings(&structure, &selection.report));
+    let body_settings = BodySettings {
+        sites: SiteSettings {
+            ph: settings.ph,
+            ..SiteSettings::default()
+        },
+        surface,
+        ..BodySettings::default()
     };
-    let sites = build_sites(&selection, &site_settings).map_err(|error| match error {
+    let draft = Draft::of_selection(&entry.name, source, selection, &body_settings);
+    let draft = draft.map_err(|error| match error {
         BodyError::Trace { .. } => Excluded(Reason::Truncated, error.into()),
         _ => Excluded(Reason::Failed, error.into()),
     })?;
-    warnings.extend(structure_warnings(&structure, &selection.report));
     Ok(Content {
-        sites,
-        incomplete: selection.report.incomplete.len(),
-        warnings: at_most(MOST_WARNINGS, warnings),
+        draft: draft.with_warnings_of(&structure),
+        incomplete,
+        warnings,
     })
 }
 

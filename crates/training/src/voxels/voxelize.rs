@@ -2,6 +2,7 @@
 //! continuation.
 
 use super::attributes::Making;
+use super::body_store::BodyStore;
 use super::content::Content;
 use super::finished::Finished;
 use super::manifest::Manifest;
@@ -87,11 +88,13 @@ impl Answer for VoxelizeReport {
     }
 }
 
-/// Voxelises the structures of a manifest, or a part of them, into a set.
+/// Voxelises the structures of a manifest, or a part of them, into a set, and makes their bodies if
+/// somebody stores them.
 ///
 /// # Errors
 /// For invalid settings or manifest, an output that holds something else or is in use by another
-/// process, or a file that cannot be written. An error in a structure only excludes it, and is
+/// process, a file that cannot be written, or bodies for a set that exists
+/// already. An error in a structure only excludes it, and is
 /// reported.
 ///
 /// ```no_run
@@ -102,7 +105,7 @@ impl Answer for VoxelizeReport {
 /// let manifest = Manifest::read(Path::new("set.csv"))?;
 /// let settings = VoxelizeSettings { size: 32, ..VoxelizeSettings::default() };
 /// let (output, execution) = (Path::new("set.zarr"), Execution::default());
-/// let report = voxelize(&manifest, Shard::WHOLE, &settings, output, &execution)?;
+/// let report = voxelize(&manifest, Shard::WHOLE, &settings, None, output, &execution)?;
 /// println!("{}", report.text());
 /// # Ok::<(), anyhow::Error>(())
 /// ```
@@ -110,14 +113,21 @@ pub fn voxelize(
     manifest: &Manifest,
     shard: Shard,
     settings: &VoxelizeSettings,
+    bodies: Option<&dyn BodyStore>,
     output: &Path,
     execution: &Execution,
 ) -> Result<VoxelizeReport> {
     let start = Instant::now();
     settings.check()?;
-    let part = Part::new(manifest, shard, settings)?;
+    let body_density = bodies.map(BodyStore::density_per_angstrom2);
+    let part = Part::new(manifest, shard, settings, body_density)?;
     let mut report = part.report(output)?;
     match set::state_of(output, &part.identity)? {
+        set::OnDisk::Same(_) if bodies.is_some_and(|bodies| !bodies.table().exists()) => bail!(
+            "{} exists already, and bodies are made with it; make them with 'protomer ingest', or \
+             both anew with --force",
+            output.display()
+        ),
         set::OnDisk::Same(reader) => report.describe_present(&reader)?,
         set::OnDisk::Other if !execution.start_anew => {
             bail!(
@@ -125,7 +135,9 @@ pub fn voxelize(
                 output.display()
             )
         }
-        set::OnDisk::Other | set::OnDisk::Nothing => part.make(output, execution, &mut report)?,
+        set::OnDisk::Other | set::OnDisk::Nothing => {
+            part.make(output, bodies, execution, &mut report)?;
+        }
     }
     report.bytes = set::bytes_on_disk(output);
     report.seconds = start.elapsed().as_secs_f64();
@@ -156,6 +168,7 @@ impl Part<'_> {
     fn make(
         &self,
         output: &Path,
+        bodies: Option<&dyn BodyStore>,
         execution: &Execution,
         report: &mut VoxelizeReport,
     ) -> Result<()> {
@@ -167,11 +180,16 @@ impl Part<'_> {
         let work = WorkFile::open(&work_path(output), keys)?;
         let missing = work.missing();
         report.taken_over = self.len() - missing.len();
-        if self.voxelize_missing(&missing, &work, execution)? == End::Stopped {
+        if self.voxelize_missing(&missing, &work, bodies, execution)? == End::Stopped {
             report.samples = self.len() - work.missing().len();
             return Ok(());
         }
         drop(missing);
+        if let Some(bodies) = bodies {
+            let records = (0..self.len()).map(|structure| work.get(structure));
+            bodies
+                .finish(&mut records.filter_map(|done| done.map(|done| done.body).transpose()))?;
+        }
         let finished = Finished::count(self, &work)?;
         report.samples = finished.len();
         report.voxels = finished.voxels();
@@ -186,6 +204,7 @@ impl Part<'_> {
         &self,
         missing: &[usize],
         work: &WorkFile,
+        bodies: Option<&dyn BodyStore>,
         execution: &Execution,
     ) -> Result<End<()>> {
         let progress = &execution.progress;
@@ -194,8 +213,9 @@ impl Part<'_> {
             if execution.interrupt.is_requested() {
                 return Ok(End::Stopped);
             }
-            let outcome = structure::voxelize_structure(&self.entry(*structure)?, self.settings);
-            work.keep(*structure, self.key(*structure)?, &outcome)?;
+            let entry = self.entry(*structure)?;
+            let done = structure::voxelize_structure(&entry, self.settings, bodies);
+            work.keep(*structure, self.key(*structure)?, &done)?;
             progress.advance(1);
             Ok(End::Finished(()))
         };

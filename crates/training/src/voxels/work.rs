@@ -5,7 +5,8 @@
 //! file is opened again. A complete record of another version is ignored: its key has another
 //! [`FORMAT`], so the sample is made again.
 
-use super::structure::{Outcome, Properties, Reason, Sample};
+use super::body_store::BodyRecord;
+use super::structure::{Done, Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::container::{Array, Container};
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Version of the record format. Increase it with every change of the header or the arrays.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 const KIND: &str = "voxel sample";
 /// Upper limit for a record: 512³ voxels of five channels.
 const LONGEST_RECORD_BYTES: u64 = 1 << 32;
@@ -49,6 +50,7 @@ struct Header {
     excluded: Option<(Reason, String)>,
     channels: usize,
     warnings: Vec<String>,
+    body: Option<BodyRecord>,
 }
 
 impl WorkFile {
@@ -102,8 +104,8 @@ impl WorkFile {
     ///
     /// # Errors
     /// Names the file.
-    pub fn keep(&self, number: usize, key: Digest, outcome: &Outcome) -> Result<()> {
-        let bytes = encode(key, outcome)?;
+    pub fn keep(&self, number: usize, key: Digest, done: &Done) -> Result<()> {
+        let bytes = encode(key, done)?;
         let mut record = (bytes.len() as u64).to_le_bytes().to_vec();
         record.extend(bytes);
         let mut inner = self.inner();
@@ -124,7 +126,7 @@ impl WorkFile {
     ///
     /// # Errors
     /// If there is none, or it is damaged.
-    pub fn get(&self, number: usize) -> Result<Outcome> {
+    pub fn get(&self, number: usize) -> Result<Done> {
         let name = self.path.display().to_string();
         let mut inner = self.inner();
         let Some(place) = inner.records.get(number).copied().flatten() else {
@@ -201,8 +203,8 @@ fn read_record(reader: &mut impl Read, left: u64) -> std::io::Result<Option<Vec<
     Ok(Some(bytes))
 }
 
-fn encode(key: Digest, outcome: &Outcome) -> Result<Vec<u8>> {
-    let (sample, excluded) = match outcome {
+fn encode(key: Digest, done: &Done) -> Result<Vec<u8>> {
+    let (sample, excluded) = match &done.outcome {
         Outcome::Sample(sample) => (Some(sample), None),
         Outcome::Excluded { reason, detail } => (None, Some((*reason, detail.clone()))),
     };
@@ -212,6 +214,7 @@ fn encode(key: Digest, outcome: &Outcome) -> Result<Vec<u8>> {
         excluded,
         channels: 0,
         warnings: Vec::new(),
+        body: done.body.clone(),
     };
     if let Some(sample) = sample {
         header.properties = Some(sample.properties.clone());
@@ -233,7 +236,7 @@ fn encode(key: Digest, outcome: &Outcome) -> Result<Vec<u8>> {
     Ok(container.to_bytes()?)
 }
 
-fn decode(name: &str, container: &Container) -> Result<(Digest, Outcome)> {
+fn decode(name: &str, container: &Container) -> Result<(Digest, Done)> {
     let header: Header =
         serde_json::from_value(container.header.clone()).with_context(|| name.to_owned())?;
     let Some(key) = Digest::from_hex(&header.key) else {
@@ -261,7 +264,8 @@ fn decode(name: &str, container: &Container) -> Result<(Digest, Outcome)> {
         (None, Some((reason, detail))) => Outcome::Excluded { reason, detail },
         _ => bail!("{name}: a record is neither a sample nor an exclusion"),
     };
-    Ok((key, outcome))
+    let body = header.body;
+    Ok((key, Done { outcome, body }))
 }
 
 #[cfg(test)]
@@ -278,7 +282,17 @@ mod tests {
         WorkFile::open(path, ["a", "b", "c"].map(|name| Ok(key(name))).into_iter())
     }
 
-    fn sample(seed: f32) -> Outcome {
+    fn done(outcome: Outcome) -> Done {
+        let body = Some(BodyRecord {
+            file: "a.pdb".into(),
+            row: vec!["a.pdb".into(), "ok".into()],
+            warnings: vec!["it lacks CB".into()],
+            error: None,
+        });
+        Done { outcome, body }
+    }
+
+    fn sample(seed: f32) -> Done {
         let properties = Properties {
             residues: 3,
             radius_of_gyration_angstrom: 1.1,
@@ -293,21 +307,21 @@ mod tests {
             index: vec![1, 5],
             values: vec![vec![1.0; 2], vec![seed, -seed]],
         };
-        Outcome::Sample(Box::new(Sample {
+        done(Outcome::Sample(Box::new(Sample {
             properties,
             voxels,
             warnings: vec!["it lacks CB".into()],
-        }))
+        })))
     }
 
     #[test]
     fn what_a_killed_process_left_is_cut_off() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.work");
-        let excluded = Outcome::Excluded {
+        let excluded = done(Outcome::Excluded {
             reason: Reason::TooLarge,
             detail: "x".into(),
-        };
+        });
         let work = open(&path).unwrap();
         work.keep(0, key("a"), &sample(0.5)).unwrap();
         work.keep(1, key("b"), &excluded).unwrap();

@@ -7,12 +7,18 @@ use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Error, Result, anyhow};
 use clap::Args;
+use protomer::bodies::folder::BodyFolder;
+use protomer::bodies::tables::Entry;
+use protomer_body::surface::ExactSurface;
+use protomer_body::{Draft, SurfaceSettings};
 use protomer_common::quantity;
 use protomer_results::Shard;
+use protomer_training::voxels::body_store::{BodyRecord, BodyStore};
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::survey::survey;
 use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
-use std::path::PathBuf;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
 /// potential, hydropathy.
@@ -67,6 +73,18 @@ pub struct VoxelizeArgs {
     /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     most_incomplete: f64,
+    /// Also make the bodies, as `protomer ingest --stream` would, in this folder: reading, charging
+    /// and finding the surface of each structure are done once.
+    #[arg(long, value_name = "FOLDER", help_heading = "Bodies")]
+    bodies: Option<PathBuf>,
+    /// With --bodies: mesh vertices per Å².
+    #[arg(
+        long,
+        default_value_t = 1.0,
+        requires = "bodies",
+        help_heading = "Bodies"
+    )]
+    density: f64,
     /// Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
@@ -92,7 +110,16 @@ impl VoxelizeArgs {
         if !self.output.exists() {
             front.warn(survey(&manifest, self.shard, &settings).note());
         }
-        let report = voxelize(&manifest, self.shard, &settings, &self.output, &execution)?;
+        let bodies = self.bodies(&manifest, front)?;
+        let store = bodies.as_ref().map(|bodies| bodies as &dyn BodyStore);
+        let report = voxelize(
+            &manifest,
+            self.shard,
+            &settings,
+            store,
+            &self.output,
+            &execution,
+        )?;
         let notes = notes(&report);
         if report.state == State::Stopped {
             return Ok(Reply::of(report).with_notes(notes).ending(Outcome::Stopped));
@@ -110,6 +137,29 @@ impl VoxelizeArgs {
         })
     }
 
+    /// The folder of the bodies, if they are wanted.
+    fn bodies(&self, manifest: &Manifest, front: &Front) -> Result<Option<Bodies>> {
+        let Some(folder) = &self.bodies else {
+            return Ok(None);
+        };
+        let surface = SurfaceSettings {
+            probe_radius_angstrom: self.probe,
+            density_per_angstrom2: self.density,
+            ..SurfaceSettings::default()
+        };
+        surface.check()?;
+        let mut names = HashSet::new();
+        for number in 0..manifest.len() {
+            if self.shard.has(number) {
+                names.insert(manifest.entry(number)?.name);
+            }
+        }
+        Ok(Some(Bodies {
+            folder: BodyFolder::open(folder, &names, self.shard, front.force())?,
+            density_per_angstrom2: self.density,
+        }))
+    }
+
     fn settings(&self) -> VoxelizeSettings {
         VoxelizeSettings {
             size: self.size,
@@ -125,6 +175,64 @@ impl VoxelizeArgs {
             hydropathy_reach_angstrom: self.hydropathy_reach,
             most_incomplete: self.most_incomplete,
         }
+    }
+}
+
+/// The folder of bodies that a set is made with.
+struct Bodies {
+    folder: BodyFolder,
+    density_per_angstrom2: f64,
+}
+
+impl BodyStore for Bodies {
+    fn density_per_angstrom2(&self) -> f64 {
+        self.density_per_angstrom2
+    }
+
+    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> BodyRecord {
+        record(self.folder.keep(file, draft, surface))
+    }
+
+    fn failed(&self, file: &Path, error: &Error) -> BodyRecord {
+        record(self.folder.failed(file, error))
+    }
+
+    fn table(&self) -> &Path {
+        self.folder.table()
+    }
+
+    fn finish(&self, records: &mut dyn Iterator<Item = Result<BodyRecord>>) -> Result<()> {
+        self.folder.write_tables(records.map(|one| one.map(entry)))
+    }
+}
+
+fn record(entry: Entry) -> BodyRecord {
+    let Entry {
+        file,
+        row,
+        warnings,
+        error,
+    } = entry;
+    BodyRecord {
+        file,
+        row,
+        warnings,
+        error,
+    }
+}
+
+fn entry(record: BodyRecord) -> Entry {
+    let BodyRecord {
+        file,
+        row,
+        warnings,
+        error,
+    } = record;
+    Entry {
+        file,
+        row,
+        warnings,
+        error,
     }
 }
 

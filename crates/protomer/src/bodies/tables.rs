@@ -1,0 +1,168 @@
+//! The tables of a folder of bodies: `ingest.csv`, a row per file, and `warnings.csv`, a row per warning
+//! or error.
+
+use super::ingest::{BodyMeasures, FileOutcome, MeshDistance};
+use anyhow::Result;
+use protomer_results::{Log, LogMark, Row, Shard};
+use std::path::{Path, PathBuf};
+
+/// What the tables say of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// The file.
+    pub file: String,
+    /// Its row in `ingest.csv`.
+    pub row: Vec<String>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+    /// Why it failed.
+    pub error: Option<String>,
+}
+
+/// A file in `ingest.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FileRow(pub Vec<String>);
+
+/// A warning or an error in `warnings.csv`.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct WarningRow([String; 3]);
+
+impl Row for FileRow {
+    fn columns() -> Vec<&'static str> {
+        vec![
+            "file",
+            "status",
+            "body",
+            "atoms",
+            "residues",
+            "net_charge_e",
+            "mesh_area_angstrom2",
+            "mesh_volume_angstrom3",
+            "mesh_rms_distance_angstrom",
+            "mesh_largest_distance_angstrom",
+            "radius_angstrom",
+            "warnings",
+        ]
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        self.0.clone()
+    }
+
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        (cells.len() == Self::columns().len()).then(|| Self(cells.to_vec()))
+    }
+}
+
+impl Row for WarningRow {
+    fn columns() -> Vec<&'static str> {
+        vec!["file", "kind", "message"]
+    }
+
+    fn to_cells(&self) -> Vec<String> {
+        self.0.to_vec()
+    }
+
+    fn from_cells(cells: &[String]) -> Option<Self> {
+        Some(Self(cells.to_vec().try_into().ok()?))
+    }
+}
+
+impl Entry {
+    /// The lines of an outcome.
+    pub fn of(outcome: &FileOutcome) -> Self {
+        let measures = |of: fn(&BodyMeasures) -> String| {
+            let measures = outcome.measures.as_ref();
+            measures.map(of).unwrap_or_default()
+        };
+        let distance = |of: fn(&MeshDistance) -> f64| {
+            let distance = outcome.distance.as_ref().map(of);
+            distance.map_or(String::new(), |angstrom| angstrom.to_string())
+        };
+        let body = outcome.body.as_ref();
+        let row = vec![
+            outcome.file.clone(),
+            outcome.status.to_owned(),
+            body.map(|body| body.display().to_string())
+                .unwrap_or_default(),
+            measures(|body| body.atoms.to_string()),
+            measures(|body| body.residues.to_string()),
+            measures(|body| body.net_charge_e.to_string()),
+            measures(|body| body.mesh_area_angstrom2.to_string()),
+            measures(|body| body.mesh_volume_angstrom3.to_string()),
+            distance(|mesh| mesh.mesh_rms_distance_angstrom),
+            distance(|mesh| mesh.mesh_largest_distance_angstrom),
+            measures(|body| body.radius_angstrom.to_string()),
+            outcome.warnings.len().to_string(),
+        ];
+        Self {
+            file: outcome.file.clone(),
+            row,
+            warnings: outcome.warnings.clone(),
+            error: outcome.error.clone(),
+        }
+    }
+}
+
+impl WarningRow {
+    fn of(file: &str, kind: &str, message: &str) -> Self {
+        // A row is a line.
+        Self([file, kind, message].map(|cell| cell.replace(['\n', '\r'], " ")))
+    }
+}
+
+/// The files that a part writes beside the bodies.
+pub(super) struct Paths {
+    pub table: PathBuf,
+    pub warnings_table: PathBuf,
+    pub done: PathBuf,
+    pub lock: PathBuf,
+}
+
+impl Paths {
+    pub fn new(folder: &Path, shard: Shard) -> Self {
+        let part = match shard.is_whole() {
+            true => String::new(),
+            false => format!("-{}-of-{}", shard.index, shard.of),
+        };
+        Self {
+            table: folder.join(format!("ingest{part}.csv")),
+            warnings_table: folder.join(format!("warnings{part}.csv")),
+            done: folder.join(format!("ingest{part}.json")),
+            lock: folder.join(format!(".ingest{part}.lock")),
+        }
+    }
+}
+
+/// The two tables.
+pub(super) struct Tables {
+    files: Log,
+    warnings: Log,
+}
+
+impl Tables {
+    /// Opens the tables and cuts them back to these lengths.
+    pub fn open(paths: &Paths, [table, warnings_table]: [&LogMark; 2]) -> Result<Self> {
+        Ok(Self {
+            files: Log::open::<FileRow>(&paths.table, table)?,
+            warnings: Log::open::<WarningRow>(&paths.warnings_table, warnings_table)?,
+        })
+    }
+
+    /// Appends the lines of a file.
+    pub fn append(&mut self, entry: &Entry) -> Result<()> {
+        self.files.append(&FileRow(entry.row.clone()))?;
+        let warnings = entry.warnings.iter().map(|text| ("warning", text));
+        let errors = entry.error.iter().map(|text| ("error", text));
+        for (kind, text) in warnings.chain(errors) {
+            let row = WarningRow::of(&entry.file, kind, text);
+            self.warnings.append(&row)?;
+        }
+        Ok(())
+    }
+
+    /// Writes what was appended, and returns the lengths.
+    pub fn sync(&mut self) -> Result<(LogMark, LogMark)> {
+        Ok((self.files.sync()?, self.warnings.sync()?))
+    }
+}
