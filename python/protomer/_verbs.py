@@ -5146,6 +5146,8 @@ def voxelize(
     probe: float | str | None = None,
     hydropathy_reach: float | str | None = None,
     most_incomplete: float | str | None = None,
+    bodies: Path | str | None = None,
+    density: float | str | None = None,
     shard: str | float | Sequence[str | float] | None = None,
     time_limit: float | str | None = None,
     threads: int | str | None = None,
@@ -5191,6 +5193,11 @@ def voxelize(
         [default: 5]
     most_incomplete
         Structures are excluded if a larger share of their residues lacks heavy atoms [default: 0.25]
+    bodies
+        Also make the bodies, as `protomer ingest --stream` would, in this folder: reading, charging and
+        finding the surface of each structure are done once
+    density
+        With --bodies: mesh vertices per Å² [default: 1]
     shard
         Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts [default: 1/1]
     time_limit
@@ -5249,6 +5256,8 @@ def voxelize(
             "--probe": probe,
             "--hydropathy-reach": hydropathy_reach,
             "--most-incomplete": most_incomplete,
+            "--bodies": bodies,
+            "--density": density,
             "--shard": shard,
             "--time-limit": time_limit,
             "--threads": threads,

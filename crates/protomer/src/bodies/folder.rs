@@ -66,9 +66,12 @@ impl BodyFolder {
         Entry::of(&FileOutcome::failed(file, error))
     }
 
-    /// The table with a row per file.
-    pub fn table(&self) -> &Path {
-        &self.paths.table
+    /// Whether the tables are there, or those of a first part.
+    pub fn has_tables(&self) -> bool {
+        let of_first_part = |name: &str| name.starts_with("ingest-1-of-") && name.ends_with(".csv");
+        let mut names = self.folder.read_dir().into_iter().flatten().flatten();
+        self.paths.table.exists()
+            || names.any(|entry| entry.file_name().to_str().is_some_and(of_first_part))
     }
 
     /// Writes the tables.

@@ -21,8 +21,8 @@ pub trait BodyStore: Sync {
     /// The record of a file without a body.
     fn failed(&self, file: &Path, error: &anyhow::Error) -> BodyRecord;
 
-    /// The table of bodies, which is written when all are made.
-    fn table(&self) -> &Path;
+    /// Whether the tables have been written: those of these structures, or those of their parts.
+    fn is_finished(&self) -> bool;
 
     /// Writes the tables, with the records in the order of the manifest.
     ///

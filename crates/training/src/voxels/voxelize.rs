@@ -123,7 +123,7 @@ pub fn voxelize(
     let part = Part::new(manifest, shard, settings, body_density)?;
     let mut report = part.report(output)?;
     match set::state_of(output, &part.identity)? {
-        set::OnDisk::Same(_) if bodies.is_some_and(|bodies| !bodies.table().exists()) => bail!(
+        set::OnDisk::Same(_) if bodies.is_some_and(|bodies| !bodies.is_finished()) => bail!(
             "{} exists already, and bodies are made with it; make them with 'protomer ingest', or \
              both anew with --force",
             output.display()

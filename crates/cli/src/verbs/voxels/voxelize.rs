@@ -197,8 +197,8 @@ impl BodyStore for Bodies {
         record(self.folder.failed(file, error))
     }
 
-    fn table(&self) -> &Path {
-        self.folder.table()
+    fn is_finished(&self) -> bool {
+        self.folder.has_tables()
     }
 
     fn finish(&self, records: &mut dyn Iterator<Item = Result<BodyRecord>>) -> Result<()> {
