@@ -30,26 +30,16 @@ impl Operator {
             diagonal: Vec::new(),
             inverse_diagonal: Vec::new(),
         };
-        operator.diagonal = operator.sum_rows();
-        let mut inverse = operator.diagonal.clone();
-        operator.inner_planes(&mut inverse, |inverse, _| {
-            inverse.iter_mut().for_each(|value| *value = value.recip());
-        });
-        operator.inverse_diagonal = inverse;
-        operator
-    }
-
-    fn sum_rows(&self) -> Vec<f32> {
-        let mut diagonal = vec![0.0; self.len()];
-        self.inner_planes(&mut diagonal, |diagonal, start| {
-            let [_, y, z] = self.strides();
-            for (offset, value) in diagonal.iter_mut().enumerate() {
-                let i = start + offset;
-                let [ex, ey, ez] = &self.edges;
-                *value = ex[i] + ex[i - 1] + ey[i] + ey[i - y] + ez[i] + ez[i - z] + self.mass[i];
+        let mut diagonal = vec![0.0; operator.len()];
+        operator.inner_planes(&mut diagonal, |plane, start| operator.sum_row(plane, start));
+        let mut inverse = vec![0.0; operator.len()];
+        operator.inner_planes(&mut inverse, |plane, start| {
+            for (inverse, value) in plane.iter_mut().zip(&diagonal[start..]) {
+                *inverse = value.recip();
             }
         });
-        diagonal
+        (operator.diagonal, operator.inverse_diagonal) = (diagonal, inverse);
+        operator
     }
 
     pub fn len(&self) -> usize {
@@ -114,6 +104,35 @@ impl Operator {
         });
     }
 
+    /// b - A x on inner points, for an x that is zero but on the faces of the grid.
+    pub fn residual_of_faces(&self, x: &[f64], b: &[f64], out: &mut [f32]) {
+        let [nx, ny, nz] = self.shape;
+        let plane_length = nx * ny;
+        self.inner_planes(out, |plane, start| {
+            let k = start / plane_length;
+            if k == 1 || k + 2 == nz {
+                self.exact_residual_row(x, b, plane, start);
+                return;
+            }
+            for (out, b) in plane.iter_mut().zip(&b[start..]) {
+                *out = *b as f32;
+            }
+            let last_row = (ny - 3) * nx;
+            self.exact_residual_row(x, b, &mut plane[..nx - 2], start);
+            self.exact_residual_row(x, b, &mut plane[last_row..], start + last_row);
+            for row in (0..=last_row).step_by(nx) {
+                for at in [row, row + nx - 3] {
+                    self.exact_residual_row(x, b, &mut plane[at..=at], start + at);
+                }
+            }
+        });
+    }
+
+    vectorised!(
+        /// D at successive points.
+        fn sum_row, sum_row_any, sum_row_avx512, sum_row_avx2,
+        (out: &mut [f32], start: usize) -> ()
+    );
     vectorised!(
         /// A x at successive points.
         fn apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
@@ -135,6 +154,31 @@ impl Operator {
         pub fn step_row, step_row_any, step_row_avx512, step_row_avx2,
         (x: &[f32], b: &[f32], step: Step, last: &mut [f32], start: usize) -> ()
     );
+
+    #[inline(always)]
+    fn sum_row_any(&self, out: &mut [f32], start: usize) {
+        let n = out.len();
+        let [east, west, north, south, up, down] = self.edges_around(start, n);
+        let mass = &self.mass[start..start + n];
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = east[i] + west[i] + north[i] + south[i] + up[i] + down[i] + mass[i];
+        }
+    }
+
+    /// Edges of successive points to the east, west, north, south, up and down.
+    #[inline(always)]
+    fn edges_around(&self, start: usize, n: usize) -> [&[f32]; 6] {
+        let [_, y, z] = self.strides();
+        let [ex, ey, ez] = &self.edges;
+        [
+            &ex[start..start + n],
+            &ex[start - 1..start - 1 + n],
+            &ey[start..start + n],
+            &ey[start - y..start - y + n],
+            &ez[start..start + n],
+            &ez[start - z..start - z + n],
+        ]
+    }
 
     #[inline(always)]
     fn apply_row_any(&self, x: &[f32], out: &mut [f32], start: usize) {
@@ -210,18 +254,9 @@ impl<'a, T> Row<'a, T> {
     #[inline(always)]
     fn new(operator: &'a Operator, x: &'a [T], start: usize, n: usize) -> Self {
         let [_, y, z] = operator.strides();
-        let [ex, ey, ez] = &operator.edges;
-        let part = |edges: &'a [f32], first: usize| &edges[first..first + n];
         let values = |first: usize| &x[first..first + n];
         Self {
-            edges: [
-                part(ex, start),
-                part(ex, start - 1),
-                part(ey, start),
-                part(ey, start - y),
-                part(ez, start),
-                part(ez, start - z),
-            ],
+            edges: operator.edges_around(start, n),
             here: values(start),
             neighbours: [
                 values(start + 1),
