@@ -199,11 +199,11 @@ mod tests {
         // Values on the faces are given.
         let mut given: Vec<f64> = (0..count).map(|_| rng.uniform_in(-1.0, 1.0)).collect();
         let [nx, ny, nz] = shape;
-        for at in 0..count {
+        for (at, value) in given.iter_mut().enumerate() {
             let [i, j, k] = [at % nx, at / nx % ny, at / nx / ny];
             let inner = |i: usize, n: usize| i > 0 && i + 1 < n;
             if inner(i, nx) && inner(j, ny) && inner(k, nz) {
-                given[at] = 0.0;
+                *value = 0.0;
             }
         }
         // The twin of the first residual.
