@@ -5194,8 +5194,8 @@ def voxelize(
     most_incomplete
         Structures are excluded if a larger share of their residues lacks heavy atoms [default: 0.25]
     bodies
-        Also make the bodies, as `protomer ingest --stream` would, in this folder: reading, charging and
-        finding the surface of each structure are done once
+        Also make the bodies in this folder, as `protomer ingest --stream` does; each structure is read,
+        charged and given its exact surface only once
     density
         With --bodies: mesh vertices per Å² [default: 1]
     shard

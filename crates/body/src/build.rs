@@ -245,7 +245,7 @@ impl Draft {
         })
     }
 
-    /// The same with the warnings about the file that the selection is from.
+    /// Adds the warnings about the structure that the selection is from.
     pub fn with_warnings_of(self, structure: &Structure) -> Self {
         Self {
             warnings: reader_warnings(structure),

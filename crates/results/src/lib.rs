@@ -17,6 +17,7 @@
 //! | [`kind`], `contents` | the kinds of results; the kind in a directory |
 //! | [`record`] | `run.json`: the work, its input, and how it ended |
 //! | [`checkpoint`] | `checkpoint.bin`: the state from which a run continues |
+//! | [`file_record`] | what the tables of a folder say of an input file |
 //! | [`log`] | tables that grow by rows and can be truncated to a checkpoint |
 //! | [`execution`], [`interrupt`], [`shard`], [`end`] | how a run is carried out, and how it ends |
 //! | [`keys`] | JSON and TOML with helpful errors |
@@ -33,6 +34,7 @@ pub mod directory;
 pub mod end;
 mod error;
 pub mod execution;
+pub mod file_record;
 pub mod interrupt;
 pub mod keys;
 pub mod kind;
@@ -49,6 +51,7 @@ pub use directory::{Layout, ResultsDirectory};
 pub use end::End;
 pub use error::{Error, Result};
 pub use execution::{Execution, Progress};
+pub use file_record::FileRecord;
 pub use interrupt::Interrupt;
 pub use kind::ResultKind;
 pub use lock::Hold;

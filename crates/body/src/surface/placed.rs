@@ -1,4 +1,5 @@
-//! A solid turned and moved: what is asked about a place is asked of the place that has come there.
+//! A solid turned and moved. A question about a point is put to the solid where it was made, about the
+//! point moved back.
 
 use super::implicit::{Ball, ImplicitSolid};
 use nalgebra::Matrix3;
@@ -37,7 +38,7 @@ impl<'a> Placed<'a> {
         }
     }
 
-    /// The place of the solid that has come here.
+    /// A point moved back to where the solid was made.
     fn before(&self, point: &Vec3) -> Vec3 {
         self.back * (point - self.pose.position)
     }
@@ -58,8 +59,8 @@ impl<'a> Placed<'a> {
     }
 }
 
-/// The box around the turned box, or around all balls that hold the surface, whichever is tighter on a
-/// side.
+/// A box that holds the solid: on each side the tighter one of the box around the turned box, and of that
+/// around the turned balls of the cover.
 fn box_around(solid: &dyn ImplicitSolid, pose: &Pose) -> (Vec3, Vec3) {
     let (low, high) = solid.bounds();
     let (middle, half) = (

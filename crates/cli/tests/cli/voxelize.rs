@@ -6,8 +6,8 @@ use protomer_body::Draft;
 use protomer_body::surface::ExactSurface;
 use protomer_field::voxels::{Channel, Orientation, PotentialModel};
 use protomer_learn::SampleSource;
-use protomer_results::{Execution, Shard};
-use protomer_training::voxels::body_store::{BodyRecord, BodyStore};
+use protomer_results::{Execution, FileRecord, Shard};
+use protomer_training::voxels::body_store::BodyStore;
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::merge::merge;
 use protomer_training::voxels::samples::VoxelSet;
@@ -931,6 +931,23 @@ fn bodies_on_the_way_are_those_of_ingest_and_the_set_is_the_same() {
     let late = place.run(&format!("{set} alone.zarr --bodies late"));
     let told = String::from_utf8(late.stderr).unwrap();
     assert!(told.contains("'protomer ingest'"), "{told}");
+    assert!(!place.path("late").exists());
+    let told = String::from_utf8(both.stderr).unwrap();
+    assert!(told.contains("4 structures have no body"), "{told}");
+    let taken = place.run(&format!("{set} other.zarr --bodies ingested"));
+    let told = String::from_utf8(taken.stderr).unwrap();
+    assert!(
+        !taken.status.success() && told.contains("--stream"),
+        "{told}"
+    );
+    std::fs::write(
+        place.path("paths.csv"),
+        "file,label,cluster,name\none.pdb,x,a,../one\n",
+    )
+    .unwrap();
+    let escaping = place.run("voxelize --manifest paths.csv -o paths.zarr --bodies paths");
+    let told = String::from_utf8(escaping.stderr).unwrap();
+    assert!(told.contains("'../one'"), "{told}");
     let wrong = place.run(&format!("{set} wrong.zarr --bodies wrong --density -1"));
     assert!(!wrong.status.success() && !place.path("wrong").exists());
 }
@@ -947,10 +964,10 @@ impl BodyStore for Counting {
         0.3
     }
 
-    fn keep(&self, file: &Path, _: Draft, _: ExactSurface) -> BodyRecord {
+    fn keep(&self, file: &Path, _: Draft, _: ExactSurface) -> FileRecord {
         let file = file.file_name().unwrap().to_string_lossy().into_owned();
         self.kept.lock().unwrap().push(file.clone());
-        BodyRecord {
+        FileRecord {
             row: vec!["ok".into()],
             file,
             warnings: Vec::new(),
@@ -958,8 +975,8 @@ impl BodyStore for Counting {
         }
     }
 
-    fn failed(&self, file: &Path, error: &anyhow::Error) -> BodyRecord {
-        BodyRecord {
+    fn failed(&self, file: &Path, error: &anyhow::Error) -> FileRecord {
+        FileRecord {
             file: file.file_name().unwrap().to_string_lossy().into_owned(),
             row: vec!["failed".into()],
             warnings: Vec::new(),
@@ -967,13 +984,9 @@ impl BodyStore for Counting {
         }
     }
 
-    fn is_finished(&self) -> bool {
-        false
-    }
-
     fn finish(
         &self,
-        records: &mut dyn Iterator<Item = anyhow::Result<BodyRecord>>,
+        records: &mut dyn Iterator<Item = anyhow::Result<FileRecord>>,
     ) -> anyhow::Result<()> {
         for record in records {
             self.finished.lock().unwrap().push(record?.file);

@@ -6,6 +6,7 @@
 //! conjugate gradients start again from there (iterative refinement; Wilkinson, *Rounding Errors in
 //! Algebraic Processes*, 1963).
 
+use super::dot::{PIECE, dot, dot_of_piece};
 use super::multigrid::Multigrid;
 use super::operator::Operator;
 use crate::{FieldError, Result};
@@ -15,10 +16,6 @@ use rayon::prelude::*;
 const MOST_ITERATIONS: usize = 300;
 /// The residual is computed anew after it has become this part of what it was.
 const BEST_REDUCTION: f64 = 1e-4;
-/// Sums are taken in pieces of this length, so that they do not depend on threads.
-const PIECE: usize = 1 << 12;
-/// Partial sums within a piece.
-const LANES: usize = 16;
 
 /// Solves A x = b on the inner points, where x is zero; its values on the faces stay as they are. Returns
 /// the iterations made.
@@ -133,30 +130,6 @@ fn subtract_scaled(x: &mut [f32], factor: f32, y: &[f32]) -> f64 {
         dot_of_piece(x, x)
     });
     squares.collect::<Vec<f64>>().iter().sum()
-}
-
-/// a · b.
-fn dot(a: &[f32], b: &[f32]) -> f64 {
-    let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE));
-    let sums: Vec<f64> = pieces.map(|(a, b)| dot_of_piece(a, b)).collect();
-    sums.iter().sum()
-}
-
-/// a · b of short lists.
-pub(super) fn dot_of_piece(a: &[f32], b: &[f32]) -> f64 {
-    let (a_chunks, a_rest) = a.as_chunks::<LANES>();
-    let (b_chunks, b_rest) = b.as_chunks::<LANES>();
-    let mut lanes = [0.0; LANES];
-    for (a, b) in a_chunks.iter().zip(b_chunks) {
-        for lane in 0..LANES {
-            lanes[lane] += a[lane] * b[lane];
-        }
-    }
-    let mut rest = 0.0;
-    for (a, b) in a_rest.iter().zip(b_rest) {
-        rest += f64::from(a * b);
-    }
-    lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>() + rest
 }
 
 #[cfg(test)]

@@ -20,13 +20,14 @@
 //! | `faces` | the potential on the faces of a grid |
 //! | `operator` | -∇·ε∇φ + k φ on a grid |
 //! | `multigrid`, `transfer` | an approximate inverse of the operator |
-//! | `conjugate_gradient` | the solution |
+//! | `conjugate_gradient`, `dot` | the solution |
 //! | `potential` | the solution anywhere in space |
 //! | `error_estimate` | the error of a solvation energy, from a second grid |
 
 mod conjugate_gradient;
 mod coulomb_source;
 mod dielectric_map;
+mod dot;
 mod error_estimate;
 mod faces;
 mod ion_gap;

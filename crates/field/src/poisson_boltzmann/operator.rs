@@ -4,7 +4,7 @@
 //! divided by the spacing. Points on the faces of the grid are given, not unknown: A ignores their rows,
 //! and their values are zero in what it is applied to. A is symmetric and positive definite.
 
-use super::conjugate_gradient::dot_of_piece;
+use super::dot::dot_of_piece;
 use protomer_kernel::vectorised;
 use rayon::prelude::*;
 

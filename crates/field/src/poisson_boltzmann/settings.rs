@@ -55,8 +55,8 @@ impl Default for SolveSettings {
     }
 }
 
-/// Bytes per grid point that a solve takes.
-const BYTES_PER_POINT: usize = 90;
+/// Bytes per grid point that a solve takes: 59 to 68 measured for large grids (docs/guide/potential.md).
+const BYTES_PER_POINT: usize = 70;
 /// The coarse grid is this many times larger along each axis,
 const COARSE_EXTENT: f64 = 2.0;
 /// and this many times coarser, up to a limit in Å.

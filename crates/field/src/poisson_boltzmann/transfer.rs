@@ -16,55 +16,68 @@ pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
             return None;
         }
     }
-    let fine_shape = fine.shape;
-    let [x, y, z] = [0, 1, 2].map(|axis| Rows::of(&fine.edges[axis], fine_shape));
-    // The mean over the planes and rows around, by halves along the rows.
-    let along_x = |[j, k]: [usize; 2], coarse: &mut [f32], _: &mut [f32]| {
+    let [x, y, z] = [0, 1, 2].map(|axis| Rows::of(&fine.edges[axis], fine.shape));
+    let edges = [edges_along_x(x), edges_along_y(y), edges_along_z(z)];
+    let mass = coarse_mass(Rows::of(&fine.mass, fine.shape));
+    let shape = fine.shape.map(|points| points.div_ceil(2));
+    Some(Operator::new(shape, edges, mass))
+}
+
+/// The mean over the planes and rows around.
+fn edges_along_x(fine: Rows) -> Vec<f32> {
+    let [_, rows, planes] = fine.shape;
+    halved(fine.shape, |[j, k], coarse, _| {
         coarse.fill(0.0);
-        for (k, of_plane) in around(k, fine_shape[2]) {
-            for (j, of_row) in around(j, fine_shape[1]) {
-                add_in_series(coarse, of_plane * of_row, x.at(j, k));
+        for (k, of_plane) in around(k, planes) {
+            for (j, of_row) in around(j, rows) {
+                add_in_series(coarse, of_plane * of_row, fine.at(j, k));
             }
         }
-    };
-    let along_y = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
-        let [_, (here, _), (after, _)] = around(j, fine_shape[1]);
+    })
+}
+
+/// The mean over the planes around and along the rows.
+fn edges_along_y(fine: Rows) -> Vec<f32> {
+    let [_, rows, planes] = fine.shape;
+    halved(fine.shape, |[j, k], coarse, across| {
+        let [_, (here, _), (after, _)] = around(j, rows);
         across.fill(0.0);
-        for (k, weight) in around(k, fine_shape[2]) {
-            add_both_in_series(across, weight, [y.at(here, k), y.at(after, k)]);
+        for (k, weight) in around(k, planes) {
+            add_both_in_series(across, weight, [fine.at(here, k), fine.at(after, k)]);
         }
         average_by_halves(across, 1.0, coarse);
-    };
-    let along_z = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
-        let [_, (here, _), (after, _)] = around(k, fine_shape[2]);
+    })
+}
+
+/// The mean over the rows around and along the rows.
+fn edges_along_z(fine: Rows) -> Vec<f32> {
+    let [_, rows, planes] = fine.shape;
+    halved(fine.shape, |[j, k], coarse, across| {
+        let [_, (here, _), (after, _)] = around(k, planes);
         across.fill(0.0);
-        for (j, weight) in around(j, fine_shape[1]) {
-            add_both_in_series(across, weight, [z.at(j, here), z.at(j, after)]);
+        for (j, weight) in around(j, rows) {
+            add_both_in_series(across, weight, [fine.at(j, here), fine.at(j, after)]);
         }
         average_by_halves(across, 1.0, coarse);
-    };
-    // Eight times the average of the fine grid's, as boxes are eight times as large.
-    let mass = Rows::of(&fine.mass, fine_shape);
-    let of_mass = |[j, k]: [usize; 2], coarse: &mut [f32], across: &mut [f32]| {
+    })
+}
+
+/// k of the coarse grid: eight times the mean of the fine grid's, as boxes are eight times as large.
+fn coarse_mass(fine: Rows) -> Vec<f32> {
+    let [_, rows, planes] = fine.shape;
+    halved(fine.shape, |[j, k], coarse, across| {
         across.fill(0.0);
-        for (k, of_plane) in around(k, fine_shape[2]) {
-            for (j, of_row) in around(j, fine_shape[1]) {
-                add(across, of_plane * of_row, mass.at(j, k));
+        for (k, of_plane) in around(k, planes) {
+            for (j, of_row) in around(j, rows) {
+                add(across, of_plane * of_row, fine.at(j, k));
             }
         }
         average_by_halves(across, 8.0, coarse);
-    };
-    let edges = [
-        halved(fine_shape, along_x),
-        halved(fine_shape, along_y),
-        halved(fine_shape, along_z),
-    ];
-    let shape = fine_shape.map(|points| points.div_ceil(2));
-    Some(Operator::new(shape, edges, halved(fine_shape, of_mass)))
+    })
 }
 
-/// Values on a grid with half the points along each axis. `fill` makes the coarse row [j, k], with room
-/// for a fine row.
+/// Values on a grid with half the points along each axis, made row by row: `fill` gets the numbers of the
+/// coarse row among rows and planes, the row, and room for a fine row.
 fn halved(
     fine_shape: [usize; 3],
     fill: impl Fn([usize; 2], &mut [f32], &mut [f32]) + Sync,
@@ -99,8 +112,8 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The fine points before, at and after a coarse one, those beyond an end being the end, with the weights
-/// of trilinear interpolation.
+/// The fine points before, at and after a coarse one, with the weights of trilinear interpolation. At an
+/// end of the grid, the end stands for what would lie beyond.
 fn around(coarse: usize, fine_points: usize) -> [(usize, f32); 3] {
     let here = 2 * coarse;
     let after = (here + 1).min(fine_points - 1);
@@ -149,8 +162,7 @@ fn average_by_halves(row: &[f32], factor: f32, coarse: &mut [f32]) {
 
 /// coarse = Pᵀ fine, with P trilinear interpolation; shapes of the fine and the coarse grid.
 pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[usize; 3]; 2]) {
-    let row =
-        |j: usize, k: usize| &fine[(k * fine_shape[1] + j) * fine_shape[0]..][..fine_shape[0]];
+    let fine = Rows::of(fine, fine_shape);
     let planes = coarse.par_chunks_mut(shape[0] * shape[1]).enumerate();
     planes.for_each(|(k, values)| {
         values.fill(0.0);
@@ -160,7 +172,7 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
         let mut across = vec![0.0; fine_shape[0]];
         for j in 1..shape[1] - 1 {
             let around = [2 * k - 1, 2 * k, 2 * k + 1]
-                .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| row(j, k)));
+                .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| fine.at(j, k)));
             sum_across(&around, &mut across);
             let target = &mut values[j * shape[0]..][..shape[0]];
             let inner = shape[0] - 1;
@@ -208,7 +220,8 @@ fn ends(index: usize) -> (usize, usize) {
     (index / 2, index.div_ceil(2))
 }
 
-/// Adds a row and the means of its neighbours, in turn, to a fine row from its second point on.
+/// Adds to a fine row, from its second point on, in turn the mean of two neighbours of a coarse row and the
+/// second of them.
 fn add_between(row: &[f32], fine: &mut [f32]) {
     let pairs = fine[1..].as_chunks_mut::<2>().0;
     for ([between, at], (before, after)) in pairs.iter_mut().zip(row.iter().zip(&row[1..])) {

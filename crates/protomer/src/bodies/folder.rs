@@ -1,18 +1,15 @@
 //! A folder of bodies that are made on the way to something else, with the tables of `ingest`.
 
 use super::ingest::{FileOutcome, IngestSettings, keep};
-use super::tables::{Entry, Paths, Tables};
-use anyhow::{Context, Result};
+use super::tables::{Paths, Tables, record_of};
+use anyhow::{Context, Result, bail};
 use protomer_body::Draft;
 use protomer_body::surface::ExactSurface;
-use protomer_io::atomic::remove_abandoned_of;
-use protomer_results::lock::lock_file;
-use protomer_results::{Hold, LogMark, ResultKind, Shard};
-use std::collections::HashSet;
+use protomer_results::{FileRecord, LogMark, Shard};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// A folder of bodies, which no other process may add to.
+/// A folder of bodies, whose tables no other process may write.
 pub struct BodyFolder {
     folder: PathBuf,
     settings: IngestSettings,
@@ -21,22 +18,25 @@ pub struct BodyFolder {
 }
 
 impl BodyFolder {
-    /// Opens or makes a folder for the bodies of these names, which are those of a part, and removes
-    /// what was not finished of them.
+    /// Opens or makes a folder for the bodies of these names, all those of a part, and removes what an
+    /// earlier run has not finished of them. With `force`, other bodies and tables are replaced.
     ///
     /// # Errors
-    /// If the folder cannot be made, holds other results or is in use.
-    pub fn open(folder: &Path, names: &HashSet<String>, shard: Shard, force: bool) -> Result<Self> {
-        ResultKind::VoxelSet.refuse_in(folder)?;
-        std::fs::create_dir_all(folder)
-            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-        let paths = Paths::new(folder, shard);
-        let held = lock_file(&paths.lock, Hold::Alone)?;
-        let is_own = |file: &str| {
-            let stem = file.rsplit_once('.').map(|(stem, _)| stem);
-            stem.is_some_and(|stem| names.contains(stem))
-        };
-        remove_abandoned_of(folder, is_own)?;
+    /// If a name is a path, or the folder cannot be made, holds other results or is in use.
+    pub fn open(folder: &Path, names: &[String], shard: Shard, force: bool) -> Result<Self> {
+        if let Some(name) = names.iter().find(|name| name.contains(['/', '\\'])) {
+            bail!("the name '{name}' cannot be that of a body file; give one without / and \\");
+        }
+        let (paths, held) = Paths::claim(folder, shard)?;
+        if paths.done.exists() && !force {
+            bail!(
+                "{} is of 'protomer ingest --stream'; choose another folder, or replace its tables \
+                 with --force",
+                paths.done.display()
+            );
+        }
+        let of_bodies = names.iter().map(String::as_str);
+        paths.remove_unfinished(folder, &of_bodies.collect())?;
         Ok(Self {
             folder: folder.to_owned(),
             settings: IngestSettings {
@@ -49,42 +49,54 @@ impl BodyFolder {
     }
 
     /// Makes the body of a file and keeps it in the folder; returns what the tables say of it.
-    pub fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> Entry {
+    pub fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> FileRecord {
         let name = draft.name().to_owned();
         let built = draft
             .finish(surface)
             .with_context(|| file.display().to_string());
         let kept = built.and_then(|built| keep(file, &name, built, &self.folder, &self.settings));
         match kept {
-            Ok(outcome) => Entry::of(&outcome),
+            Ok(outcome) => record_of(&outcome),
             Err(error) => self.failed(file, &error),
         }
     }
 
     /// What the tables say of a file without a body.
-    pub fn failed(&self, file: &Path, error: &anyhow::Error) -> Entry {
-        Entry::of(&FileOutcome::failed(file, error))
+    pub fn failed(&self, file: &Path, error: &anyhow::Error) -> FileRecord {
+        record_of(&FileOutcome::failed(file, error))
     }
 
-    /// Whether the tables are there, or those of a first part.
-    pub fn has_tables(&self) -> bool {
-        let of_first_part = |name: &str| name.starts_with("ingest-1-of-") && name.ends_with(".csv");
-        let mut names = self.folder.read_dir().into_iter().flatten().flatten();
-        self.paths.table.exists()
-            || names.any(|entry| entry.file_name().to_str().is_some_and(of_first_part))
+    /// The table with a row per warning or error.
+    pub fn warnings_table(&self) -> &Path {
+        &self.paths.warnings_table
     }
 
-    /// Writes the tables.
+    /// Writes the tables, and returns how many files failed.
     ///
     /// # Errors
-    /// Names the file that cannot be written; and the errors of the entries.
-    pub fn write_tables(&self, entries: impl Iterator<Item = Result<Entry>>) -> Result<()> {
+    /// Names the file that cannot be written; and the errors of the records.
+    pub fn write_tables(&self, records: impl Iterator<Item = Result<FileRecord>>) -> Result<usize> {
+        if self.paths.done.exists() {
+            std::fs::remove_file(&self.paths.done)
+                .with_context(|| format!("cannot remove {}", self.paths.done.display()))?;
+        }
         let begin = LogMark::default();
         let mut tables = Tables::open(&self.paths, [&begin, &begin])?;
-        for entry in entries {
-            tables.append(&entry?)?;
+        let mut failed = 0;
+        for record in records {
+            let record = record?;
+            failed += usize::from(record.error.is_some());
+            tables.append(&record)?;
         }
         tables.sync()?;
-        Ok(())
+        Ok(failed)
     }
+}
+
+/// Whether a folder has the tables of a part, or those of the first of its parts.
+pub fn has_tables(folder: &Path, shard: Shard) -> bool {
+    let of_first_part = |name: &str| name.starts_with("ingest-1-of-") && name.ends_with(".csv");
+    let mut entries = folder.read_dir().into_iter().flatten().flatten();
+    Paths::new(folder, shard).table.exists()
+        || entries.any(|entry| entry.file_name().to_str().is_some_and(of_first_part))
 }

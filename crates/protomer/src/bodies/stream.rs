@@ -8,16 +8,14 @@
 //! recognised by its bytes. So the folder equals that of an uninterrupted run byte for byte.
 
 use super::ingest::{FileOutcome, IngestSettings, body_names, ingest_one};
-use super::tables::{Entry, Paths, Tables};
+use super::tables::{Paths, Tables, record_of};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
-use protomer_io::atomic::{remove_abandoned_of, write_atomically};
+use protomer_io::atomic::write_atomically;
 use protomer_io::digest::Digest;
-use protomer_results::lock::lock_file;
-use protomer_results::{Execution, Hold, LogMark, ResultKind, Shard};
+use protomer_results::{Execution, LogMark, Shard};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -116,17 +114,13 @@ pub fn ingest_stream(
     execution: &Execution,
 ) -> Result<StreamReport> {
     settings.body.surface.check()?;
-    ResultKind::VoxelSet.refuse_in(folder)?;
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let mut jobs = Vec::new();
     for (number, (file, name)) in files.iter().zip(body_names(files, settings)?).enumerate() {
         if shard.has(number) {
             jobs.push((file, name));
         }
     }
-    let paths = Paths::new(folder, shard);
-    let _held = lock_file(&paths.lock, Hold::Alone)?;
+    let (paths, _held) = Paths::claim(folder, shard)?;
     let stream = Stream {
         jobs,
         folder,
@@ -162,7 +156,9 @@ struct Stream<'a> {
 impl Stream<'_> {
     fn run(&self, execution: &Execution) -> Result<StreamReport> {
         let start = Instant::now();
-        self.remove_unfinished()?;
+        let bodies = self.jobs.iter().map(|(_, name)| name.as_str());
+        self.paths
+            .remove_unfinished(self.folder, &bodies.collect())?;
         let mut done = self.begin(execution.start_anew)?;
         let mut tables = Tables::open(&self.paths, [&done.table, &done.warnings_table])?;
         let taken_over = done.ok + done.failed;
@@ -183,7 +179,7 @@ impl Stream<'_> {
             };
             let outcomes: Vec<FileOutcome> = jobs.par_iter().map(convert).collect();
             for outcome in &outcomes {
-                tables.append(&Entry::of(outcome))?;
+                tables.append(&record_of(outcome))?;
                 done.warnings += outcome.warnings.len();
                 match outcome.error {
                     None => done.ok += 1,
@@ -204,17 +200,6 @@ impl Stream<'_> {
             warnings: done.warnings,
             seconds: start.elapsed().as_secs_f64(),
         })
-    }
-
-    /// Removes the files that this part was writing when it was killed. Other parts may be at work in
-    /// the folder.
-    fn remove_unfinished(&self) -> Result<()> {
-        let bodies: HashSet<&str> = self.jobs.iter().map(|(_, name)| name.as_str()).collect();
-        let is_own = |file: &str| {
-            let is_of_body = |(body, _ending): (&str, &str)| bodies.contains(body);
-            self.paths.done.ends_with(file) || file.rsplit_once('.').is_some_and(is_of_body)
-        };
-        Ok(remove_abandoned_of(self.folder, is_own)?)
     }
 
     /// What earlier runs have done.

@@ -2,22 +2,13 @@
 //! or error.
 
 use super::ingest::{BodyMeasures, FileOutcome, MeshDistance};
-use anyhow::Result;
-use protomer_results::{Log, LogMark, Row, Shard};
+use anyhow::{Context, Result};
+use protomer_io::atomic::remove_abandoned_of;
+use protomer_results::lock::lock_file;
+use protomer_results::{FileRecord, Hold, Log, LogMark, ResultKind, Row, Shard};
+use std::collections::HashSet;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-
-/// What the tables say of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Entry {
-    /// The file.
-    pub file: String,
-    /// Its row in `ingest.csv`.
-    pub row: Vec<String>,
-    /// Warnings.
-    pub warnings: Vec<String>,
-    /// Why it failed.
-    pub error: Option<String>,
-}
 
 /// A file in `ingest.csv`.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,39 +59,37 @@ impl Row for WarningRow {
     }
 }
 
-impl Entry {
-    /// The lines of an outcome.
-    pub fn of(outcome: &FileOutcome) -> Self {
-        let measures = |of: fn(&BodyMeasures) -> String| {
-            let measures = outcome.measures.as_ref();
-            measures.map(of).unwrap_or_default()
-        };
-        let distance = |of: fn(&MeshDistance) -> f64| {
-            let distance = outcome.distance.as_ref().map(of);
-            distance.map_or(String::new(), |angstrom| angstrom.to_string())
-        };
-        let body = outcome.body.as_ref();
-        let row = vec![
-            outcome.file.clone(),
-            outcome.status.to_owned(),
-            body.map(|body| body.display().to_string())
-                .unwrap_or_default(),
-            measures(|body| body.atoms.to_string()),
-            measures(|body| body.residues.to_string()),
-            measures(|body| body.net_charge_e.to_string()),
-            measures(|body| body.mesh_area_angstrom2.to_string()),
-            measures(|body| body.mesh_volume_angstrom3.to_string()),
-            distance(|mesh| mesh.mesh_rms_distance_angstrom),
-            distance(|mesh| mesh.mesh_largest_distance_angstrom),
-            measures(|body| body.radius_angstrom.to_string()),
-            outcome.warnings.len().to_string(),
-        ];
-        Self {
-            file: outcome.file.clone(),
-            row,
-            warnings: outcome.warnings.clone(),
-            error: outcome.error.clone(),
-        }
+/// What the tables say of an outcome.
+pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
+    let measures = |of: fn(&BodyMeasures) -> String| {
+        let measures = outcome.measures.as_ref();
+        measures.map(of).unwrap_or_default()
+    };
+    let distance = |of: fn(&MeshDistance) -> f64| {
+        let distance = outcome.distance.as_ref().map(of);
+        distance.map_or(String::new(), |angstrom| angstrom.to_string())
+    };
+    let body = outcome.body.as_ref();
+    let row = vec![
+        outcome.file.clone(),
+        outcome.status.to_owned(),
+        body.map(|body| body.display().to_string())
+            .unwrap_or_default(),
+        measures(|body| body.atoms.to_string()),
+        measures(|body| body.residues.to_string()),
+        measures(|body| body.net_charge_e.to_string()),
+        measures(|body| body.mesh_area_angstrom2.to_string()),
+        measures(|body| body.mesh_volume_angstrom3.to_string()),
+        distance(|mesh| mesh.mesh_rms_distance_angstrom),
+        distance(|mesh| mesh.mesh_largest_distance_angstrom),
+        measures(|body| body.radius_angstrom.to_string()),
+        outcome.warnings.len().to_string(),
+    ];
+    FileRecord {
+        file: outcome.file.clone(),
+        row,
+        warnings: outcome.warnings.clone(),
+        error: outcome.error.clone(),
     }
 }
 
@@ -132,6 +121,30 @@ impl Paths {
             lock: folder.join(format!(".ingest{part}.lock")),
         }
     }
+
+    /// Makes the folder if it is missing, and holds the tables of a part for this process alone until the
+    /// lock is dropped.
+    ///
+    /// # Errors
+    /// If the folder cannot be made or is a voxel set, or another process holds the tables.
+    pub fn claim(folder: &Path, shard: Shard) -> Result<(Self, File)> {
+        ResultKind::VoxelSet.refuse_in(folder)?;
+        std::fs::create_dir_all(folder)
+            .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+        let paths = Self::new(folder, shard);
+        let held = lock_file(&paths.lock, Hold::Alone)?;
+        Ok((paths, held))
+    }
+
+    /// Removes the files that this part was writing when it was killed. Other parts may be at work in
+    /// the folder.
+    pub fn remove_unfinished(&self, folder: &Path, bodies: &HashSet<&str>) -> Result<()> {
+        let is_own = |file: &str| {
+            let is_of_body = |(body, _ending): (&str, &str)| bodies.contains(body);
+            self.done.ends_with(file) || file.rsplit_once('.').is_some_and(is_of_body)
+        };
+        Ok(remove_abandoned_of(folder, is_own)?)
+    }
 }
 
 /// The two tables.
@@ -150,12 +163,12 @@ impl Tables {
     }
 
     /// Appends the lines of a file.
-    pub fn append(&mut self, entry: &Entry) -> Result<()> {
-        self.files.append(&FileRow(entry.row.clone()))?;
-        let warnings = entry.warnings.iter().map(|text| ("warning", text));
-        let errors = entry.error.iter().map(|text| ("error", text));
+    pub fn append(&mut self, record: &FileRecord) -> Result<()> {
+        self.files.append(&FileRow(record.row.clone()))?;
+        let warnings = record.warnings.iter().map(|text| ("warning", text));
+        let errors = record.error.iter().map(|text| ("error", text));
         for (kind, text) in warnings.chain(errors) {
-            let row = WarningRow::of(&entry.file, kind, text);
+            let row = WarningRow::of(&record.file, kind, text);
             self.warnings.append(&row)?;
         }
         Ok(())

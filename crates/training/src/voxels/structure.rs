@@ -1,6 +1,6 @@
-//! One structure to one sample, or the reason why not; and to a body, where bodies are stored.
+//! One structure to one sample, or the reason why not; and to a body, if there is a store for bodies.
 
-use super::body_store::{BodyRecord, BodyStore};
+use super::body_store::BodyStore;
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use anyhow::{Result, anyhow, bail};
@@ -20,6 +20,7 @@ use protomer_io::digest::Digest;
 use protomer_io::points::read_points;
 use protomer_io::zarr::as_stored;
 use protomer_kernel::{Pose, Rotation, Vec3};
+use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};
 
 /// Why a structure is excluded.
@@ -95,8 +96,8 @@ const MOST_WARNINGS: usize = 10;
 pub struct Done {
     /// Its voxels, or why there are none.
     pub outcome: Outcome,
-    /// What is told of its body, if bodies are stored.
-    pub body: Option<BodyRecord>,
+    /// What the tables say of its body, if there is a store for bodies.
+    pub body: Option<FileRecord>,
 }
 
 /// An error that excludes a structure.
@@ -113,13 +114,13 @@ impl From<Excluded> for Outcome {
 
 type Checked<T> = std::result::Result<T, Excluded>;
 
-/// Voxelises a structure, and makes its body if somebody keeps bodies. An error is its outcome.
+/// Voxelises a structure, and makes its body if there is a store for bodies. An error is its outcome.
 pub fn voxelize_structure(
     entry: &Entry,
     settings: &VoxelizeSettings,
     bodies: Option<&dyn BodyStore>,
 ) -> Done {
-    match try_both(entry, settings, bodies) {
+    match sample_and_body(entry, settings, bodies) {
         Ok(done) => done,
         Err(excluded) => Done {
             body: bodies.map(|bodies| bodies.failed(&entry.path, &excluded.1)),
@@ -128,9 +129,9 @@ pub fn voxelize_structure(
     }
 }
 
-/// A structure that does not become a sample may still become a body, and the error is that of both
-/// otherwise.
-fn try_both(
+/// The sample and the body. A structure that cannot become a sample may still become a body: then the
+/// reason is the outcome, not an error.
+fn sample_and_body(
     entry: &Entry,
     settings: &VoxelizeSettings,
     bodies: Option<&dyn BodyStore>,
@@ -316,7 +317,7 @@ struct Content {
     warnings: Vec<String>,
 }
 
-/// The vertices of a mesh per Å², which count only where bodies are stored.
+/// Vertices of a mesh per Å²; without a store there is no mesh.
 fn density_of(bodies: Option<&dyn BodyStore>) -> f64 {
     let default = SurfaceSettings::default().density_per_angstrom2;
     bodies.map_or(default, BodyStore::density_per_angstrom2)

@@ -88,13 +88,12 @@ impl Answer for VoxelizeReport {
     }
 }
 
-/// Voxelises the structures of a manifest, or a part of them, into a set, and makes their bodies if
-/// somebody stores them.
+/// Voxelises the structures of a manifest, or a part of them, into a set, and makes their bodies if there
+/// is a store for them and the set does not exist yet.
 ///
 /// # Errors
 /// For invalid settings or manifest, an output that holds something else or is in use by another
-/// process, a file that cannot be written, or bodies for a set that exists
-/// already. An error in a structure only excludes it, and is
+/// process, or a file that cannot be written. An error in a structure only excludes it, and is
 /// reported.
 ///
 /// ```no_run
@@ -123,11 +122,6 @@ pub fn voxelize(
     let part = Part::new(manifest, shard, settings, body_density)?;
     let mut report = part.report(output)?;
     match set::state_of(output, &part.identity)? {
-        set::OnDisk::Same(_) if bodies.is_some_and(|bodies| !bodies.is_finished()) => bail!(
-            "{} exists already, and bodies are made with it; make them with 'protomer ingest', or \
-             both anew with --force",
-            output.display()
-        ),
         set::OnDisk::Same(reader) => report.describe_present(&reader)?,
         set::OnDisk::Other if !execution.start_anew => {
             bail!(

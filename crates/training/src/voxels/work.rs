@@ -5,12 +5,12 @@
 //! file is opened again. A complete record of another version is ignored: its key has another
 //! [`FORMAT`], so the sample is made again.
 
-use super::body_store::BodyRecord;
 use super::structure::{Done, Outcome, Properties, Reason, Sample};
 use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use protomer_io::container::{Array, Container};
 use protomer_io::digest::Digest;
+use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -50,7 +50,7 @@ struct Header {
     excluded: Option<(Reason, String)>,
     channels: usize,
     warnings: Vec<String>,
-    body: Option<BodyRecord>,
+    body: Option<FileRecord>,
 }
 
 impl WorkFile {
@@ -283,7 +283,7 @@ mod tests {
     }
 
     fn done(outcome: Outcome) -> Done {
-        let body = Some(BodyRecord {
+        let body = Some(FileRecord {
             file: "a.pdb".into(),
             row: vec!["a.pdb".into(), "ok".into()],
             warnings: vec!["it lacks CB".into()],

@@ -5,20 +5,19 @@ use crate::flags::choices::learning::{VoxelChannel, VoxelOrientation};
 use crate::flags::scheduler::SchedulerArgs;
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
-use anyhow::{Error, Result, anyhow};
+use anyhow::{Error, Result, anyhow, bail};
 use clap::Args;
-use protomer::bodies::folder::BodyFolder;
-use protomer::bodies::tables::Entry;
+use protomer::bodies::folder::{BodyFolder, has_tables};
 use protomer_body::surface::ExactSurface;
 use protomer_body::{Draft, SurfaceSettings};
 use protomer_common::quantity;
-use protomer_results::Shard;
-use protomer_training::voxels::body_store::{BodyRecord, BodyStore};
+use protomer_results::{FileRecord, Shard};
+use protomer_training::voxels::body_store::BodyStore;
 use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::survey::survey;
 use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
 /// potential, hydropathy.
@@ -73,8 +72,8 @@ pub struct VoxelizeArgs {
     /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     most_incomplete: f64,
-    /// Also make the bodies, as `protomer ingest --stream` would, in this folder: reading, charging
-    /// and finding the surface of each structure are done once.
+    /// Also make the bodies in this folder, as `protomer ingest --stream` does; each structure is read,
+    /// charged and given its exact surface only once.
     #[arg(long, value_name = "FOLDER", help_heading = "Bodies")]
     bodies: Option<PathBuf>,
     /// With --bodies: mesh vertices per Å².
@@ -107,10 +106,10 @@ impl VoxelizeArgs {
         let manifest = Manifest::read(&self.manifest)?;
         let what = "finishing the current structures; the same command continues";
         let execution = front.execution(what, self.time_limit)?;
+        let bodies = self.bodies(&manifest, front)?;
         if !self.output.exists() {
             front.warn(survey(&manifest, self.shard, &settings).note());
         }
-        let bodies = self.bodies(&manifest, front)?;
         let store = bodies.as_ref().map(|bodies| bodies as &dyn BodyStore);
         let report = voxelize(
             &manifest,
@@ -120,7 +119,8 @@ impl VoxelizeArgs {
             &self.output,
             &execution,
         )?;
-        let notes = notes(&report);
+        let mut notes = notes(&report);
+        notes.extend(bodies.as_ref().and_then(Bodies::note));
         if report.state == State::Stopped {
             return Ok(Reply::of(report).with_notes(notes).ending(Outcome::Stopped));
         }
@@ -148,15 +148,23 @@ impl VoxelizeArgs {
             ..SurfaceSettings::default()
         };
         surface.check()?;
-        let mut names = HashSet::new();
+        if self.output.exists() && !front.force() && !has_tables(folder, self.shard) {
+            bail!(
+                "{} exists already, and bodies are made in the same pass; make them with 'protomer \
+                 ingest', or both anew with --force",
+                self.output.display()
+            );
+        }
+        let mut names = Vec::new();
         for number in 0..manifest.len() {
             if self.shard.has(number) {
-                names.insert(manifest.entry(number)?.name);
+                names.push(manifest.entry(number)?.name);
             }
         }
         Ok(Some(Bodies {
             folder: BodyFolder::open(folder, &names, self.shard, front.force())?,
             density_per_angstrom2: self.density,
+            failed: AtomicUsize::new(0),
         }))
     }
 
@@ -182,6 +190,17 @@ impl VoxelizeArgs {
 struct Bodies {
     folder: BodyFolder,
     density_per_angstrom2: f64,
+    /// Files without a body, known when all are done.
+    failed: AtomicUsize,
+}
+
+impl Bodies {
+    /// The warning about files without a body.
+    fn note(&self) -> Option<String> {
+        let failed = self.failed.load(Ordering::Relaxed);
+        let table = self.folder.warnings_table().display();
+        (failed > 0).then(|| format!("warning: {failed} structures have no body; {table} says why"))
+    }
 }
 
 impl BodyStore for Bodies {
@@ -189,50 +208,18 @@ impl BodyStore for Bodies {
         self.density_per_angstrom2
     }
 
-    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> BodyRecord {
-        record(self.folder.keep(file, draft, surface))
+    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> FileRecord {
+        self.folder.keep(file, draft, surface)
     }
 
-    fn failed(&self, file: &Path, error: &Error) -> BodyRecord {
-        record(self.folder.failed(file, error))
+    fn failed(&self, file: &Path, error: &Error) -> FileRecord {
+        self.folder.failed(file, error)
     }
 
-    fn is_finished(&self) -> bool {
-        self.folder.has_tables()
-    }
-
-    fn finish(&self, records: &mut dyn Iterator<Item = Result<BodyRecord>>) -> Result<()> {
-        self.folder.write_tables(records.map(|one| one.map(entry)))
-    }
-}
-
-fn record(entry: Entry) -> BodyRecord {
-    let Entry {
-        file,
-        row,
-        warnings,
-        error,
-    } = entry;
-    BodyRecord {
-        file,
-        row,
-        warnings,
-        error,
-    }
-}
-
-fn entry(record: BodyRecord) -> Entry {
-    let BodyRecord {
-        file,
-        row,
-        warnings,
-        error,
-    } = record;
-    Entry {
-        file,
-        row,
-        warnings,
-        error,
+    fn finish(&self, records: &mut dyn Iterator<Item = Result<FileRecord>>) -> Result<()> {
+        let failed = self.folder.write_tables(records)?;
+        self.failed.store(failed, Ordering::Relaxed);
+        Ok(())
     }
 }
 
