@@ -184,7 +184,7 @@ mod tests {
         a.residual_of_faces(&given, &b, &mut first);
         a.residual(&given, &b, &mut all);
         assert_eq!(first, all);
-        for tolerance in [1e-2, 1e-4, 1e-6, 1e-11] {
+        for tolerance in [1e-2, 1e-4, 1e-6, 1e-12] {
             let mut x = given.clone();
             let start = residual_norm(&a, &b, &x);
             solve(&a, &b, &mut x, tolerance).unwrap();
