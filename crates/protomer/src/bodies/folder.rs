@@ -71,25 +71,29 @@ impl BodyFolder {
         &self.paths.warnings_table
     }
 
-    /// Writes the tables, and returns how many files failed.
+    /// Writes the tables, and returns how many files have no body and how many there are.
     ///
     /// # Errors
     /// Names the file that cannot be written; and the errors of the records.
-    pub fn write_tables(&self, records: impl Iterator<Item = Result<FileRecord>>) -> Result<usize> {
+    pub fn write_tables(
+        &self,
+        records: impl Iterator<Item = Result<FileRecord>>,
+    ) -> Result<[usize; 2]> {
         if self.paths.done.exists() {
             std::fs::remove_file(&self.paths.done)
                 .with_context(|| format!("cannot remove {}", self.paths.done.display()))?;
         }
         let begin = LogMark::default();
         let mut tables = Tables::open(&self.paths, [&begin, &begin])?;
-        let mut failed = 0;
+        let (mut failed, mut files) = (0, 0);
         for record in records {
             let record = record?;
             failed += usize::from(record.error.is_some());
+            files += 1;
             tables.append(&record)?;
         }
         tables.sync()?;
-        Ok(failed)
+        Ok([failed, files])
     }
 }
 

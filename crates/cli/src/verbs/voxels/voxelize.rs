@@ -17,7 +17,7 @@ use protomer_training::voxels::manifest::Manifest;
 use protomer_training::voxels::survey::survey;
 use protomer_training::voxels::{Spacing, State, VoxelizeReport, VoxelizeSettings, voxelize};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Turn the structures of a manifest into a set of sparse voxel grids, a zarr v3 group: surface,
 /// potential, hydropathy.
@@ -164,7 +164,7 @@ impl VoxelizeArgs {
         Ok(Some(Bodies {
             folder: BodyFolder::open(folder, &names, self.shard, front.force())?,
             density_per_angstrom2: self.density,
-            failed: AtomicUsize::new(0),
+            counts: Mutex::new([0; 2]),
         }))
     }
 
@@ -190,16 +190,24 @@ impl VoxelizeArgs {
 struct Bodies {
     folder: BodyFolder,
     density_per_angstrom2: f64,
-    /// Files without a body, known when all are done.
-    failed: AtomicUsize,
+    /// Files without a body, and all files; known when all are done.
+    counts: Mutex<[usize; 2]>,
 }
 
 impl Bodies {
+    fn counts(&self) -> MutexGuard<'_, [usize; 2]> {
+        self.counts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The warning about files without a body.
     fn note(&self) -> Option<String> {
-        let failed = self.failed.load(Ordering::Relaxed);
+        let [failed, files] = *self.counts();
         let table = self.folder.warnings_table().display();
-        (failed > 0).then(|| format!("warning: {failed} structures have no body; {table} says why"))
+        (failed > 0).then(|| {
+            format!(
+                "warning: no body was written for {failed} of {files} structures; {table} says why"
+            )
+        })
     }
 }
 
@@ -217,8 +225,7 @@ impl BodyStore for Bodies {
     }
 
     fn finish(&self, records: &mut dyn Iterator<Item = Result<FileRecord>>) -> Result<()> {
-        let failed = self.folder.write_tables(records)?;
-        self.failed.store(failed, Ordering::Relaxed);
+        *self.counts() = self.folder.write_tables(records)?;
         Ok(())
     }
 }
