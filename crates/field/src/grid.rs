@@ -4,6 +4,7 @@ use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Range;
 
 /// The largest number of points: no machine holds more, and up to here no product overflows.
 const MOST_POINTS: f64 = 1e13;
@@ -189,11 +190,23 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Coordinates of the points, x fastest.
-    pub fn points(&self) -> impl Iterator<Item = [usize; 3]> + use<> {
-        let Self { first, end } = *self;
+    /// Where the values of each row of points along x are.
+    pub fn rows(&self, grid: &Grid) -> impl Iterator<Item = Range<usize>> + use<> {
+        let (Self { first, end }, grid) = (*self, *grid);
+        let length = end[0].saturating_sub(first[0]);
         let rows = (first[2]..end[2]).flat_map(move |k| (first[1]..end[1]).map(move |j| (j, k)));
-        rows.flat_map(move |(j, k)| (first[0]..end[0]).map(move |i| [i, j, k]))
+        rows.map(move |(j, k)| {
+            let start = grid.index(first[0], j, k);
+            start..start + length
+        })
+    }
+
+    /// The points that are not on a face of the grid.
+    pub fn without_faces(&self, grid: &Grid) -> Self {
+        Self {
+            first: self.first.map(|at| at.max(1)),
+            end: [0, 1, 2].map(|axis| self.end[axis].min(grid.shape[axis] - 1)),
+        }
     }
 
     /// The lowest and the highest corner of the box between the points and those that follow, Å.

@@ -215,11 +215,8 @@ pub(super) fn at_points(
 ) -> Vec<(usize, f64)> {
     let of_block = |block: &Block| {
         let mut found = Vec::new();
-        for [i, j, k] in block.points() {
-            let at = grid.index(i, j, k);
-            if wanted(at) {
-                found.push((at, 0.0));
-            }
+        for row in block.rows(grid) {
+            found.extend(row.filter(|at| wanted(*at)).map(|at| (at, 0.0)));
         }
         if !found.is_empty() {
             let (low, high) = block.corners(grid);
@@ -235,7 +232,7 @@ pub(super) fn at_points(
     of_blocks.into_iter().flatten().collect()
 }
 
-/// The edges from the points of a block that cross the surface.
+/// The edges from the points of a block, but for those on the faces of the grid, that cross the surface.
 fn crossings(
     block: &Block,
     grid: &Grid,
@@ -245,22 +242,25 @@ fn crossings(
 ) -> Vec<Crossing> {
     let strides = grid.strides();
     let mut found = Vec::new();
-    for at in block.points() {
-        let on_face = (0..3).any(|axis| at[axis] == 0 || at[axis] + 1 == grid.shape[axis]);
-        if on_face {
+    for row in block.without_faces(grid).rows(grid) {
+        let sides = &inside[row.clone()];
+        // Most rows have neighbours on their own side only.
+        let is_crossed = |stride: &usize| *sides != inside[row.start + stride..row.end + stride];
+        if !strides.iter().any(is_crossed) {
             continue;
         }
-        let at = grid.index(at[0], at[1], at[2]);
-        for (axis, stride) in strides.iter().enumerate() {
-            if inside[at] != inside[at + stride] {
-                let edge = Edge {
-                    grid,
-                    at,
-                    axis,
-                    permittivity: f64::from(operator.edges[axis][at]),
-                    starts_inside: inside[at],
-                };
-                found.push(edge.crossing(permittivities));
+        for at in row {
+            for (axis, stride) in strides.iter().enumerate() {
+                if inside[at] != inside[at + stride] {
+                    let edge = Edge {
+                        grid,
+                        at,
+                        axis,
+                        permittivity: f64::from(operator.edges[axis][at]),
+                        starts_inside: inside[at],
+                    };
+                    found.push(edge.crossing(permittivities));
+                }
             }
         }
     }

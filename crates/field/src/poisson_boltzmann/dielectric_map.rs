@@ -61,6 +61,9 @@ impl DielectricMap {
     }
 }
 
+/// Edges that are looked at together.
+const TOGETHER: usize = 16;
+
 /// Relative permittivities of the edges along an axis.
 fn edge_permittivities(
     grid: &Grid,
@@ -69,30 +72,66 @@ fn edge_permittivities(
     axis: usize,
     [inner, outer]: [f64; 2],
 ) -> Vec<f32> {
-    let stride = grid.strides()[axis];
+    let [nx, ny, _] = grid.shape;
     let mut edges = vec![outer as f32; grid.len()];
-    set_points(grid.shape, &mut edges, |at, edge| {
-        if at[axis] + 1 == grid.shape[axis] {
+    let rows = edges.par_chunks_mut(nx).enumerate();
+    rows.for_each(|(row, edges)| {
+        let (j, k) = (row % ny, row / ny);
+        // The last points along the axis have no edge.
+        let mut end = [nx, j + 1, k + 1];
+        end[axis] = end[axis].min(grid.shape[axis] - 1);
+        if j >= end[1] || k >= end[2] {
             return;
         }
-        let [i, j, k] = at;
-        let index = grid.index(i, j, k);
-        let ends = [distance[index], distance[index + stride]].map(f64::from);
-        let part_inside = match ends.map(|d| d < 0.0) {
-            [true, true] => {
-                *edge = inner as f32;
-                return;
+        let ([start, next], mut i) = (ends_of_edges(grid, distance, axis, row), 0);
+        for edges in edges[..end[0]].chunks_mut(TOGETHER) {
+            let (start, next) = (&start[i..i + edges.len()], &next[i..i + edges.len()]);
+            if set_uncrossed(edges, start, next, inner as f32) {
+                for (step, edge) in edges.iter_mut().enumerate() {
+                    let ends = [start[step], next[step]].map(f64::from);
+                    let [starts_inside, ends_inside] = ends.map(|d| d < 0.0);
+                    if starts_inside != ends_inside {
+                        let place = grid.point(i + step, j, k);
+                        let part = crossing(solid, &place, axis, grid.spacing_angstrom, ends);
+                        let part_inside = if starts_inside { part } else { 1.0 - part };
+                        *edge = in_series(part_inside, [inner, outer]);
+                    }
+                }
             }
-            [false, false] => return,
-            [starts_inside, _] => {
-                let start = grid.point(i, j, k);
-                let part = crossing(solid, &start, axis, grid.spacing_angstrom, ends);
-                if starts_inside { part } else { 1.0 - part }
-            }
-        };
-        *edge = (1.0 / (part_inside / inner + (1.0 - part_inside) / outer)) as f32;
+            i += edges.len();
+        }
     });
     edges
+}
+
+/// The distances at the two ends of the edges from the points of a row on, as far as there are.
+fn ends_of_edges<'a>(grid: &Grid, distance: &'a [f32], axis: usize, row: usize) -> [&'a [f32]; 2] {
+    let first = row * grid.shape[0];
+    [
+        &distance[first..],
+        &distance[first + grid.strides()[axis]..],
+    ]
+}
+
+/// Sets the edges with both ends inside, and says whether others have one end inside. Without branches:
+/// it is compiled into vectors.
+fn set_uncrossed(edges: &mut [f32], start: &[f32], next: &[f32], inner: f32) -> bool {
+    let mut crossed = 0;
+    for ((edge, start), next) in edges.iter_mut().zip(start).zip(next) {
+        let (starts_inside, ends_inside) = (*start < 0.0, *next < 0.0);
+        *edge = if starts_inside & ends_inside {
+            inner
+        } else {
+            *edge
+        };
+        crossed |= u32::from(starts_inside ^ ends_inside);
+    }
+    crossed != 0
+}
+
+/// The permittivity of two layers in series.
+fn in_series(part_inside: f64, [inner, outer]: [f64; 2]) -> f32 {
+    (1.0 / (part_inside / inner + (1.0 - part_inside) / outer)) as f32
 }
 
 /// The parts of the boxes around points that lie farther out than a gap of zero, for gaps in Å.

@@ -135,6 +135,8 @@ impl Patch {
             }
         }
         let h = grid.spacing_angstrom;
+        let weights_at = |column| ends[1].weights_at(low[across[1]] + h * column as f64);
+        let of_columns: Vec<[f64; POINTS]> = (0..columns).map(weights_at).collect();
         let mut values = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             let of_row = ends[0].weights_at(low[across[0]] + h * row as f64);
@@ -144,8 +146,7 @@ impl Patch {
                     *value += weight * sample;
                 }
             }
-            for column in 0..columns {
-                let weights = ends[1].weights_at(low[across[1]] + h * column as f64);
+            for weights in &of_columns {
                 let terms = weights.iter().zip(between);
                 values.push(terms.map(|(weight, value)| weight * value).sum());
             }

@@ -2,7 +2,7 @@
 
 use crate::charged_sphere::ChargedSphere;
 use crate::grid::Grid;
-use protomer_kernel::Vec3;
+use protomer_kernel::{Vec3, vectorised};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,15 +26,14 @@ impl IonGap {
     ) -> Self {
         let mut gap = vec![f32::MAX; grid.len()];
         let [nx, ny, _] = grid.shape;
-        let planes = gap.par_chunks_mut(nx * ny).enumerate();
-        planes.for_each(|(k, plane)| {
-            for sphere in spheres {
-                if sphere.radius_angstrom > 0.0 {
-                    let radius = sphere.radius_angstrom + ion_radius_angstrom;
-                    lower_plane(grid, k, plane, &sphere.centre, radius);
-                }
+        let mut balls: Vec<(Vec3, f64)> = Vec::with_capacity(spheres.len());
+        for sphere in spheres {
+            if sphere.radius_angstrom > 0.0 {
+                balls.push((sphere.centre, sphere.radius_angstrom + ion_radius_angstrom));
             }
-        });
+        }
+        let planes = gap.par_chunks_mut(nx * ny).enumerate();
+        planes.for_each(|(k, gaps)| Plane { grid, k }.lower(gaps, &balls));
         Self {
             angstrom: gap,
             spacing_angstrom: grid.spacing_angstrom,
@@ -48,42 +47,75 @@ impl IonGap {
     }
 }
 
-/// Lowers the gaps of plane k to the distance from one sphere, where that is below a spacing.
-fn lower_plane(grid: &Grid, k: usize, plane: &mut [f32], centre: &Vec3, radius: f64) {
-    let h = grid.spacing_angstrom;
-    let [x0, y0, z0] = grid.origin_angstrom;
-    let [nx, ny, _] = grid.shape;
-    let reach = radius + h;
-    let dz = z0 + h * k as f64 - centre.z;
-    let across_plane = reach * reach - dz * dz;
-    if across_plane <= 0.0 {
-        return;
-    }
-    for j in points_within(across_plane.sqrt(), centre.y, y0, h, ny) {
-        let dy = y0 + h * j as f64 - centre.y;
-        let across_row = across_plane - dy * dy;
-        if across_row <= 0.0 {
-            continue;
+/// Points of a row that are looked at together.
+const TOGETHER: usize = 16;
+
+/// A plane of a grid.
+struct Plane<'a> {
+    grid: &'a Grid,
+    k: usize,
+}
+
+impl Plane<'_> {
+    vectorised!(
+        /// Lowers the gaps to the distances from balls, at least where these are below a spacing.
+        fn lower, lower_any, lower_avx512, lower_avx2, (gaps: &mut [f32], balls: &[(Vec3, f64)]) -> ()
+    );
+
+    #[inline(always)]
+    fn lower_any(&self, gaps: &mut [f32], balls: &[(Vec3, f64)]) {
+        let h = self.grid.spacing_angstrom;
+        let [x0, y0, z0] = self.grid.origin_angstrom;
+        let [nx, ny, _] = self.grid.shape;
+        for (centre, radius) in balls {
+            let reach = radius + h;
+            let dz = z0 + h * self.k as f64 - centre.z;
+            let across_plane = reach * reach - dz * dz;
+            if across_plane <= 0.0 {
+                continue;
+            }
+            for j in points_within(across_plane.sqrt(), centre.y, y0, h, ny) {
+                let dy = y0 + h * j as f64 - centre.y;
+                let across_row = across_plane - dy * dy;
+                if across_row > 0.0 {
+                    let points = points_within(across_row.sqrt(), centre.x, x0, h, nx);
+                    let row = &mut gaps[j * nx..][points.start..nx];
+                    let first_dx = x0 + h * points.start as f64 - centre.x;
+                    let across = dy * dy + dz * dz;
+                    lower_row(row, points.len(), [first_dx, h, across, *radius]);
+                }
+            }
         }
-        let points = points_within(across_row.sqrt(), centre.x, x0, h, nx);
-        let first_dx = x0 + h * points.start as f64 - centre.x;
-        let row = &mut plane[j * nx..][points];
-        lower_row(row, first_dx, h, dy * dy + dz * dz, radius);
     }
 }
 
-/// The same for points of a row, from the first on; `across` is the square of the row's distance from
-/// the centre. In single precision, good to 10⁻⁶ Å, and without branches: it is compiled into vectors.
-fn lower_row(row: &mut [f32], first_dx: f64, h: f64, across: f64, radius: f64) {
+/// Lowers the gaps of so many points of a row, or a few more, to the distances from a ball: the first is
+/// at `first_dx` from its centre along the row, and `across` is the square of the row's distance from it.
+/// In single precision, good to 10⁻⁶ Å.
+#[inline(always)]
+fn lower_row(row: &mut [f32], points: usize, [first_dx, h, across, radius]: [f64; 4]) {
     let [first_dx, h, across, radius] = [first_dx, h, across, radius].map(|x| x as f32);
-    for (step, gap) in (0_i32..).zip(row) {
+    let lower = |gap: &mut f32, step: usize| {
         let dx = first_dx + h * step as f32;
         let distance = (dx * dx + across).sqrt() - radius;
         *gap = if distance < *gap { distance } else { *gap };
+    };
+    let mut step = 0;
+    while step < points {
+        if let Some(gaps) = row[step..].first_chunk_mut::<TOGETHER>() {
+            for (lane, gap) in gaps.iter_mut().enumerate() {
+                lower(gap, step + lane);
+            }
+            step += TOGETHER;
+        } else {
+            lower(&mut row[step], step);
+            step += 1;
+        }
     }
 }
 
 /// The points of a row (first point, spacing and number) within a distance of a centre.
+#[inline(always)]
 fn points_within(
     distance: f64,
     centre: f64,

@@ -9,6 +9,7 @@
 use super::index::{Cell, Entry, Lists};
 use super::{BAND_ANGSTROM, SesSolid};
 use protomer_kernel::{Vec3, vectorised};
+use std::ops::Range;
 
 /// Points that go through the lists side by side.
 const LANES: usize = 16;
@@ -23,24 +24,15 @@ const ROUNDING_ANGSTROM: f32 = 1e-5;
 const NOTHING: u32 = u32::MAX;
 /// Two features between which single precision cannot decide.
 const TIE: u32 = u32::MAX - 1;
+/// The lists of no cell.
+const OUTSIDE: u32 = u32::MAX;
 
-/// The number of a cell's lists and that of a point in the cell, as one word: such words sort faster than
-/// pairs.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct InCell(u64);
-
-impl InCell {
-    fn new(list: u32, number: usize) -> Self {
-        Self(u64::from(list) << 32 | number as u64)
-    }
-
-    fn list(&self) -> u64 {
-        self.0 >> 32
-    }
-
-    fn number(&self) -> usize {
-        self.0 as u32 as usize
-    }
+/// Points that follow each other and are in one cell.
+struct Run {
+    /// The number of the cell's lists.
+    list: u32,
+    /// The numbers of the points.
+    points: Range<u32>,
 }
 
 /// Points about the middle of a cell.
@@ -91,21 +83,38 @@ impl SesSolid {
         points: &[Vec3],
         mut visit: impl FnMut(usize, f64, Nearest),
     ) {
-        let mut in_cells = Vec::with_capacity(points.len());
-        for (number, point) in points.iter().enumerate() {
-            match self.index.cell_of(point) {
-                Some(cell) => in_cells.push(InCell::new(cell.list, number)),
-                None => visit(number, self.largest_value(), Nearest::Here),
+        let mut runs: Vec<Run> = Vec::new();
+        let mut last = None;
+        for (number, point) in (0..).zip(points) {
+            let place = self.index.place_of(point);
+            if last != Some(place) {
+                last = Some(place);
+                let list = self.index.list_at(&place).unwrap_or(OUTSIDE);
+                let points = number..number;
+                runs.push(Run { list, points });
+            }
+            if let Some(run) = runs.last_mut() {
+                run.points.end = number + 1;
             }
         }
-        in_cells.sort_unstable();
-        let mut at_edges = Vec::new();
-        for of_cell in in_cells.chunk_by(|a, b| a.list() == b.list()) {
-            let first = &points[of_cell[0].number()];
-            if let Some(cell) = self.index.cell_of(first) {
-                at_edges.clear();
-                self.visit_at_faces(points, of_cell, &cell, &mut visit, &mut at_edges);
-                self.visit_at_edges(points, &at_edges, &cell, &mut visit);
+        runs.sort_unstable_by_key(|run| u64::from(run.list) << 32 | u64::from(run.points.start));
+        let (mut of_cell, mut at_edges) = (Vec::new(), Vec::new());
+        for in_cell in runs.chunk_by(|a, b| a.list == b.list) {
+            of_cell.clear();
+            for run in in_cell {
+                of_cell.extend(run.points.clone().map(|number| number as usize));
+            }
+            match self.index.cell_of(&points[of_cell[0]]) {
+                Some(cell) => {
+                    at_edges.clear();
+                    self.visit_at_faces(points, &of_cell, &cell, &mut visit, &mut at_edges);
+                    self.visit_at_edges(points, &at_edges, &cell, &mut visit);
+                }
+                None => {
+                    for number in &of_cell {
+                        visit(*number, self.largest_value(), Nearest::Here);
+                    }
+                }
             }
         }
     }
@@ -115,24 +124,23 @@ impl SesSolid {
     fn visit_at_faces(
         &self,
         points: &[Vec3],
-        of_cell: &[InCell],
+        of_cell: &[usize],
         cell: &Cell,
         visit: &mut impl FnMut(usize, f64, Nearest),
         at_edges: &mut Vec<usize>,
     ) {
         let atoms = self.index.lists(cell.list).atoms;
         for some in of_cell.chunks(LANES) {
-            let numbers = some.iter().map(InCell::number);
-            let lanes = Lanes::new(numbers.clone().map(|number| &points[number]), cell);
-            for (number, atom) in numbers.zip(self.deepest_of(&lanes, atoms, cell)) {
-                let point = &points[number];
+            let lanes = Lanes::new(some.iter().map(|number| &points[*number]), cell);
+            for (number, atom) in some.iter().zip(self.deepest_of(&lanes, atoms, cell)) {
+                let point = &points[*number];
                 let known = match atom {
                     TIE => Some(self.nearest_alone(point)),
                     _ => self.nearest_on_atom(point, atom),
                 };
                 match known {
-                    Some((value, nearest)) => visit(number, value, nearest),
-                    None => at_edges.push(number),
+                    Some((value, nearest)) => visit(*number, value, nearest),
+                    None => at_edges.push(*number),
                 }
             }
         }
@@ -366,6 +374,14 @@ pub(super) mod tests {
                 solid.nearest_edges(&lanes, &lists, &cell),
                 solid.nearest_edges_any(&lanes, &lists, &cell)
             );
+            for entry in lists.atoms {
+                let atom = entry.number as usize;
+                let onto = (point - solid.centres[atom]).normalize() * solid.radii[atom];
+                assert_eq!(
+                    solid.exposure.is_exposed(atom, &onto),
+                    solid.exposure.is_exposed_any(atom, &onto)
+                );
+            }
         }
     }
 }

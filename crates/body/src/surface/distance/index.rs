@@ -208,16 +208,27 @@ impl FeatureIndex {
         }
     }
 
+    /// Where among all cells the one of a point is.
+    #[inline]
+    pub(super) fn place_of(&self, point: &Vec3) -> [i32; 3] {
+        [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom))
+    }
+
+    /// The number of the lists of the cell at a place, if it has any.
+    #[inline]
+    pub(super) fn list_at(&self, place: &[i32; 3]) -> Option<u32> {
+        let chunk = self.table.get(&chunk_of(*place))?;
+        Some(chunk * CELLS as u32 + cell_in_chunk(*place) as u32)
+    }
+
     /// The cell of a point, if it has lists.
     #[inline]
     pub(super) fn cell_of(&self, point: &Vec3) -> Option<Cell> {
-        let cell = [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom));
-        let chunk = self.table.get(&chunk_of(cell))?;
-        let middle = cell.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
-        Some(Cell {
-            list: chunk * CELLS as u32 + cell_in_chunk(cell) as u32,
-            middle: Vec3::from(middle),
-        })
+        let place = self.place_of(point);
+        let list = self.list_at(&place)?;
+        let middle = place.map(|n| (f64::from(n) + 0.5) * self.cell_edge);
+        let middle = Vec3::from(middle);
+        Some(Cell { list, middle })
     }
 
     /// The lists of a cell.

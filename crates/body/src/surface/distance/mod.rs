@@ -14,12 +14,14 @@
 //! depth.
 
 mod batch;
+mod exposure;
 mod index;
 mod project;
 
 use super::arrangement::{Arc, Arrangement};
 use super::implicit::{Ball, ImplicitSolid};
 use batch::Nearest;
+use exposure::Exposure;
 use index::{Entry, Feature, FeatureIndex, Kind, Lists, Nearby, limit};
 use protomer_kernel::Vec3;
 
@@ -33,13 +35,6 @@ const CELL_EDGE_PER_REACH: f64 = 0.6;
 
 /// This near its axis all points of a circle are equally near, Å.
 const ON_AXIS_ANGSTROM: f64 = 1e-12;
-
-/// A half-space n·u <= h that a point of a face must lie in, u from the atom's centre in Å.
-#[derive(Debug, Clone, Copy)]
-struct HalfSpace {
-    axis: Vec3,
-    height: f64,
-}
 
 /// What the distance needs to know of an arc.
 #[derive(Debug, Clone, Copy)]
@@ -67,11 +62,7 @@ pub struct SesSolid {
     probe_radius: f64,
     centres: Vec<Vec3>,
     radii: Vec<f64>,
-    /// For atom i the half-spaces `half_space_starts[i] .. half_space_starts[i + 1]`; for buried
-    /// atoms none.
-    half_space_starts: Vec<u32>,
-    half_spaces: Vec<HalfSpace>,
-    exposed: Vec<bool>,
+    exposure: Exposure,
     arcs: Vec<CompactArc>,
     vertices: Vec<Vec3>,
     cover: Vec<(Vec3, f64)>,
@@ -91,7 +82,6 @@ struct NearestPoint {
 impl SesSolid {
     /// The solid of an accessible surface.
     pub fn new(accessible: &Arrangement) -> Self {
-        let (half_space_starts, half_spaces, exposed) = half_spaces_of(accessible);
         let arcs: Vec<CompactArc> = accessible.arcs().iter().map(CompactArc::of).collect();
         let mut vertices = Vec::with_capacity(accessible.vertices().len());
         for vertex in accessible.vertices() {
@@ -107,9 +97,7 @@ impl SesSolid {
             probe_radius: accessible.probe_radius_angstrom(),
             centres: accessible.centres().to_vec(),
             radii: radii.to_vec(),
-            half_space_starts,
-            half_spaces,
-            exposed,
+            exposure: Exposure::of(accessible),
             arcs,
             vertices,
             cover,
@@ -201,7 +189,7 @@ impl SesSolid {
     /// The radial projection onto the ball of `atom`, if it is exposed there.
     fn on_face(&self, point: &Vec3, atom: u32) -> Option<Vec3> {
         let atom = atom as usize;
-        if !self.exposed[atom] {
+        if !self.exposure.atoms[atom] {
             return None;
         }
         let offset = point - self.centres[atom];
@@ -212,12 +200,8 @@ impl SesSolid {
             Vec3::x()
         };
         let onto = direction * self.radii[atom];
-        let range =
-            self.half_space_starts[atom] as usize..self.half_space_starts[atom + 1] as usize;
-        let inside = self.half_spaces[range]
-            .iter()
-            .all(|half_space| half_space.axis.dot(&onto) <= half_space.height);
-        inside.then(|| self.centres[atom] + onto)
+        let is_exposed = self.exposure.is_exposed(atom, &onto);
+        is_exposed.then(|| self.centres[atom] + onto)
     }
 
     /// The nearest point on the arcs and vertices listed, nearer than `farthest`, to a point this far from
@@ -308,7 +292,7 @@ impl SesSolid {
             return near;
         }
         let mut exposed = Vec::new();
-        for (atom, is_exposed) in self.exposed.iter().enumerate() {
+        for (atom, is_exposed) in self.exposure.atoms.iter().enumerate() {
             if *is_exposed {
                 exposed.push(Entry::unknown(atom as u32));
             }
@@ -470,30 +454,6 @@ impl CompactArc {
             half_chord,
         )
     }
-}
-
-/// Half-spaces of the exposed atoms, largest cap first.
-fn half_spaces_of(accessible: &Arrangement) -> (Vec<u32>, Vec<HalfSpace>, Vec<bool>) {
-    let radii = accessible.expanded_radii_angstrom();
-    let mut exposed = vec![false; radii.len()];
-    for atom in accessible.exposed_atoms() {
-        exposed[atom as usize] = true;
-    }
-    let mut half_spaces = Vec::new();
-    let mut starts = vec![0];
-    let mut caps = Vec::new();
-    for (atom, (radius, is_exposed)) in radii.iter().zip(&exposed).enumerate() {
-        if *is_exposed && accessible.caps(atom as u32, &mut caps).is_some() {
-            for cap in &caps {
-                half_spaces.push(HalfSpace {
-                    axis: cap.axis,
-                    height: cap.height * radius,
-                });
-            }
-        }
-        starts.push(half_spaces.len() as u32);
-    }
-    (starts, half_spaces, exposed)
 }
 
 /// Balls that hold the surface, and the bounding box of the exposed atoms.
