@@ -48,7 +48,7 @@ pub use arrangement::Arrangement;
 pub use calibrate::Target;
 pub use deviation::Deviation;
 pub use distance::SesSolid;
-pub use implicit::ImplicitSolid;
+pub use implicit::{Ball, ImplicitSolid};
 pub use interior::ball_fits_inside;
 pub use measure::{Measure, SurfaceMeasure};
 pub use mesher::{MeshSettings, mesh_solid, without_cavities};

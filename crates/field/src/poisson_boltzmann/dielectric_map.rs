@@ -76,49 +76,43 @@ fn edge_permittivities(
     let mut edges = vec![outer as f32; grid.len()];
     let rows = edges.par_chunks_mut(nx).enumerate();
     rows.for_each(|(row, edges)| {
-        let (j, k) = (row % ny, row / ny);
+        let (first, j, k) = (row * nx, row % ny, row / ny);
         // The last points along the axis have no edge.
-        let mut end = [nx, j + 1, k + 1];
-        end[axis] = end[axis].min(grid.shape[axis] - 1);
-        if j >= end[1] || k >= end[2] {
-            return;
-        }
-        let ([start, next], mut i) = (ends_of_edges(grid, distance, axis, row), 0);
-        for edges in edges[..end[0]].chunks_mut(TOGETHER) {
-            let (start, next) = (&start[i..i + edges.len()], &next[i..i + edges.len()]);
-            if set_uncrossed(edges, start, next, inner as f32) {
-                for (step, edge) in edges.iter_mut().enumerate() {
-                    let ends = [start[step], next[step]].map(f64::from);
-                    let [starts_inside, ends_inside] = ends.map(|d| d < 0.0);
-                    if starts_inside != ends_inside {
-                        let place = grid.point(i + step, j, k);
-                        let part = crossing(solid, &place, axis, grid.spacing_angstrom, ends);
-                        let part_inside = if starts_inside { part } else { 1.0 - part };
-                        *edge = in_series(part_inside, [inner, outer]);
-                    }
+        let count = match axis {
+            0 => nx - 1,
+            _ if [0, j, k][axis] + 1 == grid.shape[axis] => 0,
+            _ => nx,
+        };
+        let next = first + grid.strides()[axis];
+        for i in (0..count).step_by(TOGETHER) {
+            let some = i..(i + TOGETHER).min(count);
+            let edges = &mut edges[some.clone()];
+            let starts = &distance[first..][some.clone()];
+            let ends = &distance[next..][some];
+            if !set_uncrossed(edges, starts, ends, inner as f32) {
+                continue;
+            }
+            for (step, edge) in edges.iter_mut().enumerate() {
+                let ends = [starts[step], ends[step]].map(f64::from);
+                let [starts_inside, ends_inside] = ends.map(|d| d < 0.0);
+                if starts_inside != ends_inside {
+                    let start = grid.point(i + step, j, k);
+                    let part = crossing(solid, &start, axis, grid.spacing_angstrom, ends);
+                    let part_inside = if starts_inside { part } else { 1.0 - part };
+                    *edge = in_series(part_inside, [inner, outer]);
                 }
             }
-            i += edges.len();
         }
     });
     edges
 }
 
-/// The distances at the two ends of the edges from the points of a row on, as far as there are.
-fn ends_of_edges<'a>(grid: &Grid, distance: &'a [f32], axis: usize, row: usize) -> [&'a [f32]; 2] {
-    let first = row * grid.shape[0];
-    [
-        &distance[first..],
-        &distance[first + grid.strides()[axis]..],
-    ]
-}
-
 /// Sets the edges with both ends inside, and says whether others have one end inside. Without branches:
 /// it is compiled into vectors.
-fn set_uncrossed(edges: &mut [f32], start: &[f32], next: &[f32], inner: f32) -> bool {
+fn set_uncrossed(edges: &mut [f32], starts: &[f32], ends: &[f32], inner: f32) -> bool {
     let mut crossed = 0;
-    for ((edge, start), next) in edges.iter_mut().zip(start).zip(next) {
-        let (starts_inside, ends_inside) = (*start < 0.0, *next < 0.0);
+    for ((edge, start), end) in edges.iter_mut().zip(starts).zip(ends) {
+        let (starts_inside, ends_inside) = (*start < 0.0, *end < 0.0);
         *edge = if starts_inside & ends_inside {
             inner
         } else {

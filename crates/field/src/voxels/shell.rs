@@ -1,7 +1,7 @@
 //! Which voxels the surface passes through, and which are inside.
 
 use super::lattice::Lattice;
-use protomer_body::surface::ImplicitSolid;
+use protomer_body::surface::{Ball, ImplicitSolid};
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -33,19 +33,21 @@ pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
     let half = 0.5 * lattice.spacing_angstrom() + ROUNDING_ANGSTROM;
     let [columns, rows, layers] =
         [0, 1, 2].map(|axis| layers_between(lattice, low[axis] - half, high[axis] + half));
-    let near = near_cover(lattice, solid);
-    let occupied_of_layers = |layers: &[usize]| {
+    let cover = solid.cover();
+    let occupied_of_layers = |start: usize| {
+        let together = start..(start + LAYERS).min(layers.end);
+        let near = near_cover(lattice, &cover, &together);
         let mut runs = Vec::new();
-        for z in layers {
+        for z in together {
             for y in rows.clone() {
-                let row = lattice.index(columns.start, y, *z)..lattice.index(columns.end, y, *z);
-                add_runs(row, &near, &mut runs);
+                let row = lattice.index(columns.start, y, z)..lattice.index(columns.end, y, z);
+                add_runs(row, lattice.index(0, 0, start), &near, &mut runs);
             }
         }
         Occupied::of_runs(runs, lattice, solid)
     };
-    let layers: Vec<usize> = layers.collect();
-    let of_layers: Vec<Occupied> = layers.par_chunks(LAYERS).map(occupied_of_layers).collect();
+    let starts: Vec<usize> = layers.clone().step_by(LAYERS).collect();
+    let of_layers: Vec<Occupied> = starts.into_par_iter().map(occupied_of_layers).collect();
     let mut all = Occupied::default();
     for layers in of_layers {
         all.shell.extend(layers.shell);
@@ -74,21 +76,23 @@ impl Occupied {
     }
 }
 
-/// Which voxels may have their centres less than half an edge from the surface: those that are so near
-/// to a ball of the cover.
-fn near_cover(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Vec<bool> {
+/// Which voxels of some layers may have their centres less than half an edge from the surface: those that
+/// are so near to a ball of the cover.
+fn near_cover(lattice: &Lattice, cover: &[Ball], layers: &Range<usize>) -> Vec<bool> {
     let half = 0.5 * lattice.spacing_angstrom() + ROUNDING_ANGSTROM;
-    let mut near = vec![false; lattice.size().pow(3)];
-    for (centre, radius) in solid.cover() {
+    let first = lattice.index(0, 0, layers.start);
+    let mut near = vec![false; layers.len() * lattice.size().pow(2)];
+    for (centre, radius) in cover {
         let reach = radius + half;
         let within = |x: f64, reach: f64| layers_between(lattice, x - reach, x + reach);
-        for z in within(centre.z, reach) {
+        let reached = within(centre.z, reach);
+        for z in reached.start.max(layers.start)..reached.end.min(layers.end) {
             let square = reach * reach - (lattice.coordinate(z) - centre.z).powi(2);
             for y in within(centre.y, reach) {
                 let square = square - (lattice.coordinate(y) - centre.y).powi(2);
                 if square > 0.0 {
                     let columns = within(centre.x, square.sqrt());
-                    let row = lattice.index(0, y, z) as usize;
+                    let row = (lattice.index(0, y, z) - first) as usize;
                     near[row + columns.start..row + columns.end].fill(true);
                 }
             }
@@ -98,10 +102,11 @@ fn near_cover(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Vec<bool> {
 }
 
 /// Adds the runs of a row of voxels: each voxel near the cover alone, the others as they hang together.
-fn add_runs(row: Range<u32>, near: &[bool], runs: &mut Vec<Range<u32>>) {
+/// `near` says which are, from the voxel `first` on.
+fn add_runs(row: Range<u32>, first: u32, near: &[bool], runs: &mut Vec<Range<u32>>) {
     let mut start = row.start;
     while start < row.end {
-        let is_far = |voxel: &u32| !near[*voxel as usize];
+        let is_far = |voxel: &u32| !near[(voxel - first) as usize];
         let far = (start..row.end).take_while(is_far).count() as u32;
         let end = start + far.max(1);
         runs.push(start..end);
@@ -162,9 +167,9 @@ mod tests {
                     }
                     assert_eq!(found, twin, "{definition:?} {size} {spacing}");
                     inside += twin.inside.len();
-                    let near = near_cover(&lattice, &*solid);
+                    let near = near_cover(&lattice, &solid.cover(), &(0..size));
                     let mut runs = Vec::new();
-                    add_runs(0..near.len() as u32, &near, &mut runs);
+                    add_runs(0..near.len() as u32, 0, &near, &mut runs);
                     asked += runs.len();
                     voxels += near.len();
                 }
