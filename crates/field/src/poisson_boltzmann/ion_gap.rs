@@ -2,7 +2,8 @@
 
 use crate::charged_sphere::ChargedSphere;
 use crate::grid::Grid;
-use protomer_kernel::{Vec3, vectorised};
+use protomer_body::surface::Ball;
+use protomer_kernel::vectorised;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -26,7 +27,7 @@ impl IonGap {
     ) -> Self {
         let mut gap = vec![f32::MAX; grid.len()];
         let [nx, ny, _] = grid.shape;
-        let mut balls: Vec<(Vec3, f64)> = Vec::with_capacity(spheres.len());
+        let mut balls: Vec<Ball> = Vec::with_capacity(spheres.len());
         for sphere in spheres {
             if sphere.radius_angstrom > 0.0 {
                 balls.push((sphere.centre, sphere.radius_angstrom + ion_radius_angstrom));
@@ -59,11 +60,11 @@ struct Plane<'a> {
 impl Plane<'_> {
     vectorised!(
         /// Lowers the gaps to the distances from balls, at least where these are below a spacing.
-        fn lower, lower_any, lower_avx512, lower_avx2, (gaps: &mut [f32], balls: &[(Vec3, f64)]) -> ()
+        fn lower, lower_any, lower_avx512, lower_avx2, (gaps: &mut [f32], balls: &[Ball]) -> ()
     );
 
     #[inline(always)]
-    fn lower_any(&self, gaps: &mut [f32], balls: &[(Vec3, f64)]) {
+    fn lower_any(&self, gaps: &mut [f32], balls: &[Ball]) {
         let h = self.grid.spacing_angstrom;
         let [x0, y0, z0] = self.grid.origin_angstrom;
         let [nx, ny, _] = self.grid.shape;
@@ -89,8 +90,8 @@ impl Plane<'_> {
     }
 }
 
-/// Lowers the gaps of so many points of a row, or a few more, to the distances from a ball: the first is
-/// at `first_dx` from its centre along the row, and `across` is the square of the row's distance from it.
+/// Lowers the gaps of the first `points` of a row, or a few more, to the distances from a ball. The first
+/// point is at `first_dx` from its centre along the row; `across` is the square of the row's distance from it.
 /// In single precision, good to 10⁻⁶ Å.
 #[inline(always)]
 fn lower_row(row: &mut [f32], points: usize, [first_dx, h, across, radius]: [f64; 4]) {
@@ -138,6 +139,7 @@ fn points_within(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use protomer_kernel::Vec3;
     use protomer_kernel::random::CounterRng;
 
     /// The slow twin: all spheres at all points, in double precision. Some spheres are off the grid.

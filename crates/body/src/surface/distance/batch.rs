@@ -24,8 +24,6 @@ const ROUNDING_ANGSTROM: f32 = 1e-5;
 const NOTHING: u32 = u32::MAX;
 /// Two features between which single precision cannot decide.
 const TIE: u32 = u32::MAX - 1;
-/// The lists of no cell.
-const OUTSIDE: u32 = u32::MAX;
 
 /// Points that follow each other and are in one cell.
 struct Run {
@@ -83,40 +81,45 @@ impl SesSolid {
         points: &[Vec3],
         mut visit: impl FnMut(usize, f64, Nearest),
     ) {
-        let mut runs: Vec<Run> = Vec::new();
-        let mut last = None;
-        for (number, point) in (0..).zip(points) {
-            let place = self.index.place_of(point);
-            if last != Some(place) {
-                last = Some(place);
-                let list = self.index.list_at(&place).unwrap_or(OUTSIDE);
-                let points = number..number;
-                runs.push(Run { list, points });
-            }
-            if let Some(run) = runs.last_mut() {
-                run.points.end = number + 1;
-            }
-        }
-        runs.sort_unstable_by_key(|run| u64::from(run.list) << 32 | u64::from(run.points.start));
+        let runs = self.runs_in_cells(points, &mut visit);
         let (mut of_cell, mut at_edges) = (Vec::new(), Vec::new());
         for in_cell in runs.chunk_by(|a, b| a.list == b.list) {
             of_cell.clear();
             for run in in_cell {
                 of_cell.extend(run.points.clone().map(|number| number as usize));
             }
-            match self.index.cell_of(&points[of_cell[0]]) {
-                Some(cell) => {
-                    at_edges.clear();
-                    self.visit_at_faces(points, &of_cell, &cell, &mut visit, &mut at_edges);
-                    self.visit_at_edges(points, &at_edges, &cell, &mut visit);
-                }
-                None => {
-                    for number in &of_cell {
-                        visit(*number, self.largest_value(), Nearest::Here);
-                    }
-                }
+            if let Some(cell) = self.index.cell_of(&points[of_cell[0]]) {
+                at_edges.clear();
+                self.visit_at_faces(points, &of_cell, &cell, &mut visit, &mut at_edges);
+                self.visit_at_edges(points, &at_edges, &cell, &mut visit);
             }
         }
+    }
+
+    /// Runs of points by cells; points in cells without lists, which are outside, are visited.
+    fn runs_in_cells(
+        &self,
+        points: &[Vec3],
+        visit: &mut impl FnMut(usize, f64, Nearest),
+    ) -> Vec<Run> {
+        let mut runs: Vec<Run> = Vec::new();
+        let (mut last, mut list) = (None, None);
+        for (number, point) in (0_u32..).zip(points) {
+            let place = self.index.place_of(point);
+            if last != Some(place) {
+                (last, list) = (Some(place), self.index.list_at(&place));
+                if let Some(list) = list {
+                    let points = number..number;
+                    runs.push(Run { list, points });
+                }
+            }
+            match runs.last_mut() {
+                Some(run) if list.is_some() => run.points.end = number + 1,
+                _ => visit(number as usize, self.largest_value(), Nearest::Here),
+            }
+        }
+        runs.sort_unstable_by_key(|run| u64::from(run.list) << 32 | u64::from(run.points.start));
+        runs
     }
 
     /// Visits those points of a cell whose depth in a ball tells their distance; the numbers of the others
