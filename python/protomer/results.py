@@ -379,7 +379,7 @@ class LatticeSweepResult(Result):
     _FILE: ClassVar[str | None] = "lattice.json"
     _KINDS: ClassVar[tuple[str, ...]] = ("lattice sweep",)
 
-    def plot(self, ax: Axes | None = None, *, quantity: str = "poisson_ratio") -> Axes:
+    def plot(self, ax: Axes | None = None, *, quantity: str = "poisson_ratio_xy") -> Axes:
         """An estimate of the conditions against the length of the rods, a line for each κ, with its standard error."""
         rows = self._fields["conditions"]
         known = [name for name, value in rows[0].items() if isinstance(value, dict)]

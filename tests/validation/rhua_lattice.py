@@ -138,9 +138,9 @@ def strains():
         axis.plot(1e3 * part["xx"], -1e3 * part["yy"], ".", ms=1.5, alpha=0.6, rasterized=True)
         bound = 1e3 * np.quantile(np.abs(np.concatenate([part["xx"], part["yy"]])), 0.995)
         fit = table("long") if length is None else fits[np.isclose(fits["r0"], length)]
-        for column, style in [("ordinary", "-"), ("total", "--")]:
-            # -ε_yy = ν ε_xx.
-            axis.plot([-bound, bound], [-bound * fit[column].item(), bound * fit[column].item()], style, lw=1)
+        # -ε_yy = ν_xy ε_xx.
+        slope = fit["nu_xy"].item()
+        axis.plot([-bound, bound], [-bound * slope, bound * slope], lw=1)
         title = "1, ten times longer" if length is None else label(length)
         axis.set(xlim=(-bound, bound), ylim=(-bound, bound), title=f"$r_0/l$ = {title}")
     for axis in axes[1]:
@@ -149,7 +149,7 @@ def strains():
         axis.set_ylabel("$-10^3\\,\\varepsilon_{yy}$")
     save(figure, "strains")
     figure, axis = plt.subplots(figsize=(4.6, 3))
-    for column, marker, name in [("ordinary", "o", "ν, ordinary"), ("total", "^", "ν, total"), ("r_squared", "s", "$r^2$")]:
+    for column, marker, name in [("nu_xy", "o", "$\\nu_{xy}$"), ("nu_yx", "^", "$\\nu_{yx}$"), ("r_squared", "s", "$r^2$")]:
         axis.errorbar(fits["r0"], fits[column], fits[f"{column}_error"], marker=marker, ms=4, lw=1, capsize=2, label=name)
     axis.axhline(-1, color="grey", lw=0.7)
     axis.set(xscale="log", xlabel="$r_0/l$", ylim=(-1.2, 1.05))

@@ -250,16 +250,15 @@ pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
     let column = |of: fn(&protomer_crystal::analysis::strain::PoissonRatio) -> f64| {
         singles.iter().map(of).collect()
     };
-    let (ordinary, r_squared): (Vec<f64>, Vec<f64>) =
-        (column(|x| x.ordinary), column(|x| x.r_squared));
-    let least = ordinary.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = ordinary.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (ratios, r_squared): (Vec<f64>, Vec<f64>) = (column(|x| x.xy), column(|x| x.r_squared));
+    let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = ratios.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let [r, r_error] = mean(&r_squared);
     Ok(vec![
-        all.ordinary,
-        all.ordinary_error,
-        all.total,
-        all.total_error,
+        all.xy,
+        all.xy_error,
+        all.yx,
+        all.yx_error,
         all.r_squared,
         r,
         r_error,
@@ -269,7 +268,7 @@ pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
 }
 
 /// Head of the columns of [`strain_row`].
-pub const STRAIN_HEAD: &str = "ordinary,ordinary_error,total,total_error,r_squared_together,r_squared,r_squared_error,\
+pub const STRAIN_HEAD: &str = "nu_xy,nu_xy_error,nu_yx,nu_yx_error,r_squared_together,r_squared,r_squared_error,\
     smallest_single,largest_single";
 
 /// Differences per tenth frame: mean over trajectories and its error, staggered and as they are.

@@ -6,12 +6,19 @@
 //! 42), blind to how the lattice turns as a whole. A is the step before for increments of strain,
 //! or a fixed state for all of it.
 //!
-//! Poisson's ratio ν = -dε_yy/dε_xx is a slope through many pairs (ε_xx, ε_yy). Ordinary least
-//! squares, ν = -s_xy/s_xx, assumes that x has no scatter; where both strains scatter alike it is
-//! too small by a factor of r at least. Total least squares takes the long axis of the cloud, tan
-//! 2α = 2 s_xy / (s_xx - s_yy), ν = -tan α, and does not prefer an axis: exchanging x and y turns ν
-//! into 1/ν. r² = s_xy²/(s_xx s_yy) says how much of a line the cloud is; where it is small neither
-//! number means much. Errors are those of the jackknife over blocks of consecutive samples.
+//! Poisson's ratio follows from how the two strains of a fluctuating body vary together. The energy
+//! of a small strain is V/2 ε C ε, so strains in equilibrium have the covariances s_ij = ⟨ε_i ε_j⟩ =
+//! kT S_ij / V with the compliances S = C⁻¹. Under a load along x, ν_xy = -S_xy/S_xx, and therefore
+//!
+//! ν_xy = -s_xy/s_xx,   ν_yx = -s_xy/s_yy:
+//!
+//! minus the ordinary slope of ε_yy on ε_xx, and of ε_xx on ε_yy. The scatter about the slope is the
+//! fluctuation itself and no error of measurement. In a lattice with a four-fold axis s_xx = s_yy,
+//! and both ratios are -r, with r the correlation of the strains. Total least squares does not
+//! measure this: the long axis of a cloud with s_xx = s_yy is a diagonal, whatever r is. Increments
+//! of strain from one time to the next, as the preprint takes them, give the same ratios of the
+//! strain rates. r² = s_xy²/(s_xx s_yy) = ν_xy ν_yx. Errors are those of the jackknife over blocks of
+//! consecutive samples.
 
 use crate::lattice::contact::layout::Layout;
 use crate::lattice::{Corner, Network};
@@ -99,14 +106,14 @@ pub fn biot_strain(gradient: &Matrix2<f64>) -> Matrix2<f64> {
 /// Poisson's ratio of a cloud of strains.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PoissonRatio {
-    /// -s_xy/s_xx, from ordinary least squares of ε_yy on ε_xx.
-    pub ordinary: f64,
-    /// Its standard error.
-    pub ordinary_error: f64,
-    /// -tan α, from total least squares.
-    pub total: f64,
-    /// Its standard error.
-    pub total_error: f64,
+    /// ν_xy = -s_xy/s_xx, the ratio for a load along x.
+    pub xy: f64,
+    /// Standard error of ν_xy.
+    pub xy_error: f64,
+    /// ν_yx = -s_xy/s_yy, the ratio for a load along y.
+    pub yx: f64,
+    /// Standard error of ν_yx.
+    pub yx_error: f64,
     /// Squared correlation of ε_xx and ε_yy.
     pub r_squared: f64,
     /// Number of strains.
@@ -159,10 +166,10 @@ impl Sums {
         ]
     }
 
-    /// Poisson's ratio by ordinary and by total least squares.
+    /// ν_xy and ν_yx.
     fn ratios(&self) -> [f64; 2] {
         let [xx, xy, yy] = self.moments();
-        [-xy / xx, -(0.5 * (2.0 * xy).atan2(xx - yy)).tan()]
+        [-xy / xx, -xy / yy]
     }
 }
 
@@ -176,7 +183,7 @@ impl Sums {
 /// // An auxetic material: both strains grow together.
 /// let strains: Vec<[f64; 2]> = (0..20).map(|k| [0.01 * f64::from(k), 0.008 * f64::from(k)]).collect();
 /// let found = poisson_ratio(&strains, 4)?;
-/// assert!((found.total + 0.8).abs() < 1e-12 && (found.r_squared - 1.0).abs() < 1e-12);
+/// assert!((found.xy + 0.8).abs() < 1e-12 && (found.yx + 1.25).abs() < 1e-12);
 /// # Ok::<(), protomer_crystal::CrystalError>(())
 /// ```
 ///
@@ -206,12 +213,12 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
         let left_out = Sums::of(&strains[range], origin);
         without.push(all.less(&left_out).ratios());
     }
-    let [ordinary, total] = all.ratios();
+    let [ratio_xy, ratio_yx] = all.ratios();
     Ok(PoissonRatio {
-        ordinary,
-        ordinary_error: jackknife_error(&without, 0),
-        total,
-        total_error: jackknife_error(&without, 1),
+        xy: ratio_xy,
+        xy_error: jackknife_error(&without, 0),
+        yx: ratio_yx,
+        yx_error: jackknife_error(&without, 1),
         r_squared: xy * xy / (xx * yy),
         samples,
     })
@@ -320,7 +327,7 @@ mod tests {
             })
             .collect();
         let found = poisson_ratio(&strains, 4).unwrap();
-        assert!((found.ordinary + 1.0).abs() < 1e-10 && (found.total + 1.0).abs() < 1e-10);
+        assert!((found.xy + 1.0).abs() < 1e-10 && (found.yx + 1.0).abs() < 1e-10);
         assert!((found.r_squared - 1.0).abs() < 1e-10);
     }
 
@@ -337,65 +344,91 @@ mod tests {
         }
     }
 
-    /// A cloud with a known long axis and equal scatter on both strains: total least squares finds
-    /// the slope, ordinary least squares is attenuated by s_t²/(s_t² + s²), and the errors are
-    /// those seen over many clouds.
-    #[test]
-    fn total_least_squares_is_not_attenuated_and_errors_are_as_seen() {
-        let (clouds, samples, scatter) = (200, 400, 0.7f64);
-        let (mut ordinary, mut total, mut errors) = (Vec::new(), Vec::new(), [0.0; 2]);
-        for cloud in 0..clouds {
-            let mut rng = CounterRng::new(3, cloud, 0);
-            let strains: Vec<[f64; 2]> = (0..samples)
-                .map(|_| {
-                    let ([along, x], [y, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
-                    [along + scatter * x, 0.8 * along + scatter * y]
-                })
-                .collect();
-            let found = poisson_ratio(&strains, 20).unwrap();
-            ordinary.push(found.ordinary);
-            total.push(found.total);
-            errors[0] += found.ordinary_error / f64::from(clouds);
-            errors[1] += found.total_error / f64::from(clouds);
+    /// A cloud of strains with these standard deviations and this correlation.
+    fn cloud(number: u32, deviations: [f64; 2], correlation: f64, samples: usize) -> Vec<[f64; 2]> {
+        let mut rng = CounterRng::new(3, number, 0);
+        let rest = (1.0 - correlation * correlation).sqrt();
+        let mut strains = Vec::with_capacity(samples);
+        for _ in 0..samples {
+            let ([x, y], [dx, dy]) = (normal_pair(&mut rng), deviations);
+            strains.push([dx * x, dy * (correlation * x + rest * y)]);
         }
-        let moments = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>()
-                / (values.len() as f64 - 1.0);
-            (mean, variance.sqrt())
-        };
-        let ((a, sa), (b, sb)) = (moments(&ordinary), moments(&total));
+        strains
+    }
+
+    fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares = values.iter().map(|value| (value - mean).powi(2));
+        (mean, (squares.sum::<f64>() / (count - 1.0)).sqrt())
+    }
+
+    /// Slope of the long axis of a cloud: what total least squares takes for -ν.
+    fn slope_of_long_axis(strains: &[[f64; 2]]) -> f64 {
+        let [xx, xy, yy] = Sums::of(strains, mean_strain(strains)).moments();
+        (0.5 * (2.0 * xy).atan2(xx - yy)).tan()
+    }
+
+    /// Strains of equal variance and correlation r have the ratio -r. Total least squares calls it
+    /// -1 for every r.
+    #[test]
+    fn strains_of_equal_variance_have_minus_their_correlation_as_the_ratio() {
+        for correlation in [0.2, 0.5, 0.9] {
+            let strains = cloud(0, [1.0, 1.0], correlation, 40_000);
+            let found = poisson_ratio(&strains, 20).unwrap();
+            assert!(
+                (found.xy + correlation).abs() < 5.0 * found.xy_error,
+                "{found:?}"
+            );
+            assert!(
+                (found.yx + correlation).abs() < 5.0 * found.yx_error,
+                "{found:?}"
+            );
+            assert!(found.xy_error < 0.01 && found.yx_error < 0.01);
+            assert!((slope_of_long_axis(&strains) - 1.0).abs() < 0.06);
+        }
+    }
+
+    /// ν_xy = -S_xy/S_xx and ν_yx = -S_xy/S_yy of a body with compliances S whose strains are drawn
+    /// from its thermal distribution; the errors are the deviations seen over many such clouds.
+    #[test]
+    fn fluctuations_give_the_ratios_of_the_compliances_and_errors_are_as_seen() {
+        let (clouds, deviations, correlation) = (200_u32, [1.0, 0.6], 0.7);
+        let compliances = [1.0, 0.7 * 0.6, 0.36];
+        let (mut along_x, mut along_y, mut errors) = (Vec::new(), Vec::new(), [0.0; 2]);
+        for number in 0..clouds {
+            let strains = cloud(number, deviations, correlation, 400);
+            let found = poisson_ratio(&strains, 20).unwrap();
+            along_x.push(found.xy);
+            along_y.push(found.yx);
+            errors[0] += found.xy_error / f64::from(clouds);
+            errors[1] += found.yx_error / f64::from(clouds);
+        }
         let root = f64::from(clouds).sqrt();
-        assert!(
-            (a + 0.8 / (1.0 + scatter * scatter)).abs() < 4.0 * sa / root,
-            "{a} {sa}"
-        );
-        assert!((b + 0.8).abs() < 4.0 * sb / root + 0.005, "{b} {sb}");
-        assert!(
-            (errors[0] / sa - 1.0).abs() < 0.2 && (errors[1] / sb - 1.0).abs() < 0.2,
-            "{errors:?} {sa} {sb}"
-        );
+        for (ratios, own, error) in [
+            (along_x, compliances[0], errors[0]),
+            (along_y, compliances[2], errors[1]),
+        ] {
+            let (mean, deviation) = mean_and_deviation(&ratios);
+            let exact = -compliances[1] / own;
+            assert!(
+                (mean - exact).abs() < 4.0 * deviation / root,
+                "{mean} {exact}"
+            );
+            assert!((error / deviation - 1.0).abs() < 0.2, "{error} {deviation}");
+        }
     }
 
     #[test]
-    fn exchanging_the_axes_inverts_the_total_ratio() {
-        let mut rng = CounterRng::new(4, 0, 0);
-        let strains: Vec<[f64; 2]> = (0..50)
-            .map(|_| {
-                let along = rng.uniform();
-                [
-                    along + 0.1 * rng.uniform(),
-                    -0.5 * along + 0.1 * rng.uniform(),
-                ]
-            })
-            .collect();
+    fn exchanging_the_axes_exchanges_the_ratios() {
+        let strains = cloud(1, [1.0, 0.5], -0.8, 50);
         let exchanged: Vec<[f64; 2]> = strains.iter().map(|[x, y]| [*y, *x]).collect();
         let (found, other) = (
             poisson_ratio(&strains, 5).unwrap(),
             poisson_ratio(&exchanged, 5).unwrap(),
         );
-        assert!((found.total * other.total - 1.0).abs() < 1e-12);
-        assert!((found.ordinary * other.ordinary - found.r_squared).abs() < 1e-12);
+        assert!((found.xy - other.yx).abs() < 1e-12 && (found.yx - other.xy).abs() < 1e-12);
+        assert!((found.xy * found.yx - found.r_squared).abs() < 1e-12);
         assert!(poisson_ratio(&[[0.1, 0.2]; 8], 2).is_err() && poisson_ratio(&strains, 1).is_err());
     }
 }

@@ -69,8 +69,8 @@ const SYNCHRONISATION: [Quantity; 2] = [
     Quantity::new("partial_synchronisation", "λ(|P|) / squares"),
 ];
 const POISSON: [Quantity; 3] = [
-    Quantity::pooled("poisson_ratio", "ν, total least squares"),
-    Quantity::pooled("poisson_ratio_ordinary", "ν, ordinary least squares"),
+    Quantity::pooled("poisson_ratio_xy", "ν_{xy}, load along x"),
+    Quantity::pooled("poisson_ratio_yx", "ν_{yx}, load along y"),
     Quantity::new("r_squared", "r²"),
 ];
 const CHECKERBOARD: [Quantity; 2] = [

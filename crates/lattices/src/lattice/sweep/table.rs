@@ -38,10 +38,10 @@ pub struct RunRow {
     pub largest_spread: f64,
     /// When it was.
     pub largest_spread_time: f64,
-    /// Poisson's ratio by total least squares, from the strains between rows of the log.
-    pub poisson_ratio: f64,
-    /// By ordinary least squares, as in the paper.
-    pub poisson_ratio_ordinary: f64,
+    /// Poisson's ratio ν_xy for a load along x, from the strains between rows of the log.
+    pub poisson_ratio_xy: f64,
+    /// Poisson's ratio ν_yx for a load along y.
+    pub poisson_ratio_yx: f64,
     /// Squared correlation of the two strains.
     pub r_squared: f64,
     /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all squares turn
@@ -97,8 +97,8 @@ impl RunRow {
             checkerboard_fraction: of_rotation.mean,
             largest_spread,
             largest_spread_time,
-            poisson_ratio: ratio.total,
-            poisson_ratio_ordinary: ratio.ordinary,
+            poisson_ratio_xy: ratio.xy,
+            poisson_ratio_yx: ratio.yx,
             r_squared: ratio.r_squared,
             synchronisation: whole,
             partial_synchronisation: partial,
@@ -114,10 +114,10 @@ impl RunRow {
 
 /// The ratio of strains that do not determine one.
 const UNKNOWN_RATIO: PoissonRatio = PoissonRatio {
-    total: f64::NAN,
-    total_error: f64::NAN,
-    ordinary: f64::NAN,
-    ordinary_error: f64::NAN,
+    xy: f64::NAN,
+    xy_error: f64::NAN,
+    yx: f64::NAN,
+    yx_error: f64::NAN,
     r_squared: f64::NAN,
     samples: 0,
 };
@@ -211,11 +211,10 @@ pub struct ConditionRow {
     pub largest_spread: Estimate,
     /// As in [`RunRow`].
     pub largest_spread_time: Estimate,
-    /// By total least squares from the strains of all runs together; the error is from a
-    /// jackknife over blocks.
-    pub poisson_ratio: Estimate,
-    /// The same by ordinary least squares.
-    pub poisson_ratio_ordinary: Estimate,
+    /// ν_xy from the strains of all runs together; the error is from a jackknife over blocks.
+    pub poisson_ratio_xy: Estimate,
+    /// ν_yx, likewise.
+    pub poisson_ratio_yx: Estimate,
     /// Squared correlation of the strains of all runs together; without error.
     pub r_squared: Estimate,
     /// As in [`RunRow`].
@@ -264,13 +263,13 @@ impl ConditionRow {
             checkerboard_fraction: of(|run| run.checkerboard_fraction),
             largest_spread: of(|run| run.largest_spread),
             largest_spread_time: of(|run| run.largest_spread_time),
-            poisson_ratio: Estimate {
-                mean: ratio.total,
-                error: ratio.total_error,
+            poisson_ratio_xy: Estimate {
+                mean: ratio.xy,
+                error: ratio.xy_error,
             },
-            poisson_ratio_ordinary: Estimate {
-                mean: ratio.ordinary,
-                error: ratio.ordinary_error,
+            poisson_ratio_yx: Estimate {
+                mean: ratio.yx,
+                error: ratio.yx_error,
             },
             r_squared: Estimate {
                 mean: ratio.r_squared,
@@ -305,8 +304,8 @@ macro_rules! columns {
             checkerboard_fraction,
             largest_spread,
             largest_spread_time,
-            poisson_ratio,
-            poisson_ratio_ordinary,
+            poisson_ratio_xy,
+            poisson_ratio_yx,
             r_squared,
             synchronisation,
             partial_synchronisation,
