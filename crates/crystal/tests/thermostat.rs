@@ -6,7 +6,7 @@ mod common;
 
 use common::{drawn_start, lattice, two_squares};
 use nalgebra::{DMatrix, DVector};
-use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, neighbours};
+use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, pairs_within, rings};
 use protomer_crystal::lattice::{
     CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod,
     Square, Start, State,
@@ -429,18 +429,14 @@ fn charges() -> Vec<SquareCharge> {
 
 #[test]
 fn charges_push_down_the_slope_of_their_energy() {
-    for (edges, cutoff) in [
-        (Edges::Open, f64::INFINITY),
-        (Edges::Periodic, 60.0),
-        (Edges::Periodic, f64::INFINITY),
-    ] {
+    for edges in [Edges::Open, Edges::Periodic] {
         let square = Square {
             half_diagonal: 1.0,
             mass: 1.3,
             inertia: 0.4,
         };
         let network = Network::lattice(4, 2, 0.4, square, edges, 0.6).unwrap();
-        let yukawa = Yukawa::new(7.0, 0.1, cutoff).unwrap();
+        let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
         let force =
             ScreenedCharges::on_every_square(&network, yukawa, 22.0, 0.8, &charges()).unwrap();
         let mut positions = State::coherent(&network, 0.6).positions;
@@ -462,7 +458,6 @@ fn charges_push_down_the_slope_of_their_energy() {
         };
         let twin = |s: &[f64]| -> f64 {
             let plain = |r: f64| 7.0 * (-0.1 * r).exp() / r;
-            let slope = |r: f64| -plain(r) * (0.1 + 1.0 / r);
             let mut total = 0.0;
             for pair in force.pairs() {
                 for a in &charges() {
@@ -472,14 +467,7 @@ fn charges_push_down_the_slope_of_their_energy() {
                             place(s, pair.squares[1], b, pair.image),
                         );
                         let r = 22.0 * ((p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)).sqrt();
-                        let shift = if cutoff.is_finite() {
-                            plain(cutoff) + (r - cutoff) * slope(cutoff)
-                        } else {
-                            0.0
-                        };
-                        if r < cutoff {
-                            total += 0.8 * a.charge * b.charge * (plain(r) - shift);
-                        }
+                        total += 0.8 * a.charge * b.charge * plain(r);
                     }
                 }
             }
@@ -506,7 +494,7 @@ fn charges_push_down_the_slope_of_their_energy() {
 #[test]
 fn charges_keep_energy_and_momentum() {
     let network = lattice(3, 0.5);
-    let yukawa = Yukawa::new(7.0, 0.1, 45.0).unwrap();
+    let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
     let drift = |step: f64| {
         let mut state = drawn_start(&network, 3, None);
         let force =
@@ -531,16 +519,49 @@ fn charges_keep_energy_and_momentum() {
     assert!(fine < 1e-4 && (3.5..4.5).contains(&(coarse / fine)));
 }
 
+/// In a row of eight squares with a net charge, all squares act on all at a Debye length of two
+/// squares. At a tenth of a square what is left out is below the stated share of what is kept.
+#[test]
+fn squares_act_as_far_as_their_charges_reach() {
+    let network = Network::lattice(1, 8, 0.4, Square::default(), Edges::Open, 0.0).unwrap();
+    let state = State::coherent(&network, 0.0);
+    assert_eq!(rings(&network, 3.0), 8);
+    assert_eq!(pairs_within(&network, 8).len(), 8 * 7 / 2);
+    for (debye_length, within) in [(0.14, 1), (0.3, 2), (0.5, 3)] {
+        assert_eq!(rings(&network, debye_length), within);
+        let yukawa = Yukawa::uncut(1.0, 1.0 / debye_length).unwrap();
+        let energy = |rings: usize| {
+            let (charges, pairs) = (vec![charges(); 8], pairs_within(&network, rings));
+            let force = ScreenedCharges::new(&network, yukawa, 1.0, 1.0, charges, pairs).unwrap();
+            force.accelerate(&network, &state.positions, &mut [0.0; 24])
+        };
+        let (kept, all) = (energy(within), energy(8));
+        assert!(
+            (kept - all).abs() < 2e-3 * all.abs(),
+            "{debye_length}: {kept} {all}"
+        );
+    }
+    let periodic = Network::lattice(2, 2, 0.4, Square::default(), Edges::Periodic, 0.6).unwrap();
+    let yukawa = Yukawa::uncut(7.0, 1e-4).unwrap();
+    let error = ScreenedCharges::on_every_square(&periodic, yukawa, 22.0, 0.8, &charges());
+    assert!(
+        error
+            .unwrap_err()
+            .to_string()
+            .contains("debye_length_angstrom is 10000")
+    );
+}
+
 #[test]
 fn neighbours_are_the_eight_around_once_each() {
     let open = Network::lattice(4, 5, 0.4, Square::default(), Edges::Open, 0.6).unwrap();
-    assert_eq!(neighbours(&open).len(), 4 * 4 + 3 * 5 + 2 * 3 * 4);
+    assert_eq!(pairs_within(&open, 1).len(), 4 * 4 + 3 * 5 + 2 * 3 * 4);
     let periodic = Network::lattice(2, 4, 0.4, Square::default(), Edges::Periodic, 0.6).unwrap();
-    assert_eq!(neighbours(&periodic).len(), 4 * 8);
+    assert_eq!(pairs_within(&periodic, 1).len(), 4 * 8);
     // All pairs and images are within the diagonal distance of the coherent state.
     let state = State::coherent(&periodic, 0.6);
     let (cell, spacing) = (periodic.cell.unwrap(), periodic.cell.unwrap()[0] / 4.0);
-    for pair in neighbours(&periodic) {
+    for pair in pairs_within(&periodic, 1) {
         let [p, q] = pair.squares;
         let apart = [0, 1].map(|axis| {
             state.positions[3 * q + axis] + f64::from(pair.image[axis]) * cell[axis]

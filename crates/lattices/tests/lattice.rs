@@ -712,18 +712,28 @@ fn a_box_is_the_square_it_looks_like() {
         assert!(
             (square.axis[2] - 1.0).abs() < 1e-10 && (square.height_angstrom - 18.0).abs() < 1e-9
         );
-        // 4 √2 Å from the centre towards a corner, the two opposite each other.
-        let [plus, minus] = [0, 1].map(|index| square.charges[index]);
-        let reach = |position: [f64; 2]| position[0].hypot(position[1]);
-        assert!((plus.charge + minus.charge - 1.0).abs() < 1e-12 && square.charges.len() == 2);
+        // 4 Å along either side, where no site may be: moved inwards, the two opposite each other.
+        let moment = |weight: fn([f64; 2]) -> f64| -> f64 {
+            let charges = square.charges.iter();
+            charges
+                .map(|site| site.charge * weight(site.position))
+                .sum()
+        };
+        assert!((moment(|_| 1.0) - 1.0).abs() < 1e-12, "{square:?}");
+        let inset = (exact / 2f64.sqrt() - 2.0) / square.half_diagonal_angstrom;
+        for dipole in [moment(|[x, _]| x), moment(|[_, y]| y)] {
+            assert!(
+                (dipole.abs() - 3.0 * inset).abs() < 5e-3,
+                "{dipole} {inset}"
+            );
+        }
+        assert_eq!((square.moved.count, square.moved.out_of), (2, 2));
+        assert!((square.moved.farthest_angstrom - 2f64.sqrt()).abs() < 0.02);
+        let warning = named.warning().unwrap();
         assert!(
-            (reach(plus.position) - 0.8).abs() < 2e-3 && (reach(minus.position) - 0.8).abs() < 2e-3
+            warning.starts_with("2 of 2 charges (+2.00 and -1.00 e)"),
+            "{warning}"
         );
-        assert!(
-            (plus.position[0].abs() - plus.position[1].abs()).abs() < 1e-3,
-            "{plus:?}"
-        );
-        assert!((plus.position[0] + minus.position[0]).abs() < 1e-9);
         let part: toml::Table = toml::from_str(&named.to_toml().unwrap()).unwrap();
         let settings: LatticeSettings = part.try_into().unwrap();
         assert_eq!(settings.charges, square.charges);

@@ -49,8 +49,6 @@ pub struct Screening {
     pub bjerrum_length_angstrom: f64,
     /// Debye length, Å.
     pub debye_length_angstrom: f64,
-    /// Distance at which the interaction ends, Å.
-    pub cutoff_angstrom: f64,
     /// kT in reduced units: how strong a pair of charges is against the motion.
     pub kt: f64,
 }
@@ -95,10 +93,9 @@ impl Motion {
 
 impl Charges {
     fn force(&self, network: &Network) -> Result<ScreenedCharges> {
-        let yukawa = Yukawa::new(
+        let yukawa = Yukawa::uncut(
             self.screening.bjerrum_length_angstrom,
             self.screening.debye_length_angstrom.recip(),
-            self.screening.cutoff_angstrom,
         )?;
         let (scale, kt) = (self.scale_angstrom, self.screening.kt);
         ScreenedCharges::on_every_square(network, yukawa, scale, kt, &self.on_square)

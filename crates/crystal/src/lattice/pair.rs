@@ -5,9 +5,9 @@
 //! V = kT Σ q q' λ_B exp(-κ r) / r, with r in Å = scale · |Δ|, Δ = s + R(θ) c - s' - R(θ') c'.
 //!
 //! The force on the first charge, in reduced units, is F = -kT q q' V'(r) scale Δ/|Δ|, and the
-//! torque on its square (R c)_x F_y - (R c)_y F_x. With a finite cut-off r_c the potential is
-//! shifted in value and slope, V(r) - V(r_c) - (r - r_c) V'(r_c), so that neither energy nor force
-//! jumps.
+//! torque on its square (R c)_x F_y - (R c)_y F_x. There is no cut-off between charges. Squares are
+//! left out as a whole where so many others lie between them that exp(-κ r) is below 10⁻³ for every
+//! pair of their charges; see [`rings`].
 
 use super::force::Force;
 use super::network::Network;
@@ -16,6 +16,12 @@ use crate::error::{CrystalError, Result, require_positive};
 use crate::plane::{Vector, cross, direction, minus, norm, plus, scaled, turned};
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::SQRT_2;
+
+/// Squares act on each other unless their charges are more Debye lengths apart: exp(-7) = 9·10⁻⁴.
+const FARTHEST_DEBYE_LENGTHS: f64 = 7.0;
+/// Rows of images on which a square of a periodic lattice may act at most.
+const MOST_RINGS: usize = 100;
 
 /// A charge on a square.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -110,10 +116,11 @@ impl ScreenedCharges {
         })
     }
 
-    /// The same charges on every square; each square acts on the eight around it.
+    /// The same charges on every square; each square acts on those in the [`rings`] around it.
     ///
     /// # Errors
-    /// As [`ScreenedCharges::new`].
+    /// As [`ScreenedCharges::new`], and [`CrystalError::BadSetting`] for a Debye length that reaches
+    /// over more than 100 squares of a periodic lattice.
     pub fn on_every_square(
         network: &Network,
         yukawa: Yukawa,
@@ -121,8 +128,18 @@ impl ScreenedCharges {
         kt: f64,
         charges: &[SquareCharge],
     ) -> Result<Self> {
+        require_positive("scale_angstrom", scale_angstrom)?;
         let charges = vec![charges.to_vec(); network.squares.len()];
-        let pairs = neighbours(network);
+        let debye_length = yukawa.inverse_debye_length_per_angstrom.recip();
+        let rings = rings(network, debye_length / scale_angstrom);
+        if network.cell.is_some() && rings > MOST_RINGS {
+            return Err(CrystalError::BadSetting {
+                setting: "debye_length_angstrom",
+                value: debye_length,
+                requirement: "at most 14 sides of a square where the edges are periodic",
+            });
+        }
+        let pairs = pairs_within(network, rings);
         Self::new(network, yukawa, scale_angstrom, kt, charges, pairs)
     }
 
@@ -131,24 +148,8 @@ impl ScreenedCharges {
         &self.pairs
     }
 
-    /// V and dV/dr of unit charges, in kT and kT/Å.
-    fn potential(&self, distance_angstrom: f64) -> [f64; 2] {
-        let cutoff = self.yukawa.cutoff_angstrom;
-        if distance_angstrom >= cutoff {
-            return [0.0; 2];
-        }
-        let [energy, slope] = self.uncut_potential(distance_angstrom);
-        if cutoff == f64::INFINITY {
-            return [energy, slope];
-        }
-        let [energy_there, slope_there] = self.uncut_potential(cutoff);
-        [
-            energy - energy_there - (distance_angstrom - cutoff) * slope_there,
-            slope - slope_there,
-        ]
-    }
-
-    fn uncut_potential(&self, r: f64) -> [f64; 2] {
+    /// V and dV/dr of unit charges at this distance in Å, in kT and kT/Å.
+    fn potential(&self, r: f64) -> [f64; 2] {
         let kappa = self.yukawa.inverse_debye_length_per_angstrom;
         let energy = self.yukawa.bjerrum_length_angstrom * (-kappa * r).exp() / r;
         [energy, -energy * (1.0 / r + kappa)]
@@ -224,32 +225,69 @@ impl Force for ScreenedCharges {
     }
 }
 
-/// Every two squares that are next to each other in the lattice along rows, columns or diagonals,
-/// once each.
-pub fn neighbours(network: &Network) -> Vec<SquarePair> {
+/// How many rings of squares around a square act on it: the eight next to it are the first ring.
+///
+/// n - 1 squares lie between a square and one of the n-th ring. They fill at least n - 1 sides of a
+/// square, √2 l, whatever their angles, because squares do not overlap. `debye_length` is in
+/// half-diagonals of the unit square.
+pub fn rings(network: &Network, debye_length: f64) -> usize {
+    let mut smallest = f64::INFINITY;
+    for square in &network.squares {
+        smallest = smallest.min(square.half_diagonal);
+    }
+    let sides = FARTHEST_DEBYE_LENGTHS * debye_length / (SQRT_2 * smallest);
+    let all = network.rows.max(network.columns);
+    let rings = (sides.ceil() as usize).max(1);
+    if network.cell.is_some() {
+        rings
+    } else {
+        rings.min(all)
+    }
+}
+
+/// Every two squares of which one is in the first `rings` rings around the other, once each, with
+/// periodic images as partners of their own.
+pub fn pairs_within(network: &Network, rings: usize) -> Vec<SquarePair> {
+    let places = places(network);
+    let rings = rings as i64;
     let mut pairs = Vec::new();
     for row in 0..network.rows {
         for column in 0..network.columns {
-            let Some(first) = network.at(row, column) else {
+            let Some(first) = places[row * network.columns + column] else {
                 continue;
             };
-            for (down, right) in [(0, 1), (1, 0), (1, 1), (1, -1)] {
-                let below = wrap(network, row as i64 + down, network.rows);
-                let beside = wrap(network, column as i64 + right, network.columns);
-                let (Some((row, cells_down)), Some((column, cells_right))) = (below, beside) else {
-                    continue;
-                };
-                if let Some(second) = network.at(row, column) {
-                    // y falls with the row.
-                    pairs.push(SquarePair {
-                        squares: [first, second],
-                        image: [cells_right, -cells_down],
-                    });
+            // Half of the ways around the square: the other half is that of its partners.
+            for down in 0..=rings {
+                let leftmost = if down == 0 { 1 } else { -rings };
+                for right in leftmost..=rings {
+                    let below = wrap(network, row as i64 + down, network.rows);
+                    let beside = wrap(network, column as i64 + right, network.columns);
+                    let (Some((row, cells_down)), Some((column, cells_right))) = (below, beside)
+                    else {
+                        continue;
+                    };
+                    if let Some(second) = places[row * network.columns + column] {
+                        // y falls with the row.
+                        pairs.push(SquarePair {
+                            squares: [first, second],
+                            image: [cells_right, -cells_down],
+                        });
+                    }
                 }
             }
         }
     }
     pairs
+}
+
+/// The square at every place of the lattice, row by row.
+fn places(network: &Network) -> Vec<Option<usize>> {
+    let mut places = vec![None; network.rows * network.columns];
+    for square in 0..network.squares.len() {
+        let [row, column] = network.place(square);
+        places[row * network.columns + column] = Some(square);
+    }
+    places
 }
 
 /// The index in the lattice, and the number of the cell along this axis; `None` beyond an open edge.

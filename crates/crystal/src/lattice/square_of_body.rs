@@ -10,6 +10,7 @@
 //!   holds the outline, or that of the square of equal area.
 //! * The inertia about the axis is that of a solid of uniform density, in units of m l²; it is 1/3
 //!   for a square.
+//! * The charges are those of the body on the sites of a square grid, see [`Sites`].
 
 use super::pair::SquareCharge;
 use crate::plane::{Vector, direction, dot};
@@ -23,6 +24,13 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2, TAU};
 const DIRECTIONS: usize = 720;
 /// Orders of symmetry that are told apart.
 const HIGHEST_ORDER: usize = 8;
+/// Sites are at most this far apart, Å.
+const SITE_SPACING_ANGSTROM: f64 = 6.0;
+/// Sites stay this far inside the sides, Å, or at half the way to the centre of a very small square:
+/// where corners meet, charges of neighbours are as far apart as atoms in contact.
+const INSET_ANGSTROM: f64 = 2.0;
+/// Sites along an axis on which a charge is placed.
+const STENCIL: usize = 4;
 
 /// What the half-diagonal measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -90,9 +98,25 @@ pub struct BodySquare {
     pub inertia: f64,
     /// Net charge, e.
     pub net_charge_e: f64,
-    /// The charges, gathered by sign in the four quarters between the sides' normals, in units of
-    /// l, corner 2 at 45°.
+    /// The net charges of the sites, places in units of l, corner 2 at 45°.
     pub charges: Vec<SquareCharge>,
+    /// Charges of the body that stand out of the square and were moved to its outermost sites.
+    pub moved: MovedCharges,
+}
+
+/// Charges that stand out of a square.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct MovedCharges {
+    /// Their number.
+    pub count: usize,
+    /// Charges in all.
+    pub out_of: usize,
+    /// The sum of those that are positive, e.
+    pub positive_e: f64,
+    /// The sum of those that are negative, e.
+    pub negative_e: f64,
+    /// The farthest that one was moved, Å.
+    pub farthest_angstrom: f64,
 }
 
 impl BodySquare {
@@ -139,6 +163,10 @@ impl BodySquare {
             Size::Area => equal_area_half_diagonal_angstrom,
         };
         let turn = direction(corner - FRAC_PI_4);
+        let mut sites = Sites::within(half_diagonal_angstrom);
+        for (place, charge) in solid.charges.iter().filter(|(_, charge)| *charge != 0.0) {
+            sites.add(turned_back(view.flatten(place), turn), *charge);
+        }
         Ok(Self {
             axis: axis.into(),
             moments_differ,
@@ -152,7 +180,8 @@ impl BodySquare {
             height_angstrom: height(solid, &axis),
             inertia: moment_about(solid, &axis) / (half_diagonal_angstrom * half_diagonal_angstrom),
             net_charge_e: solid.charges.iter().map(|(_, charge)| charge).sum(),
-            charges: gather(solid, &view, turn, half_diagonal_angstrom),
+            charges: sites.charges(half_diagonal_angstrom),
+            moved: sites.moved,
         })
     }
 }
@@ -345,33 +374,211 @@ impl Outline {
     }
 }
 
-/// Charges of each sign in each quarter, at their mean place. The square at θ = 0 has its sides
-/// along x and y.
-fn gather(solid: &Solid, view: &View, turn: Vector, half_diagonal: f64) -> Vec<SquareCharge> {
-    let [cosine, sine] = turn;
-    let mut sums = [[0.0; 3]; 8];
-    for (place, charge) in solid.charges.iter().filter(|(_, charge)| *charge != 0.0) {
-        let [x, y] = view.flatten(place);
-        let (x, y) = (x * cosine + y * sine, y * cosine - x * sine);
-        let quarter = match (x >= 0.0, y >= 0.0) {
-            (true, true) => 0,
-            (false, true) => 1,
-            (false, false) => 2,
-            (true, false) => 3,
-        };
-        let sum = &mut sums[2 * quarter + usize::from(*charge < 0.0)];
-        for (sum, term) in sum.iter_mut().zip([charge * x, charge * y, *charge]) {
-            *sum += term;
+/// A place in the frame of the square at θ = 0, whose sides are along x and y.
+fn turned_back([x, y]: Vector, [cosine, sine]: Vector) -> Vector {
+    [x * cosine + y * sine, y * cosine - x * sine]
+}
+
+/// The sites of a square: the nodes of a regular grid, on which charges are placed.
+///
+/// A charge at (x, y) goes to the 4 x 4 sites around it with the weights of cubic interpolation along
+/// either axis. Sums of the charges times 1, x, y and all products up to x³ y³ then stay what they
+/// were. Positive and negative charges of one place cancel on the sites as they do in the body. At a
+/// Debye length of 9.6 Å the potential of a charge is off by 8 % (root mean square over places) 4 Å
+/// from the outermost sites, by 3 % at 8 Å and by 1 % at 16 Å. Heights along the axis are lost.
+struct Sites {
+    /// Place of the outermost sites along either axis, Å.
+    reach: f64,
+    /// Distance between sites, Å.
+    spacing: f64,
+    /// Number of sites along an axis.
+    count: usize,
+    /// Charges, row by row along y, e.
+    charges: Vec<f64>,
+    moved: MovedCharges,
+}
+
+impl Sites {
+    fn within(half_diagonal_angstrom: f64) -> Self {
+        let half_side = half_diagonal_angstrom / SQRT_2;
+        let reach = (half_side - INSET_ANGSTROM).max(0.5 * half_side);
+        let intervals = (2.0 * reach / SITE_SPACING_ANGSTROM).ceil() as usize;
+        let count = (intervals + 1).max(STENCIL);
+        Self {
+            reach,
+            spacing: 2.0 * reach / (count - 1) as f64,
+            count,
+            charges: vec![0.0; count * count],
+            moved: MovedCharges::default(),
         }
     }
-    let mut charges = Vec::new();
-    for [x, y, charge] in sums {
-        if charge != 0.0 {
-            charges.push(SquareCharge {
-                position: [x / charge / half_diagonal, y / charge / half_diagonal],
-                charge,
-            });
+
+    fn add(&mut self, [x, y]: Vector, charge: f64) {
+        let inside = [x, y].map(|place| place.clamp(-self.reach, self.reach));
+        self.moved
+            .count((x - inside[0]).hypot(y - inside[1]), charge);
+        let [(column, across), (row, up)] = inside.map(|place| self.weights(place));
+        for (j, weight_y) in up.iter().enumerate() {
+            for (i, weight_x) in across.iter().enumerate() {
+                self.charges[(row + j) * self.count + column + i] += charge * weight_x * weight_y;
+            }
         }
     }
-    charges
+
+    /// The first of the four sites around a place, and the weights of Lagrange's interpolation.
+    fn weights(&self, place: f64) -> (usize, [f64; STENCIL]) {
+        let along = (place + self.reach) / self.spacing;
+        let last = self.count - STENCIL;
+        let first = (along.floor() as usize).saturating_sub(1).min(last);
+        let t = along - first as f64;
+        let weights = [
+            -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
+            t * (t - 2.0) * (t - 3.0) / 2.0,
+            -t * (t - 1.0) * (t - 3.0) / 2.0,
+            t * (t - 1.0) * (t - 2.0) / 6.0,
+        ];
+        (first, weights)
+    }
+
+    /// The sites with a charge.
+    fn charges(&self, half_diagonal_angstrom: f64) -> Vec<SquareCharge> {
+        let place =
+            |index: usize| (index as f64 * self.spacing - self.reach) / half_diagonal_angstrom;
+        let mut charges = Vec::new();
+        for (site, charge) in self.charges.iter().enumerate() {
+            if *charge != 0.0 {
+                charges.push(SquareCharge {
+                    position: [place(site % self.count), place(site / self.count)],
+                    charge: *charge,
+                });
+            }
+        }
+        charges
+    }
+}
+
+impl MovedCharges {
+    fn count(&mut self, distance_angstrom: f64, charge_e: f64) {
+        self.out_of += 1;
+        if distance_angstrom == 0.0 {
+            return;
+        }
+        self.count += 1;
+        self.positive_e += charge_e.max(0.0);
+        self.negative_e += charge_e.min(0.0);
+        self.farthest_angstrom = self.farthest_angstrom.max(distance_angstrom);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    /// exp(-κ r)/r of charges at some places, Å.
+    fn potential(charges: &[(Vector, f64)], [x, y]: Vector, debye_length: f64) -> f64 {
+        let mut sum = 0.0;
+        for ([a, b], charge) in charges {
+            let distance = (x - a).hypot(y - b);
+            sum += charge * (-distance / debye_length).exp() / distance;
+        }
+        sum
+    }
+
+    fn on_sites(charges: &[(Vector, f64)], half_diagonal: f64) -> (Vec<(Vector, f64)>, Sites) {
+        let mut sites = Sites::within(half_diagonal);
+        for (place, charge) in charges {
+            sites.add(*place, *charge);
+        }
+        let placed = sites.charges(half_diagonal);
+        let mut listed = Vec::with_capacity(placed.len());
+        for SquareCharge { position, charge } in placed {
+            listed.push((position.map(|x| x * half_diagonal), charge));
+        }
+        (listed, sites)
+    }
+
+    /// Four hundred charges of ±1 e with a net charge of +4 e, all over a square with a half-diagonal
+    /// of 59 Å, as in a tetramer.
+    fn tetramer() -> Vec<(Vector, f64)> {
+        let mut rng = CounterRng::new(11, 0, 0);
+        let mut charges = Vec::new();
+        for index in 0..400 {
+            let charge = if index < 202 { 1.0 } else { -1.0 };
+            let place = [rng.uniform_in(-39.0, 39.0), rng.uniform_in(-39.0, 39.0)];
+            charges.push((place, charge));
+        }
+        charges
+    }
+
+    #[test]
+    fn sites_keep_the_net_charge_and_the_dipole_and_make_no_lumps() {
+        let charges = tetramer();
+        let (sites, _) = on_sites(&charges, 59.2);
+        for moment in [
+            |_: Vector| 1.0,
+            |[x, _]: Vector| x,
+            |[_, y]: Vector| y,
+            |[x, y]: Vector| x * y,
+            |[x, _]: Vector| x * x,
+        ] {
+            let over = |list: &[(Vector, f64)]| -> f64 {
+                list.iter()
+                    .map(|(place, charge)| charge * moment(*place))
+                    .sum()
+            };
+            let (there, here) = (over(&charges), over(&sites));
+            assert!(
+                (there - here).abs() < 1e-8 * (1.0 + there.abs()),
+                "{there} {here}"
+            );
+        }
+        let largest = sites
+            .iter()
+            .map(|(_, charge)| charge.abs())
+            .fold(0.0, f64::max);
+        assert!(largest < 8.0, "{largest}");
+    }
+
+    /// The potential beside a square of a charge anywhere near that side, at 100 mM: as stated above.
+    #[test]
+    fn the_potential_beside_a_square_is_that_of_its_charges() {
+        let mut rng = CounterRng::new(12, 0, 0);
+        let side = 59.2 / SQRT_2 - INSET_ANGSTROM;
+        for (apart, error) in [(4.0, 0.1), (8.0, 0.04), (16.0, 0.015)] {
+            let (mut misses, mut all) = (0.0, 0.0);
+            for _ in 0..300 {
+                let place = [
+                    rng.uniform_in(side - 20.0, side),
+                    rng.uniform_in(-20.0, 20.0),
+                ];
+                let charge = [(place, 1.0)];
+                let (sites, _) = on_sites(&charge, 59.2);
+                let beside = [side + apart, rng.uniform_in(-20.0, 20.0)];
+                let exact = potential(&charge, beside, 9.6);
+                misses += (potential(&sites, beside, 9.6) - exact).powi(2);
+                all += exact * exact;
+            }
+            assert!(
+                (misses / all).sqrt() < error,
+                "{apart}: {}",
+                (misses / all).sqrt()
+            );
+        }
+    }
+
+    #[test]
+    fn charges_that_stand_out_are_moved_and_counted() {
+        let (_, sites) = on_sites(
+            &[([60.0, 0.0], 1.0), ([0.0, -45.0], -2.0), ([0.0, 0.0], 1.0)],
+            59.2,
+        );
+        let reach = 59.2 / SQRT_2 - INSET_ANGSTROM;
+        let moved = sites.moved;
+        assert_eq!((moved.count, moved.out_of), (2, 3));
+        assert_eq!((moved.positive_e, moved.negative_e), (1.0, -2.0));
+        assert!((moved.farthest_angstrom - (60.0 - reach)).abs() < 1e-12);
+        let net: f64 = sites.charges.iter().sum();
+        assert!(net.abs() < 1e-12);
+    }
 }

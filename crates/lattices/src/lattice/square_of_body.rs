@@ -76,12 +76,31 @@ impl Answer for NamedSquare {
         let [x, y, z] = square.axis;
         format!(
             "axis ({x:.3}, {y:.3}, {z:.3}), outline most {}-fold, {:.1} % off four-fold, \
-             half-diagonal {:.2} Å, inertia {:.4} m l², net charge {:+.2} e",
+             half-diagonal {:.2} Å, inertia {:.4} m l², net charge {:+.2} e on {} sites",
             square.symmetry_order,
             100.0 * square.deviation_from_fourfold,
             square.half_diagonal_angstrom,
             square.inertia,
-            square.net_charge_e
+            square.net_charge_e,
+            square.charges.len()
         )
+    }
+}
+
+impl NamedSquare {
+    /// The warning about charges that stand out of the square.
+    pub fn warning(&self) -> Option<String> {
+        let moved = &self.square.moved;
+        (moved.count > 0).then(|| {
+            format!(
+                "{} of {} charges ({:+.2} and {:+.2} e) stand out of the square and were moved to its outermost sites, by \
+                 at most {:.1} Å: forces between corners that meet are those of the moved charges",
+                moved.count,
+                moved.out_of,
+                moved.positive_e,
+                moved.negative_e,
+                moved.farthest_angstrom
+            )
+        })
     }
 }

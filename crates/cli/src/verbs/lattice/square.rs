@@ -44,7 +44,9 @@ pub fn square(
     let (body, _) = body_file::read(body)?;
     let square = square_of_body(&body, axis, size)?;
     let text = square.to_toml()?;
-    let reply = Reply::of(square);
+    let warning = square.warning();
+    let notes = warning.map(|warning| format!("warning: {warning}"));
+    let reply = Reply::of(square).with_notes(notes);
     match output {
         Some(path) => {
             write_once(path, &text, front.force())?;
