@@ -2,9 +2,18 @@
 
 use super::model::{Framework, Hinge, Neighbour, Rod, Torsion};
 use crate::{CrystalError, Result};
+use protomer_kernel::Number;
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 /// A rod, or a cell, shorter or flatter than this (Å) has collapsed.
 const SMALLEST_LENGTH_ANGSTROM: f64 = 1e-9;
+/// Coordinates, Å.
+const LARGEST_COORDINATE_ANGSTROM: f64 = 1e6;
+/// Lengths at which rods are at rest, and the thickness, Å.
+const LENGTHS_ANGSTROM: RangeInclusive<f64> = 1e-6..=1e6;
+/// Stiffnesses that are not zero, in their units.
+const STIFFNESSES: RangeInclusive<f64> = 1e-9..=1e12;
 /// No term reaches over more cells than this; it keeps sums of images from overflowing.
 const FARTHEST_IMAGE: u32 = 1_000_000;
 
@@ -27,9 +36,11 @@ impl Framework {
             return bad("the network has no nodes".into());
         }
         let thickness = self.thickness_angstrom;
-        if !(thickness.is_finite() && thickness > 0.0) {
+        if !LENGTHS_ANGSTROM.contains(&thickness) {
             return bad(format!(
-                "thickness_angstrom is {thickness}; it must be positive"
+                "thickness_angstrom is {}; it must be {}",
+                Number(thickness),
+                from_to(&LENGTHS_ANGSTROM)
             ));
         }
         self.check_cell()?;
@@ -46,9 +57,11 @@ impl Framework {
     fn check_vectors(&self, what: &str, vectors: &[Vec<f64>]) -> Result<()> {
         let dimension = self.dimension();
         for (index, vector) in vectors.iter().enumerate() {
-            if vector.len() != dimension || vector.iter().any(|x| !x.is_finite()) {
+            let fits = |x: &f64| x.abs() <= LARGEST_COORDINATE_ANGSTROM;
+            if vector.len() != dimension || !vector.iter().all(fits) {
                 return bad(format!(
-                    "{what} {index} is {vector:?}; give {dimension} finite numbers, Å"
+                    "{what} {index} is {vector:?}; give {dimension} numbers within \
+                     {LARGEST_COORDINATE_ANGSTROM} Å of zero"
                 ));
             }
         }
@@ -78,8 +91,10 @@ impl Framework {
         term.check_stiffness(rod.stiffness_kcal_mol_angstrom2)?;
         self.check_apart(term, &from, &rod.to)?;
         match rod.rest_length_angstrom {
-            Some(length) if !(length.is_finite() && length > 0.0) => bad(format!(
-                "rod {index} has rest length {length} Å; it must be positive"
+            Some(length) if !LENGTHS_ANGSTROM.contains(&length) => bad(format!(
+                "rod {index} has rest length {} Å; it must be {}",
+                Number(length),
+                from_to(&LENGTHS_ANGSTROM)
             )),
             _ => Ok(()),
         }
@@ -93,6 +108,7 @@ impl Framework {
             self.check_neighbour(term, end)?;
             self.check_apart(term, &vertex, end)?;
         }
+        term.check_rest_angle(hinge.rest_angle_rad)?;
         term.check_stiffness(hinge.stiffness_kcal_mol_rad2)
     }
 
@@ -113,6 +129,7 @@ impl Framework {
         for pair in torsion.along.windows(2) {
             self.check_apart(term, &pair[0], &pair[1])?;
         }
+        term.check_rest_angle(torsion.rest_angle_rad)?;
         term.check_stiffness(torsion.stiffness_kcal_mol_rad2)
     }
 
@@ -175,13 +192,35 @@ impl std::fmt::Display for TermName {
 
 impl TermName {
     fn check_stiffness(self, stiffness: f64) -> Result<()> {
-        if stiffness.is_finite() && stiffness >= 0.0 {
+        if stiffness == 0.0 || STIFFNESSES.contains(&stiffness) {
             return Ok(());
         }
         bad(format!(
-            "{self} has stiffness {stiffness}; it must be zero or positive"
+            "{self} has stiffness {}; it must be 0, or {}",
+            Number(stiffness),
+            from_to(&STIFFNESSES)
         ))
     }
+
+    fn check_rest_angle(self, angle_rad: Option<f64>) -> Result<()> {
+        match angle_rad {
+            Some(angle) if !(-TAU..=TAU).contains(&angle) => bad(format!(
+                "{self} has rest angle {} rad; it must be within one turn of zero, from {:.4} to {:.4}",
+                Number(angle),
+                -TAU,
+                TAU
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn from_to(range: &RangeInclusive<f64>) -> String {
+    format!(
+        "from {} to {}",
+        Number(*range.start()),
+        Number(*range.end())
+    )
 }
 
 fn length(vector: &[f64]) -> f64 {

@@ -9,6 +9,11 @@
 //! to the cell as it then is. w is the load on the cell: V0 Pᵀ F for a nominal stress P (force per
 //! area of the unloaded cell), V σ for a Cauchy stress σ (force per area as loaded). Under tens of
 //! GPa the two differ by some per cent, so the kind is always named.
+//!
+//! A load is approached in steps, each from the minimum before (continuation): Newton's method finds
+//! no minimum that is far away, or one that the network would not have come to. A step that fails, or
+//! that strains the cell by more than a tenth, is halved; one that succeeds is doubled. The curve
+//! therefore does not depend on how many loads are listed on the way.
 
 use super::energy::{Configuration, Derivatives, NetworkEnergy};
 use super::model::Framework;
@@ -29,6 +34,11 @@ const AT_REST: f64 = 1e-12;
 /// step fails, and the largest, at which steps have become far too short to get anywhere.
 const FIRST_SHIFT: f64 = 1e-9;
 const LARGEST_SHIFT: f64 = 1e6;
+/// Largest change of the cell's lengths, in parts of them, in one step towards a load.
+const LARGEST_STRETCH: f64 = 0.1;
+/// The smallest step towards a load, in parts of the way to it. A step this small may lead anywhere:
+/// the network snaps.
+const SMALLEST_LOAD_STEP: f64 = 1.0 / 4096.0;
 /// A shift grows by this factor while steps fail, and shrinks by the other after one that does not.
 const SHIFT_GROWTH: f64 = 10.0;
 const SHIFT_DECAY: f64 = 0.2;
@@ -73,21 +83,116 @@ pub fn minimise(framework: &Framework, free_cell: bool, load: Option<Load>) -> R
     Minimiser::new(framework, &energy, &start, free_cell, load)?.run(start)
 }
 
-/// The curve of a network under a growing load: each minimisation starts from the one before.
+/// The curve of a network under one load after another, each followed from the one before.
+///
+/// ```
+/// use protomer_crystal::framework::load::stretch_curve;
+/// use protomer_crystal::framework::{Load, StressKind, build::face_centred_cubic};
+/// let net = face_centred_cubic(3.0, 7.0)?;
+/// let pulled = |stress| Load {
+///     axis: 0,
+///     stress_kcal_mol_angstrom3: stress,
+///     kind: StressKind::Nominal,
+/// };
+/// let at_once = stretch_curve(&net, &[pulled(2.0)])?;
+/// let in_steps = stretch_curve(&net, &[pulled(0.5), pulled(1.0), pulled(2.0)])?;
+/// assert!((at_once[0].stretch[0] - in_steps[2].stretch[0]).abs() < 1e-9);
+/// # Ok::<(), protomer_crystal::CrystalError>(())
+/// ```
 ///
 /// # Errors
-/// As [`minimise`].
+/// As [`minimise`]; [`CrystalError::NoMinimum`] says which load cannot be reached, and how far the
+/// network bears it.
 pub fn stretch_curve(framework: &Framework, loads: &[Load]) -> Result<Vec<Loaded>> {
     let energy = NetworkEnergy::new(framework)?;
-    let mut start = Configuration::built(framework);
+    let built = Configuration::built(framework);
+    let mut start = Approach {
+        framework,
+        energy: &energy,
+        stretch: vec![0.0; energy.dimension()],
+        configuration: built,
+        stress: 0.0,
+        steps: 0,
+    };
     let mut curve = Vec::with_capacity(loads.len());
     for load in loads {
-        let minimiser = Minimiser::new(framework, &energy, &start, true, Some(*load))?;
-        let loaded = minimiser.run(start)?;
-        start = loaded.configuration.clone();
-        curve.push(loaded);
+        curve.push(start.follow(*load)?);
     }
     Ok(curve)
+}
+
+/// The way of a network towards a load.
+struct Approach<'a> {
+    framework: &'a Framework,
+    energy: &'a NetworkEnergy,
+    /// The last minimum.
+    configuration: Configuration,
+    stretch: Vec<f64>,
+    /// The stress there, kcal/mol/Å³.
+    stress: f64,
+    /// Newton steps towards this load.
+    steps: usize,
+}
+
+impl Approach<'_> {
+    /// The minimum under a load, by steps from the last one.
+    fn follow(&mut self, load: Load) -> Result<Loaded> {
+        let (start, goal) = (self.stress, load.stress_kcal_mol_angstrom3);
+        let (mut done, mut share) = (0.0, 1.0_f64);
+        self.steps = 0;
+        loop {
+            let next = (done + share).min(1.0);
+            // The goal itself, not a sum that rounds to its neighbour.
+            let stress = if next == 1.0 {
+                goal
+            } else {
+                start + next * (goal - start)
+            };
+            let step = Load {
+                stress_kcal_mol_angstrom3: stress,
+                ..load
+            };
+            let is_smallest = share <= SMALLEST_LOAD_STEP;
+            match self.minimum(step) {
+                Ok(found) if is_smallest || self.is_near(&found) => {
+                    self.steps += found.steps;
+                    self.configuration = found.configuration.clone();
+                    self.stretch.clone_from(&found.stretch);
+                    self.stress = stress;
+                    done = next;
+                    share *= 2.0;
+                    if done == 1.0 {
+                        let steps = self.steps;
+                        return Ok(Loaded { steps, ..found });
+                    }
+                }
+                Ok(_) => share *= 0.5,
+                Err(CrystalError::NoMinimum(_)) if !is_smallest => share *= 0.5,
+                Err(CrystalError::NoMinimum(reason)) => return Err(beyond(done, &reason)),
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    fn minimum(&self, load: Load) -> Result<Loaded> {
+        let start = &self.configuration;
+        let minimiser = Minimiser::new(self.framework, self.energy, start, true, Some(load))?;
+        minimiser.run(start.clone())
+    }
+
+    fn is_near(&self, found: &Loaded) -> bool {
+        let changes = found.stretch.iter().zip(&self.stretch);
+        changes
+            .into_iter()
+            .all(|(now, before)| (now - before).abs() <= LARGEST_STRETCH * (1.0 + before))
+    }
+}
+
+fn beyond(done: f64, reason: &str) -> CrystalError {
+    CrystalError::NoMinimum(format!(
+        "no equilibrium is found beyond {:.2} % of the way to this load: {reason}",
+        100.0 * done
+    ))
 }
 
 struct Minimiser<'a> {
@@ -149,8 +254,7 @@ impl<'a> Minimiser<'a> {
             at = self.descend(&at, &balance)?;
         }
         Err(CrystalError::NoMinimum(format!(
-            "no minimum is found in {MOST_STEPS} steps; load the network in smaller steps, or see \
-             whether a mechanism gives way"
+            "no minimum is found in {MOST_STEPS} steps: see whether a mechanism yields"
         )))
     }
 
@@ -204,8 +308,7 @@ impl<'a> Minimiser<'a> {
             if self.shift > LARGEST_SHIFT {
                 return Err(CrystalError::NoMinimum(format!(
                     "no minimum is found: a force of {:.2e} kcal/mol/Å and {:.2e} kcal/mol on the \
-                     cell remain; load the network in smaller steps, or see whether a mechanism \
-                     gives way",
+                     cell remain; see whether a mechanism yields",
                     balance.force(),
                     balance.stress()
                 )));

@@ -2,12 +2,16 @@
 
 use super::axes;
 use super::text::rounded;
+use crate::range::Range;
 use anyhow::{Result, bail};
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
 use protomer_io::csv::{Cell, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// Stresses: far beyond what any network bears.
+const STRESS: Range = Range::from(-1e6, 1e6).in_unit("GPa");
 
 /// Strain against stress.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -63,8 +67,12 @@ pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
             _ => (item, 1.0),
         };
         match number.trim().parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value / divisor),
-            _ => bail!("'{item}' is not a stress; write a list like 1GPa,2GPa or -500MPa"),
+            Ok(value) => {
+                let gpa = value / divisor;
+                STRESS.check("a stress in --stress", gpa)?;
+                Ok(gpa)
+            }
+            Err(_) => bail!("'{item}' is not a stress; write a list like 1GPa,2GPa or -500MPa"),
         }
     };
     text.split(',').map(one).collect()

@@ -339,7 +339,10 @@ impl Report {
             if let Some(analytic) = &self.analytic {
                 let formula = field(&analytic.analytic.axial, key);
                 let deviation = match (value, formula) {
-                    (Some(value), Some(formula)) => percent(value / formula - 1.0),
+                    // A formula of zero leaves no ratio.
+                    (Some(value), Some(formula)) if formula != 0.0 => {
+                        percent(value / formula - 1.0)
+                    }
                     _ => "-".into(),
                 };
                 row.push(number(formula));

@@ -16,6 +16,7 @@ use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
 use protomer_lattices::frameworks::answer::{Analysis, LoadSettings, PaperTables, cell_counts};
 use protomer_lattices::frameworks::report::{Relax, Report, Settings};
 use protomer_lattices::frameworks::{curve, network_file};
+use protomer_lattices::range::Range;
 use protomer_results::keys::nearest;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,9 @@ const BUILDERS: [&str; 8] = [
     "diamond",
     "tables",
 ];
+
+/// Values of the Avogadro constant in the literature.
+const AVOGADRO: Range = Range::from(5.9e23, 6.2e23).in_unit("/mol");
 
 /// Upper limit for the number of nodes, set by time and memory.
 const MOST_NODES: usize = 1_000_000;
@@ -209,9 +213,7 @@ pub fn explain_usage(error: clap::Error) -> clap::Error {
 impl AnalysisArgs {
     fn settings(&self) -> Result<Settings> {
         let avogadro_per_mol = self.na.unwrap_or(AVOGADRO_PER_MOL);
-        if !(avogadro_per_mol.is_finite() && avogadro_per_mol > 0.0) {
-            bail!("--na is {avogadro_per_mol}; the Avogadro constant is about 6.022e23 /mol");
-        }
+        AVOGADRO.check("--na", avogadro_per_mol)?;
         let relax = match (self.relax, self.fixed_cell) {
             (false, _) => None,
             (true, false) => Some(Relax::FreeCell),
