@@ -1,6 +1,6 @@
 //! The dynamics against the coherent orbit, which is known exactly.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stderr)]
 
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::{Modes, orientational_spread};
@@ -88,15 +88,12 @@ fn four_by_four_approaches_the_orbit_as_coherence_is_enforced() {
 }
 
 #[test]
+#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
 fn contact_times_and_velocities_are_those_computed_elsewhere() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/lattice");
+    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
+    let folder = Path::new(&root).join("reference/lattice");
     for name in ["grima2_r0.05", "grima2_r0.1364", "grima2_r1"] {
-        let Ok(text) = std::fs::read(folder.join(name).with_extension("json"))
-            .or_else(|_| std::fs::read(folder.join(format!("{name}.json"))))
-        else {
-            eprintln!("skipped: no reference data in {}", folder.display());
-            return;
-        };
+        let text = std::fs::read(folder.join(format!("{name}.json"))).unwrap();
         let reference: serde_json::Value = serde_json::from_slice(&text).unwrap();
         let numbers = |value: &serde_json::Value| -> Vec<f64> {
             value
