@@ -125,6 +125,9 @@ pub enum CrystalError {
         /// Time at the start of the step.
         time: f64,
     },
+    /// Work that was asked to stop.
+    #[error("stopped on request")]
+    Stopped,
     /// A number that is not finite.
     #[error("square {square} has a position or velocity that is not finite at t = {time}")]
     NotFinite {

@@ -207,14 +207,14 @@ fn history(directory: &Path, record: Option<&Record>) -> Result<Section> {
 }
 
 fn describe(result: &LatticeResult) -> String {
-    definitions(&[
+    let mut rows = vec![
         (
             "squares, rods",
             format!("{}, {}", result.squares, result.rods),
         ),
         ("steps", result.steps.to_string()),
         ("time", significant(result.time, 6)),
-        ("time step", significant(result.time_step, 6)),
+        ("time step", significant(result.shortest_step(), 6)),
         ("collisions", result.events.to_string()),
         (
             "energy at the start and at the end",
@@ -232,7 +232,26 @@ fn describe(result: &LatticeResult) -> String {
             "largest deviation of a rod from its length",
             significant(result.max_rod_violation, 3),
         ),
-    ])
+    ];
+    if let Some(paper) = &result.paper {
+        rows.push((
+            "steps of the paper's protocol that end with overlaps",
+            format!(
+                "{}, the deepest {}",
+                paper.steps_with_overlap,
+                significant(paper.deepest_overlap, 3)
+            ),
+        ));
+        rows.push((
+            "impulses of the paper's protocol that pull",
+            format!("{} of {}", paper.pulling_impulses, paper.contacts),
+        ));
+        rows.push((
+            "collisions that the paper's protocol left unsolved",
+            paper.unsolved_collisions.to_string(),
+        ));
+    }
+    definitions(&rows)
 }
 
 fn figure(rows: &[&LogRow]) -> Figure {

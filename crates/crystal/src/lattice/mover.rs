@@ -9,7 +9,7 @@ use super::engine::{CollisionSettings, Engine};
 use super::force::{Coherence, Force};
 use super::network::Network;
 use super::pair::{ScreenedCharges, SquareCharge};
-use super::paper::{PaperEngine, PaperSettings};
+use super::paper::{PaperEngine, PaperSettings, PaperStatistics};
 use super::state::State;
 use super::thermostat::Langevin;
 use crate::Result;
@@ -174,13 +174,32 @@ impl Mover {
         }
     }
 
-    /// Continues from the state of a checkpoint, with the collisions up to there.
+    /// Continues from the state of a checkpoint, with the collisions up to there and what the paper's
+    /// protocol counted, if it is followed.
     ///
     /// # Errors
     /// As [`prepare`](Mover::prepare).
-    pub fn resume(&mut self, state: &State, events: u64) -> Result<()> {
+    pub fn resume(
+        &mut self,
+        state: &State,
+        events: u64,
+        paper: Option<PaperStatistics>,
+    ) -> Result<()> {
         self.earlier_events = events;
+        if let (Kind::Paper(engine), Some(statistics)) = (&mut self.kind, paper) {
+            // These are among the statistics.
+            self.earlier_events = events.saturating_sub(statistics.collisions);
+            engine.set_statistics(statistics);
+        }
         self.prepare(state)
+    }
+
+    /// Counts and extremes of the paper's protocol; `None` if it is not followed.
+    pub fn paper_statistics(&self) -> Option<PaperStatistics> {
+        match &self.kind {
+            Kind::Paper(engine) => Some(*engine.statistics()),
+            Kind::Free(_) | Kind::Colliding(_) => None,
+        }
     }
 
     fn dynamics(&mut self) -> &mut Dynamics {

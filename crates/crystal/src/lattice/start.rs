@@ -133,6 +133,19 @@ impl Start {
     /// [`CrystalError::OverConstrained`] and [`CrystalError::BadState`] where the rods cannot be
     /// obeyed, as in a periodic cell made for another angle.
     pub fn build(&self, network: &Network, replica: u32) -> Result<Started> {
+        self.build_unless(network, replica, &|| false)
+    }
+
+    /// As [`build`](Start::build), until `stops` says that the work must stop.
+    ///
+    /// # Errors
+    /// As [`build`](Start::build), and [`CrystalError::Stopped`].
+    pub fn build_unless(
+        &self,
+        network: &Network,
+        replica: u32,
+        stops: &dyn Fn() -> bool,
+    ) -> Result<Started> {
         network.check()?;
         self.check()?;
         let mut state = State::coherent(network, self.angle);
@@ -141,7 +154,7 @@ impl Start {
         if self.angle_spread > 0.0 {
             let turns = self.draw_turns(network, replica);
             angle_spread_drawn = incoherent_spread(network, &turns);
-            turn_along_rods(network, &mut projector, &turns, &mut state)?;
+            turn_along_rods(network, &mut projector, &turns, &mut state, stops)?;
         } else {
             projector.positions(&mut state.positions)?;
         }
@@ -171,6 +184,18 @@ impl Start {
     /// # Errors
     /// As [`build`](Start::build), and [`CrystalError::Overlap`], of the last of 200 draws.
     pub fn build_apart(&self, network: &Network) -> Result<Started> {
+        self.build_apart_unless(network, &|| false)
+    }
+
+    /// As [`build_apart`](Start::build_apart), until `stops` says that the work must stop.
+    ///
+    /// # Errors
+    /// As [`build_apart`](Start::build_apart), and [`CrystalError::Stopped`].
+    pub fn build_apart_unless(
+        &self,
+        network: &Network,
+        stops: &dyn Fn() -> bool,
+    ) -> Result<Started> {
         let draws = if self.angle_spread > 0.0 {
             MOST_DRAWS
         } else {
@@ -178,10 +203,12 @@ impl Start {
         };
         let mut replica = 0;
         loop {
-            let started = self.build(network, replica).and_then(|started| {
-                require_apart(network, &started.state)?;
-                Ok(started)
-            });
+            let started = self
+                .build_unless(network, replica, stops)
+                .and_then(|started| {
+                    require_apart(network, &started.state)?;
+                    Ok(started)
+                });
             match started {
                 Err(CrystalError::Overlap { .. } | CrystalError::BadState(_))
                     if replica + 1 < draws =>
@@ -301,6 +328,7 @@ fn turn_along_rods(
     projector: &mut Projector,
     turns: &[f64],
     state: &mut State,
+    stops: &dyn Fn() -> bool,
 ) -> Result<()> {
     let mut shortest = 1.0_f64;
     for rod in &network.rods {
@@ -309,6 +337,9 @@ fn turn_along_rods(
     let steps = largest_magnitude(turns) / (TURN_PER_STEP * shortest);
     let steps = steps.ceil().max(1.0);
     for _ in 0..steps as usize {
+        if stops() {
+            return Err(CrystalError::Stopped);
+        }
         let positions = state.positions.chunks_exact_mut(3);
         for (position, turn) in positions.zip(turns.chunks_exact(3)) {
             position[2] += turn[2] / steps;

@@ -1,10 +1,10 @@
 //! `lyapunov.json`: the maximal Lyapunov exponent of one run of a sweep.
 //!
 //! The exponent belongs to the trajectory from the start of the run, with the run's integrator and
-//! time step.
+//! the steps that it took.
 
 use super::settings::LatticeSettings;
-use super::start::{begin, time_step};
+use super::start::begin;
 use anyhow::{Context, Result};
 use protomer_crystal::analysis::lyapunov::{
     LyapunovExponent, LyapunovSettings, Neighbours, SteppedFlow,
@@ -24,6 +24,9 @@ const FILE: &str = "lyapunov.json";
 pub struct Exponent {
     /// How it was measured.
     pub settings: LyapunovSettings,
+    /// The time step.
+    #[serde(default)]
+    pub time_step: f64,
     /// λ, 1/time.
     pub exponent: Option<f64>,
     /// Its standard error.
@@ -40,6 +43,7 @@ pub struct Exponent {
 /// be completed is not an error; the file states the reason.
 pub fn measure(
     settings: &LatticeSettings,
+    time_step: f64,
     lyapunov: &LyapunovSettings,
     directory: &Path,
     interrupt: &Interrupt,
@@ -51,19 +55,22 @@ pub fn measure(
     let path = directory.join(FILE);
     if let Some(present) = read(&path)?
         && present.settings == lyapunov
+        && present.time_step == time_step
     {
         return Ok(End::Finished(present));
     }
-    let exponent = match follow(settings, &lyapunov, interrupt) {
+    let exponent = match follow(settings, time_step, &lyapunov, interrupt) {
         Ok(End::Stopped) => return Ok(End::Stopped),
         Ok(End::Finished(found)) => Exponent {
             settings: lyapunov,
+            time_step,
             exponent: Some(found.exponent),
             standard_error: Some(found.standard_error),
             failure: None,
         },
         Err(error) => Exponent {
             settings: lyapunov,
+            time_step,
             exponent: None,
             standard_error: None,
             failure: Some(format!("{error:#}")),
@@ -84,11 +91,11 @@ fn read(path: &Path) -> Result<Option<Exponent>> {
 
 fn follow(
     settings: &LatticeSettings,
+    time_step: f64,
     lyapunov: &LyapunovSettings,
     interrupt: &Interrupt,
 ) -> Result<End<LyapunovExponent>> {
     let begun = begin(settings)?;
-    let time_step = time_step(settings, &begun)?;
     let (network, motion) = (Arc::new(begun.network), settings.motion()?);
     let mut state = begun.state;
     let mut flow = SteppedFlow::new(Mover::new(&motion, network.clone(), &state)?, time_step);

@@ -8,6 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`settings`] | the settings of a run |
+//! | [`limits`] | the values that settings may have |
 //! | [`start`] | network, initial state and time step from the settings |
 //! | [`log`], [`trajectory`], [`directory`] | the files of a run |
 //! | [`run`] | one run in its directory |
@@ -22,6 +23,7 @@ pub mod animation;
 pub mod bench;
 pub mod directory;
 pub mod exponent;
+pub mod limits;
 pub mod log;
 pub mod replay;
 pub mod run;

@@ -3,7 +3,11 @@
 //! The file is JSON with `ns` (squares along an edge), `r0`, `s0` and `v0` (x, y, θ and their
 //! rates, square after square), `times`; `kappa`, `l` and `I` are optional; other keys are ignored.
 
-use anyhow::{Result, bail};
+use super::limits::{
+    COORDINATE, INERTIA, KAPPA, LENGTH, MOST_SQUARES, MOST_STEPS, TIME, TIME_STEP, TIME_STEP_LEAST,
+};
+use crate::range::Range;
+use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_crystal::lattice::collision::replay;
 use protomer_crystal::lattice::contact::TOUCHING;
@@ -63,6 +67,21 @@ fn one() -> f64 {
     1.0
 }
 
+/// Three numbers in range for every square, or none where the file leaves the state out.
+fn check_state(name: &str, numbers: &[f64], count: usize) -> Result<()> {
+    if !numbers.is_empty() && numbers.len() != count {
+        bail!(
+            "{name} has {} numbers; {} squares need {count}: three for each",
+            numbers.len(),
+            count / 3
+        );
+    }
+    for number in numbers {
+        COORDINATE.check(&format!("a number in {name}"), *number)?;
+    }
+    Ok(())
+}
+
 /// The result of [`replay()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Replay {
@@ -76,6 +95,9 @@ pub struct Replay {
     pub v: Vec<Vec<f64>>,
     /// Sum of the kinetic energy and the coherence potential.
     pub energy: Vec<f64>,
+    /// The largest error of a coordinate in `s`: 4/3 of its change with half the step, for an
+    /// integrator of second order.
+    pub estimated_error: f64,
     /// The first contact; `None` if there is none before the limit.
     pub first_collision: Option<FirstCollision>,
 }
@@ -115,6 +137,12 @@ impl Answer for Replay {
         let mut lines: Vec<String> = energies
             .map(|(time, energy)| format!("t = {time}: energy {energy:.12}"))
             .collect();
+        if !self.times.is_empty() {
+            lines.push(format!(
+                "coordinates are off by about {:.1e} at most",
+                self.estimated_error
+            ));
+        }
         lines.push(match &self.first_collision {
             Some(first) => first.describe(),
             None => "no contact".into(),
@@ -149,12 +177,52 @@ impl Answer for Response {
 }
 
 impl LatticeFile {
-    /// Reads a file.
+    /// Reads a file and checks its numbers.
     ///
     /// # Errors
     /// Names the file, the line and the key.
     pub fn read(path: &Path) -> Result<Self> {
-        Ok(keys::read_json(path)?)
+        let file: Self = keys::read_json(path)?;
+        file.check().with_context(|| path.display().to_string())?;
+        Ok(file)
+    }
+
+    /// Checks what the types cannot: ranges, and the order of the times.
+    ///
+    /// # Errors
+    /// Names the key, its value and its range.
+    pub fn check(&self) -> Result<()> {
+        let size = self.squares_along_edge;
+        if size == 0 || size.saturating_mul(size) > MOST_SQUARES {
+            bail!(
+                "ns is {size}; it must be from 1 to {}, the squares along an edge",
+                MOST_SQUARES.isqrt()
+            );
+        }
+        LENGTH.check("r0", self.r0)?;
+        LENGTH.check("l", self.l)?;
+        KAPPA.check("kappa", self.kappa)?;
+        if let Some(inertia) = self.inertia {
+            INERTIA.check("I", inertia)?;
+        }
+        for (name, numbers) in [("s0", &self.s0), ("v0", &self.v0)] {
+            check_state(name, numbers, 3 * size * size)?;
+        }
+        if let Some(contact) = &self.first_collision {
+            check_state("first_collision.s", &contact.s, 3 * size * size)?;
+            check_state("first_collision.v", &contact.v, 3 * size * size)?;
+        }
+        let mut earlier = 0.0;
+        for time in &self.times {
+            TIME.check("a time in times", *time)?;
+            if *time < earlier {
+                bail!(
+                    "the time {time} follows {earlier} in times; list the times in increasing order"
+                );
+            }
+            earlier = *time;
+        }
+        Ok(())
     }
 
     fn network(&self) -> Result<Arc<Network>> {
@@ -198,40 +266,66 @@ impl LatticeFile {
 /// For a state that does not fit the lattice, times that do not increase, or a step that is too
 /// large.
 pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay> {
-    for (name, value) in [("dt", time_step), ("longest", longest)] {
-        if !(value.is_finite() && value > 0.0) {
-            bail!("--{name} is {value}; it must be positive");
-        }
+    TIME_STEP.check("--dt", time_step)?;
+    Range::from(TIME_STEP_LEAST, 1e9).check("--longest", longest)?;
+    file.check()?;
+    let last = file.times.last().copied().unwrap_or(0.0);
+    if last.max(longest) / time_step > MOST_STEPS as f64 {
+        bail!(
+            "a time of {} in steps of {time_step} takes more than {MOST_STEPS} steps; give a larger --dt",
+            last.max(longest)
+        );
     }
-    let mut state = file.first_state();
-    let mut dynamics = file.dynamics(&state)?;
-    let mut replay = Replay {
+    let motion = Motion::of(file, time_step)?;
+    let finer = Motion::of(file, 0.5 * time_step)?;
+    Ok(Replay {
         time_step,
         times: file.times.clone(),
-        s: Vec::new(),
-        v: Vec::new(),
-        energy: Vec::new(),
+        estimated_error: SECOND_ORDER * motion.largest_difference(&finer),
+        s: motion.s,
+        v: motion.v,
+        energy: motion.energy,
         first_collision: first_collision(file, time_step, longest)?,
-    };
-    for time in &file.times {
-        advance(&mut dynamics, &mut state, *time, time_step)?;
-        replay.s.push(state.positions.clone());
-        replay.v.push(state.velocities.clone());
-        replay
-            .energy
-            .push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
+    })
+}
+
+/// The error of a step over the change with half of it, where errors grow with the square of the
+/// step: 1/(1 - 1/4).
+const SECOND_ORDER: f64 = 4.0 / 3.0;
+
+/// States and energies at the times of a file, without collisions.
+struct Motion {
+    s: Vec<Vec<f64>>,
+    v: Vec<Vec<f64>>,
+    energy: Vec<f64>,
+}
+
+impl Motion {
+    fn of(file: &LatticeFile, time_step: f64) -> Result<Self> {
+        let mut state = file.first_state();
+        let mut dynamics = file.dynamics(&state)?;
+        let (mut s, mut v, mut energy) = (Vec::new(), Vec::new(), Vec::new());
+        for time in &file.times {
+            advance(&mut dynamics, &mut state, *time, time_step)?;
+            s.push(state.positions.clone());
+            v.push(state.velocities.clone());
+            energy.push(state.kinetic_energy(dynamics.network()) + dynamics.potential_energy());
+        }
+        Ok(Self { s, v, energy })
     }
-    Ok(replay)
+
+    fn largest_difference(&self, other: &Self) -> f64 {
+        let mut largest = 0.0_f64;
+        for (a, b) in self.s.iter().flatten().zip(other.s.iter().flatten()) {
+            largest = largest.max((a - b).abs());
+        }
+        largest
+    }
 }
 
 /// The smallest number of equal steps no longer than `time_step` that end at `time`.
 fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64) -> Result<()> {
-    let (start, duration) = (state.time, time - state.time);
-    if !(duration.is_finite() && duration >= 0.0) {
-        bail!(
-            "the time {time} follows {start}; list the times in increasing order, starting from 0 or later"
-        );
-    }
+    let duration = time - state.time;
     // A ratio that is an integer up to rounding is meant to be an integer.
     let steps = (duration / time_step - 1e-9).ceil().max(0.0) as u64;
     for _ in 0..steps {

@@ -3,21 +3,35 @@
 //! ```text
 //! DIR/  run.toml  run.json  log.csv  trajectory.gsd  checkpoint.bin
 //! ```
+//!
+//! With the automatic time step a run keeps its energy to [`LARGEST_ENERGY_ERROR`], or says that it
+//! does not. A run that loses more, or whose rods cannot be kept, begins again with every step taken
+//! in twice as many parts. What it wrote before is overwritten, so the files do not depend on where
+//! it was stopped, and rows and frames stay at the same times.
 
 use super::log::LogRow;
-use super::settings::LatticeSettings;
-use super::start::{Begun, begin, time_step};
+use super::settings::{LatticeSettings, TimeStep};
+use super::start::{Begun, begin_unless, is_stopped, time_step};
 use super::trajectory::Trajectory;
 use anyhow::{Error, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_crystal::CrystalError;
+use protomer_crystal::lattice::paper::PaperStatistics;
 use protomer_crystal::lattice::{Mover, State};
 use protomer_results::{
-    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
-    Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Interrupt, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run,
+    Turn, Work, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Largest relative deviation of the energy that the automatic time step allows in a run that
+/// conserves it.
+pub const LARGEST_ENERGY_ERROR: f64 = 1e-3;
+/// Largest number of parts in which an automatic step is taken.
+const MOST_SUB_STEPS: u32 = 64;
 
 const LOG: &str = "log.csv";
 const TRAJECTORY: &str = "trajectory.gsd";
@@ -49,8 +63,11 @@ pub struct LatticeResult {
     pub steps: u64,
     /// Time reached.
     pub time: f64,
-    /// Time step.
+    /// Time step, in which rows and frames are counted.
     pub time_step: f64,
+    /// Equal parts in which every step was taken to keep the energy; 1 for a step that was given.
+    #[serde(default = "one")]
+    pub sub_steps: u32,
     /// Standard deviation of the angles about the coherent state at the start: less than
     /// requested where rods are short.
     pub start_angle_spread: f64,
@@ -68,14 +85,54 @@ pub struct LatticeResult {
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
+    /// What the paper's protocol costs, where it is followed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paper: Option<PaperStatistics>,
+}
+
+fn one() -> u32 {
+    1
 }
 
 impl Answer for LatticeResult {
     fn text(&self) -> String {
-        format!(
+        let mut line = format!(
             "t = {}: energy {:.6} (at most {:.1e} off), rods off by at most {:.1e}, {} collisions",
             self.time, self.energy, self.energy_error, self.max_rod_violation, self.events
-        )
+        );
+        if let Some(paper) = &self.paper {
+            line += &format!(
+                "\npaper's protocol: {} steps end with overlaps (deepest {:.1e}), {} of {} impulses pull, {} collisions \
+                 unsolved",
+                paper.steps_with_overlap,
+                paper.deepest_overlap,
+                paper.pulling_impulses,
+                paper.contacts,
+                paper.unsolved_collisions
+            );
+        }
+        line
+    }
+}
+
+impl LatticeResult {
+    /// The length of the steps taken.
+    pub fn shortest_step(&self) -> f64 {
+        self.time_step / f64::from(self.sub_steps)
+    }
+
+    /// The warning of a run that should have conserved its energy and did not.
+    pub fn energy_warning(&self, settings: &LatticeSettings) -> Option<String> {
+        let is_kept = self.energy_error <= LARGEST_ENERGY_ERROR;
+        if is_kept || !settings.conserves_energy() {
+            return None;
+        }
+        Some(format!(
+            "the energy is off by up to {:.1e} of its first value, more than {LARGEST_ENERGY_ERROR}, with steps of {}; \
+             give a smaller --dt",
+            self.energy_error,
+            self.shortest_step()
+        ))
     }
 }
 
@@ -107,11 +164,52 @@ pub fn run_lattice(
         bail!("the settings have a [sweep]; use 'protomer lattice sweep', or remove it");
     }
     // Checked before the directory is touched: an impossible start leaves nothing behind.
-    let run = LatticeRun::new(settings)?;
+    let run = match LatticeRun::new(settings, &execution.interrupt) {
+        Err(error) if is_stopped(&error) => return Ok(End::Stopped),
+        run => run?,
+    };
     let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
-    execution.progress.begin(run.length(), "steps");
-    drive(&run, path, execution)
+    let mut total = run.length();
+    loop {
+        execution.progress.begin(total, "steps");
+        match drive(&run, path, execution) {
+            Err(error) => match error.downcast::<StepTooLong>() {
+                // The checkpoint now holds the start, with more parts per step.
+                Ok(too_long) if too_long.sub_steps < MOST_SUB_STEPS => {
+                    execution.progress.describe(&too_long.to_string());
+                    total += too_long.wasted_steps;
+                }
+                Ok(too_long) => return Err(too_long.into()),
+                Err(error) => return Err(error),
+            },
+            end => return end,
+        }
+    }
 }
+
+/// The end of a pass whose automatic step was too long.
+#[derive(Debug)]
+struct StepTooLong {
+    time_step: f64,
+    sub_steps: u32,
+    reason: String,
+    /// Steps of the pass.
+    wasted_steps: u64,
+}
+
+impl fmt::Display for StepTooLong {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let now = self.time_step / f64::from(self.sub_steps);
+        write!(
+            formatter,
+            "steps of {now} are too long ({}): beginning again with steps of {}",
+            self.reason,
+            0.5 * now
+        )
+    }
+}
+
+impl std::error::Error for StepTooLong {}
 
 /// A run whose settings have been checked.
 struct LatticeRun<'a> {
@@ -133,6 +231,12 @@ struct Open {
     trajectory: Option<Trajectory>,
     /// Whether every output due at this state has been written.
     is_complete: bool,
+    /// Parts in which every step is taken.
+    sub_steps: u32,
+    /// The state before the step.
+    kept: State,
+    /// Whether the run must begin again with more parts.
+    begins_again: bool,
 }
 
 /// Progress of a run, and the largest deviations so far.
@@ -158,11 +262,17 @@ struct Saved {
     state: State,
     /// Positions at the last row of the log.
     logged: Vec<f64>,
+    /// Parts in which every step is taken.
+    #[serde(default = "one")]
+    sub_steps: u32,
+    /// What the paper's protocol has counted.
+    #[serde(default)]
+    paper: Option<PaperStatistics>,
 }
 
 impl<'a> LatticeRun<'a> {
-    fn new(settings: &'a LatticeSettings) -> Result<Self> {
-        let begun = begin(settings)?;
+    fn new(settings: &'a LatticeSettings, interrupt: &Interrupt) -> Result<Self> {
+        let begun = begin_unless(settings, &|| interrupt.is_requested())?;
         let time_step = time_step(settings, &begun)?;
         let run = Self {
             settings,
@@ -182,6 +292,67 @@ impl<'a> LatticeRun<'a> {
             network,
             &self.begun.state,
         )?)
+    }
+
+    /// The start, before any output, of a pass with so many parts per step.
+    fn saved_at_start(&self, mover: &mut Mover, sub_steps: u32) -> Saved {
+        Saved {
+            log: LogMark::default(),
+            frames: 0,
+            progress: Progress::at_start(mover.energy(&self.begun.state)),
+            state: self.begun.state.clone(),
+            logged: self.begun.state.positions.clone(),
+            sub_steps,
+            paper: None,
+        }
+    }
+
+    /// One step in its parts; a step that fails leaves the state as it was.
+    fn step(&self, open: &mut Open) -> Result<(), CrystalError> {
+        let Open {
+            mover,
+            state,
+            progress,
+            sub_steps,
+            kept,
+            ..
+        } = open;
+        let parts = u64::from(*sub_steps);
+        let part = self.time_step / parts as f64;
+        kept.clone_from(state);
+        for number in progress.steps * parts..(progress.steps + 1) * parts {
+            if let Err(error) = mover.step(state, part, number) {
+                state.clone_from(kept);
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// How far the energy is off, relative to the first or to the kinetic energy now, whichever is
+    /// larger: the first one may be near zero where charges attract each other.
+    fn energy_error(&self, open: &mut Open) -> f64 {
+        let first = open.progress.first_energy;
+        let kinetic = open.state.kinetic_energy(open.mover.network());
+        let change = (open.mover.energy(&open.state) - first).abs();
+        let scale = first.abs().max(kinetic);
+        if change > 0.0 { change / scale } else { 0.0 }
+    }
+
+    /// Whether a shorter step may be tried: the step is ours to choose.
+    fn can_take_more_parts(&self, open: &Open) -> bool {
+        matches!(self.settings.time_step, TimeStep::Named(_)) && open.sub_steps < MOST_SUB_STEPS
+    }
+
+    fn begin_again(&self, open: &mut Open, reason: String) -> Error {
+        open.begins_again = true;
+        StepTooLong {
+            time_step: self.time_step,
+            sub_steps: open.sub_steps,
+            reason,
+            wasted_steps: open.progress.steps,
+        }
+        .into()
     }
 
     /// Writes the row and the frame due at this step.
@@ -250,20 +421,15 @@ impl Run for LatticeRun<'_> {
 
     fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open> {
         let mut mover = self.mover()?;
-        let is_new = saved.is_none();
         let saved = match saved {
             Some(saved) => {
-                mover.resume(&saved.state, saved.progress.events)?;
+                mover.resume(&saved.state, saved.progress.events, saved.paper)?;
                 saved
             }
-            None => Saved {
-                log: LogMark::default(),
-                frames: 0,
-                progress: Progress::at_start(mover.energy(&self.begun.state)),
-                state: self.begun.state.clone(),
-                logged: self.begun.state.positions.clone(),
-            },
+            None => self.saved_at_start(&mut mover, 1),
         };
+        // The first row belongs to every state but the one before any output.
+        let is_new = saved.log == LogMark::default();
         let log = Log::open::<LogRow>(&directory.join(LOG), &saved.log)?;
         let trajectory = match self.settings.trajectory_every {
             0 => None,
@@ -275,7 +441,10 @@ impl Run for LatticeRun<'_> {
         let mut open = Open {
             path: directory.to_owned(),
             mover,
+            kept: saved.state.clone(),
             state: saved.state,
+            sub_steps: saved.sub_steps,
+            begins_again: false,
             logged: saved.logged,
             progress: saved.progress,
             log,
@@ -293,21 +462,39 @@ impl Run for LatticeRun<'_> {
     }
 
     fn advance(&self, open: &mut Open, _turn: &Turn<'_>) -> Result<()> {
-        let Open {
-            state, progress, ..
-        } = open;
-        if let Err(error) = open.mover.step(state, self.time_step, progress.steps) {
-            let (failed, time) = (progress.steps + 1, state.time);
+        if let Err(error) = self.step(open) {
+            let would_help = matches!(
+                error,
+                CrystalError::StepTooLarge { .. } | CrystalError::Overlap { .. }
+            );
+            if would_help && self.can_take_more_parts(open) {
+                return Err(self.begin_again(open, error.to_string()));
+            }
+            let (failed, time) = (open.progress.steps + 1, open.state.time);
             let checkpoint = open.path.join(CHECKPOINT);
             return Err(Error::new(error).context(format!(
                 "step {failed} (the last good state, t = {time}, is kept in {})",
                 checkpoint.display()
             )));
         }
-        progress.steps += 1;
-        progress.events = open.mover.events();
+        let error = self.energy_error(open);
+        let is_lost = error > LARGEST_ENERGY_ERROR && self.settings.conserves_energy();
+        if (is_lost || error.is_nan()) && self.can_take_more_parts(open) {
+            let time = open.state.time;
+            let reason = format!("at t = {time:.4} the energy is off by {error:.1e}");
+            return Err(self.begin_again(open, reason));
+        }
+        if error.is_nan() {
+            return Err(Error::new(CrystalError::BadState(format!(
+                "the energy at t = {} is not a number: charges of two squares meet, or the time step is far too long; \
+                 give a smaller --dt, or move charges away from the sides",
+                open.state.time
+            ))));
+        }
+        open.progress.steps += 1;
+        open.progress.events = open.mover.events();
         // Multiplied, not accumulated: sums would drift away from round times.
-        state.time = progress.steps as f64 * self.time_step;
+        open.state.time = open.progress.steps as f64 * self.time_step;
         self.write_outputs(open)
     }
 
@@ -322,6 +509,8 @@ impl Run for LatticeRun<'_> {
             progress: open.progress,
             state: open.state.clone(),
             logged: open.logged.clone(),
+            sub_steps: open.sub_steps,
+            paper: open.mover.paper_statistics(),
         })
     }
 
@@ -334,6 +523,7 @@ impl Run for LatticeRun<'_> {
             steps: open.progress.steps,
             time: open.state.time,
             time_step: self.time_step,
+            sub_steps: open.sub_steps,
             start_angle_spread: self.begun.angle_spread,
             discarded_starts: self.begun.discarded_draws,
             events: open.progress.events,
@@ -341,6 +531,7 @@ impl Run for LatticeRun<'_> {
             energy,
             energy_error: open.progress.largest_energy_error,
             max_rod_violation: open.progress.largest_rod_violation,
+            paper: open.mover.paper_statistics(),
         })
     }
 
@@ -348,8 +539,13 @@ impl Run for LatticeRun<'_> {
         Ok(log::check(&directory.join(LOG), &saved.log)?)
     }
 
-    /// A step that fails leaves the state unchanged.
+    /// A step that fails leaves the state unchanged; a run that must begin again continues from its
+    /// start.
     fn rescue(&self, open: &mut Open) -> Option<Saved> {
+        if open.begins_again {
+            let mut mover = self.mover().ok()?;
+            return Some(self.saved_at_start(&mut mover, 2 * open.sub_steps));
+        }
         open.is_complete.then(|| self.save(open).ok()).flatten()
     }
 }

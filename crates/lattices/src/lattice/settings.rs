@@ -1,6 +1,6 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
-use anyhow::{Result, bail};
+use anyhow::Result;
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_crystal::lattice::paper::PaperSettings;
@@ -263,9 +263,6 @@ impl Default for LatticeSettings {
     }
 }
 
-/// Upper limit for the number of squares, beyond any practical run.
-const MOST_SQUARES: usize = 1_000_000;
-
 impl Settings for LatticeSettings {
     /// Excludes the length: a run can be continued to a later time.
     fn essential(&self) -> Self {
@@ -278,87 +275,9 @@ impl Settings for LatticeSettings {
 }
 
 impl LatticeSettings {
-    /// Checks everything that neither the types nor the engine check.
-    ///
-    /// # Errors
-    /// Names the setting and its valid range.
-    pub fn check(&self) -> Result<()> {
-        let finite_from_zero = [
-            ("angle_spread", self.angle_spread),
-            ("kappa", self.kappa),
-            ("speed", self.speed),
-            ("velocity_spread", self.velocity_spread),
-            ("time", self.time),
-            ("friction", self.friction),
-            ("temperature", self.temperature.unwrap_or(0.0)),
-        ];
-        for (name, value) in finite_from_zero {
-            if !(value.is_finite() && value >= 0.0) {
-                bail!("{name} is {value}; it must be zero or more");
-            }
-        }
-        if self.r0 == 0.0 {
-            bail!(
-                "r0 is 0: a rod without length has no direction; give a small length such as 0.02, or see 'lattice' in \
-                 the guide for the limit"
-            );
-        }
-        if !(self.r0.is_finite() && self.r0 > 0.0) {
-            bail!("r0 is {}; the length of the rods must be positive", self.r0);
-        }
-        if self.rows.saturating_mul(self.columns) > MOST_SQUARES {
-            bail!(
-                "{} x {} squares are too many; ask for at most {MOST_SQUARES}",
-                self.rows,
-                self.columns
-            );
-        }
-        if let TimeStep::Fixed(step) = self.time_step
-            && !(step.is_finite() && step > 0.0)
-        {
-            bail!("time_step is {step}; it must be positive, or 'auto'");
-        }
-        if !(0.0..=1.0).contains(&self.restitution) {
-            bail!(
-                "restitution is {}; it must lie between 0 (no rebound) and 1 (elastic)",
-                self.restitution
-            );
-        }
-        if self.log_every == 0 {
-            bail!("log_every is 0; it must be at least 1");
-        }
-        if self.temperature.is_some() && self.friction == 0.0 {
-            bail!("a heat bath needs friction; add friction = 1, or remove temperature");
-        }
-        if self.paper && (self.restitution != 1.0 || !self.collisions) {
-            bail!(
-                "the paper's collisions are elastic; remove restitution and collisions, or remove paper"
-            );
-        }
-        if self.screening.is_some() && self.half_diagonal_angstrom.is_none() {
-            bail!(
-                "screened charges need a length scale; add half_diagonal_angstrom, the length of one unit in Å"
-            );
-        }
-        if self.velocities == Velocities::Thermal && self.temperature.is_none() {
-            bail!("thermal velocities need a temperature; add temperature = 0.1");
-        }
-        if self.velocity_spread > 0.0 && self.velocities != Velocities::Checkerboard {
-            bail!(
-                "velocity_spread perturbs a checkerboard start; remove it, or set velocities = \
-                 \"checkerboard\""
-            );
-        }
-        if let Some(lyapunov) = self.sweep.as_ref().and_then(|sweep| sweep.lyapunov) {
-            lyapunov.check()?;
-            if self.temperature.is_some() {
-                bail!(
-                    "the Lyapunov exponent is defined for motion without noise; remove \
-                     temperature or the exponent"
-                );
-            }
-        }
-        Ok(())
+    /// Whether the motion conserves the energy: nothing brakes it, and collisions are elastic.
+    pub fn conserves_energy(&self) -> bool {
+        self.friction == 0.0 && self.restitution == 1.0 && !self.paper
     }
 
     /// The lattice and its defects.

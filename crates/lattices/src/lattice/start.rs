@@ -35,14 +35,23 @@ pub struct Begun {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
+    begin_unless(settings, &|| false)
+}
+
+/// As [`begin()`], until `stops` says that the work must stop: large random angles at short rods
+/// take long.
+///
+/// # Errors
+/// As [`begin()`], and [`CrystalError::Stopped`].
+pub fn begin_unless(settings: &LatticeSettings, stops: &dyn Fn() -> bool) -> Result<Begun> {
     settings.check()?;
     let network = network(settings)?;
     let start = settings.first_state();
     let must_be_apart = settings.collisions && !settings.paper && settings.angle_spread > 0.0;
     let started = if must_be_apart {
-        start.build_apart(&network)
+        start.build_apart_unless(&network, stops)
     } else {
-        start.build(&network, 0)
+        start.build_unless(&network, 0, stops)
     };
     let Started {
         state,
@@ -60,6 +69,11 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     })
 }
 
+/// Whether the work was stopped on request.
+pub fn is_stopped(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(CrystalError::Stopped))
+}
+
 fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
     let advice = match error {
         CrystalError::OverConstrained { .. } if network.cell.is_some() => {
@@ -67,7 +81,9 @@ fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
              remove one rod of each with removed_rods"
         }
         // These errors explain themselves.
-        CrystalError::OverConstrained { .. } | CrystalError::Overlap { .. } => return error.into(),
+        CrystalError::OverConstrained { .. }
+        | CrystalError::Overlap { .. }
+        | CrystalError::Stopped => return error.into(),
         _ => {
             "the rods cannot have their lengths in this start; start from 'open', lower \
              angle_spread, or change the sizes and rods that do not fit"
@@ -94,14 +110,7 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
         TimeStep::Named(NamedTimeStep::Auto) => {
             let (network, kt) = (&begun.network, settings.temperature.unwrap_or(0.0));
             let forces = settings.motion()?.forces(network)?;
-            let plan = settings.plan();
-            Ok(automatic_time_step(
-                &plan,
-                network,
-                &begun.state,
-                forces,
-                kt,
-            )?)
+            Ok(automatic_time_step(network, &begun.state, forces, kt)?)
         }
     }
 }

@@ -10,8 +10,8 @@ use clap::Args;
 use protomer_lattices::lattice::directory::read_settings;
 use protomer_lattices::lattice::run::run_lattice;
 use protomer_lattices::lattice::settings::{LatticeSettings, Start, TimeStep};
-use protomer_lattices::lattice::start::{begin, time_step};
-use protomer_results::Execution;
+use protomer_lattices::lattice::start::{begin_unless, is_stopped, time_step};
+use protomer_results::{End, Execution};
 use std::path::PathBuf;
 
 /// Settings. Omitted settings come from the configuration file, or else from the defaults.
@@ -155,7 +155,19 @@ pub struct RunArgs {
 impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = self.settings.settings(&self.directory)?;
-        let begun = begin(&settings)?;
+        let execution = self.directory.execution(front)?;
+        let directory = &self.directory.output;
+        let stopped = || {
+            format!(
+                "stopped; the same command continues {}",
+                directory.display()
+            )
+        };
+        let interrupt = &execution.interrupt;
+        let begun = match begin_unless(&settings, &|| interrupt.is_requested()) {
+            Err(error) if is_stopped(&error) => return Ok(Reply::stopped(stopped())),
+            begun => begun?,
+        };
         let step = time_step(&settings, &begun)?;
         front.say(&format!(
             "{} squares, {} rods, {} steps of {step}",
@@ -163,14 +175,12 @@ impl RunArgs {
             begun.network.rods.len(),
             settings.total_steps(step)
         ));
-        let execution = self.directory.execution(front)?;
-        let directory = &self.directory.output;
         let end = run_lattice(&settings, directory, &execution)?;
-        Ok(Reply::of_end(end, || {
-            format!(
-                "stopped; the same command continues {}",
-                directory.display()
-            )
-        }))
+        let warning = match &end {
+            End::Finished(result) => result.energy_warning(&settings),
+            End::Stopped => None,
+        };
+        let notes = warning.map(|warning| format!("warning: {warning}"));
+        Ok(Reply::of_end(end, stopped).with_notes(notes))
     }
 }

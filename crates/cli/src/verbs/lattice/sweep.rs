@@ -57,7 +57,14 @@ impl SweepArgs {
         let directory = directory.display();
         Ok(match end {
             End::Finished(sweep) => {
-                Reply::of(sweep).with_note(format!("tables and figures: {directory}"))
+                let failed = sweep.failed_runs();
+                let some_failed = !failed.is_empty();
+                let warning = sweep.energy_warning();
+                Reply::of(sweep)
+                    .with_note(format!("tables and figures: {directory}"))
+                    .with_notes(warning.map(|warning| format!("warning: {warning}")))
+                    .with_errors(failed)
+                    .partial_if(some_failed)
             }
             End::Stopped => {
                 Reply::stopped(format!("stopped; the same command continues {directory}"))

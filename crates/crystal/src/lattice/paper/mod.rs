@@ -26,7 +26,7 @@ use super::state::State;
 use crate::Result;
 use crate::plane::Vector;
 use ansatz::Ansatz;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SVD};
 pub use normal::printed_normal;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -38,6 +38,8 @@ const ANSATZ_TIME: f64 = 1e-12;
 const SUB_STEP_TIME: f64 = 1e-10;
 /// Singular values of eq. 43 below this share of the largest count as zero.
 const SINGULAR: f64 = 1e-10;
+/// Iterations after which a decomposition of eq. 43 is given up; it takes a few per contact.
+const MOST_ITERATIONS: usize = 10_000;
 
 /// How the paper's protocol is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,6 +58,7 @@ impl Default for PaperSettings {
 
 /// Counts and extremes of a run: what the protocol costs.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub struct PaperStatistics {
     /// Steps completed.
     pub steps: u64,
@@ -63,6 +66,8 @@ pub struct PaperStatistics {
     pub collisions: u64,
     /// Corners found inside squares, over all steps.
     pub contacts: u64,
+    /// Steps with collisions whose eq. 43 could not be solved: squares kept their velocities.
+    pub unsolved_collisions: u64,
     /// Impulses that pull.
     pub pulling_impulses: u64,
     /// Sum of the impulses that pull.
@@ -123,6 +128,11 @@ impl PaperEngine {
     /// Counts and extremes so far.
     pub fn statistics(&self) -> &PaperStatistics {
         &self.statistics
+    }
+
+    /// Continues counting from here, for a run that is resumed.
+    pub fn set_statistics(&mut self, statistics: PaperStatistics) {
+        self.statistics = statistics;
     }
 
     /// The dynamics between collisions.
@@ -337,9 +347,8 @@ impl PaperEngine {
             rows.push(row);
         }
         let w = DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i].dot(&columns[j]));
-        let svd = w.svd(true, true);
-        let threshold = SINGULAR * svd.singular_values.amax();
-        let Ok(impulses) = svd.solve(&DVector::from_vec(demands), threshold) else {
+        let Some(impulses) = least_squares(w, DVector::from_vec(demands)) else {
+            self.statistics.unsolved_collisions += 1;
             return;
         };
         let energy = state.kinetic_energy(network);
@@ -354,6 +363,17 @@ impl PaperEngine {
         statistics.largest_relative_energy_change =
             statistics.largest_relative_energy_change.max(change);
     }
+}
+
+/// The smallest solution of w x = b in the sense of least squares; `None` if w holds numbers that are
+/// not finite or cannot be decomposed.
+fn least_squares(w: DMatrix<f64>, b: DVector<f64>) -> Option<DVector<f64>> {
+    if w.iter().chain(b.iter()).any(|x| !x.is_finite()) {
+        return None;
+    }
+    let svd = SVD::try_new(w, true, true, f64::EPSILON, MOST_ITERATIONS)?;
+    let threshold = SINGULAR * svd.singular_values.amax();
+    svd.solve(&b, threshold).ok()
 }
 
 impl Hit {
@@ -446,4 +466,21 @@ fn height(network: &Network, positions: &[f64], hit: &Hit) -> f64 {
         highest = highest.max(contact.gap(network, positions));
     }
     highest
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn dependent_equations_have_the_smallest_solution_and_broken_ones_none() {
+        let twice = DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 1.0, 1.0]);
+        let x = least_squares(twice.clone(), DVector::from_vec(vec![2.0, 2.0])).unwrap();
+        assert!((x[0] - 1.0).abs() < 1e-14 && (x[1] - 1.0).abs() < 1e-14);
+        assert_eq!(
+            least_squares(twice * f64::NAN, DVector::from_vec(vec![2.0, 2.0])),
+            None
+        );
+    }
 }

@@ -392,7 +392,7 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
     let mut maps = Vec::new();
     for (row, data) in sweep.conditions.iter().zip(data).take(MOST_MATRICES) {
         if data.synchronisation.samples() == 0 {
-            return Ok(());
+            continue;
         }
         let whole = data.synchronisation.index()?;
         maps.push(heat_map(format!("whole, {}", name(row, sweep)), &whole));
@@ -400,6 +400,9 @@ fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> 
         if let Ok(partial) = data.synchronisation.partial(RIDGE) {
             maps.push(heat_map(format!("partial, {}", name(row, sweep)), &partial));
         }
+    }
+    if maps.is_empty() {
+        return Ok(());
     }
     let title = "Synchronisation indices between squares";
     Ok(HeatMap::write_svg(

@@ -1,5 +1,6 @@
 //! A sweep of lattices: every r0 with every κ, once per seed, on all threads, resumable; tables and
-//! figures at the end.
+//! figures at the end. A run that cannot be completed is a row with the reason, and the tables and
+//! figures are those of the others.
 //!
 //! ```text
 //! DIR/run.toml  run.json  lattice.csv  runs.csv  crossings.csv  lattice.json  *.svg  *.png
@@ -14,7 +15,7 @@ mod table;
 
 pub use answer::LatticeSweep;
 pub use plan::{Task, axes, tasks};
-pub use series::{RunOutcome, Series};
+pub use series::{Outcome, RunOutcome, Series};
 pub use table::{ConditionRow, Estimate, RunRow};
 
 use super::exponent;
@@ -23,6 +24,7 @@ use super::run::run_lattice;
 use super::settings::LatticeSettings;
 use anyhow::{Context, Error, Result};
 use plan::is_condition;
+use protomer_crystal::CrystalError;
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_io::atomic::write_atomically;
 use protomer_results::{
@@ -46,11 +48,12 @@ const LAYOUT: Layout = Layout {
     is_result: is_condition,
 };
 
-/// Runs or continues a sweep in a directory.
+/// Runs or continues a sweep in a directory. Runs whose squares cannot be moved, as with a step that
+/// is too long, are listed in the answer, and the others are tabulated.
 ///
 /// # Errors
-/// For invalid settings, a directory that holds other work, or a run that fails: the others
-/// then stop at their next step, keep their progress, and `run.json` records the error.
+/// For invalid settings, a directory that holds other work, and a file that cannot be written: the
+/// other runs then stop at their next step, keep their progress, and `run.json` records the error.
 pub fn run_sweep(
     settings: &LatticeSettings,
     path: &Path,
@@ -83,25 +86,38 @@ impl Sweep<'_> {
         task: &Task,
         directory: &Path,
         execution: &Execution,
-    ) -> Result<End<RunOutcome>> {
-        let End::Finished(result) = run_lattice(&task.settings, directory, execution)? else {
-            return Ok(End::Stopped);
+    ) -> Result<End<Outcome>> {
+        let result = match run_lattice(&task.settings, directory, execution) {
+            Ok(End::Finished(result)) => result,
+            Ok(End::Stopped) => return Ok(End::Stopped),
+            Err(error) if is_of_the_motion(&error) => {
+                return Ok(End::Finished(Outcome::Failed(format!("{error:#}"))));
+            }
+            Err(error) => return Err(error),
         };
         let Some(lyapunov) = &self.lyapunov else {
             let exponent = None;
-            return Ok(End::Finished(RunOutcome { result, exponent }));
+            return Ok(End::Finished(Outcome::done(result, exponent)));
         };
-        let end = exponent::measure(&task.settings, lyapunov, directory, &execution.interrupt)?;
-        Ok(end.map(|exponent| RunOutcome {
-            result,
-            exponent: Some(exponent),
-        }))
+        let end = exponent::measure(
+            &task.settings,
+            result.shortest_step(),
+            lyapunov,
+            directory,
+            &execution.interrupt,
+        )?;
+        Ok(end.map(|exponent| Outcome::done(result, Some(exponent))))
     }
+}
+
+/// Whether the squares could not be started or moved; anything else ends the sweep.
+fn is_of_the_motion(error: &Error) -> bool {
+    error.downcast_ref::<CrystalError>().is_some()
 }
 
 impl Campaign for Sweep<'_> {
     type Task = Task;
-    type Part = RunOutcome;
+    type Part = Outcome;
     type Answer = LatticeSweep;
     type Error = Error;
 
@@ -122,14 +138,14 @@ impl Campaign for Sweep<'_> {
         task.directory.clone()
     }
 
-    fn run(&self, task: &Task, directory: &Path, execution: &Execution) -> Result<End<RunOutcome>> {
+    fn run(&self, task: &Task, directory: &Path, execution: &Execution) -> Result<End<Outcome>> {
         let end = self.run_task(task, directory, &execution.of_part());
         execution.progress.advance(1);
         end.with_context(|| directory.display().to_string())
     }
 
     /// Makes the tables and the figures.
-    fn collect(&self, outcomes: Vec<RunOutcome>) -> Result<LatticeSweep> {
+    fn collect(&self, outcomes: Vec<Outcome>) -> Result<LatticeSweep> {
         let (sweep, series) = collect(self.settings, &self.tasks, &outcomes)?;
         write_results(&sweep, &series, self.path)?;
         Ok(sweep)
@@ -140,25 +156,39 @@ impl Campaign for Sweep<'_> {
 fn collect(
     settings: &LatticeSettings,
     tasks: &[Task],
-    outcomes: &[RunOutcome],
+    outcomes: &[Outcome],
 ) -> Result<(LatticeSweep, Vec<Series>)> {
     let mut runs = Vec::with_capacity(tasks.len());
     let mut by_condition: Vec<Condition> = Vec::new();
     for (task, outcome) in tasks.iter().zip(outcomes) {
-        let rows: Vec<LogRow> = log::read(&task.directory.join("log.csv"))?;
-        let series = Series::of_run(task, &rows)?;
-        let row = RunRow::new(task, outcome, &rows, &series)?;
         // The first seed of every condition comes first, in the order of the conditions.
-        match by_condition.get_mut(task.condition) {
-            Some(condition) => condition.add(row.clone(), series)?,
-            None => by_condition.push(Condition::new(row.clone(), series)),
+        if task.condition == by_condition.len() {
+            by_condition.push(Condition::new(task)?);
         }
-        runs.push(row);
+        let condition = &mut by_condition[task.condition];
+        match outcome {
+            Outcome::Done(outcome) => {
+                let rows: Vec<LogRow> = log::read(&task.directory.join("log.csv"))?;
+                let series = Series::of_run(task, &rows)?;
+                let row = RunRow::new(task, outcome, &rows, &series)?;
+                condition.add(row.clone(), series)?;
+                runs.push(row);
+            }
+            Outcome::Failed(reason) => {
+                condition.failed += 1;
+                runs.push(RunRow::failed(task, reason));
+            }
+        }
     }
     let mut conditions = Vec::with_capacity(by_condition.len());
     let mut series = Vec::with_capacity(by_condition.len());
     for condition in by_condition {
-        conditions.push(ConditionRow::new(&condition.runs, &condition.series)?);
+        conditions.push(ConditionRow::new(
+            condition.at,
+            &condition.runs,
+            condition.failed,
+            &condition.series,
+        )?);
         series.push(condition.series);
     }
     let sweep = LatticeSweep {
@@ -172,20 +202,31 @@ fn collect(
 
 /// The runs of one r0 and κ.
 struct Condition {
+    /// r0 and κ.
+    at: [f64; 2],
+    /// Those that were completed.
     runs: Vec<RunRow>,
+    /// The number of those that were not.
+    failed: usize,
     series: Series,
 }
 
 impl Condition {
-    fn new(run: RunRow, series: Series) -> Self {
-        Self {
-            runs: vec![run],
-            series,
-        }
+    fn new(task: &Task) -> Result<Self> {
+        Ok(Self {
+            at: [task.settings.r0, task.settings.kappa],
+            runs: Vec::new(),
+            failed: 0,
+            series: Series::empty(task)?,
+        })
     }
 
     fn add(&mut self, run: RunRow, series: Series) -> Result<()> {
-        self.series.merge(series, self.runs.len())?;
+        if self.runs.is_empty() {
+            self.series = series;
+        } else {
+            self.series.merge(series, self.runs.len())?;
+        }
         self.runs.push(run);
         Ok(())
     }

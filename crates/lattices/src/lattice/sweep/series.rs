@@ -13,6 +13,21 @@ use protomer_crystal::analysis::synchronisation::{
 };
 use std::f64::consts::FRAC_PI_4;
 
+/// How one run of the sweep ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// It was completed.
+    Done(Box<RunOutcome>),
+    /// It could not be completed, for this reason.
+    Failed(String),
+}
+
+impl Outcome {
+    pub(super) fn done(result: LatticeResult, exponent: Option<Exponent>) -> Self {
+        Self::Done(Box::new(RunOutcome { result, exponent }))
+    }
+}
+
 /// The result of one run of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunOutcome {
@@ -36,6 +51,17 @@ pub struct Series {
 }
 
 impl Series {
+    /// The time series of a condition without any completed run.
+    pub(super) fn empty(task: &Task) -> Result<Self> {
+        let squares = network(&task.settings)?.squares.len();
+        Ok(Self {
+            phase_differences: Vec::new(),
+            strains: Vec::new(),
+            synchronisation: Synchronisation::new(squares),
+            crossings: Vec::new(),
+        })
+    }
+
     /// Reads the log and the trajectory of a run.
     pub(super) fn of_run(task: &Task, rows: &[LogRow]) -> Result<Self> {
         let network = network(&task.settings)?;

@@ -61,9 +61,39 @@ pub struct RunRow {
     pub lyapunov_exponent: f64,
     /// Its standard error.
     pub lyapunov_error: f64,
+    /// Why the run could not be completed; its numbers are then NaN.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub failure: Option<String>,
 }
 
 impl RunRow {
+    /// The row of a run that could not be completed.
+    pub(super) fn failed(task: &Task, reason: &str) -> Self {
+        Self {
+            r0: task.settings.r0,
+            kappa: task.settings.kappa,
+            seed: task.settings.seed,
+            collision_rate: f64::NAN,
+            energy_error: f64::NAN,
+            checkerboard_deviation: f64::NAN,
+            checkerboard_fraction: f64::NAN,
+            largest_spread: f64::NAN,
+            largest_spread_time: f64::NAN,
+            poisson_ratio_xy: f64::NAN,
+            poisson_ratio_yx: f64::NAN,
+            r_squared: f64::NAN,
+            synchronisation: f64::NAN,
+            partial_synchronisation: f64::NAN,
+            checkerboard_deviation_of_total: f64::NAN,
+            checkerboard_fraction_of_total: f64::NAN,
+            crossing_rate: f64::NAN,
+            crossing_speed: f64::NAN,
+            lyapunov_exponent: f64::NAN,
+            lyapunov_error: f64::NAN,
+            failure: Some(reason.to_owned()),
+        }
+    }
+
     /// Computes the row from the result of a run, its log and its time series.
     ///
     /// # Errors
@@ -108,6 +138,7 @@ impl RunRow {
             crossing_speed: crossings.mean,
             lyapunov_exponent: exponent.unwrap_or(f64::NAN),
             lyapunov_error: exponent_error.unwrap_or(f64::NAN),
+            failure: None,
         })
     }
 }
@@ -199,8 +230,10 @@ pub struct ConditionRow {
     pub r0: f64,
     /// κ.
     pub kappa: f64,
-    /// Number of runs.
+    /// Number of completed runs, over which everything is averaged.
     pub runs: usize,
+    /// Number of runs that could not be completed.
+    pub failed_runs: usize,
     /// As in [`RunRow`].
     pub collision_rate: Estimate,
     /// As in [`RunRow`].
@@ -240,24 +273,26 @@ pub struct ConditionRow {
 }
 
 impl ConditionRow {
-    /// Averages over runs.
+    /// Averages over the completed runs of one r0 and κ.
     ///
     /// # Errors
     /// If the synchronisation indices cannot be computed from the angles.
-    pub fn new(runs: &[RunRow], series: &Series) -> Result<Self> {
+    pub fn new(
+        [r0, kappa]: [f64; 2],
+        runs: &[RunRow],
+        failed_runs: usize,
+        series: &Series,
+    ) -> Result<Self> {
         let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
         let blocks = BLOCKS * runs.len();
         let ratio = poisson_ratio(&series.strains, blocks).unwrap_or(UNKNOWN_RATIO);
         let [pooled_synchronisation, pooled_partial_synchronisation] =
             leading(&series.synchronisation)?;
-        let (r0, kappa) = match runs {
-            [run, ..] => (run.r0, run.kappa),
-            [] => (f64::NAN, f64::NAN),
-        };
         Ok(Self {
             r0,
             kappa,
             runs: runs.len(),
+            failed_runs,
             collision_rate: of(|run| run.collision_rate),
             checkerboard_deviation: of(|run| run.checkerboard_deviation),
             checkerboard_fraction: of(|run| run.checkerboard_fraction),
@@ -279,7 +314,10 @@ impl ConditionRow {
             partial_synchronisation: of(|run| run.partial_synchronisation),
             pooled_synchronisation,
             pooled_partial_synchronisation,
-            energy_error: runs.iter().map(|run| run.energy_error).fold(0.0, f64::max),
+            energy_error: runs
+                .iter()
+                .map(|run| run.energy_error)
+                .fold(f64::NAN, f64::max),
             checkerboard_deviation_of_total: of(|run| run.checkerboard_deviation_of_total),
             checkerboard_fraction_of_total: of(|run| run.checkerboard_fraction_of_total),
             crossing_rate: of(|run| run.crossing_rate),
@@ -340,6 +378,7 @@ pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
         cells.push(row.pooled_synchronisation.into());
         cells.push(row.pooled_partial_synchronisation.into());
         cells.push(row.energy_error.into());
+        cells.push(row.failed_runs.into());
         table.push(cells)?;
     }
     Ok(table.to_csv()?)
@@ -355,6 +394,7 @@ fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
         "pooled_synchronisation",
         "pooled_partial_synchronisation",
         "energy_error",
+        "failed_runs",
     ];
     heading.extend(pooled.map(str::to_owned));
     heading
@@ -377,13 +417,16 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
     for (name, _) in values.into_iter().flatten() {
         heading.push(name);
     }
+    heading.push("failure");
     let mut table = Table::new(heading);
     for row in rows {
-        let seed = Cell::Integer(row.seed as i64);
+        // As text, because the cells of a table hold signed numbers.
+        let seed = Cell::Text(row.seed.to_string());
         let mut cells: Vec<Cell> = vec![row.r0.into(), row.kappa.into(), seed];
         for (_, value) in row.values() {
             cells.push(value.into());
         }
+        cells.push(Cell::Text(row.failure.clone().unwrap_or_default()));
         table.push(cells)?;
     }
     Ok(table.to_csv()?)
