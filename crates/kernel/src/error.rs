@@ -42,6 +42,12 @@ pub enum KernelError {
     /// Points or a name that make no shape.
     #[error("this is not a shape: {0}")]
     BadShape(String),
+    /// A polygon or a mesh that is not its convex hull.
+    #[error(
+        "this is not a convex shape: {0}; divide it into convex pieces, a file for each, and join them with +, \
+         such as A.off+B.off, or give the corners of the hull alone"
+    )]
+    NotConvex(String),
     /// A periodic box in which a body would meet two images of another.
     #[error(
         "interactions reach {range_angstrom:.2} Å, so every box length must be at least {:.2} Å; \

@@ -152,11 +152,11 @@ pub(crate) fn half_axes(name: &str) -> Result<Option<Vec<f64>>> {
     }
 }
 
-/// The convex hull of the points of a file (two or three columns, or a mesh), or the shape of this
-/// name.
+/// The convex shape of a file (corners of a polygon, two columns; points in space, three columns, which stand for
+/// their hull; or a mesh), or the shape of this name. Every shape file enters here.
 ///
 /// # Errors
-/// Names the file and the line, or lists the names.
+/// Names the file and the line, or lists the names; refuses what is not convex.
 pub fn read_shape(file_or_name: &str) -> Result<Shape> {
     let path = Path::new(file_or_name);
     // A run of cubes may stand in a folder `cube`.
@@ -172,7 +172,7 @@ pub fn read_shape(file_or_name: &str) -> Result<Shape> {
     let file = InputFile::read(path)?;
     if MeshFormat::from_name(&file.name).is_ok() {
         let mesh = read_mesh(&file.name, &file.bytes)?;
-        return Shape::solid(&mesh.vertices).context(file.name);
+        return Shape::mesh(&mesh).context(file.name);
     }
     let text = String::from_utf8_lossy(&file.bytes);
     shape_of_columns(&file.name, &text)
@@ -199,7 +199,7 @@ fn shape_of_columns(name: &str, text: &str) -> Result<Shape> {
     }
     match flat.is_empty() {
         true => Shape::solid(&solid),
-        false => Shape::flat(&flat),
+        false => Shape::polygon(&flat),
     }
     .with_context(|| name.to_owned())
 }
@@ -234,6 +234,34 @@ mod tests {
         assert_eq!((square.dimension(), square.corners()), (2, 4));
         let solid = shape_of_columns("solid", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n").unwrap();
         assert_eq!((solid.dimension(), solid.corners()), (3, 4));
+    }
+
+    #[test]
+    fn concave_files_are_refused_with_what_to_do() {
+        // An L of three unit cubes, whose hull has the volume 3.5.
+        let base = "0 0\n2 0\n2 1\n1 1\n1 2\n0 2\n";
+        let words = format!("{:#}", shape_of_columns("ell", base).unwrap_err());
+        assert!(
+            words.contains("ell: ") && words.contains("join them with +"),
+            "{words}"
+        );
+        let points: String = base
+            .lines()
+            .map(|line| format!("{line} 0\n{line} 1\n"))
+            .collect();
+        assert_eq!(shape_of_columns("points", &points).unwrap().corners(), 10);
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("ell.off");
+        let vertices: String = [0, 1]
+            .map(|z| base.replace('\n', &format!(" {z}\n")))
+            .concat();
+        let faces = "6 5 4 3 2 1 0\n6 6 7 8 9 10 11\n4 0 1 7 6\n4 1 2 8 7\n4 2 3 9 8\n4 3 4 10 9\n4 4 5 11 10\n4 5 0 6 11\n";
+        std::fs::write(&file, format!("OFF\n12 8 0\n{vertices}{faces}")).unwrap();
+        let words = format!("{:#}", read_shape(&file.display().to_string()).unwrap_err());
+        assert!(
+            words.contains("3.000000") && words.contains("3.500000"),
+            "{words}"
+        );
     }
 
     #[test]

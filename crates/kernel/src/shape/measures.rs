@@ -93,7 +93,7 @@ pub(super) fn rounded_in_plane(area: f64, perimeter: f64, r: f64) -> Measures {
     }
 }
 
-fn of_hull(hull: &Hull, r: f64) -> Measures {
+pub(super) fn of_hull(hull: &Hull, r: f64) -> Measures {
     let (volume, surface, curvature) = match hull {
         Hull::Point(_) => (0.0, 0.0, 0.0),
         Hull::Segment([a, b]) => (0.0, 0.0, PI * (b - a).norm()),

@@ -3,6 +3,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`hull`] | the convex hull of points |
+//! | [`convexity`] | whether polygons and meshes are convex |
 //! | [`measures`] | volume, surface, mean curvature, second virial coefficient; rounding by Steiner's formulas |
 //! | [`ellipsoid`] | the same of ellipsoids and ellipses |
 //! | [`builders`] | shapes by name |
@@ -26,6 +27,7 @@
 
 pub mod builders;
 pub mod closest;
+pub mod convexity;
 pub mod ellipsoid;
 pub mod exact;
 mod expansion;
