@@ -1,11 +1,11 @@
 //! Parses a command line into its parts, for a program that runs them on other machines.
 
+use super::paths::is_path;
 use super::{UsageError, syntax};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
-use std::any::TypeId;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A command in a form that is valid on any machine: long flag names, absolute paths.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -58,7 +58,7 @@ impl Command {
         if given.value_source(arg.get_id().as_str()) != Some(ValueSource::CommandLine) {
             return;
         }
-        let is_path = arg.get_value_parser().type_id() == TypeId::of::<PathBuf>();
+        let is_path = is_path(arg);
         let values = given.get_raw(arg.get_id().as_str()).unwrap_or_default();
         let values = values.map(|value| {
             if is_path {

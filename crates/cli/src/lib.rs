@@ -13,6 +13,7 @@
 //! | `help` | verbs in groups, examples |
 //! | `reply` | the reply of a verb, and the only place that prints |
 //! | `command` | a command line, parsed into its parts |
+//! | `paths` | names of files must be text |
 //! | `python_source` | the verbs as Python functions |
 
 mod command;
@@ -21,6 +22,7 @@ mod front;
 mod global;
 mod help;
 mod host;
+mod paths;
 mod python_source;
 mod reply;
 mod stderr;
@@ -81,6 +83,7 @@ fn parsed<W: Into<OsString> + Clone>(
     let matches = matches
         .map_err(help::without_double_dash)
         .map_err(|error| help::with_missing_feature(error, &mut syntax))?;
+    paths::require_text(&syntax, &matches)?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut syntax))
 }
 

@@ -3,7 +3,6 @@
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::sha256_hex;
 use protomer_io::gzip::read_maybe_gzip_from;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
@@ -83,7 +82,7 @@ fn stored_bytes(path: &Path) -> Result<Vec<u8>> {
         bail!("{name} is a folder; name a file");
     }
     let mut raw = Vec::new();
-    File::open(path)
+    protomer_io::input::open(path)
         .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
         .with_context(|| format!("cannot read {name}"))?;
     if raw.len() as u64 > LARGEST_INPUT_BYTES {
@@ -126,6 +125,7 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
                 .with_context(|| format!("cannot read the folder {}", input.display()))?
                 .path();
             if path.is_file() && is_structure(&path) {
+                require_text(&path)?;
                 found.push(path);
             }
         }
@@ -158,7 +158,8 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
 /// ```
 pub fn listed_in(list: &Path) -> Result<Vec<PathBuf>> {
     let shown = list.display();
-    let text = std::fs::read_to_string(list).with_context(|| format!("cannot read {shown}"))?;
+    let text =
+        protomer_io::input::read_to_string(list).with_context(|| format!("cannot read {shown}"))?;
     let folder = list.parent().unwrap_or(Path::new(""));
     let mut files = Vec::new();
     for line in text.lines().map(str::trim) {
@@ -170,6 +171,17 @@ pub fn listed_in(list: &Path) -> Result<Vec<PathBuf>> {
         bail!("{shown} names no file; write one a line");
     }
     Ok(files)
+}
+
+/// Refuses a file whose name is not UTF-8: results name their inputs as text, and two such names may look the same.
+///
+/// # Errors
+/// Names the file as far as it can be written.
+pub fn require_text(path: &Path) -> Result<()> {
+    if path.to_str().is_none() {
+        bail!("the name {path:?} is not UTF-8; rename the file");
+    }
+    Ok(())
 }
 
 fn is_structure(path: &Path) -> bool {

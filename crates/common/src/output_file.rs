@@ -60,7 +60,8 @@ pub fn write_folder(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Re
 /// # Errors
 /// If the file exists with other content and `force` is not set.
 pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
-    let is_same = path.is_file() && std::fs::read(path).is_ok_and(|present| present == bytes);
+    let is_same =
+        path.is_file() && protomer_io::input::read(path).is_ok_and(|present| present == bytes);
     match is_same {
         true => Ok(()),
         false => refuse_to_overwrite(path, force),

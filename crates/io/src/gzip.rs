@@ -2,7 +2,6 @@
 
 use crate::{IoError, Result};
 use flate2::read::MultiGzDecoder;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -25,7 +24,7 @@ const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 /// [`IoError::Parse`] for a damaged gzip file.
 pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();
-    let file = File::open(path).map_err(IoError::at(path, "open"))?;
+    let file = crate::input::open(path).map_err(IoError::at(path, "open"))?;
     let metadata = file.metadata().map_err(IoError::at(path, "read"))?;
     if metadata.is_dir() {
         let is_folder = std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder");

@@ -13,6 +13,7 @@
 //! | [`npz`] | NumPy archives |
 //! | [`volume`] | values on a grid: MRC, OpenDX, NPZ |
 //! | [`zarr`] | sparse voxel sets as zarr v3 groups |
+//! | [`input`] | files as they are opened: regular ones only |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
 //! | [`digest`] | SHA-256, of text as it is written too |
@@ -25,6 +26,7 @@ pub mod digest;
 mod error;
 pub mod gsd;
 pub mod gzip;
+pub mod input;
 pub mod mesh;
 #[cfg(feature = "npz")]
 pub mod npz;

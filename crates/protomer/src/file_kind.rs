@@ -4,7 +4,6 @@ use anyhow::{Result, bail};
 use protomer_body::structure::Format;
 use protomer_io::mesh::MeshFormat;
 use protomer_results::ResultKind;
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -51,7 +50,7 @@ impl FileKind {
             return ResultKind::of(path).map(Self::Results);
         }
         let mut head = Vec::new();
-        File::open(path)
+        protomer_io::input::open(path)
             .and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head))
             .ok()?;
         if head.starts_with(CONTAINER) {

@@ -362,7 +362,7 @@ pub fn volume(field: ScalarField) -> Volume {
 
 /// Peak memory of this process.
 fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let status = protomer_io::input::read_to_string("/proc/self/status").ok()?;
     let line = status
         .lines()
         .find_map(|line| line.strip_prefix("VmHWM:"))?;

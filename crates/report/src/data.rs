@@ -55,7 +55,7 @@ pub fn of_file(directory: &Path, name: &str) -> Result<String> {
     }
     data(
         name,
-        &std::fs::read_to_string(&path)
+        &protomer_io::input::read_to_string(&path)
             .with_context(|| format!("cannot read {}", path.display()))?,
     )
 }

@@ -34,7 +34,7 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
     if !path.is_file() {
         return Ok(String::new());
     }
-    let svg = std::fs::read_to_string(&path)
+    let svg = protomer_io::input::read_to_string(&path)
         .with_context(|| format!("cannot read {}", path.display()))?;
     if !stands_by_itself(&svg) {
         bail!(

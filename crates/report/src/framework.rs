@@ -19,7 +19,8 @@ const REST_FORCE: f64 = 1e-3;
 /// If a file is damaged.
 pub fn page(directory: &Path) -> Result<Page> {
     let path = directory.join("result.json");
-    let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = protomer_io::input::read(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     let result: Map<String, Value> = keys::from_json(&path, &bytes)?;
     network_file::read(&directory.join("network.toml"))?;
     let text = |key: &str| {

@@ -15,7 +15,8 @@ use std::path::Path;
 /// If a file is damaged.
 pub fn page(directory: &Path) -> Result<Page> {
     let path = directory.join("tables.json");
-    let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = protomer_io::input::read(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     let rows: Vec<Row> = keys::from_json(&path, &bytes)?;
     let mut results = counts(&rows);
     for (title, mut lines) in describe(&rows) {

@@ -19,7 +19,7 @@ pub fn section(
     more: Vec<(&str, String)>,
 ) -> Result<Section> {
     let path = directory.join(settings);
-    let text = std::fs::read_to_string(&path)
+    let text = protomer_io::input::read_to_string(&path)
         .with_context(|| format!("cannot read {}", path.display()))?;
     let folded = folded_text(settings, &text);
     Ok(Section::new(

@@ -89,7 +89,7 @@ impl<T: Serialize + DeserializeOwned> Checkpoint for T {
 /// # Errors
 /// If it exists but cannot be used.
 pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Option<C>> {
-    match std::fs::read(path) {
+    match protomer_io::input::read(path) {
         Ok(bytes) => C::from_bytes(path, kind, identity, &bytes).map(Some),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(Error::file("read", path)(error)),

@@ -76,7 +76,7 @@ fn recorded(directory: &Path) -> Option<ResultKind> {
 }
 
 fn read(directory: &Path, name: &str) -> Option<serde_json::Value> {
-    let bytes = std::fs::read(directory.join(name)).ok()?;
+    let bytes = protomer_io::input::read(directory.join(name)).ok()?;
     serde_json::from_slice(&bytes).ok()
 }
 
@@ -131,7 +131,7 @@ mod earlier {
     }
 
     fn table(path: &Path) -> Option<toml::Table> {
-        std::fs::read_to_string(path).ok()?.parse().ok()
+        protomer_io::input::read_to_string(path).ok()?.parse().ok()
     }
 }
 

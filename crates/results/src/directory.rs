@@ -144,7 +144,7 @@ impl ResultsDirectory {
 /// The settings of a directory, if it has any.
 fn present_settings<S: Settings>(path: &Path, layout: &Layout) -> Result<Option<S>> {
     let file = path.join(layout.settings);
-    let text = match std::fs::read_to_string(&file) {
+    let text = match protomer_io::input::read_to_string(&file) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(Error::file("read", &file)(error)),
@@ -204,7 +204,8 @@ fn make(path: &Path, layout: &Layout) -> Result<()> {
 fn require_ours<S: DeserializeOwned>(path: &Path, layout: &Layout) -> Result<()> {
     let file = path.join(layout.settings);
     let is_foreign = if file.exists() {
-        std::fs::read_to_string(&file).map_or(true, |text| from_toml::<S>(&file, &text).is_err())
+        protomer_io::input::read_to_string(&file)
+            .map_or(true, |text| from_toml::<S>(&file, &text).is_err())
     } else {
         entries(path)?.iter().any(|entry| !entry.ends_with(LOCK))
     };

@@ -77,7 +77,7 @@ pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
 /// # Errors
 /// As [`from_json`]; also if the file cannot be read.
 pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let bytes = std::fs::read(path).map_err(Error::file("read", path))?;
+    let bytes = protomer_io::input::read(path).map_err(Error::file("read", path))?;
     from_json(path, &bytes)
 }
 
@@ -86,7 +86,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
 /// # Errors
 /// As [`from_json`]; also if it exists but cannot be read.
 pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
-    match std::fs::read(path) {
+    match protomer_io::input::read(path) {
         Ok(bytes) => from_json(path, &bytes).map(Some),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(Error::file("read", path)(error)),
@@ -98,7 +98,7 @@ pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T
 /// # Errors
 /// As [`from_toml`]; also if the file cannot be read.
 pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let text = std::fs::read_to_string(path).map_err(Error::file("read", path))?;
+    let text = protomer_io::input::read_to_string(path).map_err(Error::file("read", path))?;
     from_toml(path, &text)
 }
 

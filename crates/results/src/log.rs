@@ -155,7 +155,7 @@ pub fn check(path: &Path, mark: &LogMark) -> Result<()> {
 
 fn hash_of_marked(path: &Path, mark: &LogMark) -> Result<Sha256> {
     let mut start = Vec::new();
-    File::open(path)
+    protomer_io::input::open(path)
         .and_then(|file| file.take(mark.bytes).read_to_end(&mut start))
         .map_err(|source| Error::LostLog {
             path: path.to_owned(),
@@ -193,7 +193,7 @@ pub fn read_so_far<R: Row>(path: &Path) -> Result<Vec<R>> {
 }
 
 fn text_of(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).map_err(Error::file("read the log", path))
+    protomer_io::input::read_to_string(path).map_err(Error::file("read the log", path))
 }
 
 fn rows_of<R: Row>(path: &Path, text: &str) -> Result<Vec<R>> {

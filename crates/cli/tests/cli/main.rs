@@ -13,6 +13,7 @@ mod effective;
 mod energies;
 mod fluid;
 mod framework;
+mod inputs;
 mod predict;
 mod report;
 mod residues;

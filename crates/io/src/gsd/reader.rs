@@ -40,7 +40,7 @@ impl GsdFile {
     /// # Errors
     /// [`IoError::File`] if the system call fails, [`IoError::Parse`] if it is not a GSD 2 file.
     pub fn open(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(IoError::at(path, "open"))?;
+        let file = crate::input::open(path).map_err(IoError::at(path, "open"))?;
         let mut source = SizedFile {
             path,
             length: file.metadata().map_err(IoError::at(path, "read"))?.len(),

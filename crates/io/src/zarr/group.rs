@@ -7,7 +7,6 @@ use crate::{IoError, Result};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::fs::File;
 use std::io::{BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +39,7 @@ pub(super) fn write(path: &Path, attributes: &impl Serialize) -> Result<()> {
 /// # Errors
 /// [`IoError::Parse`] if there is no set, or its attributes are damaged or not of this type.
 pub fn attributes<A: DeserializeOwned>(path: &Path) -> Result<A> {
-    let file = match File::open(file(path)) {
+    let file = match crate::input::open(file(path)) {
         Ok(file) => file,
         Err(cause) if matches!(cause.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             let cause = "there is no zarr group here, or an unfinished one";

@@ -12,8 +12,8 @@ use std::path::Path;
 /// Names the file and the line, or the invalid node, rod or hinge. For an unknown key, suggests
 /// the nearest valid one.
 pub fn read(path: &Path) -> Result<Framework> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = protomer_io::input::read_to_string(path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     let network: Framework = keys::from_toml(path, &text)?;
     network
         .check()

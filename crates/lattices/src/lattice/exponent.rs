@@ -85,7 +85,8 @@ fn read(path: &Path) -> Result<Option<Exponent>> {
     if !path.exists() {
         return Ok(None);
     }
-    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let bytes = protomer_io::input::read(path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     Ok(Some(keys::from_json(path, &bytes)?))
 }
 

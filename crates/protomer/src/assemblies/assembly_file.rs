@@ -120,7 +120,7 @@ impl Assembly {
     /// Names the file, the key or the placement, and what to do.
     pub fn read(path: &Path) -> Result<Self> {
         FileKind::Assembly.require(path)?;
-        let bytes = std::fs::read(path)
+        let bytes = protomer_io::input::read(path)
             .with_context(|| format!("cannot read the assembly {}", path.display()))?;
         let file: AssemblyFile = keys::from_json(path, &bytes)?;
         let folder = path.parent().unwrap_or(Path::new("."));

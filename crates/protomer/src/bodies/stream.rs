@@ -216,7 +216,8 @@ impl Stream<'_> {
             });
         }
         let shown = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {shown}"))?;
+        let text = protomer_io::input::read_to_string(path)
+            .with_context(|| format!("cannot read {shown}"))?;
         let done: Done = serde_json::from_str(&text)
             .with_context(|| format!("{shown} is damaged; begin anew with --force"))?;
         if done.identity != self.identity || done.ok + done.failed > self.jobs.len() {

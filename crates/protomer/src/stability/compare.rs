@@ -139,7 +139,7 @@ pub fn compare(
 fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
     FileKind::Results(ResultKind::Sweep).require(directory)?;
     let path = directory.join("sweep.json");
-    let text = std::fs::read_to_string(&path)
+    let text = protomer_io::input::read_to_string(&path)
         .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
     let sweep: Value = keys::from_json(&path, text.as_bytes())?;
     let salts = sweep["salts"].as_array();

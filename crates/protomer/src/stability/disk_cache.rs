@@ -116,7 +116,7 @@ impl DiskCache {
         E: std::error::Error + Send + Sync + 'static,
     {
         let path = self.path(key);
-        let file = match File::open(&path) {
+        let file = match protomer_io::input::open(&path) {
             Ok(file) => file,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => {

@@ -56,7 +56,8 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
         vec![("seed", settings.seed.to_string())],
     )?;
     if best.is_some() {
-        let text = std::fs::read_to_string(directory.join("best.toml")).context("best.toml")?;
+        let text =
+            protomer_io::input::read_to_string(directory.join("best.toml")).context("best.toml")?;
         provenance.html += &folded_text("best.toml", &text);
     }
     sections.push(provenance);
@@ -83,7 +84,7 @@ impl Trials {
         if !path.is_file() {
             return Ok(None);
         }
-        let csv = std::fs::read_to_string(&path)
+        let csv = protomer_io::input::read_to_string(&path)
             .with_context(|| format!("cannot read {}", path.display()))?;
         let (mut columns, mut rows) = (Vec::new(), Vec::new());
         for (number, line) in csv.lines().enumerate() {

@@ -142,7 +142,7 @@ fn is_body_file(file: &Path) -> bool {
 }
 
 fn sha256(file: &Path) -> Result<String> {
-    let bytes = std::fs::read(file).with_context(|| {
+    let bytes = protomer_io::input::read(file).with_context(|| {
         format!(
             "cannot read {}; name a body or structure file",
             file.display()

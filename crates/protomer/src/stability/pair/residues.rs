@@ -89,7 +89,8 @@ impl ResidueTable {
     /// If the file cannot be read.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(RESIDUES).display().to_string();
-        let csv = std::fs::read_to_string(&path).with_context(|| format!("cannot read {path}"))?;
+        let csv = protomer_io::input::read_to_string(&path)
+            .with_context(|| format!("cannot read {path}"))?;
         Ok(Self { path, csv })
     }
 

@@ -141,7 +141,7 @@ impl SavedOutputs {
 
 fn require_columns(path: &Path) -> Result<()> {
     let mut first_line = String::new();
-    let file = std::fs::File::open(path)
+    let file = protomer_io::input::open(path)
         .with_context(|| format!("the log {} cannot be read", path.display()))?;
     BufReader::new(file).read_line(&mut first_line)?;
     if first_line.trim_end() != LogRow::columns().join(",") {

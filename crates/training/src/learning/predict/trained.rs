@@ -67,8 +67,8 @@ impl Trained {
             bail!("the training in {shown} is not finished; the same train command continues it");
         }
         let path = directory.join(MODEL);
-        let bytes =
-            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = protomer_io::input::read(&path)
+            .with_context(|| format!("cannot read {}", path.display()))?;
         let model = Model::from_bytes(&bytes)
             .with_context(|| format!("{} is damaged; train again with --force", path.display()))?;
         Ok(Self {

@@ -61,7 +61,7 @@ impl TrainedOn {
     /// Names the damaged file.
     pub fn read(directory: &Path) -> Result<Option<Self>> {
         let path = directory.join(TRAINED_ON);
-        let bytes = match std::fs::read(&path) {
+        let bytes = match protomer_io::input::read(&path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => {

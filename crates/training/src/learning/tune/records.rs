@@ -82,7 +82,7 @@ impl Records {
     /// The result of a trial at a rung, if it got that far.
     pub fn of(&self, trial: &Trial, rung: usize) -> Result<Option<Reached>> {
         let path = self.path(trial, rung);
-        let text = match std::fs::read_to_string(&path) {
+        let text = match protomer_io::input::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => {
