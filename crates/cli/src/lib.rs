@@ -13,6 +13,7 @@
 //! | `help` | verbs in groups, examples |
 //! | `reply` | the reply of a verb, and the only place that prints |
 //! | `command` | a command line, parsed into its parts |
+//! | `numbers` | the flags that take numbers |
 //! | `paths` | names of files must be text |
 //! | `python_source` | the verbs as Python functions |
 
@@ -22,6 +23,7 @@ mod front;
 mod global;
 mod help;
 mod host;
+mod numbers;
 mod paths;
 mod python_source;
 mod reply;
@@ -39,6 +41,7 @@ use std::time::Instant;
 
 pub use command::Command;
 pub use host::{Host, ProgressListener};
+pub use numbers::{NumberFlag, number_flags};
 pub use python_source::python_functions;
 pub use reply::{Outcome, Reply};
 

@@ -3,10 +3,10 @@
 
 use super::Cli;
 use crate::help::examples_of;
+use crate::numbers::{is_real, is_whole};
+use crate::paths::is_path;
 use clap::{Arg, ArgAction, Command, CommandFactory};
-use std::any::TypeId;
 use std::fmt::Write;
-use std::path::PathBuf;
 
 /// Verbs for shells only.
 const LEFT_OUT: [&str; 3] = ["completions", "man", "help"];
@@ -294,23 +294,19 @@ fn annotation(arg: &Arg, verb: &str) -> String {
     }
     let most_values = arg.get_num_args().map_or(1, |count| count.max_values());
     let many = matches!(arg.get_action(), ArgAction::Append) || most_values > 1;
-    let is = |types: &[TypeId]| types.iter().any(|id| parser.type_id() == *id);
     if arg.get_id() == SALT {
         // One concentration is a number for the program, several are text.
-        let one = is(&[TypeId::of::<f64>()]);
-        return if one { "str" } else { "str | Sequence[str]" }.to_owned();
+        return if is_real(arg) {
+            "str"
+        } else {
+            "str | Sequence[str]"
+        }
+        .to_owned();
     }
-    let integers = [
-        TypeId::of::<u8>(),
-        TypeId::of::<u32>(),
-        TypeId::of::<u64>(),
-        TypeId::of::<usize>(),
-        TypeId::of::<i64>(),
-    ];
     let name = identifier(arg.get_long().unwrap_or(arg.get_id().as_str()));
     let one = match () {
         () if !choices.is_empty() && !many => return format!("Literal[{}]", choices.join(", ")),
-        () if is(&[TypeId::of::<PathBuf>()]) => {
+        () if is_path(arg) => {
             let object = OBJECTS
                 .iter()
                 .find(|(of, arg, _)| *of == verb && *arg == name);
@@ -318,8 +314,8 @@ fn annotation(arg: &Arg, verb: &str) -> String {
                 format!("Path | str | {class}")
             })
         }
-        () if is(&integers) => "int | str".to_owned(),
-        () if is(&[TypeId::of::<f64>()]) => "float | str".to_owned(),
+        () if is_whole(arg) => "int | str".to_owned(),
+        () if is_real(arg) => "float | str".to_owned(),
         // Lists of names, and lists of numbers that the program reads itself.
         () => return "str | float | Sequence[str | float]".to_owned(),
     };

@@ -485,3 +485,53 @@ fn no_crate_is_more_than_a_fifth_of_the_house() {
         );
     }
 }
+
+/// A pipe or a device that somebody names as an input must not be waited for; `io::input` sees to it, wherever a file
+/// of a user is read.
+#[test]
+fn files_are_opened_for_reading_in_one_place() {
+    // The door itself; a folder that is synchronised; pages that the program has just written.
+    const OWN: [&str; 3] = [
+        "io/src/input.rs",
+        "io/src/atomic.rs",
+        "cli/src/verbs/generate.rs",
+    ];
+    const READS: [&str; 3] = ["fs::read(", "fs::read_to_string(", "File::open("];
+    // Types of our own that open a file by the door.
+    const TYPES: [&str; 2] = ["GsdFile::open(", "WorkFile::open("];
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut found = Vec::new();
+    for folder in crates
+        .read_dir()
+        .unwrap()
+        .map(|entry| entry.unwrap().path().join("src"))
+    {
+        for path in sources(&folder) {
+            let name = path.strip_prefix(&crates).unwrap().display().to_string();
+            let is_of_tests = ["tests.rs", "test_support.rs"]
+                .iter()
+                .any(|end| name.ends_with(end));
+            if OWN.contains(&name.as_str()) || is_of_tests || name.contains("/tests/") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).unwrap();
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            for line in code
+                .lines()
+                .filter(|line| !line.trim_start().starts_with("//"))
+            {
+                let plain = TYPES
+                    .iter()
+                    .fold(line.to_owned(), |line, own| line.replace(own, ""));
+                if READS.iter().any(|read| plain.contains(read)) {
+                    found.push(format!("{name}: {}", line.trim()));
+                }
+            }
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "open these by protomer_io::input:\n{}",
+        found.join("\n")
+    );
+}

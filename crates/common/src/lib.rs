@@ -6,6 +6,7 @@
 //! | [`input`] | input files: found, read, decompressed, hashed |
 //! | [`output_file`] | output files: replaced only on request |
 //! | [`quantity`] | numbers with units, such as `150mM` |
+//! | [`range`] | ranges of numbers, checked where they enter |
 //! | [`remedy`] | errors of the operating system with what to do about them |
 //! | [`cpu_time`] | processor time of a piece of work |
 
@@ -14,4 +15,5 @@ pub mod cpu_time;
 pub mod input;
 pub mod output_file;
 pub mod quantity;
+pub mod range;
 pub mod remedy;

@@ -1,11 +1,10 @@
 //! Parses numbers with units: `150mM`, `0.15M`, `1.4A`, `0.14nm`, `10mM..300mM/8`.
 
+use crate::range::SALT;
 use anyhow::{Result, bail};
 
 /// Above this concentration (mol/L) a salt is warned of.
 const USUAL_SALT_MOLAR: f64 = 1.0;
-/// More than any solution holds: a litre of water is 55 mol.
-const MOST_SALT_MOLAR: f64 = 1000.0;
 
 /// Parses a salt concentration in mol/L from `150mM` or `0.15M`. Only zero needs no unit: a bare
 /// 100 may mean mmol/L or mol/L.
@@ -32,10 +31,8 @@ pub fn salt_molar(text: &str) -> Result<f64> {
     if salt < 0.0 {
         bail!("the salt concentration '{text}' is negative; give zero or more, such as 100mM");
     }
-    if salt > MOST_SALT_MOLAR {
-        bail!(
-            "the salt concentration '{text}' is more than any solution holds; give one such as 100mM"
-        );
+    if !SALT.holds(salt) {
+        bail!("the salt concentration '{text}' is that of no solution; give {SALT}, such as 100mM");
     }
     Ok(salt)
 }

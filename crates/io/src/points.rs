@@ -42,7 +42,7 @@ pub fn read_points(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
 pub fn read_xyzr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
     read_lines(name, bytes, |line, tokens| {
         let record = PointRecord {
-            position: line.point(tokens, "a sphere")?,
+            position: line.position(tokens, "a sphere")?,
             radius_angstrom: line.radius(tokens.next())?,
             ..PointRecord::default()
         };
@@ -67,8 +67,8 @@ pub fn read_xyzr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
 pub fn read_xyzq(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
     read_lines(name, bytes, |line, tokens| {
         let mut record = PointRecord {
-            position: line.point(tokens, "a charge")?,
-            charge_e: line.number(tokens.next(), "the charge")?,
+            position: line.position(tokens, "a charge")?,
+            charge_e: line.charge(tokens.next())?,
             ..PointRecord::default()
         };
         if let Some(radius) = tokens.next() {

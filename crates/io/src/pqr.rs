@@ -71,8 +71,8 @@ fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
     };
     let mut values = values.iter().copied();
     Ok(Some(PointRecord {
-        position: line.point(&mut values, "the atom")?,
-        charge_e: line.number(values.next(), "the charge")?,
+        position: line.position(&mut values, "the atom")?,
+        charge_e: line.charge(values.next())?,
         radius_angstrom: line.radius(values.next())?,
         atom_name: fields[1].to_owned(),
         residue_name: fields[2].to_owned(),

@@ -2,7 +2,9 @@
 //! binary input.
 
 use crate::{IoError, Result};
-use protomer_kernel::Vec3;
+use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
+use protomer_kernel::point_record::LARGEST_CHARGE_E;
+use protomer_kernel::{Number, Vec3};
 use std::borrow::Cow;
 
 /// Removes the byte-order mark that some editors write at the beginning.
@@ -85,14 +87,42 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// A radius: a number that is not negative.
+    /// A radius, Å: a number that is not negative, and not beyond every coordinate.
     pub fn radius(&self, token: Option<&str>) -> Result<f64> {
         let radius = self.number(token, "the radius")?;
         if radius < 0.0 {
             let cause = format!("the radius is {radius}");
             return Err(self.error(cause, "a radius is not negative"));
         }
-        Ok(radius)
+        self.require_at_most(LARGEST_COORDINATE_ANGSTROM, radius, "the radius", "Å")
+    }
+
+    /// A charge, e.
+    pub fn charge(&self, token: Option<&str>) -> Result<f64> {
+        let charge = self.number(token, "the charge")?;
+        self.require_at_most(LARGEST_CHARGE_E, charge, "the charge", "e")
+    }
+
+    /// The next three tokens as the position of an atom or a charge, Å.
+    pub fn position<'t>(
+        &self,
+        tokens: &mut impl Iterator<Item = &'t str>,
+        what: &str,
+    ) -> Result<Vec3> {
+        let position = self.point(tokens, what)?;
+        for coordinate in &position {
+            let what = format!("a coordinate of {what}");
+            self.require_at_most(LARGEST_COORDINATE_ANGSTROM, *coordinate, &what, "Å")?;
+        }
+        Ok(position)
+    }
+
+    fn require_at_most(&self, most: f64, value: f64, what: &str, unit: &str) -> Result<f64> {
+        if value.abs() <= most {
+            return Ok(value);
+        }
+        let cause = format!("{what} is {} {unit}", Number(value));
+        Err(self.error(cause, format!("give at most {most} {unit} in size")))
     }
 
     /// The next three tokens as a point.

@@ -2,6 +2,10 @@
 
 use crate::Vec3;
 
+/// The largest charge of an atom or a point, e: more than any ion or colloid has in one place, and little enough
+/// for energies of all pairs to stay finite.
+pub const LARGEST_CHARGE_E: f64 = 1e4;
+
 /// One atom, sphere or point charge. Fields that a format lacks are zero or empty.
 ///
 /// ```

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use protomer_body::chemistry::{SiteSettings, parse_mutations};
 use protomer_body::structure::SelectionSettings;
 use protomer_body::{BodySettings, SurfaceSettings};
+use protomer_common::range;
 
 /// Selection of atoms.
 #[derive(Debug, Clone, Args)]
@@ -45,7 +46,7 @@ pub struct SelectionArgs {
 #[command(next_help_heading = "Charges")]
 pub struct ChargeArgs {
     /// pH of the protonation equilibria.
-    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 7.4, allow_negative_numbers = true, value_parser = range::PH.number())]
     ph: f64,
     /// Where the charges sit.
     #[arg(long, value_enum, default_value_t = Charges::ForceField)]
@@ -60,24 +61,24 @@ pub struct ChargeArgs {
 #[command(next_help_heading = "Surface")]
 pub struct SurfaceFlags {
     /// Mesh vertices per Å².
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, value_parser = range::MESH_DENSITY.number())]
     density: f64,
     /// Spacing of the lattice on which the surface is first found, Å; a coarser one is faster and
     /// may close or open what is narrower.
     #[arg(long, default_value_t = SurfaceSettings::LATTICE_SPACING_ANGSTROM, allow_negative_numbers = true)]
     lattice_spacing: f64,
     /// Probe radius, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
     /// What to do with cavities; if omitted, a body drops them and `surface` keeps them.
     #[arg(long, value_enum)]
     cavities: Option<Cavities>,
     /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
     /// are never filled, because other bodies may be inside.
-    #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM)]
+    #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM, value_parser = range::RADIUS.number())]
     interior_radius: f64,
     /// Move the surface inward by this much, Å.
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, value_parser = range::RADIUS.number())]
     offset: f64,
 }
 

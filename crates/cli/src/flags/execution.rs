@@ -3,6 +3,7 @@
 use crate::front::Front;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_common::range;
 use protomer_results::Execution;
 use std::time::Duration;
 
@@ -14,11 +15,10 @@ pub struct ExecutionArgs {
     #[arg(
         long,
         env = "ACTION_WALLTIME_IN_MINUTES",
-        allow_negative_numbers = true
-    )]
+        allow_negative_numbers = true, value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,
     /// Seconds between checkpoints: the most that a killed run loses.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true, value_parser = range::SECONDS.number())]
     checkpoint_every: f64,
 }
 

@@ -4,27 +4,27 @@ use anyhow::Result;
 use clap::Args;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 
 /// What lies between the bodies.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Medium")]
 pub struct MediumArgs {
     /// Temperature, K [default: 298.15].
-    #[arg(long, value_parser = quantity::temperature_kelvin, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     pub temperature: Option<f64>,
     /// Relative permittivity; that of water at the temperature if omitted.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     pub permittivity: Option<f64>,
     /// Bjerrum length (such as 7.0A), instead of temperature and permittivity.
-    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true, conflicts_with = "permittivity")]
+    #[arg(long, allow_hyphen_values = true, conflicts_with = "permittivity", value_parser = range::BJERRUM_LENGTH.read(quantity::length_angstrom))]
     pub bjerrum: Option<f64>,
     /// Debye length (such as 9.6A), instead of a salt concentration.
-    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_parser = range::DEBYE_LENGTH.read(quantity::length_angstrom))]
     pub debye: Option<f64>,
     /// Cut-off distance, for comparison with calculations that have one; energies are then summed
     /// directly. No cut-off if omitted.
-    #[arg(long, value_parser = quantity::length_angstrom, allow_hyphen_values = true)]
+    #[arg(long, allow_hyphen_values = true, value_parser = range::CUT_OFF.read(quantity::length_angstrom))]
     pub cutoff: Option<f64>,
 }
 

@@ -3,16 +3,17 @@
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::stability::effective::SoluteModel;
+use protomer_common::range;
 
 /// The inside of bodies, for effective charges.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Effective charges")]
 pub struct SoluteArgs {
     /// Relative permittivity inside the bodies [default: 4].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     pub inner_permittivity: Option<f64>,
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     pub ion_radius: Option<f64>,
 }
 

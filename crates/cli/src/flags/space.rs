@@ -2,12 +2,13 @@
 
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_common::range;
 
 /// The space around the assembly.
 #[derive(Debug, Clone, Args)]
 pub struct SpaceArgs {
     /// Edge of a cubic periodic box, or three edges, Å; open space if omitted.
-    #[arg(long = "box", value_delimiter = ',')]
+    #[arg(long = "box", value_delimiter = ',', value_parser = range::BOX_EDGE.number())]
     box_angstrom: Vec<f64>,
 }
 

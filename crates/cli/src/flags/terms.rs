@@ -4,6 +4,7 @@ use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer_body::residue_contacts::ContactScale;
+use protomer_common::range;
 
 /// Attraction between residues, and desolvation.
 #[derive(Debug, Clone, Args)]
@@ -13,7 +14,7 @@ pub struct TermsArgs {
     #[arg(long, value_enum)]
     pub contacts: Option<Scale>,
     /// What multiplies the attraction of the scale [default: 1].
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     pub contact_strength: Option<f64>,
     /// Count what charges lose where other bodies displace solvent; with effective charges.
     #[arg(long)]

@@ -6,7 +6,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::potential::{PotentialSettings, potential, read_places};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use protomer_field::{DielectricModel, SolveSettings};
 use protomer_kernel::Electrolyte;
 use std::path::PathBuf;
@@ -33,22 +33,22 @@ pub struct PotentialArgs {
     #[arg(long, value_enum, default_value_t = BoundaryValues::ScreenedAtoms)]
     boundary: BoundaryValues,
     /// Temperature, K.
-    #[arg(long, value_parser = quantity::temperature_kelvin, default_value = "298.15", allow_hyphen_values = true)]
+    #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// Relative permittivity inside the surface.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
     /// Relative permittivity of the solvent; that of water at the temperature if omitted.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     outer_permittivity: Option<f64>,
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
-    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     ion_radius: f64,
     /// The dielectric boundary.
     #[arg(long, value_enum, default_value_t = DielectricSurface::SolventExcluded)]
     surface: DielectricSurface,
     /// Probe radius of the surface, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
     /// File of points (x y z per line, Å) at which to print the potential.
     #[arg(long)]

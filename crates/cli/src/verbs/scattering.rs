@@ -5,7 +5,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::scattering::{ExperimentSettings, ScatteringSettings, scattering};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
 /// What light and X-rays see of an assembly or of the trajectories of a run: cluster sizes,
@@ -25,28 +25,28 @@ pub struct ScatteringArgs {
     #[arg(long)]
     assembly: Option<PathBuf>,
     /// Share of the frames at the beginning of each trajectory that is left out.
-    #[arg(long, default_value_t = 0.2)]
+    #[arg(long, default_value_t = 0.2, value_parser = range::SHARE.number())]
     skip: f64,
     /// Frames of each trajectory that are measured at most, evenly spread.
-    #[arg(long, default_value_t = 100)]
+    #[arg(long, default_value_t = 100, value_parser = range::OBJECTS.number::<usize>())]
     most_frames: usize,
     /// Largest wave number, Å⁻¹.
-    #[arg(long, default_value_t = 0.3)]
+    #[arg(long, default_value_t = 0.3, value_parser = range::WAVE_NUMBER.number())]
     q_max: f64,
     /// Number of wave numbers.
-    #[arg(long, default_value_t = 60)]
+    #[arg(long, default_value_t = 60, value_parser = range::TABLE_ROWS.number::<usize>())]
     q_points: usize,
     /// Directions of the wave vector for each wave number and frame, at most.
-    #[arg(long, default_value_t = 24)]
+    #[arg(long, default_value_t = 24, value_parser = range::TABLE_ROWS.number::<usize>())]
     directions: usize,
     /// Wave number of the dynamic light scattering, Å⁻¹ [default: 0.00264, red light at 173° in water].
-    #[arg(long)]
+    #[arg(long, value_parser = range::WAVE_NUMBER.number())]
     light_q: Option<f64>,
     /// Thickness of the water that moves with a body, Å.
     #[arg(long, default_value_t = 1.1)]
     hydration: f64,
     /// Surfaces closer than this are in contact, Å [default: that of the run, or 5].
-    #[arg(long)]
+    #[arg(long, value_parser = range::CONTACT_GAP.number())]
     contact_gap: Option<f64>,
     /// Seed of the random directions.
     #[arg(long, default_value_t = 1)]

@@ -14,6 +14,7 @@ mod energies;
 mod fluid;
 mod framework;
 mod inputs;
+mod numbers;
 mod predict;
 mod report;
 mod residues;

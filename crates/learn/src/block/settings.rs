@@ -4,6 +4,9 @@ use crate::Result;
 use crate::error::refuse;
 use serde::{Deserialize, Serialize};
 
+/// The most channels of a block: with kernels of edge 5, a convolution between two such blocks has 0.5 GB of weights.
+const MOST_CHANNELS: usize = 1024;
+
 /// What a block does: convolution, group normalisation if wanted, ReLU, pooling if wanted.
 ///
 /// ```
@@ -72,8 +75,10 @@ impl BlockSettings {
     /// [`LearnError::Settings`](crate::LearnError::Settings) says what does not.
     pub fn check(&self) -> Result<()> {
         let Self { width, kernel, .. } = *self;
-        if width == 0 {
-            return refuse("a block of width 0: give it at least one channel");
+        if !(1..=MOST_CHANNELS).contains(&width) {
+            return refuse(format!(
+                "a block of width {width}: give it 1 to {MOST_CHANNELS} channels"
+            ));
         }
         if !matches!(kernel, 1 | 3 | 5) {
             return refuse(format!("a kernel of edge {kernel}: take 1, 3 or 5"));

@@ -7,7 +7,8 @@ use protomer_common::output_file;
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::container::{Array, Container};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
-use protomer_kernel::{TriangleMesh, Vec3};
+use protomer_kernel::point_record::LARGEST_CHARGE_E;
+use protomer_kernel::{Number, TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 use std::path::Path;
@@ -53,7 +54,7 @@ pub fn write(path: &Path, body: &Body) -> Result<()> {
 pub fn read(path: &Path) -> Result<(Body, String)> {
     FileKind::Body.require(path)?;
     let mut bytes = Vec::new();
-    std::fs::File::open(path)
+    protomer_io::input::open(path)
         .and_then(|file| file.take(LARGEST_FILE_BYTES).read_to_end(&mut bytes))
         .with_context(|| {
             format!(
@@ -144,6 +145,8 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     let positions = vectors(file, &container, "positions_angstrom")?;
     let charges = numbers(file, &container, "charges_e", &[None])?;
     let radii = numbers(file, &container, "radii_angstrom", &[None])?;
+    require_at_most("charges_e", charges, LARGEST_CHARGE_E, "e")?;
+    require_at_most("radii_angstrom", radii, LARGEST_COORDINATE_ANGSTROM, "Å")?;
     let residue_of = container.u32(file, "residues", &[None])?;
     let header: BodyHeader = serde_json::from_value(container.header.clone())?;
     let count = positions.len();
@@ -201,14 +204,19 @@ fn numbers<'a>(
     Ok(values)
 }
 
+fn require_at_most(name: &str, values: &[f64], most: f64, unit: &str) -> Result<()> {
+    if let Some(value) = values.iter().find(|value| value.abs() > most) {
+        bail!(
+            "array '{name}' has the value {} {unit}; {most} {unit} is the most",
+            Number(*value)
+        );
+    }
+    Ok(())
+}
+
 fn vectors(file: &str, container: &Container, name: &str) -> Result<Vec<Vec3>> {
     let values = numbers(file, container, name, &[None, Some(3)])?;
-    if values
-        .iter()
-        .any(|value| value.abs() > LARGEST_COORDINATE_ANGSTROM)
-    {
-        bail!("array '{name}' has a coordinate beyond {LARGEST_COORDINATE_ANGSTROM:.0} Å");
-    }
+    require_at_most(name, values, LARGEST_COORDINATE_ANGSTROM, "Å")?;
     Ok(values
         .as_chunks::<3>()
         .0
@@ -286,7 +294,9 @@ mod tests {
         );
         assert!(error.contains("one side only"), "{error}");
         let mut charged = example();
-        charged.sites[0].charge_e = f64::NAN;
-        assert!(from_bytes("x", &to_bytes(&charged).unwrap()).is_err());
+        for charge_e in [f64::NAN, 1e308, -1e308] {
+            charged.sites[0].charge_e = charge_e;
+            assert!(from_bytes("x", &to_bytes(&charged).unwrap()).is_err());
+        }
     }
 }

@@ -2,6 +2,7 @@
 //! screened Coulomb potential between charges.
 
 use anyhow::{Result, bail};
+use protomer_common::range;
 use protomer_kernel::Electrolyte;
 use protomer_kernel::electrolyte::water_permittivity;
 use protomer_kernel::potential::Yukawa;
@@ -66,19 +67,40 @@ impl InteractionSettings {
     /// # Errors
     /// Names the quantity that is missing or out of range.
     pub fn interaction(&self, salt_molar: Option<f64>) -> Result<ScreenedCoulomb> {
-        let electrolyte = self.electrolyte(salt_molar)?;
-        let cutoff_angstrom = self.cutoff_angstrom.unwrap_or(f64::INFINITY);
-        if self.cutoff_angstrom.is_some() && !(cutoff_angstrom.is_finite() && cutoff_angstrom > 0.0)
-        {
-            bail!(
-                "the cut-off is {cutoff_angstrom} Å; give a positive length, or leave it out for \
-                 the interaction without a cut-off"
-            );
-        }
+        self.check(salt_molar)?;
         Ok(ScreenedCoulomb {
-            electrolyte,
-            cutoff_angstrom,
+            electrolyte: self.electrolyte(salt_molar)?,
+            cutoff_angstrom: self.cutoff_angstrom.unwrap_or(f64::INFINITY),
         })
+    }
+
+    /// Refuses numbers outside their ranges, by the keys of a configuration.
+    fn check(&self, salt_molar: Option<f64>) -> Result<()> {
+        range::TEMPERATURE.require("temperature_K", self.temperature_kelvin)?;
+        for (key, range, value) in [
+            ("salt_M", range::SALT, salt_molar),
+            (
+                "relative_permittivity",
+                range::PERMITTIVITY,
+                self.relative_permittivity,
+            ),
+            (
+                "bjerrum_length_angstrom",
+                range::BJERRUM_LENGTH,
+                self.bjerrum_length_angstrom,
+            ),
+            (
+                "debye_length_angstrom",
+                range::DEBYE_LENGTH,
+                self.debye_length_angstrom,
+            ),
+            ("cutoff_angstrom", range::CUT_OFF, self.cutoff_angstrom),
+        ] {
+            if let Some(value) = value {
+                range.require(key, value)?;
+            }
+        }
+        Ok(())
     }
 
     fn electrolyte(&self, salt_molar: Option<f64>) -> Result<Electrolyte> {

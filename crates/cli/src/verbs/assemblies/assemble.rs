@@ -10,6 +10,7 @@ use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
 use protomer::assemblies::fluid::assemble_fluid;
 use protomer::assemblies::ring::{RingSettings, assemble_ring};
 use protomer_body::assembly::RecipeSite;
+use protomer_common::range;
 use std::path::PathBuf;
 
 /// Build assemblies: from the chains of a structure, as a ring or a stack of two rings, or at
@@ -55,7 +56,7 @@ pub struct RingArgs {
     #[arg(required = true)]
     bodies: Vec<PathBuf>,
     /// Bodies per ring.
-    #[arg(long)]
+    #[arg(long, value_parser = range::MEMBERS.number::<usize>())]
     members: usize,
     /// Number of rings: one, or two stacked with dihedral symmetry.
     #[arg(long, default_value_t = 1)]
@@ -65,13 +66,13 @@ pub struct RingArgs {
     directions: Option<String>,
     /// Tilt of each body's axis about the outward direction, degrees, such as 0,40; upright if
     /// omitted.
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_parser = range::ANGLE.number())]
     tilt: Vec<f64>,
     /// Rotation of each body about its own axis, degrees.
-    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true, value_parser = range::ANGLE.number())]
     spin: Vec<f64>,
     /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
-    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = range::GAP.number())]
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,
@@ -87,7 +88,7 @@ pub struct FluidArgs {
     #[arg(required = true)]
     bodies: Vec<PathBuf>,
     /// Number of copies of each body, in the order of the files, such as 8,8.
-    #[arg(long, required = true, value_delimiter = ',')]
+    #[arg(long, required = true, value_delimiter = ',', value_parser = range::OBJECTS.number::<usize>())]
     counts: Vec<usize>,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]

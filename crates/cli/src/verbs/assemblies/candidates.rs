@@ -8,6 +8,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::candidates::{CandidatesSettings, candidates};
+use protomer_common::range;
 use std::path::PathBuf;
 
 /// Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two
@@ -18,7 +19,7 @@ pub struct CandidatesArgs {
     #[arg(required = true)]
     bodies: Vec<PathBuf>,
     /// Bodies per ring.
-    #[arg(long)]
+    #[arg(long, value_parser = range::MEMBERS.number::<usize>())]
     ring: usize,
     /// Number of rings: one or two.
     #[arg(long, default_value_t = 1)]
@@ -27,7 +28,7 @@ pub struct CandidatesArgs {
     #[arg(long, value_enum, default_value_t = AskedSymmetry::Dihedral)]
     symmetry: AskedSymmetry,
     /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = 0.5, value_parser = range::GAP.number())]
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,

@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use protomer::bodies::ingest::{IngestSettings, Ingested, ingest_files};
 use protomer::bodies::stream::{StreamState, ingest_stream};
 use protomer_common::input;
+use protomer_common::range;
 use protomer_results::Shard;
 use std::path::PathBuf;
 
@@ -45,8 +46,7 @@ pub struct IngestArgs {
         long,
         allow_negative_numbers = true,
         requires = "stream",
-        help_heading = "Many files"
-    )]
+        help_heading = "Many files", value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,
 }
 

@@ -10,6 +10,7 @@ use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use protomer::file_kind::FileKind;
+use protomer_common::range;
 use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
@@ -29,10 +30,10 @@ pub struct TaskArgs {
     #[arg(long, value_enum)]
     target: Option<LearningTarget>,
     /// Classes with fewer samples become one class, "other" [default: 10].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     least_samples: Option<usize>,
     /// Ordered classes that the numbers of --target number are cut into [default: 5].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     number_classes: Option<usize>,
     /// Input channels of the network, separated by commas [default: all].
     #[arg(long, value_delimiter = ',')]
@@ -50,7 +51,7 @@ pub struct TaskArgs {
     #[arg(long, value_enum)]
     scaling: Option<Scaling>,
     /// Exchanges of labels in the permutation test [default: 1000].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     permutations: Option<usize>,
     /// Average predictions over the 24 rotations of the cube, at 24 times the cost.
     #[arg(long)]
@@ -103,29 +104,29 @@ const MOST_ABLATION_SEEDS: u64 = 1000;
 #[command(next_help_heading = "Network")]
 struct NetworkArgs {
     /// Channels of each block, separated by commas [default: 16,32,64].
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = range::CHANNELS.number::<usize>())]
     widths: Option<Vec<usize>>,
     /// Edge of the kernels, 1, 3 or 5: one for all blocks, or one for each [default: 3].
     #[arg(long, value_delimiter = ',')]
     kernels: Option<Vec<usize>>,
     /// Groups of the group normalisation; 0 for none [default: 8].
-    #[arg(long)]
+    #[arg(long, value_parser = range::CHANNELS_OR_NONE.number::<usize>())]
     groups: Option<usize>,
     /// Pool by the average only at the end, instead of average and maximum.
     #[arg(long)]
     average_only: bool,
     /// Maximum number of passes over the training part [default: 50].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     epochs: Option<usize>,
     /// Stop after this many epochs without a smaller validation loss; 0 for never [default: 10].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     patience: Option<usize>,
     /// Logit adjustment τ: 0 learns with the observed class frequencies; 1 as if all classes
     /// were equally frequent, with the frequencies restored in the predictions [default: 0].
     #[arg(long, allow_negative_numbers = true)]
     logit_adjustment: Option<f64>,
     /// Samples per step [default: 8].
-    #[arg(long)]
+    #[arg(long, value_parser = range::OBJECTS.number::<usize>())]
     batch: Option<usize>,
     /// Learning rate after the warm-up [default: 0.001].
     #[arg(long, allow_negative_numbers = true)]

@@ -10,6 +10,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::file_kind::FileKind;
+use protomer_common::range;
 use protomer_results::{ResultKind, Shard};
 use protomer_training::learning::train::{Source, TrainSettings, channels_of, open_set};
 use protomer_training::learning::tune::{TuneReport, TuneSettings, tune_in, tune_shard};
@@ -23,10 +24,10 @@ pub struct TuneArgs {
     /// Set of voxels (zarr), made by 'protomer voxelize'.
     set: PathBuf,
     /// Number of networks to try.
-    #[arg(long, default_value_t = 27)]
+    #[arg(long, default_value_t = 27, value_parser = range::OBJECTS.number::<usize>())]
     trials: usize,
     /// Passes over the training part for networks that are not stopped early.
-    #[arg(long, default_value_t = 27)]
+    #[arg(long, default_value_t = 27, value_parser = range::OBJECTS.number::<usize>())]
     epochs: usize,
     /// Seed of the drawn settings, split, weights, order and rotations.
     #[arg(long, default_value_t = 1)]

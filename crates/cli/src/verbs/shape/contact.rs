@@ -3,6 +3,7 @@
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use protomer_common::range;
 use protomer_convex::shapes::contact::contacts;
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
@@ -28,7 +29,7 @@ pub struct ContactArgs {
     #[arg(long, value_enum, default_value_t = CentralForm::None)]
     central: CentralForm,
     /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     attraction: f64,
     /// Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly
     /// from 0.8 of that on.

@@ -18,7 +18,7 @@ use protomer::stability::effective;
 use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
 use protomer::stability::terms::FurtherTerms;
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use std::path::{Path, PathBuf};
 
 /// More charges than a direct sum over sixteen bodies can be waited for.
@@ -36,7 +36,7 @@ pub struct BenchArgs {
     assembly: Option<PathBuf>,
     /// Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few
     /// seconds].
-    #[arg(long)]
+    #[arg(long, value_parser = range::MOVES.number::<u64>())]
     moves: Option<u64>,
     /// How energies are computed [default: the fastest way that decides as the direct sum; without
     /// an assembly, each way].

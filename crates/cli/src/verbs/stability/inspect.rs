@@ -15,7 +15,7 @@ use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
 use protomer::stability::inspect::{inspect, inspection_settings};
 use protomer::stability::run::RunSettings;
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
 /// Inspect an assembly: overlaps, pair energies, radius of gyration.
@@ -29,7 +29,7 @@ pub struct InspectArgs {
     #[command(flatten)]
     tolerance: ToleranceArgs,
     /// Surfaces closer than this are in contact, Å.
-    #[arg(long, default_value_t = 5.0)]
+    #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
     #[command(flatten)]
     terms: TermsArgs,

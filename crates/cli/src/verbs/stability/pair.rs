@@ -13,7 +13,7 @@ use clap::{Args, ValueEnum};
 use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer::stability::effective::SoluteModel;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use protomer_results::{End, Shard};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -52,7 +52,7 @@ pub struct PairArgs {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Bodies whose surfaces are closer than this are bound, Å.
-    #[arg(long, default_value_t = 5.0)]
+    #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
     /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
     /// directory; the command without this flag collects the parts.

@@ -12,7 +12,7 @@ use clap::Args;
 use protomer::stability::contacts::ContactCore;
 use protomer::stability::residues::{PoseSettings, ResiduesSettings, residues};
 use protomer::stability::run::{EnergyMode, RunSettings};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
 /// Share out the energy of an assembly by residues and pairs of residues, averaged over the frames
@@ -30,10 +30,10 @@ pub struct ResiduesArgs {
     #[arg(long)]
     mutations: bool,
     /// Residues touch where heavy atoms of them are closer than this.
-    #[arg(long, value_name = "LENGTH", value_parser = quantity::length_angstrom, default_value = "5A", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LENGTH", default_value = "5A", allow_hyphen_values = true, value_parser = range::TOUCHING.read(quantity::length_angstrom))]
     touching: f64,
     /// Frames that are used for each salt concentration.
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, value_parser = range::OBJECTS.number::<usize>())]
     frames: usize,
     /// Also write a script that shows the structure, coloured by energy.
     #[arg(long, value_enum)]

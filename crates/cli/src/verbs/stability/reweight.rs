@@ -6,7 +6,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::stability::reweighting::{ReweightingSettings, reweighting};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
 /// Weight the frames of a sweep at all salts together into curves between the salts that were
@@ -27,10 +27,10 @@ pub struct ReweightArgs {
     #[arg(long, allow_hyphen_values = true)]
     concentration: Option<String>,
     /// Share of the frames at the beginning of each trajectory that is left out.
-    #[arg(long, default_value_t = 0.2)]
+    #[arg(long, default_value_t = 0.2, value_parser = range::SHARE.number())]
     skip: f64,
     /// Frames of each trajectory that are used at most, evenly spread.
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, value_parser = range::OBJECTS.number::<usize>())]
     most_frames: usize,
     /// Assembly file of the sweep, if it has moved.
     #[arg(long)]

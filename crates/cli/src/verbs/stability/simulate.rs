@@ -17,7 +17,7 @@ use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
 use protomer::stability::run::{EnergyMode, Engine, RunSettings};
 use protomer::stability::sweep::{figure, resolved, simulate};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use protomer_results::{End, keys};
 use std::path::{Path, PathBuf};
 
@@ -34,10 +34,10 @@ pub struct RunArgs {
     pub config: Option<PathBuf>,
     /// Total number of production sweeps (each one trial move per body, plus the cluster
     /// moves) [default: 2000].
-    #[arg(long)]
+    #[arg(long, value_parser = range::STEPS.number::<u64>())]
     pub sweeps: Option<u64>,
     /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
-    #[arg(long)]
+    #[arg(long, value_parser = range::STEPS.number::<u64>())]
     pub equilibration: Option<u64>,
     /// Geometric cluster moves per sweep [default: 1].
     #[arg(long)]
@@ -50,13 +50,13 @@ pub struct RunArgs {
     #[arg(long)]
     pub seed: Option<u64>,
     /// Surfaces closer than this are in contact, Å [default: 5].
-    #[arg(long)]
+    #[arg(long, value_parser = range::CONTACT_GAP.number())]
     pub contact_gap: Option<f64>,
     /// Sweeps between rows of the log [default: 10].
-    #[arg(long)]
+    #[arg(long, value_parser = range::STEPS.number::<u64>())]
     pub log_every: Option<u64>,
     /// Sweeps between frames of the trajectory; 0 for none [default: 100].
-    #[arg(long)]
+    #[arg(long, value_parser = range::STEPS.number::<u64>())]
     pub trajectory_every: Option<u64>,
     /// Energy model [default: the fastest that makes the decisions of the direct sum].
     #[arg(long, value_enum)]

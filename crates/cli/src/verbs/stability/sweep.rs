@@ -13,7 +13,7 @@ use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::effective;
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
 
@@ -31,7 +31,7 @@ pub struct SweepArgs {
     replicas: Option<u32>,
     /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for none
     /// [default: 0].
-    #[arg(long, value_name = "SWEEPS")]
+    #[arg(long, value_name = "SWEEPS", value_parser = range::STEPS.number::<u64>())]
     exchange_every: Option<u64>,
     /// Where the replicas start [default: assembly].
     #[arg(long, value_enum)]

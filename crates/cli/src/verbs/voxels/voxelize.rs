@@ -10,7 +10,7 @@ use clap::Args;
 use protomer::bodies::folder::{BodyFolder, has_tables};
 use protomer_body::surface::ExactSurface;
 use protomer_body::{Draft, SurfaceSettings};
-use protomer_common::quantity;
+use protomer_common::{quantity, range};
 use protomer_results::{FileRecord, Shard};
 use protomer_training::voxels::body_store::BodyStore;
 use protomer_training::voxels::manifest::Manifest;
@@ -57,13 +57,13 @@ pub struct VoxelizeArgs {
     #[arg(long, value_parser = quantity::salt_molar, default_value = "150mM", allow_hyphen_values = true)]
     salt: f64,
     /// Temperature, K.
-    #[arg(long, value_parser = quantity::temperature_kelvin, default_value = "298.15", allow_hyphen_values = true)]
+    #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// pH of the protonation.
     #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
     ph: f64,
     /// Probe radius of the surface, Å.
-    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
     /// Range of the hydropathy: residues with an atom within this distance of a voxel's centre
     /// count, Å.
@@ -81,8 +81,7 @@ pub struct VoxelizeArgs {
         long,
         default_value_t = 1.0,
         requires = "bodies",
-        help_heading = "Bodies"
-    )]
+        help_heading = "Bodies", value_parser = range::MESH_DENSITY.number())]
     density: f64,
     /// Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
@@ -90,7 +89,7 @@ pub struct VoxelizeArgs {
     #[command(flatten)]
     scheduler: SchedulerArgs,
     /// Stop after this many minutes; the same command continues it.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = range::MINUTES.number())]
     time_limit: Option<f64>,
 }
 

@@ -5,6 +5,7 @@ use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::InteractionSettings;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
+use protomer_common::range;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -390,12 +391,8 @@ impl RunSettings {
                 "a given Debye length makes all salt concentrations equivalent; omit --debye, or give one salt concentration"
             );
         }
-        if let Some(salt) = self
-            .salt_molar
-            .iter()
-            .find(|salt| !(salt.is_finite() && **salt >= 0.0))
-        {
-            bail!("salt_M contains {salt}; concentrations are zero or positive, in mol/L");
+        for salt in &self.salt_molar {
+            range::SALT.require("a concentration of salt_M", *salt)?;
         }
         for (index, salt) in self.salt_molar.iter().enumerate() {
             let same = |near: &f64| salt_label(*near) == salt_label(*salt);
@@ -447,10 +444,16 @@ impl RunSettings {
                 self.log_every
             );
         }
-        let gap = self.contact_gap_angstrom;
-        if !(gap.is_finite() && gap > 0.0) {
-            bail!("contact_gap_angstrom is {gap}; it must be positive");
+        for (name, value) in [
+            ("sweeps", self.sweeps),
+            ("equilibration_sweeps", self.equilibration_sweeps),
+            ("log_every", self.log_every),
+            ("trajectory_every", self.trajectory_every),
+            ("exchange_every", self.exchange_every),
+        ] {
+            range::STEPS.require(name, value)?;
         }
+        range::CONTACT_GAP.require("contact_gap_angstrom", self.contact_gap_angstrom)?;
         self.tolerance_of_energy_kt()?;
         self.check_equilibration()?;
         self.check_terms()?;

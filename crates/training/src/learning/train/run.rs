@@ -6,6 +6,7 @@ use super::prepared::{Numbers, Prepared};
 use super::settings::{Source, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
 use anyhow::{Context, Error, Result, bail};
+use protomer_common::range;
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
@@ -61,6 +62,14 @@ const LAYOUT: Layout = Layout {
 /// # Errors
 /// Says which settings are inconsistent.
 pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
+    for (key, value) in [
+        ("epochs", settings.training.epochs),
+        ("batch", settings.training.batch),
+        ("permutations", settings.permutations),
+        ("least_samples", settings.least_samples),
+    ] {
+        range::OBJECTS.require(key, value as u64)?;
+    }
     if settings.training.epochs == 0 {
         bail!("epochs is 0; give 1 or more");
     }
