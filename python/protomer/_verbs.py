@@ -79,7 +79,7 @@ def ingest(
     output: Path | str,
     name: str | float | Sequence[str | float] | None = None,
     chain: str | float | Sequence[str | float] | None = None,
-    model: str | float | Sequence[str | float] | None = None,
+    model: int | str | None = None,
     assembly: str | float | Sequence[str | float] | None = None,
     altloc: str | float | Sequence[str | float] | None = None,
     keep_ligands: bool = False,
@@ -490,12 +490,13 @@ def potential(
 
 class _Shape:
     """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
-    coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
-    polygon) or three (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a disk
-    or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron,
-    truncated-octahedron, rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the
-    tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C,
-    prism:N,HEIGHT (edges of length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
+    coefficient, exactly. The shape is that of a file: the corners of a convex polygon (text with two
+    columns), the convex hull of points in space (three columns), or a convex .off, .obj, .ply or .stl mesh;
+    concave ones are refused. One point with a rounding is a disk or a ball. Or it has a name: tetrahedron,
+    cube, octahedron, dodecahedron, icosahedron, truncated-octahedron, rhombic-dodecahedron (edges of length
+    1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1, the octahedron; 2/3
+    is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area 1), ellipse:A,B and
+    ellipsoid:A,B,C (half axes).
     """
 
     def __call__(
@@ -509,12 +510,13 @@ class _Shape:
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
         """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial
-        coefficient, exactly. The shape is the convex hull of the points of a file: text with two columns (a
-        polygon) or three (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a
-        disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron,
-        truncated-octahedron, rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the
-        tetrahedron with edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C,
-        prism:N,HEIGHT (edges of length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
+        coefficient, exactly. The shape is that of a file: the corners of a convex polygon (text with two
+        columns), the convex hull of points in space (three columns), or a convex .off, .obj, .ply or .stl
+        mesh; concave ones are refused. One point with a rounding is a disk or a ball. Or it has a name:
+        tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron, rhombic-dodecahedron
+        (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with edges of length 1, to 1,
+        the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of length 1), polygon:N (area
+        1), ellipse:A,B and ellipsoid:A,B,C (half axes).
 
         Parameters
         ----------
@@ -682,6 +684,157 @@ class _Shape:
             ["shape", "overlap-volume"],
             [pairs],
             {
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def virial(
+        self,
+        first: str | float | Sequence[str | float],
+        second: str | float | Sequence[str | float] | None = None,
+        *,
+        rounding: float | str | None = None,
+        second_rounding: float | str | None = None,
+        triples: int | str | None = None,
+        depletants: str | float | Sequence[str | float] | None = None,
+        rays: int | str | None = None,
+        seed: int | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Print virial coefficients of hard bodies: the second one of a shape, or of two different shapes,
+        exactly; and if asked for, the third one, and the second one among depletants. Shapes are those of
+        `shape`. A concave body is given by its convex pieces, joined by + as for `hpmc`; its coefficients are
+        sampled with --triples.
+
+        Parameters
+        ----------
+        first
+            File or name of a shape
+        second
+            File or name of another shape, for B12; two bodies of the first if omitted
+        rounding
+            Radius of the ball, or disk, that rounds the first shape, or both if there is one [default: 0]
+        second_rounding
+            Radius of the ball, or disk, that rounds the second shape [default: 0]
+        triples
+            Sample the third virial coefficient by this many triples of bodies, such as 100000 [default: 0]
+        depletants
+            Penetrable hard spheres, or disks: radius and number density in the reservoir, such as 0.1:20;
+            several with commas between them
+        rays
+            Rays along which the coefficient among depletants is integrated [default: 300]
+        seed
+            Seed of the random numbers [default: 1]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.shape.virial("cube", "tetrahedron")  # doctest: +SKIP
+        >>> pm.shape.virial("cube", triples=100000, depletants="0.1:5")  # doctest: +SKIP
+        """
+        return call(
+            Result,
+            ["shape", "virial"],
+            [first, second],
+            {
+                "--rounding": rounding,
+                "--second-rounding": second_rounding,
+                "--triples": triples,
+                "--depletants": depletants,
+                "--rays": rays,
+                "--seed": seed,
+                "--threads": threads,
+                "--force": force,
+            },
+            progress,
+        )
+
+    def free_volume(
+        self,
+        shape: str | float | Sequence[str | float],
+        *,
+        packing_fraction: float | str | Sequence[float | str] | NDArray[np.float64],
+        depletant_radius: float | str | Sequence[float | str] | NDArray[np.float64],
+        rounding: float | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Print the part of space that is open to depletants in a fluid of hard convex bodies, by scaled
+        particle theory. The theory is exact for points and to first order in the density, and an
+        approximation for dense fluids. For crystals, see `hpmc free-volume`.
+
+        Parameters
+        ----------
+        shape
+            File or name of a shape in space, as for `shape`
+        packing_fraction
+            The part of space that the bodies fill; several with commas between them
+        depletant_radius
+            Radius of the depletants; several with commas between them
+        rounding
+            Radius of the ball that rounds it (Minkowski sum) [default: 0]
+        threads
+            Threads to use; 0 means all [default: 0]
+        force
+            Overwrite existing results
+        progress
+            Called as progress(done, total, unit) during the work.
+
+        Returns
+        -------
+        Result
+            The fields that `--json` prints, as attributes
+
+        Raises
+        ------
+        MissingFileError
+            If a file or a folder does not exist; also a `FileNotFoundError`
+        ParseError
+            If a file cannot be understood
+        ConfigError
+            If an argument is invalid
+        ProtomerError
+            For any other error; all of them are of this class
+
+        Examples
+        --------
+        >>> pm.shape.free_volume("cube", packing_fraction=0.3, depletant_radius=0.1)  # doctest: +SKIP
+        >>> pm.shape.free_volume("ellipsoid:1,1,3", packing_fraction="0.1,0.2", depletant_radius=0.05)  # doctest: +SKIP
+        """
+        return call(
+            Result,
+            ["shape", "free-volume"],
+            [shape],
+            {
+                "--packing-fraction": packing_fraction,
+                "--depletant-radius": depletant_radius,
+                "--rounding": rounding,
                 "--threads": threads,
                 "--force": force,
             },
@@ -1516,7 +1669,7 @@ class _Assemble:
         *,
         output: Path | str,
         chain: str | float | Sequence[str | float] | None = None,
-        model: str | float | Sequence[str | float] | None = None,
+        model: int | str | None = None,
         assembly: str | float | Sequence[str | float] | None = None,
         altloc: str | float | Sequence[str | float] | None = None,
         keep_ligands: bool = False,

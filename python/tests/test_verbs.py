@@ -108,6 +108,13 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     assert issubclass(pm.ParseError, ValueError)
 
 
+def test_virial_coefficients_are_those_of_the_closed_forms():
+    cube = pm.shape.virial("cube", triples=200, depletants="0.1:5", rays=20)
+    assert cube.b2 == pytest.approx(5.5) and cube.b3_error > 0 and cube.osmotic_b2 < 5.5
+    mixed = pm.shape.virial("cube", "tetrahedron")
+    assert mixed.b2_alone[0] == pytest.approx(5.5) and mixed.b2_error == 0
+
+
 def test_salts_need_a_unit_and_much_salt_is_warned_of(ring):
     with pytest.raises(pm.ConfigError, match=r"100 what\? write 100mM"):
         pm.inspect(ring, salt=100)

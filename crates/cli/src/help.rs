@@ -241,6 +241,20 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         ["shape cube --rounding 0.1", "shape corners.txt -o hull.ply"],
     ),
     (
+        "shape virial",
+        [
+            "shape virial cube tetrahedron",
+            "shape virial cube --triples 100000 --depletants 0.1:5",
+        ],
+    ),
+    (
+        "shape free-volume",
+        [
+            "shape free-volume cube --packing-fraction 0.3 --depletant-radius 0.1",
+            "shape free-volume ellipsoid:1,1,3 --packing-fraction 0.1,0.2 --depletant-radius 0.05",
+        ],
+    ),
+    (
         "md",
         [
             "md run --shape polygon:4 --packing-fraction 0.6 -o squares",

@@ -136,6 +136,11 @@ pub enum Error {
          cannot be held yet"
     )]
     Axis,
+    /// A body among whose places hardly any overlap another.
+    #[error(
+        "the body is so slender that of a million places in the ball about it none overlaps; give a less slender one"
+    )]
+    TooSlender,
     /// The shape cannot be used.
     #[error(transparent)]
     Shape(#[from] protomer_kernel::KernelError),

@@ -83,8 +83,14 @@ impl BodyMeasures {
     /// assert!((alpha - 0.37626565710018645).abs() < 1e-12);
     /// ```
     pub fn free_volume(&self, packing_fraction: f64, radius: f64) -> f64 {
-        let ln = self.ln_free_volume(Jet::constant(packing_fraction), radius);
-        ln.value.exp()
+        self.ln_free_volume_fraction(packing_fraction, radius).exp()
+    }
+
+    /// The logarithm of [`free_volume`](Self::free_volume), which is minus the excess chemical potential of a depletant
+    /// over kT.
+    pub fn ln_free_volume_fraction(&self, packing_fraction: f64, radius: f64) -> f64 {
+        self.ln_free_volume(Jet::constant(packing_fraction), radius)
+            .value
     }
 }
 

@@ -32,6 +32,7 @@
 //! | [`measured_phase`] | free energies of phases from what simulations measured |
 //! | [`tangent`] | coexistence by common tangents |
 //! | [`free_volume_theory`] | phases of spheres and depletants by theory |
+//! | [`virial`] | virial coefficients without a closed form |
 //!
 //! Bodies have two dimensions or three, the constant `D`. Lengths are in the unit of the shape, energies
 //! in kT.
@@ -63,5 +64,6 @@ pub mod symmetry;
 pub mod system;
 pub mod tangent;
 mod trial;
+pub mod virial;
 
 pub use error::{Error, Result};

@@ -89,6 +89,10 @@ pub enum Purpose {
     HardBodyStart = 0x64,
     /// Points and bodies inserted among hard bodies to measure free volumes.
     HardBodyInsertion = 0x65,
+    /// Three hard bodies, for their third virial coefficient.
+    VirialTriple = 0x67,
+    /// Rays and orientations of two hard bodies among depletants.
+    VirialRay = 0x68,
     /// New velocities for frames of a finished run.
     ReseededVelocities = 0xf1,
 }

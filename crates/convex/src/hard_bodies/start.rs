@@ -16,7 +16,7 @@ pub const FLUID: &str = "fluid";
 
 /// The shape of bodies.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum BodyShape {
+pub(crate) enum BodyShape {
     /// A rod of this length, on a line.
     Rod(f64),
     /// In a plane or in space.
@@ -27,7 +27,7 @@ pub(super) enum BodyShape {
 
 impl BodyShape {
     /// From a file or a name; `rod:LENGTH` lives on a line. Pieces of one body are joined by `+`.
-    pub(super) fn read(file_or_name: &str) -> Result<Self> {
+    pub(crate) fn read(file_or_name: &str) -> Result<Self> {
         let Some(length) = file_or_name.strip_prefix("rod:") else {
             return Self::read_pieces(file_or_name);
         };
@@ -49,7 +49,7 @@ impl BodyShape {
     }
 
     /// 1, 2 or 3.
-    pub(super) fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         match self {
             Self::Rod(_) => 1,
             Self::Shape(shape) => shape.dimension(),
@@ -58,7 +58,7 @@ impl BodyShape {
     }
 
     /// The body, rounded.
-    pub(super) fn body<const D: usize>(&self, rounding_radius: f64) -> Result<HardBody<D>> {
+    pub(crate) fn body<const D: usize>(&self, rounding_radius: f64) -> Result<HardBody<D>> {
         Ok(match self {
             Self::Rod(length) => HardBody::ball(0.5 * length + rounding_radius)?,
             Self::Shape(shape) => HardBody::new(shape, rounding_radius)?,

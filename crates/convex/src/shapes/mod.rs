@@ -1,8 +1,10 @@
 //! Convex shapes from files and names: what is known of them exactly, and what two of them feel.
 
 pub mod contact;
+pub mod free_volume;
 pub mod overlap;
 mod places;
+pub mod virial;
 
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;

@@ -1,7 +1,9 @@
 //! `protomer shape`: what is known exactly of a convex shape, and what two shapes feel.
 
 mod contact;
+mod free_volume;
 mod overlap_volume;
+mod virial;
 
 use crate::front::Front;
 use crate::reply::Reply;
@@ -13,9 +15,9 @@ use std::path::PathBuf;
 /// Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second
 /// virial coefficient, exactly.
 ///
-/// The shape is the convex hull of the points of a file: text with two columns (a polygon) or three
-/// (a polyhedron), or an .off, .obj, .ply or .stl mesh. One point with a rounding is a disk or a ball.
-/// Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
+/// The shape is that of a file: the corners of a convex polygon (text with two columns), the convex hull
+/// of points in space (three columns), or a convex .off, .obj, .ply or .stl mesh; concave ones are
+/// refused. One point with a rounding is a disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
 /// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with
 /// edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of
 /// length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
@@ -43,6 +45,8 @@ pub struct ShapeArgs {
 enum ShapeVerb {
     Contact(contact::ContactArgs),
     OverlapVolume(overlap_volume::OverlapVolumeArgs),
+    Virial(virial::VirialArgs),
+    FreeVolume(free_volume::FreeVolumeArgs),
 }
 
 impl ShapeArgs {
@@ -50,6 +54,8 @@ impl ShapeArgs {
         match (&self.verb, &self.shape) {
             (Some(ShapeVerb::Contact(args)), _) => args.run(),
             (Some(ShapeVerb::OverlapVolume(args)), _) => args.run(),
+            (Some(ShapeVerb::Virial(args)), _) => args.run(),
+            (Some(ShapeVerb::FreeVolume(args)), _) => args.run(),
             (None, Some(shape)) => {
                 let output = self.output.as_deref();
                 let report = measure_shape(shape, self.rounding, output, front.force())?;
