@@ -76,7 +76,7 @@ fn arrows_point_the_way_the_architecture_says() {
         ("protomer-hpmc", &["protomer-kernel"]),
         ("protomer-crystal", &["protomer-kernel"]),
         ("protomer-field", &["protomer-body", "protomer-kernel"]),
-        ("protomer-convolution", &[]),
+        ("protomer-convolution", &["protomer-kernel"]),
         (
             "protomer-learn",
             &["protomer-convolution", "protomer-kernel"],
@@ -461,6 +461,29 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
         }
     }
     found
+}
+
+/// A function that is compiled for more instructions than were asked for is unsound.
+#[test]
+fn processor_features_are_named_in_one_place() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut named = BTreeSet::new();
+    for source in ["crates", "python/rust"]
+        .iter()
+        .flat_map(|folder| sources(&root.join(folder)))
+    {
+        let text = std::fs::read_to_string(&source).unwrap();
+        // In two parts, so that this file does not name them.
+        let names_features = text.contains(concat!("target_", "feature("))
+            || text.contains(concat!("feature_", "detected!"));
+        if names_features {
+            named.insert(source.strip_prefix(&root).unwrap().to_owned());
+        }
+    }
+    assert_eq!(
+        named,
+        BTreeSet::from(["crates/kernel/src/vectorised.rs".into()])
+    );
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! instruction set. All of a kernel must be inlined into one function, so everything it calls is
 //! `#[inline(always)]`.
 
+use protomer_kernel::instructions;
 use std::sync::OnceLock;
 
 /// Operations on one vector register.
@@ -217,21 +218,11 @@ pub enum Level {
 impl Level {
     /// Whether this processor has the instructions.
     pub fn is_available(self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        let available = match self {
+        match self {
             Self::Portable => true,
-            Self::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-            Self::Avx512 => {
-                Self::Avx2.is_available()
-                    && is_x86_feature_detected!("avx512f")
-                    && is_x86_feature_detected!("avx512bw")
-                    && is_x86_feature_detected!("avx512dq")
-                    && is_x86_feature_detected!("avx512vl")
-            }
-        };
-        #[cfg(not(target_arch = "x86_64"))]
-        let available = self == Self::Portable;
-        available
+            Self::Avx2 => instructions!(narrow_fused: detected),
+            Self::Avx512 => instructions!(wide_fused: detected),
+        }
     }
 
     /// The levels that this processor has, slowest first.
@@ -264,16 +255,16 @@ impl Level {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
-unsafe fn run_avx512<W: Work>(work: W) -> W::Output {
-    // SAFETY: the features of this function are those of the type.
-    unsafe { work.run::<Avx512>() }
-}
+instructions!(wide_fused: compiled {
+    unsafe fn run_avx512<W: Work>(work: W) -> W::Output {
+        // SAFETY: the features of this function are those of the type.
+        unsafe { work.run::<Avx512>() }
+    }
+});
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-unsafe fn run_avx2<W: Work>(work: W) -> W::Output {
-    // SAFETY: the features of this function are those of the type.
-    unsafe { work.run::<Avx2>() }
-}
+instructions!(narrow_fused: compiled {
+    unsafe fn run_avx2<W: Work>(work: W) -> W::Output {
+        // SAFETY: the features of this function are those of the type.
+        unsafe { work.run::<Avx2>() }
+    }
+});

@@ -88,7 +88,7 @@ impl EdgeCharges {
 
     vectorised!(
         /// Sums over all charges.
-        pub fn at, at_any, at_avx512, at_avx2, (edge: &EdgePlace) -> AtEdge
+        pub fn at[at_avx512, at_avx2, at_any](self: &Self, edge: &EdgePlace) -> AtEdge
     );
 
     #[inline(always)]

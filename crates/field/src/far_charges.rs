@@ -129,7 +129,7 @@ type FirstTwo = [[[f64; POWERS]; POWERS]; 2];
 impl Groups {
     vectorised!(
         /// The coefficients of the first two powers of z, summed over all charges.
-        fn first_two, first_two_any, first_two_avx512, first_two_avx2, () -> FirstTwo
+        fn first_two[first_two_avx512, first_two_avx2, first_two_any](self: &Self) -> FirstTwo
     );
 
     #[inline(always)]

@@ -74,11 +74,11 @@ impl PointCharges {
 
     vectorised!(
         /// Σ s_i / r_i.
-        pub fn coulomb, coulomb_any, coulomb_avx512, coulomb_avx2, (place: &Vec3) -> f64
+        pub fn coulomb[coulomb_avx512, coulomb_avx2, coulomb_any](self: &Self, place: &Vec3) -> f64
     );
     vectorised!(
         /// Σ s_i exp(-κ r_i) / r_i.
-        pub fn screened, screened_any, screened_avx512, screened_avx2, (place: &Vec3, kappa: f64) -> f64
+        pub fn screened[screened_avx512, screened_avx2, screened_any](self: &Self, place: &Vec3, kappa: f64) -> f64
     );
 
     #[inline(always)]

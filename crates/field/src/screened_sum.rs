@@ -72,7 +72,7 @@ impl ScreenedSum {
 
     vectorised!(
         /// Σ s_i exp(-κ r_i) / r_i.
-        pub fn at, at_any, at_avx512, at_avx2, (place: &Vec3) -> f64
+        pub fn at[at_avx512, at_avx2, at_any](self: &Self, place: &Vec3) -> f64
     );
 
     #[inline(always)]

@@ -60,7 +60,7 @@ struct Plane<'a> {
 impl Plane<'_> {
     vectorised!(
         /// Lowers the gaps to the distances from balls, at least where these are below a spacing.
-        fn lower, lower_any, lower_avx512, lower_avx2, (gaps: &mut [f32], balls: &[Ball]) -> ()
+        fn lower[lower_avx512, lower_avx2, lower_any](self: &Self, gaps: &mut [f32], balls: &[Ball])
     );
 
     #[inline(always)]

@@ -130,29 +130,24 @@ impl Operator {
 
     vectorised!(
         /// D at successive points.
-        fn sum_row, sum_row_any, sum_row_avx512, sum_row_avx2,
-        (out: &mut [f32], start: usize) -> ()
+        fn sum_row[sum_row_avx512, sum_row_avx2, sum_row_any](self: &Self, out: &mut [f32], start: usize)
     );
     vectorised!(
         /// A x at successive points.
-        fn apply_row, apply_row_any, apply_row_avx512, apply_row_avx2,
-        (x: &[f32], out: &mut [f32], start: usize) -> ()
+        fn apply_row[apply_row_avx512, apply_row_avx2, apply_row_any](self: &Self, x: &[f32], out: &mut [f32], start: usize)
     );
     vectorised!(
         /// The residual b - A x at successive points.
-        pub fn residual_row, residual_row_any, residual_row_avx512, residual_row_avx2,
-        (x: &[f32], b: &[f32], out: &mut [f32], start: usize) -> ()
+        pub fn residual_row[residual_row_avx512, residual_row_avx2, residual_row_any](self: &Self, x: &[f32], b: &[f32], out: &mut [f32], start: usize)
     );
     vectorised!(
         /// The residual b - A x at successive points, in double precision.
-        fn exact_residual_row, exact_residual_any, exact_residual_avx512, exact_residual_avx2,
-        (x: &[f64], b: &[f64], out: &mut [f32], start: usize) -> ()
+        fn exact_residual_row[exact_residual_avx512, exact_residual_avx2, exact_residual_any](self: &Self, x: &[f64], b: &[f64], out: &mut [f32], start: usize)
     );
     vectorised!(
         /// A step at successive points: x + keep · (x - last) + take · D⁻¹ (b - A x) in place of the
         /// last x.
-        pub fn step_row, step_row_any, step_row_avx512, step_row_avx2,
-        (x: &[f32], b: &[f32], step: Step, last: &mut [f32], start: usize) -> ()
+        pub fn step_row[step_row_avx512, step_row_avx2, step_row_any](self: &Self, x: &[f32], b: &[f32], step: Step, last: &mut [f32], start: usize)
     );
 
     #[inline(always)]

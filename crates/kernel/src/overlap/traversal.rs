@@ -6,11 +6,12 @@ use super::tree::Node;
 use super::triangle::{Triangle, triangles_intersect};
 use super::triangle_distance::separation_along_axes;
 use crate::pose::RelativePose;
+use crate::vectorised;
 use std::cell::RefCell;
 
 /// The rounding error of a separation in `f32` relative to the size of the coordinates: some fifty
 /// operations, each within 2⁻²⁴.
-const ROUNDING: f64 = 64.0 * (f32::EPSILON as f64 / 2.0);
+pub(super) const ROUNDING: f64 = 64.0 * (f32::EPSILON as f64 / 2.0);
 
 /// What a descent finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,25 +126,11 @@ impl<'a> Descent<'a> {
         }
     }
 
-    fn run(&mut self, scratch: &mut Scratch) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
-        {
-            // SAFETY: the processor has the instructions that the function is compiled for.
-            return unsafe { self.run_avx2(scratch) };
-        }
-        self.run_portable(scratch)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-    fn run_avx2(&mut self, scratch: &mut Scratch) -> bool {
-        self.visit_all(scratch)
-    }
-
-    fn run_portable(&mut self, scratch: &mut Scratch) -> bool {
-        self.visit_all(scratch)
-    }
+    vectorised!(
+        narrow_bits
+        /// Whether two triangles intersect.
+        fn run[run_avx2, visit_all](self: &mut Self, scratch: &mut Scratch) -> bool
+    );
 
     /// Takes pairs of nodes from the stack, a few at a time so that the arithmetic of one hides the
     /// latency of another, until an intersection is found.
@@ -372,7 +359,7 @@ mod tests {
                 let mut descent = Descent::new(&first, &second, &pose, 3.0);
                 let mut scratch = Scratch::new();
                 let met = if portable {
-                    descent.run_portable(&mut scratch)
+                    descent.visit_all(&mut scratch)
                 } else {
                     descent.run(&mut scratch)
                 };

@@ -12,7 +12,7 @@
 //! [`closest`](super::closest)) goes towards the origin, and stops as soon as the distance is
 //! known to be more or less than the reach.
 
-use crate::Vec3;
+use crate::{Vec3, vectorised};
 
 /// Corners that are handled together.
 pub const LANES: usize = 4;
@@ -212,21 +212,11 @@ impl<const D: usize> Pair<'_, D> {
         self.decide(direction).unwrap_or_else(exact)
     }
 
-    /// As [`overlap`](Self::overlap); `None` where the search cannot tell.
-    fn decide(&self, direction: &mut [f64; D]) -> Option<bool> {
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the instructions that the function is compiled for.
-            return unsafe { self.decide_avx2(direction) };
-        }
-        self.decide_anywhere(direction)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn decide_avx2(&self, direction: &mut [f64; D]) -> Option<bool> {
-        self.decide_anywhere(direction)
-    }
+    vectorised!(
+        narrow
+        /// As [`overlap`](Self::overlap); `None` where the search cannot tell.
+        fn decide[decide_avx2, decide_anywhere](self: &Self, direction: &mut [f64; D]) -> Option<bool>
+    );
 
     /// The same operations in the same order for every processor: they give the same bits.
     #[inline(always)]

@@ -3,6 +3,7 @@
 use super::front::{self, LANES};
 use super::numbers::Numbers;
 use super::symbolic::{Front, Symbolic};
+use crate::vectorised;
 
 /// A pivot that is not safely positive.
 #[derive(Debug)]
@@ -14,37 +15,14 @@ pub(super) struct BadPivot {
     pub own: f64,
 }
 
-/// Factors a matrix with the widest vectors that the processor has.
-pub(super) fn factor(
-    symbolic: &Symbolic,
-    work: &mut Numbers,
-    numbers: &[f64],
-) -> Result<(), BadPivot> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the two features that the function is compiled for.
-            return unsafe { factor_avx512(symbolic, work, numbers) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the feature that the function is compiled for.
-            return unsafe { factor_avx2(symbolic, work, numbers) };
-        }
-    }
-    factor_fronts(symbolic, work, numbers)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq")]
-fn factor_avx512(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Result<(), BadPivot> {
-    factor_fronts(symbolic, work, numbers)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn factor_avx2(symbolic: &Symbolic, work: &mut Numbers, numbers: &[f64]) -> Result<(), BadPivot> {
-    factor_fronts(symbolic, work, numbers)
-}
+vectorised!(
+    /// Factors a matrix with the widest vectors that the processor has.
+    pub(super) fn factor[factor_avx512, factor_avx2, factor_fronts](
+        symbolic: &Symbolic,
+        work: &mut Numbers,
+        numbers: &[f64],
+    ) -> Result<(), BadPivot>
+);
 
 /// Each front takes its entries of A and what its children left, is factored, and leaves the rest to
 /// its parent.

@@ -3,34 +3,16 @@
 use super::front::{self, LANES};
 use super::numbers::Numbers;
 use super::symbolic::{Front, Symbolic};
+use crate::vectorised;
 
-/// Replaces b by the solution, with the widest vectors that the processor has.
-pub(super) fn solve(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the two features that the function is compiled for.
-            return unsafe { solve_avx512(symbolic, work, b) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the feature that the function is compiled for.
-            return unsafe { solve_avx2(symbolic, work, b) };
-        }
-    }
-    solve_fronts(symbolic, work, b);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq")]
-fn solve_avx512(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
-    solve_fronts(symbolic, work, b);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn solve_avx2(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
-    solve_fronts(symbolic, work, b);
-}
+vectorised!(
+    /// Replaces b by the solution, with the widest vectors that the processor has.
+    pub(super) fn solve[solve_avx512, solve_avx2, solve_fronts](
+        symbolic: &Symbolic,
+        work: &mut Numbers,
+        b: &mut [f64],
+    )
+);
 
 /// L y = P b, z = D⁻¹ y, Lᵀ P x = z.
 #[inline(always)]

@@ -17,7 +17,6 @@ mod potential;
 pub(crate) mod reach;
 mod residue_contacts;
 pub mod terms;
-mod vectorised;
 mod with_terms;
 
 pub use direct::DirectSum;

@@ -4,53 +4,21 @@ use super::potential::SitePotential;
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::vectorised;
 
-/// Energy of two bodies, kT: Σ q_k q_l v(r_kl) over all sites k of the first and l of the second.
-///
-/// `relative` is the pose of the second body in the frame of the first. Groups of sites that a
-/// cut-off leaves out as a whole are passed over; every other pair is summed in double precision,
-/// in one order and without fused operations, so that every processor gives the same bits.
-pub fn pair_energy_kt(
-    potential: &Yukawa,
-    first: &ChargeCloud,
-    second: &ChargeCloud,
-    relative: &RelativePose,
-) -> f64 {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
-            // SAFETY: the processor has the two features the function is compiled for.
-            return unsafe { sum_avx512(potential, first, second, relative) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has the feature the function is compiled for.
-            return unsafe { sum_avx2(potential, first, second, relative) };
-        }
-    }
-    sum(potential, first, second, relative)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512dq")]
-fn sum_avx512(
-    potential: &Yukawa,
-    first: &ChargeCloud,
-    second: &ChargeCloud,
-    relative: &RelativePose,
-) -> f64 {
-    sum(potential, first, second, relative)
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn sum_avx2(
-    potential: &Yukawa,
-    first: &ChargeCloud,
-    second: &ChargeCloud,
-    relative: &RelativePose,
-) -> f64 {
-    sum(potential, first, second, relative)
-}
+vectorised!(
+    /// Energy of two bodies, kT: Σ q_k q_l v(r_kl) over all sites k of the first and l of the second.
+    ///
+    /// `relative` is the pose of the second body in the frame of the first. Groups of sites that a
+    /// cut-off leaves out as a whole are passed over; every other pair is summed in double precision,
+    /// in one order and without fused operations, so that every processor gives the same bits.
+    pub fn pair_energy_kt[sum_avx512, sum_avx2, sum](
+        potential: &Yukawa,
+        first: &ChargeCloud,
+        second: &ChargeCloud,
+        relative: &RelativePose,
+    ) -> f64
+);
 
 /// The sum itself; compiled once per instruction set by inlining.
 #[inline(always)]

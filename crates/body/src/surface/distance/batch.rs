@@ -203,8 +203,7 @@ impl SesSolid {
 
     vectorised!(
         /// The ball in which each point lies deepest, [`NOTHING`] or [`TIE`].
-        fn deepest_of, deepest_of_any, deepest_of_avx512, deepest_of_avx2,
-        (lanes: &Lanes, atoms: &[Entry], cell: &Cell) -> [u32; LANES]
+        fn deepest_of[deepest_of_avx512, deepest_of_avx2, deepest_of_any](self: &Self, lanes: &Lanes, atoms: &[Entry], cell: &Cell) -> [u32; LANES]
     );
 
     #[inline(always)]
@@ -246,8 +245,7 @@ impl SesSolid {
 
     vectorised!(
         /// The arc or the vertex nearest to each point, within reach.
-        fn nearest_edges, nearest_edges_any, nearest_edges_avx512, nearest_edges_avx2,
-        (lanes: &Lanes, lists: &Lists, cell: &Cell) -> Edges
+        fn nearest_edges[nearest_edges_avx512, nearest_edges_avx2, nearest_edges_any](self: &Self, lanes: &Lanes, lists: &Lists, cell: &Cell) -> Edges
     );
 
     #[inline(always)]

@@ -77,8 +77,7 @@ impl Exposure {
     vectorised!(
         /// Whether the point of the sphere of an exposed atom that is at `onto` from its centre, Å, is in
         /// no other ball.
-        pub(super) fn is_exposed, is_exposed_any, is_exposed_avx512, is_exposed_avx2,
-        (atom: usize, onto: &Vec3) -> bool
+        pub(super) fn is_exposed[is_exposed_avx512, is_exposed_avx2, is_exposed_any](self: &Self, atom: usize, onto: &Vec3) -> bool
     );
 
     #[inline(always)]

@@ -12,10 +12,10 @@
 use super::series::{Interpolation, POINTS, Series, value};
 use crate::charges::{ChargeCloud, ChargeGroup, LANES};
 use crate::energy::SitePotential;
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::vectorised;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -197,6 +197,7 @@ impl Cells {
     }
 
     vectorised! {
+        fused
         /// The potential of groups of charges at a place, kT/e.
         fn potential_of[potential_avx512, potential_avx2, potential_sum](
             self: &Self,
@@ -237,6 +238,7 @@ impl Cells {
     }
 
     vectorised! {
+        fused
         /// The energy with the charges of another body at this pose; `None` if one lies beyond the
         /// octree.
         pub fn energy_with[energy_avx512, energy_avx2, energy_sum](

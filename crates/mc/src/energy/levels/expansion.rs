@@ -9,7 +9,7 @@ use super::derivatives::Derivatives;
 use super::field::{Field, Spots};
 use super::lanes::{BLOCK, sum_of_lanes};
 use super::motion::{Block, Motion, length};
-use crate::energy::vectorised::vectorised;
+use protomer_kernel::vectorised;
 
 /// The motions at which the error is judged: about as far as close pairs drift.
 const TEST_ANGSTROM: f32 = 1.5;
@@ -64,6 +64,7 @@ impl Expansion {
     }
 
     vectorised! {
+        fused
         fn add[add_avx512, add_avx2, add_all](
             self: &mut Self,
             field: &Field,
@@ -143,6 +144,7 @@ impl Expansion {
     }
 
     vectorised! {
+        fused
         /// The energy after a motion from the reference pose, kT.
         pub fn energy_kt[energy_avx512, energy_avx2, energy](
             self: &Self,

@@ -7,8 +7,8 @@ use super::list::List;
 use super::motion::{Block, Motion};
 use super::neighbours::squares;
 use super::table::{Estimate, Table};
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::vectorised;
 
 impl Table {
     /// The energy with another body at this pose: its charges in the fine table, and the near pairs
@@ -25,6 +25,7 @@ impl Table {
     }
 
     vectorised! {
+        fused
         /// The energy of charges in the fine table.
         pub(super) fn fine_table_energy[fine_avx512, fine_avx2, fine_sum](
             self: &Self,
@@ -62,6 +63,7 @@ impl Table {
     }
 
     vectorised! {
+        fused
         /// The near pairs of a list, kT.
         fn near_energy_kt[near_avx512, near_avx2, near_sum](
             self: &Self,
@@ -77,6 +79,7 @@ impl Table {
     }
 
     vectorised! {
+        fused
         /// The energy with another body at a pose in the frame of this one, from the fine table and
         /// the near pairs, kT; `None` where the table ends before the other body does.
         ///

@@ -9,8 +9,8 @@ use super::lanes::{BLOCK, prefetch};
 use super::motion::{Block, Motion};
 use super::near::NearPairs;
 use super::table::Table;
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::vectorised;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -137,6 +137,7 @@ impl List {
     }
 
     vectorised! {
+        fused
         fn least_slack[slack_avx512, slack_avx2, slack](self: &Self, displacement: &Motion) -> f32
     }
 
@@ -173,6 +174,7 @@ impl List {
     }
 
     vectorised! {
+        fused
         /// How far the parts move at most, each in units of its length.
         fn farthest_in_lengths[farthest_avx512, farthest_avx2, farthest](
             self: &Self,
@@ -274,6 +276,7 @@ impl List {
     }
 
     vectorised! {
+        fused
         fn sum_of_points[sum_avx512, sum_avx2, sum](
             self: &Self,
             first: &Table,

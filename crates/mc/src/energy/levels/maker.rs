@@ -10,8 +10,8 @@ use super::neighbours::{SKIN_ANGSTROM, squares};
 use super::table::Table;
 use super::tree::Node;
 use crate::energy::SitePotential;
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::vectorised;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicU32;
 
@@ -74,7 +74,8 @@ struct Maker<'a> {
 
 impl Maker<'_> {
     vectorised! {
-        fn choose[choose_avx512, choose_avx2, choose_points](self: &mut Self) -> ()
+        fused
+        fn choose[choose_avx512, choose_avx2, choose_points](self: &mut Self)
     }
 
     #[inline(always)]
@@ -203,6 +204,7 @@ impl Maker<'_> {
     }
 
     vectorised! {
+        fused
         /// Variance of the energy of these points from the coarse table, kT².
         fn table_variance[variance_avx512, variance_avx2, sum_of_variances](
             self: &Self,

@@ -7,9 +7,9 @@ use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use crate::energy::chebyshev::Chebyshev;
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::fused::add;
+use protomer_kernel::vectorised;
 
 /// Of distances, Å.
 const ROUNDING: f32 = 1e-3;
@@ -91,6 +91,7 @@ impl Sites {
     }
 
     vectorised! {
+        fused
         /// How far the nearest charge is from a place, Å.
         pub fn nearest[nearest_avx512, nearest_avx2, least_distance](
             self: &Self,
@@ -114,6 +115,7 @@ impl Sites {
 
 impl Split {
     vectorised! {
+        fused
         /// The smooth potential of charges at a place, kT/e: of those that may be within the near
         /// part's range, and of those beyond.
         fn potential_of[potential_avx512, potential_avx2, potential_sum](

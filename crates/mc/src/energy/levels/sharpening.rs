@@ -10,9 +10,9 @@ use super::lanes::BLOCK;
 use super::motion::{Block, Motion, blocks};
 use super::table::Table;
 use crate::charges::LANES;
-use crate::energy::vectorised::vectorised;
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
+use protomer_kernel::vectorised;
 
 /// The part of the charges that is summed directly after each step.
 const SUMMED: [f64; STEPS] = [0.01, 0.03, 0.1, 0.25, 0.6];
@@ -93,6 +93,7 @@ impl Table {
     }
 
     vectorised! {
+        fused
         /// The variance that each of these charges brings, kT².
         fn variances[variances_avx512, variances_avx2, variances_each](
             self: &Self,
@@ -116,6 +117,7 @@ impl Table {
     }
 
     vectorised! {
+        fused
         /// The energy of charges (Å, e) in the smooth potential of this body, summed charge by
         /// charge, kT. Distances and sums are in double precision; the potential is in single
         /// precision, whose errors of 10⁻⁷ of each term have random signs.

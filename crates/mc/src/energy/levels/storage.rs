@@ -25,6 +25,7 @@ use super::tree::{Node, Tree};
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
 use crate::{McError, Result};
+use protomer_kernel::instructions;
 use protomer_kernel::potential::Yukawa;
 use sha2::{Digest, Sha256};
 use std::io::{BufWriter, Read, Write};
@@ -330,24 +331,15 @@ fn numbers<const N: usize>(reader: &mut impl Read) -> std::io::Result<[f32; N]> 
     Ok(numbers)
 }
 
-/// The vector instructions that the tables' makers ask for.
+/// The vector instructions that the tables' makers are compiled for.
 fn instructions() -> &'static str {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let fused = is_x86_feature_detected!("fma");
-        match (
-            is_x86_feature_detected!("avx512f"),
-            is_x86_feature_detected!("avx2"),
-        ) {
-            (true, _) if fused => "avx512f fma",
-            (true, _) => "avx512f",
-            (_, true) if fused => "avx2 fma",
-            (_, true) => "avx2",
-            _ => "",
-        }
+    if instructions!(wide_fused: detected) {
+        "avx512f fma"
+    } else if instructions!(narrow_fused: detected) {
+        "avx2 fma"
+    } else {
+        ""
     }
-    #[cfg(not(target_arch = "x86_64"))]
-    ""
 }
 
 fn hexadecimal(hash: Sha256) -> String {
