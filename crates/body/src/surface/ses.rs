@@ -1,6 +1,7 @@
 //! Atoms in, solvent-excluded surface out: first exactly, as a solid with a signed distance, then the
 //! mesh, what it should measure exactly, and by how much it misses that.
 
+use super::arrangement::invalid;
 use super::calibrate::Target;
 use super::deviation::Deviation;
 use super::interior::ball_fits_inside;
@@ -13,6 +14,8 @@ use protomer_kernel::{TriangleMesh, Vec3};
 /// The lattice on which the surface is first found is at least this fine, in radii of the smallest
 /// atom.
 const SPACING_PER_RADIUS: f64 = 0.6;
+/// Exact areas whose estimated relative error is larger are refused; 10⁻⁸ is the rule.
+const LARGEST_RELATIVE_ERROR: f64 = 1e-3;
 /// Atoms smaller than this do not make the lattice finer, Å.
 const SMALLEST_RESOLVED_RADIUS_ANGSTROM: f64 = 0.3;
 
@@ -78,6 +81,7 @@ impl ExactSurface {
             smallest_radius,
         } = self;
         let measure = Measure::new(&accessible);
+        require_small_error(&measure.total())?;
         // The mesh needs the memory.
         drop(accessible);
         let settings = MeshSettings {
@@ -172,6 +176,19 @@ impl Surface {
     pub(crate) fn expected_squares(&self) -> &Vec<f64> {
         &self.expected_squares
     }
+}
+
+/// Refuses areas that are not exact after all: a mesh is calibrated to them.
+fn require_small_error(total: &SurfaceMeasure) -> Result<()> {
+    let area = total.ses_area_angstrom2();
+    let error = total.area_error_estimate_angstrom2;
+    if error <= LARGEST_RELATIVE_ERROR * area {
+        return Ok(());
+    }
+    let cause = format!(
+        "the area of the surface, {area:.3} Å², is uncertain by {error:.0e} Å²: its faces do not close"
+    );
+    Err(invalid(cause, "move the atoms by about 1e-3 Å"))
 }
 
 /// What a mesh of this surface should measure.

@@ -149,7 +149,6 @@ fn edge(arc: &Arc, side: usize, balls: &Balls) -> Edge {
             height,
             radius,
             ends: [end, start],
-            middle: arc.middle,
             angle: arc.angle,
         };
     }
@@ -161,7 +160,6 @@ fn edge(arc: &Arc, side: usize, balls: &Balls) -> Edge {
         height,
         radius,
         ends: arc.ends,
-        middle: arc.middle,
         angle: arc.angle,
     }
 }

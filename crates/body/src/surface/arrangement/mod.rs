@@ -17,8 +17,8 @@ mod join;
 pub(crate) mod spherical;
 
 use crate::Result;
-pub(crate) use balls::hashed_fraction;
-use balls::{Balls, invalid};
+use balls::Balls;
+pub(crate) use balls::{hashed_fraction, invalid};
 pub(crate) use cells::CellList;
 use circle::Cap;
 use faces::Traced;

@@ -22,8 +22,6 @@ pub(crate) struct Edge {
     pub(crate) radius: f64,
     /// Unit vectors from the rim's centre to the start and the end of the edge.
     pub(crate) ends: [Vec3; 2],
-    /// Unit vector from the rim's centre to the middle of the edge.
-    pub(crate) middle: Vec3,
     /// Angle run through, radians.
     pub(crate) angle: f64,
 }
@@ -44,21 +42,6 @@ impl Edge {
         let swept = self.axis.cross(&(self.ends[1] - self.ends[0]));
         (swept * (self.height * self.radius) - self.axis * (self.radius * self.radius * self.angle))
             * 0.5
-    }
-
-    /// Where the plane through the sphere's centre with normal `normal` meets the edge's circle:
-    /// directions.
-    fn meets(&self, normal: &Vec3) -> Option<[Vec3; 2]> {
-        let along = normal.dot(&self.axis);
-        let in_plane = normal - self.axis * along;
-        let length = in_plane.norm();
-        let cosine = -self.height * along / (self.radius * length);
-        if cosine.is_nan() || cosine.abs() > 1.0 {
-            return None;
-        }
-        let direction = in_plane / length;
-        let sideways = self.axis.cross(&direction) * (1.0 - cosine * cosine).sqrt();
-        Some([direction * cosine + sideways, direction * cosine - sideways])
     }
 }
 
@@ -125,13 +108,9 @@ pub(crate) fn regions(loops: &[Loop]) -> Vec<Vec<usize>> {
     }
     let mut regions: Vec<Vec<usize>> = Vec::new();
     let mut region_of: HashMap<Vec<bool>, usize> = HashMap::new();
-    for (number, edges) in loops.iter().enumerate() {
-        let place = match longest(edges) {
-            Some(edge) => edge.point(&edge.middle),
-            None => Vec3::x(),
-        };
+    for number in 0..loops.len() {
         let region = *region_of
-            .entry(sides(loops, number, &place))
+            .entry(sides(loops, number))
             .or_insert(regions.len());
         if region == regions.len() {
             regions.push(Vec::new());
@@ -141,73 +120,83 @@ pub(crate) fn regions(loops: &[Loop]) -> Vec<Vec<usize>> {
     regions
 }
 
-/// On which side of every loop a place on loop `number` lies; of its own loop it bounds the left.
-fn sides(loops: &[Loop], number: usize, place: &Vec3) -> Vec<bool> {
+/// On which side of every loop the loop `number` lies; of its own it bounds the left.
+fn sides(loops: &[Loop], number: usize) -> Vec<bool> {
     let mut sides = Vec::with_capacity(loops.len());
     for (other, edges) in loops.iter().enumerate() {
-        sides.push(other == number || on_left(edges, place));
+        sides.push(other == number || is_on_left(edges, &loops[number]));
     }
     sides
 }
 
-fn longest(edges: &[Edge]) -> Option<&Edge> {
-    edges
-        .iter()
-        .max_by(|a, b| (a.angle * a.radius).total_cmp(&(b.angle * b.radius)))
-}
-
-/// Most paths that vote about the side of a point.
-const MOST_PATHS: usize = 8;
-
-/// Whether a point of the sphere lies on the left of a loop, the side of the region. Several paths
-/// vote, each with the sine of the angle at which it leaves the loop: a path along an edge decides
-/// nothing.
-fn on_left(edges: &[Edge], place: &Vec3) -> bool {
-    if let [only] = edges
-        && only.is_whole()
-    {
-        return only.axis.dot(place) < only.height;
-    }
-    let stride = edges.len().div_ceil(MOST_PATHS).max(1);
-    let mut votes = 0.0;
-    for start in (0..edges.len()).step_by(stride) {
-        votes += vote(edges, start, place);
-    }
-    votes > 0.0
-}
-
-/// Walks from the middle of edge `start` straight to `place` and counts the edges crossed: positive
-/// on the left.
-fn vote(edges: &[Edge], start: usize, place: &Vec3) -> f64 {
-    let Some(first) = edges.get(start) else {
-        return 0.0;
+/// Whether a loop lies on the left of the loop `edges`.
+///
+/// A region lies outside all caps. So a loop has the caps of its own edges on its right, whole, and
+/// what holds for a cap of another loop holds for that loop. The loop `edges` turns once about the
+/// straight line from the centre of a cap on its left to one on its right, and not at all about a
+/// line between two caps on its right. All of the loop keeps the distance of a cap's rim from
+/// the cap's centre, so corners that all but coincide, and the edges between them, cannot change the
+/// whole number of turns.
+fn is_on_left(edges: &[Edge], other: &[Edge]) -> bool {
+    let (Some(inside), Some(right)) = (largest_cap(other), largest_cap(edges)) else {
+        return false;
     };
-    let origin = first.point(&first.middle);
-    let normal = origin.cross(place);
-    let departure = -normal.cross(&origin).dot(&first.axis);
-    let mut crossings = 0;
-    for (index, edge) in edges.iter().enumerate() {
-        let Some([a, b]) = edge.meets(&normal) else {
-            continue;
-        };
-        let half = (0.5 * edge.angle).cos();
-        for (direction, twin) in [(a, b), (b, a)] {
-            let is_nearer = direction.dot(&first.middle) > twin.dot(&first.middle);
-            if index == start && is_nearer {
-                continue; // the origin of the path itself
-            }
-            let point = edge.point(&direction);
-            let on_path =
-                origin.cross(&point).dot(&normal) > 0.0 && point.cross(place).dot(&normal) > 0.0;
-            if on_path && direction.dot(&edge.middle) >= half {
-                crossings += 1;
-            }
-        }
+    let Some(along) = (right - inside).try_normalize(0.0) else {
+        return false;
+    };
+    let line = Line {
+        inside,
+        right,
+        along,
+    };
+    let mut turned = 0.0;
+    for edge in edges {
+        turned += line.turned_by(edge);
     }
-    if crossings % 2 == 0 {
-        departure
-    } else {
-        -departure
+    turned.abs() > PI
+}
+
+/// The centre of the largest cap at the edges.
+fn largest_cap(edges: &[Edge]) -> Option<Vec3> {
+    let largest = edges.iter().min_by(|a, b| a.height.total_cmp(&b.height));
+    largest.map(|edge| edge.axis)
+}
+
+/// Edges shorter than this, in radii, turn by much less than a half turn about any line that is
+/// asked about.
+const SHORT_EDGE: f64 = 1e-4;
+
+/// A straight line through two points of the unit sphere.
+struct Line {
+    inside: Vec3,
+    right: Vec3,
+    along: Vec3,
+}
+
+impl Line {
+    /// The angle by which a point that runs along an edge turns about the line.
+    ///
+    /// Seen along the line the circle of the edge is an ellipse. From outside it no part of it turns
+    /// by more than half a turn; about a line through it the angle grows all the way.
+    fn turned_by(&self, edge: &Edge) -> f64 {
+        let has = |point: &Vec3| edge.axis.dot(point) > edge.height;
+        let is_through = has(&self.inside) != has(&self.right);
+        // The edge runs clockwise about its axis.
+        let sense = if has(&self.right) { -1.0 } else { 1.0 };
+        if edge.is_whole() {
+            return if is_through { 2.0 * PI * sense } else { 0.0 };
+        }
+        let [before, after] = edge
+            .ends
+            .map(|end| (edge.point(&end) - self.inside).cross(&self.along));
+        let sine = before.cross(&after).dot(&self.along);
+        let turned = sine.atan2(before.dot(&after));
+        let is_short = edge.angle * edge.radius < SHORT_EDGE;
+        if is_through && !is_short && turned * sense < 0.0 {
+            turned + 2.0 * PI * sense
+        } else {
+            turned
+        }
     }
 }
 
@@ -231,7 +220,7 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
         let frame = CircleFrame::new(cap);
         let exposure = exposed_arcs(caps, index, &frame, &mut arcs);
         if exposure == Exposure::Whole {
-            let whole = frame.edge([frame.e1; 2], -frame.e1, 2.0 * PI);
+            let whole = frame.edge([frame.e1; 2], 2.0 * PI);
             boundary.edges.push(vec![whole]);
         }
         if exposure == Exposure::Whole || !arcs.is_empty() {
@@ -239,14 +228,8 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
         }
         for arc in &arcs {
             let angle = counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
-            let ([x, y], (sine, cosine)) = (arc.ends[0], (0.5 * angle).sin_cos());
-            let middle = frame.direction([x * cosine - y * sine, y * cosine + x * sine]);
             let [start, end] = arc.ends.map(|place| frame.direction(place));
-            open.add(
-                cap.owner,
-                arc.owners,
-                frame.edge([end, start], middle, angle),
-            )?;
+            open.add(cap.owner, arc.owners, frame.edge([end, start], angle))?;
         }
     }
     boundary.edges.extend(open.into_loops()?);
@@ -255,13 +238,12 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
 
 impl CircleFrame {
     /// A piece of the rim of the cap that the circle belongs to.
-    fn edge(&self, ends: [Vec3; 2], middle: Vec3, angle: f64) -> Edge {
+    fn edge(&self, ends: [Vec3; 2], angle: f64) -> Edge {
         Edge {
             axis: self.axis,
             height: self.height,
             radius: self.radius,
             ends,
-            middle,
             angle,
         }
     }

@@ -203,3 +203,98 @@ fn without_a_probe_both_surfaces_are_the_union_of_the_atoms() {
         );
     }
 }
+
+/// Centres of equal atoms where four and more expanded balls meet in one point, by name.
+fn cages() -> Vec<(&'static str, Vec<Vec3>)> {
+    let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
+    let signs = |v: [f64; 3]| {
+        let mut all = Vec::new();
+        for number in 0..8 {
+            let sign = |axis: usize| if number >> axis & 1 == 0 { 1.0 } else { -1.0 };
+            let place = Vec3::new(v[0] * sign(0), v[1] * sign(1), v[2] * sign(2));
+            if !all.contains(&place) {
+                all.push(place);
+            }
+        }
+        all
+    };
+    let turned = |v: [f64; 3]| {
+        let cyclic = (0..3).map(move |step| [v[step % 3], v[(step + 1) % 3], v[(step + 2) % 3]]);
+        cyclic.flat_map(signs).collect::<Vec<_>>()
+    };
+    let ring = |count: u32, radius: f64, height: f64| {
+        (0..count).map(move |n| {
+            let (sine, cosine) =
+                (std::f64::consts::TAU * f64::from(n) / f64::from(count)).sin_cos();
+            Vec3::new(radius * cosine, radius * sine, height)
+        })
+    };
+    let prism = |count| {
+        ring(count, 2.6, 1.5)
+            .chain(ring(count, 2.6, -1.5))
+            .collect::<Vec<_>>()
+    };
+    let scaled = |places: Vec<Vec3>, factor: f64| places.into_iter().map(|v| v * factor).collect();
+    let fullerene = [
+        turned([0.0, 1.0, 3.0 * golden]),
+        turned([1.0, 2.0 + golden, 2.0 * golden]),
+        turned([golden, 2.0, 2.0 * golden + 1.0]),
+    ];
+    vec![
+        ("cube", scaled(signs([1.0; 3]), 1.4)),
+        ("octahedron", scaled(turned([1.0, 0.0, 0.0]), 2.1)),
+        ("icosahedron", scaled(turned([0.0, 1.0, golden]), 1.6)),
+        ("hexagon", ring(6, 2.4, 0.0).collect()),
+        ("wide ring", ring(12, 5.0, 0.0).collect()),
+        ("prism of five", prism(5)),
+        ("prism of six", prism(6)),
+        ("fullerene", scaled(fullerene.concat(), 0.97)),
+    ]
+}
+
+/// The same measures in every orientation and with every rounding of the coordinates, and the volume
+/// of a grid.
+#[test]
+fn cages_of_equal_atoms_measure_the_same_in_every_orientation() {
+    for (name, centres) in cages() {
+        let radii = vec![1.7; centres.len()];
+        let solid = SesSolid::new(&Arrangement::new(&centres, &radii, 1.4).unwrap());
+        let volume = (4.0 * grid_volume(&solid, 0.15) - grid_volume(&solid, 0.3)) / 3.0;
+        let first = measure(&centres, &radii, 1.4).total();
+        let error = (first.ses_volume_angstrom3 - volume).abs() / volume;
+        assert!(
+            error < 1e-3,
+            "{name}: {} and {volume}",
+            first.ses_volume_angstrom3
+        );
+        for number in 0..24_u64 {
+            let axis = Vec3::from_fn(|row, _| fraction(10 * number + row as u64) - 0.5);
+            let rotation = Rotation::new(axis * 6.0);
+            let decimals = 9 + number as i32 % 8;
+            let rounded = |x: f64| (x * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals);
+            let moved: Vec<Vec3> = centres
+                .iter()
+                .map(|c| (rotation * c).map(rounded))
+                .collect();
+            let second = measure(&moved, &radii, 1.4);
+            assert_eq!(second.sampled_patches, 0, "{name} {number}");
+            let second = second.total();
+            for (a, b) in [
+                (first.sas_area_angstrom2, second.sas_area_angstrom2),
+                (first.sas_volume_angstrom3, second.sas_volume_angstrom3),
+                (first.ses_area_angstrom2(), second.ses_area_angstrom2()),
+                (first.ses_volume_angstrom3, second.ses_volume_angstrom3),
+            ] {
+                assert!(
+                    (a - b).abs() < 1e-6 * a,
+                    "{name}, orientation {number}: {a} {b}"
+                );
+            }
+            let error = second.area_error_estimate_angstrom2;
+            assert!(
+                error < 1e-6 * second.sas_area_angstrom2,
+                "{name} {number}: {error}"
+            );
+        }
+    }
+}
