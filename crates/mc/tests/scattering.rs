@@ -4,8 +4,9 @@
 
 use protomer_body::{Body, Provenance};
 use protomer_kernel::random::CounterRng;
-use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3};
 use protomer_mc::scattering::experiment::{Experiment, Settings};
+use protomer_mc::scattering::scatterers::Scatterers;
 use protomer_mc::scattering::structure_factor::{at, open};
 use protomer_mc::scattering::wave_vectors::shells;
 use protomer_mc::{BodyType, System};
@@ -314,4 +315,134 @@ fn settings_out_of_range_are_refused_by_name() {
     let error = Experiment::new(&[body], &boundary, settings).unwrap_err();
     assert!(error.to_string().contains("2π over its length"), "{error}");
     assert!((open(&[Vec3::zeros()], 0.1) - 1.0).abs() < 1e-15);
+}
+
+/// A prism over a polygon in the plane z = 0, from below to above it.
+fn prism(polygon: &[[f64; 2]], height: f64) -> TriangleMesh {
+    let count = polygon.len() as u32;
+    let level = |z: f64| polygon.iter().map(move |[x, y]| Vec3::new(*x, *y, z));
+    let mut triangles = Vec::new();
+    for corner in 1..count - 1 {
+        triangles.push([0, corner + 1, corner]);
+        triangles.push([count, count + corner, count + corner + 1]);
+    }
+    for corner in 0..count {
+        let next = (corner + 1) % count;
+        triangles.push([corner, next, count + next]);
+        triangles.push([corner, count + next, count + corner]);
+    }
+    TriangleMesh {
+        vertices: level(-0.5 * height).chain(level(0.5 * height)).collect(),
+        triangles,
+    }
+}
+
+fn cuboid([a, b, c]: [f64; 3]) -> TriangleMesh {
+    let (x, y) = (0.5 * a, 0.5 * b);
+    prism(&[[-x, -y], [x, -y], [x, y], [-x, y]], c)
+}
+
+fn solid(mesh: TriangleMesh) -> Body {
+    Body {
+        name: "solid".into(),
+        mass_properties: mesh.mass_properties().unwrap(),
+        mesh,
+        sites: Vec::new(),
+        residues: Vec::new(),
+        provenance: Provenance::default(),
+    }
+}
+
+/// The radius of gyration that P(q) = 1 - (q R)²/3 shows.
+fn radius_of_gyration(body: &Body) -> f64 {
+    let q = 1e-3 / body.mesh.radius_about_origin_angstrom();
+    let form_factor = Scatterers::of_body(body).unwrap().form_factor(q);
+    (3.0 * (1.0 - form_factor)).sqrt() / q
+}
+
+#[test]
+fn bodies_without_atoms_have_the_radius_of_gyration_of_their_solid() {
+    let turn = Rotation::new(Vec3::new(0.3, -0.8, 0.5));
+    for edges in [
+        [30.0; 3],
+        [20.0, 33.0, 47.0],
+        [100.0, 100.0, 3.0],
+        [4.0, 4.0, 170.0],
+    ] {
+        let squares: f64 = edges.iter().map(|edge: &f64| edge * edge).sum();
+        let exact = (squares / 12.0).sqrt();
+        let plain = cuboid(edges);
+        let moved = plain.map_vertices(|vertex| turn * vertex + Vec3::new(7.0, 1.0, -3.0));
+        for mesh in [plain, moved] {
+            let found = radius_of_gyration(&solid(mesh));
+            assert!(
+                (found / exact - 1.0).abs() < 1e-4,
+                "{edges:?}: {found} {exact}"
+            );
+        }
+    }
+    // A rod over a regular polygon of side s: R² = s² (2 + cos(2π/n))/(24 sin²(π/n)) + L²/12.
+    for (count, radius, length) in [(6_u32, 10.0, 40.0), (48, 8.0, 90.0)] {
+        let angle = TAU / f64::from(count);
+        let corners: Vec<[f64; 2]> = (0..count)
+            .map(|n| {
+                [
+                    radius * (angle * f64::from(n)).cos(),
+                    radius * (angle * f64::from(n)).sin(),
+                ]
+            })
+            .collect();
+        let square = radius * radius * (2.0 + angle.cos()) / 6.0 + length * length / 12.0;
+        let found = radius_of_gyration(&solid(prism(&corners, length)));
+        assert!(
+            (found / square.sqrt() - 1.0).abs() < 1e-4,
+            "{found} {}",
+            square.sqrt()
+        );
+    }
+    let found = radius_of_gyration(&ball(30.0));
+    let inertia = ball(30.0).mass_properties;
+    let square = 0.5 * inertia.inertia_angstrom5.trace() / inertia.volume_angstrom3;
+    assert!((found / square.sqrt() - 1.0).abs() < 1e-4);
+}
+
+/// P(q) of a box: (Π sin(q_i a_i/2)/(q_i a_i/2))² over all directions.
+fn cuboid_form_factor(q: f64, edges: [f64; 3]) -> f64 {
+    const STEPS: u32 = 200;
+    let wave = |x: f64| if x.abs() < 1e-9 { 1.0 } else { x.sin() / x };
+    let mut sum = 0.0;
+    for height in 0..STEPS {
+        let z = (f64::from(height) + 0.5) / f64::from(STEPS);
+        let across = (1.0 - z * z).sqrt();
+        for turn in 0..STEPS {
+            let (sine, cosine) =
+                (0.25 * TAU * (f64::from(turn) + 0.5) / f64::from(STEPS)).sin_cos();
+            let direction = [across * cosine, across * sine, z];
+            let factors = direction
+                .iter()
+                .zip(edges)
+                .map(|(u, edge)| wave(0.5 * q * u * edge));
+            sum += factors.product::<f64>().powi(2);
+        }
+    }
+    sum / f64::from(STEPS * STEPS)
+}
+
+#[test]
+fn boxes_without_atoms_have_the_form_factor_of_their_solid() {
+    let turn = Rotation::new(Vec3::new(0.3, -0.8, 0.5));
+    for edges in [[30.0; 3], [20.0, 33.0, 47.0]] {
+        let plain = cuboid(edges);
+        for mesh in [plain.clone(), plain.map_vertices(|vertex| turn * vertex)] {
+            let distances = Scatterers::of_body(&solid(mesh)).unwrap().distances();
+            for step in 1..=20 {
+                let q = 0.01 * f64::from(step);
+                let (found, exact) = (distances.form_factor(q), cuboid_form_factor(q, edges));
+                assert!(
+                    (found - exact).abs() < 1e-3,
+                    "{edges:?}, q = {q}: {found} {exact}"
+                );
+            }
+        }
+    }
 }

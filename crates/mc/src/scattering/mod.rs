@@ -7,6 +7,7 @@
 //! | [`wave_vectors`] | the wave vectors of a periodic box, in shells |
 //! | [`directions`] | averages over all orientations |
 //! | [`scatterers`] | what of a body scatters; its amplitude and its P(q) |
+//! | `filling` | points that fill a body without atoms |
 //! | [`clusters`] | bodies that touch, in one piece across the borders of a box |
 //! | [`capacity`] | hydrodynamic radii from the electrostatic capacity |
 //! | [`experiment`] | all of this for one state |
@@ -17,6 +18,7 @@ pub mod capacity;
 pub mod clusters;
 pub mod directions;
 pub mod experiment;
+mod filling;
 pub mod scatterers;
 pub mod structure_factor;
 pub mod wave_vectors;

@@ -1,17 +1,15 @@
 //! What of a body scatters.
 
+use super::filling::fill;
 use super::sinc;
 use nalgebra::Complex;
 use protomer_body::Body;
 use protomer_body::structure::write::has_atoms;
-use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::{KernelError, Vec3};
 
 /// Width of the bins of distances, Å. The mean distance of each bin is kept, so that the error is of
 /// the order (q w)²/24 of the spread within a bin only.
 const BIN_ANGSTROM: f64 = 0.1;
-/// Points that stand for a body without atoms, about.
-const POINTS_IN_A_SOLID: f64 = 4000.0;
 
 /// Points that scatter, in the frame of a body, each with the volume that it stands for: the contrast
 /// of a protein with water is the same everywhere inside.
@@ -31,15 +29,17 @@ impl Scatterers {
         }
     }
 
-    /// The atoms of a body with equal shares of its volume. A body without atoms is filled with points
-    /// on a cubic grid.
+    /// The atoms of a body with equal shares of its volume. A body without atoms is filled with some
+    /// 4000 points that have its centre and its radius of gyration.
     ///
     /// # Errors
-    /// If the mesh bounds no solid.
+    /// If the mesh bounds no solid, or one too thin to be filled.
     pub fn of_body(body: &Body) -> Result<Self, KernelError> {
         let volume = body.mass_properties.volume_angstrom3;
         if !has_atoms(body) {
-            return Self::of_solid(body, volume);
+            let points = fill(&body.mesh, &body.mass_properties)?;
+            let share = volume / points.len() as f64;
+            return Ok(Self::new(points.into_iter().map(|point| (point, share))));
         }
         let is_atom = |site: &&protomer_body::Site| site.residue.is_some();
         let atoms: Vec<Vec3> = body
@@ -50,31 +50,6 @@ impl Scatterers {
             .collect();
         let share = volume / atoms.len() as f64;
         Ok(Self::new(atoms.into_iter().map(|atom| (atom, share))))
-    }
-
-    fn of_solid(body: &Body, volume_angstrom3: f64) -> Result<Self, KernelError> {
-        let shape = CollisionShape::new(&body.mesh)?;
-        let spacing = (volume_angstrom3 / POINTS_IN_A_SOLID).cbrt();
-        let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
-        for vertex in &body.mesh.vertices {
-            (low, high) = (low.inf(vertex), high.sup(vertex));
-        }
-        // Half steps from the lowest corner: no point on a plane of a box-like body.
-        let counts = (high - low).map(|length| (length / spacing).ceil() as usize);
-        let mut inside = Vec::new();
-        for x in 0..counts.x {
-            for y in 0..counts.y {
-                for z in 0..counts.z {
-                    let steps = Vec3::new(x as f64 + 0.5, y as f64 + 0.5, z as f64 + 0.5);
-                    let point = low + steps * spacing;
-                    if shape.contains_point(&point) {
-                        inside.push(point);
-                    }
-                }
-            }
-        }
-        let share = volume_angstrom3 / inside.len().max(1) as f64;
-        Ok(Self::new(inside.into_iter().map(|point| (point, share))))
     }
 
     /// Number of points.
