@@ -6,6 +6,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use protomer::bodies::body_file;
 use protomer_body::{Provenance, Site};
+use protomer_kernel::overlap::check_embedding;
 use protomer_kernel::{TriangleMesh, Vec3};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -50,7 +51,7 @@ impl Body {
                 vertices,
                 triangles,
             };
-            mesh.topology()?;
+            check_embedding(&mesh)?;
             let mass_properties = mesh.mass_properties()?;
             let positions = places(&charge_positions, "charge_positions_angstrom")?;
             let charges = charges.as_array();

@@ -9,6 +9,7 @@ pub mod off;
 pub mod ply;
 mod polygon;
 pub mod stl;
+mod weld;
 
 use crate::{IoError, Result};
 use protomer_kernel::TriangleMesh;
@@ -66,12 +67,13 @@ impl MeshFormat {
 /// # Errors
 /// [`IoError::Parse`] with the line (zero for binary formats), the cause and a remedy.
 pub fn read_mesh(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
-    match MeshFormat::from_name(name)? {
+    let mesh = match MeshFormat::from_name(name)? {
         MeshFormat::Ply => ply::read_ply(name, bytes),
         MeshFormat::Obj => obj::read_obj(name, bytes),
         MeshFormat::Off => off::read_off(name, bytes),
         MeshFormat::Stl => stl::read_stl(name, bytes),
-    }
+    }?;
+    Ok(weld::closed(mesh))
 }
 
 /// The bytes of a mesh file in this format. PLY, OBJ and OFF keep coordinates exactly; STL rounds

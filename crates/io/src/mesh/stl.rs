@@ -1,11 +1,11 @@
 //! Stereolithography: a soup of triangles, welded into a mesh where corners have equal coordinates.
 
 use super::builder::MeshBuilder;
+use super::weld::welded;
 use crate::bytes::{Cursor, Ended};
 use crate::text::{self, Line};
 use crate::{IoError, Result};
 use protomer_kernel::{TriangleMesh, Vec3};
-use std::collections::HashMap;
 
 const HEADER_BYTES: usize = 80;
 const TRIANGLE_BYTES: usize = 50;
@@ -60,17 +60,17 @@ fn binary_length(triangles: u32) -> u128 {
 }
 
 fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
-    let mut welder = Welder::new(name);
+    let mut soup = Soup::new(name);
     for record in bytes[HEADER_BYTES + 4..].chunks_exact(TRIANGLE_BYTES) {
         match binary_corners(record) {
-            Ok(corners) => welder.add_triangle(0, corners)?,
+            Ok(corners) => soup.add_triangle(0, corners)?,
             Err(ended) => {
                 let cause = format!("the file ends at byte {}", ended.at);
                 return Err(IoError::parse(name, 0, cause, "make it again"));
             }
         }
     }
-    welder.builder.finish()
+    soup.finish()
 }
 
 /// The corners of a triangle; the normal before them is redundant and skipped.
@@ -86,7 +86,7 @@ fn binary_corners(record: &[u8]) -> std::result::Result<[Vec3; 3], Ended> {
 
 fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let text = text::decode(name, bytes)?;
-    let mut welder = Welder::new(name);
+    let mut soup = Soup::new(name);
     let mut corners = Vec::with_capacity(3);
     let mut closed = false;
     for line in Line::significant(name, &text) {
@@ -98,7 +98,7 @@ fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
                     let cause = format!("a facet has {} corners", corners.len());
                     return Err(line.error(cause, "facets of STL have three"));
                 };
-                welder.add_triangle(line.number, triangle)?;
+                soup.add_triangle(line.number, triangle)?;
                 corners.clear();
             }
             "endsolid" => closed = true,
@@ -119,46 +119,40 @@ fn read_ascii(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
             "it is truncated: make it again",
         ));
     }
-    welder.builder.finish()
+    soup.finish()
 }
 
-/// Gives corners with equal coordinates one vertex.
-struct Welder<'a> {
+/// Triangles without common vertices.
+struct Soup<'a> {
+    name: &'a str,
     builder: MeshBuilder<'a>,
-    vertex_at: HashMap<[u64; 3], i64>,
 }
 
-impl<'a> Welder<'a> {
+impl<'a> Soup<'a> {
     fn new(name: &'a str) -> Self {
         Self {
+            name,
             builder: MeshBuilder::new(name),
-            vertex_at: HashMap::new(),
         }
     }
 
     fn add_triangle(&mut self, line: usize, corners: [Vec3; 3]) -> Result<()> {
-        let mut indices = [0; 3];
-        for (index, corner) in indices.iter_mut().zip(corners) {
-            *index = self.vertex(line, corner)?;
+        let first = self.builder.vertices() as i64;
+        for corner in corners {
+            self.builder.add_vertex(line, corner)?;
         }
-        let [a, b, c] = indices;
-        if a == b || b == c || c == a {
-            Ok(())
-        } else {
-            self.builder.add_polygon(line, &indices)
-        }
+        self.builder
+            .add_polygon(line, &[first, first + 1, first + 2])
     }
 
-    fn vertex(&mut self, line: usize, corner: Vec3) -> Result<i64> {
-        // Adding zero turns -0 into 0, which is the same point.
-        let key = [corner.x, corner.y, corner.z].map(|coordinate| (coordinate + 0.0).to_bits());
-        if let Some(&known) = self.vertex_at.get(&key) {
-            return Ok(known);
+    /// The mesh with one vertex per place.
+    fn finish(self) -> Result<TriangleMesh> {
+        let mesh = welded(&self.builder.finish()?);
+        if mesh.triangles.is_empty() {
+            let cause = "no facet has three different corners";
+            return Err(IoError::parse(self.name, 0, cause, "make the mesh again"));
         }
-        let new = self.builder.vertices() as i64;
-        self.builder.add_vertex(line, corner)?;
-        self.vertex_at.insert(key, new);
-        Ok(new)
+        Ok(mesh)
     }
 }
 

@@ -14,6 +14,7 @@
 //! | `triangle` | exact intersection of two triangles |
 //! | `triangle_distance` | how far two triangles are apart |
 //! | `containment` | which points lie inside a solid |
+//! | `embedding` | whether a surface meets itself, and how its shells nest |
 //! | `carried_bound` | what is left of a separation after the bodies have moved |
 //!
 //! # Why it is built like this
@@ -60,6 +61,7 @@
 mod carried_bound;
 mod containment;
 mod disc;
+mod embedding;
 mod lanes;
 mod shape;
 mod traversal;
@@ -68,6 +70,7 @@ mod triangle;
 mod triangle_distance;
 
 pub use carried_bound::CarriedBound;
+pub use embedding::check_embedding;
 pub use shape::CollisionShape;
 
 use crate::pose::RelativePose;

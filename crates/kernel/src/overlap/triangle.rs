@@ -31,6 +31,25 @@ pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
         || an_edge_meets_triangle(first, sides_of_first, second)
 }
 
+/// Whether a closed segment and a closed triangle have a point in common.
+pub(super) fn segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> bool {
+    let [a, b, c] = triangle;
+    match [p, q].map(|point| orientation(a, b, c, point)) {
+        [0, 0] => coplanar_segment_meets_triangle(p, q, triangle),
+        [side_p, side_q] if side_p == side_q => false,
+        _ => line_meets_triangle(p, q, triangle),
+    }
+}
+
+/// Whether two triangles over one edge lie in one plane and on the same side of the edge.
+pub(super) fn are_folded(from: &Vec3, to: &Vec3, first: &Vec3, second: &Vec3) -> bool {
+    orientation(from, to, first, second) == 0
+        && (0..3).any(|axis| {
+            let [p, q, a, b] = [from, to, first, second].map(|point| shadow(point, axis));
+            turn(p, q, a) * turn(p, q, b) > 0
+        })
+}
+
 /// Whether all points lie on one side of the plane of a triangle beyond any doubt of rounding: the
 /// error of each height is within some tens of roundings of the product of the lengths.
 fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
@@ -110,14 +129,14 @@ fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> b
     for axis in 0..3 {
         let [a, b, c] = triangle.each_ref().map(|corner| shadow(corner, axis));
         if turn(a, b, c) != 0 {
-            return segment_meets_triangle(shadow(p, axis), shadow(q, axis), [a, b, c]);
+            return segment_meets_shadow(shadow(p, axis), shadow(q, axis), [a, b, c]);
         }
     }
     false
 }
 
 /// The same for shadows.
-fn segment_meets_triangle(p: Coord<f64>, q: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
+fn segment_meets_shadow(p: Coord<f64>, q: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
     let turns = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
     let starts_inside = !(turns.contains(&1) && turns.contains(&-1));
     starts_inside

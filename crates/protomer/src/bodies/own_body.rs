@@ -9,6 +9,7 @@ use protomer_common::input::InputFile;
 use protomer_io::mesh::read_mesh;
 use protomer_io::points::read_points;
 use protomer_kernel::Vec3;
+use protomer_kernel::overlap::check_embedding;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ pub fn make(own: &OwnBody, output: &Path, force: bool) -> Result<WrittenBody> {
     })
 }
 
-/// Reads the files and checks that the mesh bounds a solid.
+/// Reads the files and checks that the mesh bounds a solid once.
 ///
 /// # Errors
 /// Names the file and the line, or the defect of the mesh.
@@ -85,7 +86,7 @@ pub fn build(own: &OwnBody) -> Result<Body> {
     let file = InputFile::read(&own.mesh)?;
     let mesh = read_mesh(&file.name, &file.bytes)?;
     let checked = || -> Result<_> {
-        mesh.topology()?;
+        check_embedding(&mesh)?;
         Ok(mesh.mass_properties()?)
     };
     let mass_properties = checked().with_context(|| file.name.clone())?;
