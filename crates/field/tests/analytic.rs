@@ -477,3 +477,50 @@ fn a_huge_box_is_refused() {
     .to_string();
     assert!(error.contains("far from the others"), "{error}");
 }
+
+/// The part of the salt in the energy of an ion in the middle of a sphere of radius a, with ions up to
+/// its surface: -l q² κ/(2 ε (1 + κ a)).
+#[test]
+fn the_part_of_the_salt_is_that_of_the_series_where_ions_reach_the_surface() {
+    for (radius, salt_molar) in [(2.0, 1.0), (3.0, 0.1), (3.0, 1.0), (6.0, 1.0)] {
+        let part = |spacing_angstrom: f64, place: u64| {
+            let mut rng = CounterRng::new(5, 0, place);
+            let mut spheres = sphere_with(radius, &[(0.0, 1.0)]);
+            // A point without radius or charge moves the middle of the grid.
+            spheres.push(ChargedSphere {
+                centre: Vec3::from_fn(|_, _| radius + 2.0 * spacing_angstrom * rng.uniform()),
+                radius_angstrom: 0.0,
+                charge_e: 0.0,
+            });
+            let settings = SolveSettings {
+                spacing_angstrom,
+                ..SolveSettings::default()
+            };
+            let [with, without] = [salt_molar, 0.0].map(|molar| {
+                let mut dielectric = DielectricModel::new(water(molar));
+                dielectric.ion_radius_angstrom = 0.0;
+                solve(&spheres, &dielectric, &settings)
+                    .unwrap()
+                    .solvation_energy_kt
+            });
+            with - without
+        };
+        let electrolyte = water(salt_molar);
+        let kappa = electrolyte.inverse_debye_length_per_angstrom();
+        let bjerrum = electrolyte.bjerrum_length_angstrom();
+        let exact = -0.5 * bjerrum * kappa / (1.0 + kappa * radius);
+        for (spacing, most) in [(1.0, 0.03), (0.5, 0.01)] {
+            for place in 0..3 {
+                let error = part(spacing, place) / exact - 1.0;
+                eprintln!(
+                    "a = {radius}, {salt_molar} M, {spacing} Å: {:+.2} %",
+                    100.0 * error
+                );
+                assert!(
+                    error.abs() < most,
+                    "{radius} {salt_molar} {spacing}: {error}"
+                );
+            }
+        }
+    }
+}

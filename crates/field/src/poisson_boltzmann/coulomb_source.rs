@@ -193,20 +193,6 @@ fn add_charges_outside(
     }
 }
 
-/// Ions that reach into the box of a point inside see u + φ_C there: b_i -= k φ_C.
-pub(super) fn add_ions(
-    right: &mut [f64],
-    grid: &Grid,
-    operator: &Operator,
-    inside: &[bool],
-    coulomb: &ChargeTree,
-) {
-    let with_ions = |at: usize| inside[at] && operator.mass[at] > 0.0;
-    for (at, potential) in at_points(grid, coulomb, with_ions) {
-        right[at] -= f64::from(operator.mass[at]) * potential;
-    }
-}
-
 /// Σ s_i / r_i at some points of a grid.
 pub(super) fn at_points(
     grid: &Grid,

@@ -31,7 +31,8 @@ pub(super) struct DielectricMap {
     pub on_surface: Vec<usize>,
     /// Relative permittivity of the edges from a point to its neighbour along x, y and z.
     pub edges: [Vec<f32>; 3],
-    /// The part of the box around a point that ions reach, 0 to 1.
+    /// The part of the box around a point that ions reach, and its share of boxes around points
+    /// inside, in boxes; zero inside.
     pub accessible: Vec<f32>,
 }
 
@@ -46,14 +47,16 @@ impl DielectricMap {
         let distance = node_distances(grid, solid, ion_gap);
         let edges =
             [0, 1, 2].map(|axis| edge_permittivities(grid, solid, &distance, axis, permittivities));
-        let accessible = match ion_gap {
+        let mut accessible = match ion_gap {
             Some(gap) => parts_beyond_gap(&gap.angstrom, grid.spacing_angstrom),
             None => parts_outside(grid, solid, &distance),
         };
         let is_on_surface = |d: &f32| (0.0..=ON_SURFACE_ANGSTROM).contains(d);
         let on_surface = (0..grid.len()).filter(|point| is_on_surface(&distance[*point]));
+        let inside: Vec<bool> = distance.iter().map(|d| *d < 0.0).collect();
+        move_salt_outside(grid, &inside, &mut accessible);
         Self {
-            inside: distance.iter().map(|d| *d < 0.0).collect(),
+            inside,
             on_surface: on_surface.collect(),
             edges,
             accessible,
@@ -152,6 +155,47 @@ fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Ve
         };
     });
     parts
+}
+
+/// Gives the salt in the boxes of points inside the surface to the nearest points outside, in equal
+/// shares. Boxes without any are not cut: salt in them would be within the solid.
+///
+/// The ions of such a box are in the solvent, whose potential goes on beyond the surface. That at the
+/// point itself does not: inside, the field is ε_out/ε_in times as strong. With it the salt's part of
+/// the energy of a Born ion of 3 Å at 1 M was 10 % too large on a grid of 0.5 Å, and 37 % at 1 Å.
+fn move_salt_outside(grid: &Grid, inside: &[bool], accessible: &mut [f32]) {
+    let with_salt = |at: &usize| inside[*at] && accessible[*at] > 0.0;
+    for at in (0..grid.len()).filter(with_salt).collect::<Vec<_>>() {
+        let part = std::mem::take(&mut accessible[at]);
+        let nearest = nearest_outside(grid, inside, at);
+        let share = part / nearest.len().max(1) as f32;
+        for neighbour in nearest {
+            accessible[neighbour] += share;
+        }
+    }
+}
+
+/// The nearest of the 26 neighbours of a point that are outside the surface.
+fn nearest_outside(grid: &Grid, inside: &[bool], at: usize) -> Vec<usize> {
+    let [nx, ny, _] = grid.shape;
+    let place = [at % nx, at / nx % ny, at / (nx * ny)];
+    let mut nearest = Vec::new();
+    let mut least = i32::MAX;
+    for number in 0..27 {
+        let step = [number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1];
+        let square = step.iter().map(|along| along * along).sum();
+        let [i, j, k] = [0, 1, 2].map(|axis| place[axis].wrapping_add_signed(step[axis] as isize));
+        let on_grid = i < grid.shape[0] && j < grid.shape[1] && k < grid.shape[2];
+        if square > least || !on_grid || inside[grid.index(i, j, k)] {
+            continue;
+        }
+        if square < least {
+            nearest.clear();
+            least = square;
+        }
+        nearest.push(grid.index(i, j, k));
+    }
+    nearest
 }
 
 /// Planes of points whose distances are found together.

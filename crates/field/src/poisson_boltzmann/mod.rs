@@ -205,9 +205,7 @@ impl Problem<'_> {
         let (operator, sides) = self.operator_on(&grid);
         let coulomb = self.coulomb_inside();
         let inside = &sides.inside;
-        let mut right =
-            coulomb_source::at_surface(&grid, &operator, inside, &coulomb, [inner, outer]);
-        coulomb_source::add_ions(&mut right, &grid, &operator, inside, &coulomb);
+        let right = coulomb_source::at_surface(&grid, &operator, inside, &coulomb, [inner, outer]);
         let iterations =
             conjugate_gradient::solve(&operator, &right, &mut values, self.relative_tolerance)?;
         let reduced = ScalarField { grid, values };
