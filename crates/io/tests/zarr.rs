@@ -318,3 +318,108 @@ fn what_a_set_cannot_hold_is_refused() {
     assert!(SetReader::open(folder.path()).is_err(), "an unfinished set");
     assert!(SetReader::open(Path::new("/no/such/set.zarr")).is_err());
 }
+
+/// The checksum of zarr's shards, CRC-32C, bit by bit.
+fn crc32c(bytes: &[u8]) -> u32 {
+    let mut sum = u32::MAX;
+    for byte in bytes {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ (0x82f6_3b78 & (sum & 1).wrapping_neg());
+        }
+    }
+    !sum
+}
+
+/// Reads everything; the message of the first error.
+fn read_all(path: &Path) -> Option<String> {
+    let set = match SetReader::open(path) {
+        Ok(set) => set,
+        Err(error) => return Some(error.to_string()),
+    };
+    (0..set.len()).find_map(|number| set.sample(number).err().map(|error| error.to_string()))
+}
+
+#[test]
+fn absurd_shapes_are_refused_before_memory_is_taken_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[sample(50, 1), sample(70, 2)]);
+    assert_eq!(read_all(folder.path()), None);
+    let rows = SetReader::open(folder.path()).unwrap();
+    let absurd = [
+        "0",
+        "1",
+        "7",
+        "1099511627776",
+        "1152921504606846976",
+        "18446744073709551615",
+    ];
+    for array in ["offsets", "index", "potential", "properties"] {
+        let path = folder.path().join(array).join("zarr.json");
+        let whole = std::fs::read_to_string(&path).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&whole).unwrap();
+        let places = [
+            "/shape/0",
+            "/chunk_grid/configuration/chunk_shape/0",
+            "/codecs/0/configuration/chunk_shape/0",
+            "/codecs/0/configuration/codecs/1/configuration/typesize",
+        ];
+        for place in places.iter().filter(|place| value.pointer(place).is_some()) {
+            for number in absurd {
+                let mut changed = value.clone();
+                *changed.pointer_mut(place).unwrap() = serde_json::from_str(number).unwrap();
+                if changed == value {
+                    continue;
+                }
+                std::fs::write(&path, changed.to_string()).unwrap();
+                // Files of more rows than there are hold the same rows.
+                let is_read = read_all(folder.path()).is_none();
+                let is_same =
+                    is_read && SetReader::open(folder.path()).unwrap().row(1) == rows.row(1);
+                assert!(is_same || !is_read, "{array} {place} = {number} is read");
+            }
+        }
+        std::fs::write(&path, whole).unwrap();
+    }
+}
+
+#[test]
+fn chunks_stated_to_lie_elsewhere_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[sample(50, 1), sample(70, 2)]);
+    let path = folder.path().join("potential/c/0");
+    let whole = std::fs::read(&path).unwrap();
+    // One chunk: its place and its length, and the checksum of both.
+    let list = whole.len() - 20;
+    assert_eq!(
+        crc32c(&whole[list..list + 16]).to_le_bytes(),
+        whole[list + 16..]
+    );
+    for (offset, length) in [
+        (0, 1 << 40),
+        (0, u64::MAX),
+        (u64::MAX, 1),
+        (u64::MAX, u64::MAX),
+        (1 << 62, 1 << 62),
+        (whole.len() as u64 - 1, 30),
+        (0, 0),
+    ] {
+        let mut forged = whole.clone();
+        forged[list..list + 8].copy_from_slice(&u64::to_le_bytes(offset));
+        forged[list + 8..list + 16].copy_from_slice(&u64::to_le_bytes(length));
+        let sum = crc32c(&forged[list..list + 16]);
+        forged[list + 16..].copy_from_slice(&sum.to_le_bytes());
+        std::fs::write(&path, &forged).unwrap();
+        let message = read_all(folder.path()).unwrap();
+        assert!(message.contains("potential/c/0"), "{message}");
+    }
+}
+
+#[test]
+fn a_table_with_a_lost_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &[sample(50, 1)]);
+    std::fs::remove_file(folder.path().join("properties/c/0/0")).unwrap();
+    let message = read_all(folder.path()).unwrap();
+    assert!(message.contains("c/0/0 is missing"), "{message}");
+}

@@ -77,6 +77,22 @@ impl Kind {
         }
     }
 
+    /// Dimensions of the array: a table, or a list.
+    pub(super) fn dimensions(self) -> usize {
+        match self {
+            Kind::Properties => 2,
+            Kind::Offsets | Kind::Index | Kind::Channel => 1,
+        }
+    }
+
+    /// Elements in a file at most, also of a table with very many columns.
+    pub(super) fn most_elements_per_file(self) -> u64 {
+        match self {
+            Kind::Properties => 1 << 24,
+            Kind::Offsets | Kind::Index | Kind::Channel => MOST_ELEMENTS_PER_FILE,
+        }
+    }
+
     fn bytes(self) -> usize {
         match self {
             Kind::Channel => 2,

@@ -16,7 +16,8 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`layout`] | the layout shared by writer and reader: arrays, chunks, files |
-//! | `stored` | an array on disk, with chunks verified when first read |
+//! | `metadata` | the metadata of an array, held against the layout |
+//! | `stored` | an array on disk, with files and chunks verified when first read |
 //! | `table` | the properties, a file at a time |
 //! | `group` | the attributes, as they stream by |
 //! | [`mod@write`] | writes samples one after another |
@@ -25,6 +26,7 @@
 
 mod group;
 pub mod layout;
+mod metadata;
 pub mod read;
 pub mod samples;
 mod stored;

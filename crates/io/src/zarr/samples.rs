@@ -1,7 +1,7 @@
 //! The samples of a set, without its attributes: memory for a number per sample.
 
 use super::group::{self, Head, not_a_set};
-use super::layout::{self, INDEX, OFFSETS};
+use super::layout::{self, INDEX, Kind, OFFSETS};
 use super::stored::Stored;
 use super::table::Table;
 use crate::{IoError, Result};
@@ -67,7 +67,7 @@ impl SampleReader {
         let size = head.size(path)?;
         let channels = head.channels(path)?;
         let implied = head.implied(path)?;
-        let index = Stored::open(path, &store, INDEX)?;
+        let index = Stored::open(path, &store, INDEX, Kind::Index)?;
         let offsets = read_offsets(path, &store, index.length())?;
         let mut values = Vec::with_capacity(channels.len());
         for name in &channels {
@@ -204,7 +204,7 @@ fn open_channel(
     name: &str,
     voxels: u64,
 ) -> Result<Stored> {
-    let stored = Stored::open(path, store, name)?;
+    let stored = Stored::open(path, store, name, Kind::Channel)?;
     if stored.length() == voxels {
         return Ok(stored);
     }
@@ -226,7 +226,7 @@ fn read_channel(stored: &Stored, range: Range<u64>) -> std::result::Result<Vec<f
 
 /// Where each sample begins, and where the last one ends; none is negative.
 fn read_offsets(path: &Path, store: &Arc<FilesystemStore>, voxels: u64) -> Result<Vec<i64>> {
-    let stored = Stored::open(path, store, OFFSETS)?;
+    let stored = Stored::open(path, store, OFFSETS, Kind::Offsets)?;
     let bad = |cause: &str| Err(IoError::parse(&stored.file(path, 0), 0, cause, MAKE_AGAIN));
     let offsets: Vec<i64> = match stored.read(0..stored.length()) {
         Ok(offsets) => offsets,

@@ -1,10 +1,14 @@
-//! An array on disk, with chunks verified when first read.
+//! An array on disk, with files and chunks verified when first read.
 
+use super::layout::{self, Kind};
+use super::metadata::{Metadata, require_sizes};
 use crate::{IoError, Result};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zarrs::array::codec::Crc32cCodec;
@@ -21,18 +25,29 @@ const MOST_CHUNKS: u64 = 1 << 24;
 /// An array of the layout.
 pub(super) struct Stored {
     name: String,
+    folder: PathBuf,
     array: Array<FilesystemStore>,
     cache: ArrayShardedReadableExtCache,
     per_file: u64,
     per_chunk: u64,
+    /// The files whose list of chunks has already been verified.
+    verified_files: Vec<AtomicBool>,
     /// The chunks that have already been verified.
     verified: Vec<AtomicBool>,
 }
 
 impl Stored {
-    pub(super) fn open(path: &Path, store: &Arc<FilesystemStore>, name: &str) -> Result<Self> {
+    /// Opens an array whose metadata are those of the layout. The array is made from its kind, its shape
+    /// and the shape of its files; no other metadata of the file are interpreted.
+    pub(super) fn open(
+        path: &Path,
+        store: &Arc<FilesystemStore>,
+        name: &str,
+        kind: Kind,
+    ) -> Result<Self> {
+        let folder = path.join(name);
         let damaged = |cause: String| {
-            let file = path.join(name).join("zarr.json").display().to_string();
+            let file = folder.join("zarr.json").display().to_string();
             Err(IoError::parse(
                 &file,
                 0,
@@ -40,32 +55,39 @@ impl Stored {
                 "copy or make the set again",
             ))
         };
-        let array = match Array::open(store.clone(), &format!("/{name}")) {
-            Ok(array) => array,
-            Err(cause) => return damaged(cause.to_string()),
+        let opened = Metadata::read(&folder.join("zarr.json")).and_then(|found| {
+            let [shape, per_file] = [found.shape()?, found.per_file()?];
+            require_sizes(kind, &shape, &per_file)?;
+            let attributes = found.attributes();
+            let made = layout::array(store, name, kind, &shape, &per_file, attributes);
+            let array = made.map_err(|error| error.to_string())?;
+            found.require_equal(&array)?;
+            Ok((array, per_file))
+        });
+        let (array, per_file) = match opened {
+            Ok((array, per_file)) => (array, per_file.first().copied().unwrap_or(1)),
+            Err(cause) => return damaged(cause),
         };
-        let chunk_shape = match array.chunk_shape(&vec![0; array.shape().len()]) {
-            Ok(shape) => shape,
-            Err(cause) => return damaged(cause.to_string()),
+        let per_chunk = match array.subchunk_shape() {
+            Some(shape) => shape.first().map_or(per_file, |length| length.get()),
+            None => per_file,
         };
-        let per_file = chunk_shape.first().map_or(1, |length| length.get());
-        let subchunk_shape = array.subchunk_shape().unwrap_or(chunk_shape);
-        let per_chunk = subchunk_shape
-            .first()
-            .map_or(per_file, |length| length.get());
         let length = array.shape().first().copied().unwrap_or(0);
-        // A damaged length must not allocate memory: stored elements take at least a bit each.
-        let chunks = length.div_ceil(per_chunk).min(MOST_CHUNKS);
-        let mut verified = Vec::new();
-        verified.resize_with(chunks as usize, AtomicBool::default);
+        let untested = |count: u64| {
+            let mut verified = Vec::new();
+            verified.resize_with(count.min(MOST_CHUNKS) as usize, AtomicBool::default);
+            verified
+        };
         let cache = ArrayShardedReadableExtCache::new(&array);
         Ok(Self {
             name: name.to_owned(),
+            folder,
             array,
             cache,
             per_file,
             per_chunk,
-            verified,
+            verified_files: untested(length.div_ceil(per_file)),
+            verified: untested(length.div_ceil(per_chunk)),
         })
     }
 
@@ -122,19 +144,42 @@ impl Stored {
             .map_err(|cause| cause.to_string())
     }
 
-    /// Verifies the checksums of the chunks of a range, once: reading a part of a chunk does not.
+    /// Verifies the files and the checksums of the chunks of a range, once: reading a part of a chunk
+    /// does not.
     fn verify(&self, range: &Range<u64>) -> std::result::Result<(), String> {
         if !self.array.is_sharded() {
             return Ok(());
         }
-        for chunk in range.start / self.per_chunk..=(range.end - 1) / self.per_chunk {
-            let verified = self.verified.get(chunk as usize);
-            if verified.is_some_and(|verified| verified.load(Ordering::Relaxed)) {
-                continue;
-            }
-            self.verify_chunk(chunk)?;
-            if let Some(verified) = verified {
-                verified.store(true, Ordering::Relaxed);
+        let last = range.end - 1;
+        for file in range.start / self.per_file..=last / self.per_file {
+            once(self.verified_files.get(file as usize), || {
+                self.verify_file(file)
+            })?;
+        }
+        for chunk in range.start / self.per_chunk..=last / self.per_chunk {
+            once(self.verified.get(chunk as usize), || {
+                self.verify_chunk(chunk)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Verifies that the chunks of a file lie in the file: zarrs takes memory for any length that the
+    /// list at its end states.
+    fn verify_file(&self, file: u64) -> std::result::Result<(), String> {
+        let chunks = self.per_file / self.per_chunk;
+        let elements = self.length() - file * self.per_file;
+        let used = elements.div_ceil(self.per_chunk).min(chunks);
+        let path = self.folder.join("c").join(file.to_string());
+        let list = chunk_list(&path, chunks).map_err(|cause| cause.to_string())?;
+        for entry in list.entries.iter().take(used as usize) {
+            match entry {
+                [u64::MAX, u64::MAX] => return Err("a part is missing".into()),
+                [offset, size]
+                    if offset
+                        .checked_add(*size)
+                        .is_some_and(|end| end <= list.start) => {}
+                _ => return Err("a part is stated to lie outside the file".into()),
             }
         }
         Ok(())
@@ -158,6 +203,51 @@ impl Stored {
 
     /// Whether a file can be read completely.
     pub(super) fn reads(&self, file: u64) -> bool {
-        self.array.retrieve_chunk::<ArrayBytes>(&[file]).is_ok()
+        let is_sound = !self.array.is_sharded() || self.verify_file(file).is_ok();
+        is_sound && self.array.retrieve_chunk::<ArrayBytes>(&[file]).is_ok()
     }
+}
+
+/// Does what has not been done before.
+fn once(
+    done: Option<&AtomicBool>,
+    work: impl FnOnce() -> std::result::Result<(), String>,
+) -> std::result::Result<(), String> {
+    if done.is_some_and(|done| done.load(Ordering::Relaxed)) {
+        return Ok(());
+    }
+    work()?;
+    if let Some(done) = done {
+        done.store(true, Ordering::Relaxed);
+    }
+    Ok(())
+}
+
+/// Where the chunks of a file lie.
+struct ChunkList {
+    /// Where the list itself begins.
+    start: u64,
+    /// First byte and length of each chunk; the largest numbers if it was never written.
+    entries: Vec<[u64; 2]>,
+}
+
+/// The list at the end of a file: two numbers of 8 bytes for each chunk and a checksum of 4 bytes.
+fn chunk_list(path: &Path, chunks: u64) -> std::io::Result<ChunkList> {
+    let mut file = File::open(path)?;
+    let length = 16 * chunks + 4;
+    let start = file.metadata()?.len().checked_sub(length);
+    let start = start.ok_or(std::io::ErrorKind::UnexpectedEof)?;
+    file.seek(SeekFrom::Start(start))?;
+    let mut bytes = vec![0; 16 * chunks as usize];
+    file.read_exact(&mut bytes)?;
+    let (numbers, _) = bytes.as_chunks::<8>();
+    let (entries, _) = numbers.as_chunks::<2>();
+    let number = |bytes: &[u8; 8]| u64::from_le_bytes(*bytes);
+    Ok(ChunkList {
+        start,
+        entries: entries
+            .iter()
+            .map(|entry| entry.each_ref().map(number))
+            .collect(),
+    })
 }

@@ -100,7 +100,7 @@ pub struct Table {
 
 impl Table {
     pub(super) fn open(path: &Path, store: &Arc<FilesystemStore>, samples: usize) -> Result<Self> {
-        let stored = Stored::open(path, store, PROPERTIES)?;
+        let stored = Stored::open(path, store, PROPERTIES, Kind::Properties)?;
         let columns = stored.attributes().get("columns").and_then(words);
         let table = Self {
             file: path.join(PROPERTIES),
@@ -118,11 +118,24 @@ impl Table {
     fn checked(self) -> Result<Self> {
         let expected = [self.samples as u64, self.columns.len().max(1) as u64];
         if self.stored.shape() == expected {
-            return Ok(self);
+            return self.with_all_files();
         }
         let (shape, [samples, width]) = (self.stored.shape(), expected);
         let cause = format!("its shape is {shape:?} for {samples} samples of {width} columns");
         Err(self.damaged(&cause))
+    }
+
+    /// The table, if none of its files is missing: zarrs reads them as rows without numbers.
+    fn with_all_files(self) -> Result<Self> {
+        let files = match self.columns.is_empty() {
+            true => 0,
+            false => (self.samples as u64).div_ceil(self.stored.per_file()),
+        };
+        let folder = self.file.join("c");
+        match (0..files).find(|file| !folder.join(file.to_string()).join("0").is_file()) {
+            Some(file) => Err(self.damaged(&format!("its file c/{file}/0 is missing"))),
+            None => Ok(self),
+        }
     }
 
     fn damaged(&self, cause: &str) -> IoError {
