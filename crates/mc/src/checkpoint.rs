@@ -39,6 +39,15 @@ impl Checkpoint {
         &self.settings
     }
 
+    /// Lengths of the lists that have an entry for each type of body.
+    fn lists_by_type(&self) -> [usize; 3] {
+        [
+            self.tuners.len(),
+            self.statistics.translation.len(),
+            self.statistics.rotation.len(),
+        ]
+    }
+
     /// # Errors
     /// [`McError::ForeignCheckpoint`] if it was written from another system.
     pub(crate) fn check_system(&self, system: &System) -> Result<()> {
@@ -52,8 +61,20 @@ impl Checkpoint {
             "its bodies are others".into()
         } else if self.boundary != *system.boundary() {
             "its box is another".into()
-        } else if self.tuners.len() != system.types().len() {
+        } else if self
+            .lists_by_type()
+            .iter()
+            .any(|length| *length != system.types().len())
+        {
             "it has another number of body types".into()
+        } else if !self.poses.iter().all(is_finite) {
+            "a pose in it is not finite".into()
+        } else if !self
+            .native_contacts
+            .iter()
+            .all(|pair| names_two(pair, system.len()))
+        {
+            "its contacts name bodies that do not exist".into()
         } else if self
             .energies
             .iter()
@@ -65,6 +86,17 @@ impl Checkpoint {
         };
         Err(McError::ForeignCheckpoint(difference))
     }
+}
+
+/// Whether a pose is made of numbers.
+fn is_finite(pose: &Pose) -> bool {
+    let rotation = pose.rotation.coords.iter();
+    pose.position.iter().chain(rotation).all(|x| x.is_finite())
+}
+
+/// Whether a pair names two of so many bodies, the smaller number first.
+fn names_two((first, second): &(usize, usize), bodies: usize) -> bool {
+    first < second && *second < bodies
 }
 
 /// The type of each body, by name.

@@ -50,6 +50,15 @@ enum End {
 }
 
 impl Exchanges {
+    /// Whether the lists are those of so many rungs, and each rung has a walker.
+    fn fit(&self, rungs: usize) -> bool {
+        let mut walkers = self.walkers.clone();
+        walkers.sort_unstable();
+        walkers.into_iter().eq(0..rungs)
+            && self.last_ends.len() == rungs
+            && self.swaps.len() + 1 == rungs.max(1)
+    }
+
     fn new(rungs: usize) -> Self {
         let mut exchanges = Self {
             rounds: 0,
@@ -107,7 +116,7 @@ impl Ladder {
         ladder: u32,
         exchanges: Exchanges,
     ) -> Result<Self> {
-        if exchanges.walkers.len() != rungs.len() {
+        if !exchanges.fit(rungs.len()) {
             let cause = format!(
                 "it has {} rungs, and this ladder {}",
                 exchanges.walkers.len(),

@@ -96,6 +96,32 @@ pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Op
     }
 }
 
+/// Refuses a state whose lists are not as long as those of the work: name, length and the length that
+/// is needed. A checksum shows that a checkpoint is what was written, not that it fits. So every run
+/// calls this for the lists that it has in memory before it takes them over.
+///
+/// ```
+/// use protomer_results::checkpoint::require_lengths;
+/// assert!(require_lengths(&[("positions", 12, 12), ("velocities", 12, 12)]).is_ok());
+/// let error = require_lengths(&[("positions", 12, 12), ("velocities", 11, 12)]).unwrap_err();
+/// assert!(error.to_string().contains("11 velocities where the run has 12"));
+/// ```
+///
+/// # Errors
+/// [`Error::UnfitCheckpoint`] names the first list of another length.
+pub fn require_lengths(lists: &[(&'static str, usize, usize)]) -> Result<()> {
+    for &(list, found, expected) in lists {
+        if found != expected {
+            return Err(Error::UnfitCheckpoint {
+                list,
+                found,
+                expected,
+            });
+        }
+    }
+    Ok(())
+}
+
 /// Writes a checkpoint; the old one stays until the new one is complete.
 ///
 /// # Errors

@@ -141,6 +141,19 @@ pub enum Error {
         .0.display()
     )]
     ForeignCheckpoint(PathBuf),
+    /// A list of a checkpoint is not as long as the work needs it.
+    #[error(
+        "the checkpoint has {found} {list} where the run has {expected}; restore it, or start again \
+         with --force"
+    )]
+    UnfitCheckpoint {
+        /// What the list holds, in the plural.
+        list: &'static str,
+        /// Its length.
+        found: usize,
+        /// The length that the work needs.
+        expected: usize,
+    },
     /// A log that a checkpoint vouches for cannot be read.
     #[error("cannot read the log {}; restore it, or start again with --force", path.display())]
     LostLog {

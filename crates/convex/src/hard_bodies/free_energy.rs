@@ -17,6 +17,7 @@ use protomer_hpmc::frenkel_ladd::{
 };
 use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::summarize;
+use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Row, Run,
     Settings, Turn, Work, drive, log, settings,
@@ -461,7 +462,13 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
 
     fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open<D>> {
         let (mark, plan, states) = match saved {
-            Some(saved) => (saved.log, saved.plan, saved.walkers),
+            Some(saved) => {
+                require_lengths(&[
+                    ("strengths", saved.plan.points.len(), STRENGTHS),
+                    ("crystals", saved.walkers.len(), STRENGTHS),
+                ])?;
+                (saved.log, saved.plan, saved.walkers)
+            }
             None => (LogMark::default(), self.measurement.plan()?, Vec::new()),
         };
         let mut walkers = Vec::new();

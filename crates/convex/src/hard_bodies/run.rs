@@ -20,6 +20,7 @@ use protomer_hpmc::heights::Walls;
 use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
+use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
     Work, drive, log, settings,
@@ -230,11 +231,16 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         let (settings, depletants) = (self.settings, &self.settings.depletants);
         let is_new = saved.is_none();
         let (mark, frames, simulation) = match saved {
-            Some(saved) => (
-                saved.log,
-                saved.frames,
-                Simulation::resume(&self.engine, &self.body, depletants, &saved.state)?,
-            ),
+            Some(saved) => {
+                let (state, bodies) = (&saved.state, settings.bodies);
+                require_lengths(&[
+                    ("coordinates", state.positions.len(), D * bodies),
+                    ("orientations", state.orientations_wxyz.len(), bodies),
+                    ("lengths of the box", state.lengths.len(), D),
+                ])?;
+                let resumed = Simulation::resume(&self.engine, &self.body, depletants, state)?;
+                (saved.log, saved.frames, resumed)
+            }
             None => {
                 let new = Simulation::new(&self.engine, &self.body, depletants, &self.start)?;
                 (LogMark::default(), 0, new)

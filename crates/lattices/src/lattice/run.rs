@@ -18,6 +18,7 @@ use protomer_common::answer::Answer;
 use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::paper::PaperStatistics;
 use protomer_crystal::lattice::{Mover, State};
+use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Interrupt, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run,
     Turn, Work, drive, log, settings,
@@ -423,6 +424,12 @@ impl Run for LatticeRun<'_> {
         let mut mover = self.mover()?;
         let saved = match saved {
             Some(saved) => {
+                let coordinates = self.begun.state.positions.len();
+                require_lengths(&[
+                    ("positions", saved.state.positions.len(), coordinates),
+                    ("velocities", saved.state.velocities.len(), coordinates),
+                    ("logged positions", saved.logged.len(), coordinates),
+                ])?;
                 mover.resume(&saved.state, saved.progress.events, saved.paper)?;
                 saved
             }

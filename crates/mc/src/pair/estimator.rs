@@ -209,6 +209,31 @@ impl Estimator {
         })
     }
 
+    /// Checks an estimate that was read back.
+    ///
+    /// # Errors
+    /// [`McError::ForeignCheckpoint`] if it is of other settings, or its lists do not fit each other.
+    pub fn check(&self, settings: &PairSettings) -> Result<()> {
+        let replicas = settings.replicas as usize;
+        let fits = match &self.plan {
+            None => self.replicas.is_empty(),
+            Some(plan) => {
+                let sampled = plan.sampled as usize;
+                let expected = match plan.rounds.len() {
+                    0 => return Err(McError::ForeignCheckpoint("it has no rounds".into())),
+                    1 => sampled,
+                    _ => replicas,
+                };
+                sampled <= replicas && self.replicas.len() == expected && plan.proposal.fits()
+            }
+        };
+        if self.settings == *settings && fits {
+            return Ok(());
+        }
+        let cause = "its replicas are not those of these settings";
+        Err(McError::ForeignCheckpoint(cause.into()))
+    }
+
     /// The number of steps of a whole estimate.
     pub fn steps(settings: &PairSettings) -> u64 {
         Self::PILOT_STEPS + ROUNDS * u64::from(settings.replicas)

@@ -27,6 +27,12 @@ pub struct Proposal {
 }
 
 impl Proposal {
+    /// Whether it has a cap where a share of the draws lies in caps.
+    pub fn fits(&self) -> bool {
+        (0.0..=1.0).contains(&self.share_of_caps)
+            && (self.share_of_caps == 0.0 || !self.centres.is_empty())
+    }
+
     /// The uniform distribution.
     pub fn uniform() -> Self {
         Self {

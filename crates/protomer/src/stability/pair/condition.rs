@@ -221,7 +221,10 @@ impl Run for Condition<'_> {
 
     fn open(&self, _: &Path, saved: Option<Saved>) -> Result<State> {
         let estimator = match saved {
-            Some(saved) => saved.estimator,
+            Some(saved) => {
+                saved.estimator.check(&self.sampling()?)?;
+                saved.estimator
+            }
             None => Estimator::new(self.sampling()?)?,
         };
         let effective = self.effective_charges()?;

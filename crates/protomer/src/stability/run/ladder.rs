@@ -12,6 +12,7 @@ use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Error, Result};
 use protomer_mc::exchange::Exchanges;
 use protomer_mc::{Checkpoint, Ladder, Simulation};
+use protomer_results::checkpoint::require_lengths;
 use protomer_results::{Exit, Record, ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -127,6 +128,11 @@ impl Run for LadderRun<'_> {
                 Ladder::new(simulations, seed, replica)?
             }
             Some(saved) => {
+                let rungs = self.rungs.len();
+                require_lengths(&[
+                    ("outputs", saved.outputs.len(), rungs),
+                    ("simulations", saved.simulations.len(), rungs),
+                ])?;
                 saved_outputs = saved.outputs;
                 let rungs = self.rungs.iter().zip(saved.simulations);
                 let simulations = rungs.map(|(rung, checkpoint)| self.resume(rung, checkpoint));
