@@ -25,13 +25,17 @@ def call(
     progress: Callable[[int, int, str], None] | None,
     client: Any = None,
     parts: int | None = None,
+    repeated: Sequence[str] = (),
 ) -> R:
-    """Runs a verb and wraps its answer; with a client, workers do most of the work first."""
+    """Runs a verb and wraps its answer; with a client, workers do most of the work first.
+
+    The program reads a flag in `repeated` once per value, and every other list from one word with commas.
+    """
     output: Any = flags.get("--output")
     with Files(verb, output, replace=bool(flags.get("--force"))) as files:
         words = list(verb)
         for flag, value in flags.items():
-            words += _flag(flag, files.named(value))
+            words += _flag(flag, files.named(value), once_per_value=flag in repeated)
         placed = [word for value in places for word in _words(files.named(value))]
         if verb[0] in _GOES_ON:
             for word in placed:
@@ -80,19 +84,15 @@ def salts(verb: str, salt: Any, salt_molar: Any, *, required: bool = False) -> A
     return [f"{_word(float(value))}M" for value in values]
 
 
-def _flag(flag: str, value: object) -> list[str]:
+def _flag(flag: str, value: object, *, once_per_value: bool) -> list[str]:
     if value is None or value is False:
         return []
     if value is True:
         return [flag]
-    if _is_many(value) and flag not in _REPEATED:
+    if _is_many(value) and not once_per_value:
         return [f"{flag}={','.join(_words(value))}"]
     # One word, so that values may start with a minus sign.
     return [f"{flag}={word}" for word in _words(value)]
-
-
-# Flags that are repeated for each value; all others take a comma-separated list.
-_REPEATED = frozenset({"--part", "--shape", "--share"})
 
 
 def _is_many(value: object) -> bool:

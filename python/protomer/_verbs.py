@@ -1017,6 +1017,7 @@ class _Md:
                 "--force": force,
             },
             progress,
+            repeated=["--shape", "--share"],
         )
 
 
@@ -1590,6 +1591,7 @@ def phase_diagram(
             "--force": force,
         },
         progress,
+        repeated=["--crystal", "--free-energy", "--branch"],
     )
 
 
@@ -5621,4 +5623,5 @@ def bench(
             "--force": force,
         },
         progress,
+        repeated=["--part"],
     )

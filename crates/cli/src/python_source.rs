@@ -212,6 +212,9 @@ struct Parameter {
     annotation: String,
     required: bool,
     is_switch: bool,
+    /// Whether the flag is repeated for each value. Without a delimiter clap would take a list
+    /// with commas for a single value.
+    is_repeated: bool,
     help: String,
 }
 
@@ -238,6 +241,8 @@ impl Parameter {
             // Another keyword may say the same.
             required: arg.is_required_set() && arg.get_id() != SALT,
             is_switch,
+            is_repeated: matches!(arg.get_action(), ArgAction::Append)
+                && arg.get_value_delimiter().is_none(),
             help,
         }
     }
@@ -249,6 +254,7 @@ impl Parameter {
             annotation: annotation.into(),
             required: false,
             is_switch: false,
+            is_repeated: false,
             help: help.into(),
         }
     }
@@ -265,6 +271,7 @@ impl Parameter {
             },
             required: false,
             is_switch: false,
+            is_repeated: false,
             help: match several {
                 true => "The same as numbers in mol/L, instead of `salt`".into(),
                 false => "The same as a number in mol/L, instead of `salt`".into(),
@@ -394,6 +401,14 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     let _ = writeln!(text, "{inner}    }},\n{inner}    progress,");
     for Parameter { name, .. } in &shared {
         let _ = writeln!(text, "{inner}    {name}={name},");
+    }
+    let repeated: Vec<String> = flags
+        .iter()
+        .filter(|flag| flag.is_repeated)
+        .filter_map(|flag| Some(format!("\"{}\"", flag.flag.as_ref()?)))
+        .collect();
+    if !repeated.is_empty() {
+        let _ = writeln!(text, "{inner}    repeated=[{}],", repeated.join(", "));
     }
     let _ = writeln!(text, "{inner})");
 }
