@@ -154,7 +154,11 @@ fn metrics_hold_scores_beside_baselines_and_the_ablation() {
     }
     let intervals = line("95 % over clusters");
     assert_eq!(intervals.matches("(majority 0.").count(), 2, "{text}");
-    assert!(line("permutation p").contains("can move"), "{text}");
+    let test = line("permutation test");
+    assert!(
+        test.contains("can move") && test.contains("does not test the gain over the prior"),
+        "{text}"
+    );
     assert!(
         line("calibration").contains("Brier") && line("true").contains("positive"),
         "{text}"

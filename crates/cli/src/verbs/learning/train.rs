@@ -228,7 +228,7 @@ impl TrainArgs {
         };
         let control = metrics.control.as_ref();
         let has_missed = control.is_some_and(|control| !control.reached);
-        let warnings: Vec<String> = metrics
+        let mut warnings: Vec<String> = metrics
             .single_cluster_classes
             .iter()
             .map(|class| {
@@ -238,6 +238,8 @@ impl TrainArgs {
                 )
             })
             .collect();
+        let joined = metrics.joined_labels();
+        warnings.extend(joined.map(|joined| format!("warning: {joined}")));
         Ok(Reply::of(metrics)
             .with_notes(warnings)
             .partial_if(has_missed))

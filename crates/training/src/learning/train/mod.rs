@@ -17,6 +17,7 @@
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores compared with baselines |
 //! | `summary` | the scores as text |
+//! | `told` | what the text and the page both say: rows of scores, joined labels, the permutation test |
 //! | `ablation`, `control`, `control_report`, `figure` | tables of channels, verdicts on controls, the learning curve |
 
 mod ablation;
@@ -30,6 +31,7 @@ mod run;
 mod settings;
 mod source;
 mod summary;
+mod told;
 mod trained_on;
 
 pub(crate) use ablation::summary as ablation_summary;
@@ -43,4 +45,5 @@ pub use run::{MODEL, PREDICTED_NUMBERS, SETTINGS, check, train_in};
 pub use settings::{Source, SplitBy, TrainSettings};
 pub use source::{channels_of, open_set, samples_of};
 pub(crate) use summary::decimals_of;
+pub use told::ScoreRow;
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};

@@ -2,12 +2,11 @@
 //! same split.
 
 use super::ablation_summary;
-use super::metrics::{BaselineScores, Metrics, NumberMetrics, simplest_first};
+use super::metrics::{Metrics, NumberMetrics};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::evaluation::Intervals;
 use protomer_learn::number_scores::{NumberIntervals, NumberScores};
-use protomer_learn::targets::{LabelCount, OTHER};
 
 /// Largest number of classes for which the confusion matrix is shown.
 const MOST_CLASSES_SHOWN: usize = 12;
@@ -50,12 +49,8 @@ fn head(metrics: &Metrics) -> String {
             absent.join(", ")
         );
     }
-    if !metrics.other_labels.is_empty() {
-        let mut joined = Vec::new();
-        for LabelCount { label, samples } in &metrics.other_labels {
-            joined.push(format!("{label} ({samples})"));
-        }
-        head += &format!("\n{OTHER}, by samples: {}", joined.join(", "));
+    if let Some(joined) = metrics.joined_labels() {
+        head += &format!("\n{joined}");
     }
     head
 }
@@ -71,39 +66,17 @@ fn scores(metrics: &Metrics) -> String {
         "gained over prior",
     ];
     let mut rows = vec![heading(words)];
-    let network = BaselineScores {
-        accuracy: metrics.accuracy,
-        balanced_accuracy: metrics.balanced_accuracy,
-        macro_f1: metrics.macro_f1,
-        top3_accuracy: metrics.top3_accuracy,
-        log_loss_nats: metrics.log_loss_nats,
-    };
-    let mut add = |name: &str, scores: &BaselineScores| {
-        let shares = [
-            scores.accuracy,
-            scores.balanced_accuracy,
-            scores.macro_f1,
-            scores.top3_accuracy,
-        ];
-        let mut row = vec![name.replace('_', " ")];
-        row.extend(shares.map(|share| format!("{share:.3}")));
-        // Always predicting one class gives the others probability 0, so its log-loss is
-        // meaningless.
-        let (loss, gained) = if name == "majority" {
-            ("-".into(), "-".into())
-        } else {
-            let gained = metrics.prior_log_loss_nats - scores.log_loss_nats;
-            (
-                format!("{:.3}", scores.log_loss_nats),
-                format!("{gained:+.3}"),
-            )
-        };
-        row.extend([loss, gained]);
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "-".into());
+    for scores in metrics.score_rows() {
+        let mut row = vec![scores.name];
+        row.extend(scores.shares.map(|share| format!("{share:.3}")));
+        row.push(or_dash(
+            scores.log_loss_nats.map(|loss| format!("{loss:.3}")),
+        ));
+        row.push(or_dash(
+            scores.gained_nats.map(|gained| format!("{gained:+.3}")),
+        ));
         rows.push(row);
-    };
-    add("network", &network);
-    for name in simplest_first(&metrics.baselines) {
-        add(name, &metrics.baselines[name]);
     }
     columns(&rows)
 }
@@ -159,25 +132,18 @@ fn intervals(metrics: &Metrics) -> String {
         balanced_accuracy,
         nats_gained_over_prior,
     } = &metrics.bootstrap_95;
-    let p = if metrics.permutation_p < 0.001 {
-        "< 0.001".into()
-    } else {
-        format!("{:.3}", metrics.permutation_p)
-    };
-    // Each score is shown beside that of the majority class.
+    // Each score is shown with that of the majority class.
     let majority = metrics.baselines.get("majority");
     let majority_balanced = majority.map_or(f64::NAN, |majority| majority.balanced_accuracy);
     format!(
         "95 % over clusters: accuracy {} (majority {:.3}), balanced accuracy {} (majority {:.3}), \
-         gained {} nats\npermutation p {p} of {} exchanges; labels of {:.0} % of the samples can \
-         move",
+         gained {} nats\npermutation test: {}",
         range(accuracy),
         metrics.majority_accuracy,
         range(balanced_accuracy),
         majority_balanced,
         range(nats_gained_over_prior),
-        metrics.permutations,
-        100.0 * metrics.permutation_movable
+        metrics.permutation_test()
     )
 }
 
