@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use protomer_plot::{Axis, Figure, Panel, Point, Series};
 /// let points = [(0.01, 52.0, 0.5), (0.1, 60.0, 2.0)].map(|(x, y, error)| Point { x, y, error: Some(error) });
-/// let series = Series { name: "D_4".into(), points: points.to_vec(), replicas: vec![], line: true };
+/// let series = Series { name: "D_4".into(), points: points.to_vec(), line: true, ..Series::default() };
 /// let figure = Figure {
 ///     title: "Stability of the assembly".into(),
 ///     caption: "error bars: standard error of five replicas".into(),
@@ -94,6 +94,30 @@ pub struct Series {
     pub replicas: Vec<[f64; 2]>,
     /// Whether a line joins the points.
     pub line: bool,
+    /// Values of x with their intervals.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spans: Vec<Span>,
+}
+
+/// A value of x and its interval: a marker on a horizontal bar.
+///
+/// ```
+/// use protomer_plot::{Series, Span};
+/// let half = Span { x: 0.11, y: 0.5, from: 0.10, to: 0.13 };
+/// let half_salt = Series { name: "half, 95 %".into(), spans: vec![half], ..Series::default() };
+/// assert!(half_salt.points.is_empty());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Span {
+    /// Abscissa.
+    pub x: f64,
+    /// Ordinate of marker and bar.
+    pub y: f64,
+    /// Left end of the bar.
+    pub from: f64,
+    /// Right end of the bar.
+    pub to: f64,
 }
 
 /// A point with its error.
@@ -217,8 +241,11 @@ impl Panel {
     pub(crate) fn values(&self) -> impl Iterator<Item = [f64; 2]> {
         self.series.iter().flat_map(|series| {
             let points = series.points.iter().map(|point| [point.x, point.y]);
+            let spans = series.spans.iter();
+            let spans = spans.flat_map(|span| [span.x, span.from, span.to].map(|x| [x, span.y]));
             points
                 .chain(series.replicas.iter().copied())
+                .chain(spans)
                 .filter(|[_, y]| !y.is_nan())
         })
     }
@@ -271,6 +298,7 @@ mod tests {
                     .flat_map(|i| replicas(i).into_iter().map(move |y| [salts[i], y]))
                     .collect(),
                 line: true,
+                ..Series::default()
             }
         };
         let r_g = vec![
@@ -401,6 +429,37 @@ mod tests {
                 .write_png(&Path::new(&path).with_extension("single.png"))
                 .unwrap();
         }
+    }
+
+    #[test]
+    fn a_span_is_a_marker_on_a_bar_and_survives_in_the_source() {
+        let span = Span {
+            x: 2.0,
+            y: 0.5,
+            from: 1.0,
+            to: 4.0,
+        };
+        let figure = Figure {
+            x: Axis::log("salt"),
+            panels: vec![Panel {
+                y: Axis::linear("fraction").with_range(0.0, 1.0),
+                series: vec![Series {
+                    spans: vec![span],
+                    ..Series::default()
+                }],
+            }],
+            ..Figure::default()
+        };
+        let svg = figure.to_svg().unwrap();
+        let (found, bare) = Figure::from_svg(&svg).unwrap().unwrap();
+        assert_eq!(found, figure);
+        // The bar with two caps, in the colour of the series; then the marker on its rim.
+        assert_eq!(bare.matches("stroke=\"#0072B2\"").count(), 3, "{bare}");
+        assert_eq!(bare.matches("<circle").count(), 2, "{bare}");
+        let mut outside = figure;
+        outside.panels[0].series[0].spans[0].from = -1.0;
+        let error = outside.to_svg().unwrap_err().to_string();
+        assert!(error.contains("value -1 cannot be drawn"), "{error}");
     }
 
     #[test]

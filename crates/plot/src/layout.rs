@@ -179,7 +179,7 @@ fn draw_legend_entry(name: &str, style: Style, [x, y]: [f64; 2], canvas: &mut dy
     canvas.text(name, start, TextStyle::new(LEGEND_SIZE, INK, Align::Left));
 }
 
-/// Draws replicas, line, error bars and points, in this order. A line of many points has no
+/// Draws replicas, line, error bars, points and spans, in this order. A line of many points has no
 /// markers.
 fn draw_series(series: &Series, style: Style, area: &Area, canvas: &mut dyn Canvas) {
     let Style { colour, marker } = style;
@@ -198,21 +198,27 @@ fn draw_series(series: &Series, style: Style, area: &Area, canvas: &mut dyn Canv
     for point in drawn {
         if let Some(error) = point.error.filter(|error| error.is_finite()) {
             let ends = [point.y - error, point.y + error].map(|y| area.place(point.x, y));
-            draw_error_bar(ends, colour, canvas);
+            draw_bar(ends, [ERROR_BAR_CAP, 0.0], colour, canvas);
         }
     }
-    if series.line && places.len() > MOST_MARKED {
-        return;
+    if !series.line || places.len() <= MOST_MARKED {
+        for place in places {
+            draw_point(marker, place, colour, canvas);
+        }
     }
-    for place in places {
-        draw_point(marker, place, colour, canvas);
+    for span in &series.spans {
+        let ends = [span.from, span.to].map(|x| area.place(x, span.y));
+        draw_bar(ends, [0.0, ERROR_BAR_CAP], colour, canvas);
+        draw_point(marker, area.place(span.x, span.y), colour, canvas);
     }
 }
 
-fn draw_error_bar(ends: [[f64; 2]; 2], colour: Rgb, canvas: &mut dyn Canvas) {
+/// A bar with a cap at each end; half a cap is `half_cap`.
+fn draw_bar(ends: [[f64; 2]; 2], half_cap: [f64; 2], colour: Rgb, canvas: &mut dyn Canvas) {
     canvas.line(&ends, ERROR_BAR_WIDTH, colour);
+    let [across, along] = half_cap;
     for [x, y] in ends {
-        let cap = [[x - ERROR_BAR_CAP, y], [x + ERROR_BAR_CAP, y]];
+        let cap = [[x - across, y - along], [x + across, y + along]];
         canvas.line(&cap, ERROR_BAR_WIDTH, colour);
     }
 }

@@ -40,7 +40,7 @@ mod typeface;
 
 pub use colour_map::ColourMap;
 pub use error::{PlotError, Result};
-pub use figure::{Axis, Figure, Panel, Point, Series};
+pub use figure::{Axis, Figure, Panel, Point, Series, Span};
 pub use heat_map::HeatMap;
 pub use output::{HEIGHT, WIDTH};
 pub use runs::literal;

@@ -153,8 +153,8 @@ fn strain(points: &[Value], key: &str, axis: &str) -> Series {
     Series {
         name: format!("along {axis}"),
         points: curve,
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     }
 }
 

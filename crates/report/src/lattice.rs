@@ -266,8 +266,8 @@ fn figure(rows: &[&LogRow]) -> Figure {
             })
             .filter(|point| point.y.is_finite())
             .collect(),
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     };
     let mut energies = vec![series("total", |row| row.energy)];
     if rows.iter().any(|row| row.potential_energy != 0.0) {

@@ -2,7 +2,13 @@
 //! tampered with.
 
 use crate::common::{TemporaryFolder, contents, is_ok, message};
-use protomer::stability::run::RunSettings;
+use protomer::stability::run::{AcceptedFractions, RunSettings, Starts};
+use protomer::stability::sweep::figure::figure;
+use protomer::stability::sweep::result::SweepResult;
+use protomer::stability::sweep::stability::Stability;
+use protomer::stability::sweep::table::{ReplicaResult, SaltRow};
+use protomer_kernel::statistics::Summary;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Child, Command};
@@ -777,4 +783,122 @@ fn the_settings_file_of_a_run_is_a_configuration_that_continues_it() {
     );
     assert!(toml::from_str::<RunSettings>("sweps = 3").is_err());
     assert!(toml::from_str::<RunSettings>("[medium]\nsalt = 3").is_err());
+}
+
+/// A sweep whose replicas have these fractions of bound bodies and of contacts at three salts.
+fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
+    let settings = RunSettings {
+        salt_molar: vec![0.05, 0.1, 0.2],
+        replicas: 4,
+        starts,
+        ..RunSettings::default()
+    };
+    let summary = |mean| Summary {
+        mean,
+        standard_deviation: 0.01,
+        standard_error: 0.01,
+        autocorrelation_time: 0.5,
+        effective_samples: 100.0,
+    };
+    let replica = |replica, salt| ReplicaResult {
+        replica,
+        r_g_angstrom: summary(50.0),
+        native_contacts: Some(summary(fractions(replica, salt))),
+        largest_cluster: summary(4.0),
+        energy_kt: summary(-3.0),
+        accepted: AcceptedFractions {
+            translation_acceptance: 0.4,
+            rotation_acceptance: 0.4,
+        },
+        cluster_moved_mean: 1.0,
+        contacts: Some(summary(8.0 * fractions(replica, salt))),
+        bound_fraction: Some(summary(fractions(replica, salt))),
+        effective_bodies: None,
+    };
+    let replicas: Vec<Vec<ReplicaResult>> = (0..3)
+        .map(|salt| (0..4).map(|number| replica(number, salt)).collect())
+        .collect();
+    let mut salts = Vec::new();
+    for (salt_molar, replicas) in settings.salt_molar.iter().zip(&replicas) {
+        let interaction = settings.medium.interaction(Some(*salt_molar)).unwrap();
+        salts.push(SaltRow::new(*salt_molar, &interaction, replicas));
+    }
+    let figure = figure(&SweepResult {
+        version: String::new(),
+        input_sha256: String::new(),
+        bodies: 8,
+        concentration_molar: 1e-4,
+        box_angstrom: Some([500.0; 3]),
+        stability: Stability::new(&settings, &replicas, 8),
+        settings,
+        salts,
+        replicas,
+        exchanges: Vec::new(),
+        time_series: Vec::new(),
+    });
+    assert!(figure.to_svg().is_ok());
+    serde_json::to_value(figure).unwrap()
+}
+
+/// The names of the series in each panel.
+fn names(figure: &Value) -> Vec<Vec<&str>> {
+    fn series(panel: &Value) -> Vec<&str> {
+        let series = panel["series"].as_array().unwrap();
+        series
+            .iter()
+            .map(|series| series["name"].as_str().unwrap())
+            .collect()
+    }
+    figure["panels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(series)
+        .collect()
+}
+
+#[test]
+fn the_figure_tells_starts_apart_and_marks_the_half_salt() {
+    let falling = [0.95, 0.75, 0.05];
+    let agree = drawn(Starts::Both, |_, salt| falling[salt]);
+    let starts = ["from the assembly", "from a fluid"];
+    let half = "half, and its interval of 95 %";
+    assert_eq!(
+        names(&agree),
+        [
+            starts.to_vec(),
+            [starts.as_slice(), &[half]].concat(),
+            [starts.as_slice(), &[half]].concat()
+        ]
+    );
+    for panel in [1, 2] {
+        let span = &agree["panels"][panel]["series"][2]["spans"][0];
+        let [x, y, from, to] = ["x", "y", "from", "to"].map(|key| span[key].as_f64().unwrap());
+        // Between 100 mM, where 0.75 are left, and 200 mM.
+        assert!((100.0..200.0).contains(&x) && y == 0.5, "{span}");
+        assert!(from < x && x < to, "{span}");
+    }
+
+    // The mean of starts that disagree is a state of neither: each has its curve, and there is no half.
+    let apart = drawn(Starts::Both, |replica, _| match replica % 2 {
+        0 => 0.9,
+        _ => 0.1,
+    });
+    assert_eq!(names(&apart), vec![starts.to_vec(); 3]);
+    let curves = &apart["panels"][2]["series"];
+    for (start, height) in [(0, 0.9), (1, 0.1)] {
+        let found = curves[start]["points"][0]["y"].as_f64().unwrap();
+        assert!((found - height).abs() < 1e-12, "{found}");
+        assert_eq!(curves[start]["replicas"].as_array().unwrap().len(), 6);
+    }
+    assert!(
+        apart["caption"]
+            .as_str()
+            .unwrap()
+            .contains("not equilibrated")
+    );
+
+    // A single curve has one name in all panels, and so no legend.
+    let alike = drawn(Starts::Assembly, |_, _| 0.9);
+    assert_eq!(names(&alike), vec![vec!["mean of the replicas"]; 3]);
 }

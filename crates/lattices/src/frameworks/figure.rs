@@ -60,8 +60,8 @@ fn panel(label: &str, name: &str, points: Vec<Point>) -> Panel {
     let series = Series {
         name: name.into(),
         points,
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     };
     Panel {
         y,

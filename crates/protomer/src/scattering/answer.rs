@@ -270,8 +270,8 @@ fn series(
         name: name.into(),
         // Zero cannot be shown on a logarithmic axis.
         points: points.filter(|point| point.y > 0.0).collect(),
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     }
 }
 

@@ -88,8 +88,8 @@ impl ComparedSweep {
         Series {
             name: literal(&self.name),
             points,
-            replicas: Vec::new(),
             line: true,
+            ..Series::default()
         }
     }
 }

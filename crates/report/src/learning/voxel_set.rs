@@ -218,14 +218,14 @@ fn figure(samples: &[SampleRecord]) -> Figure {
         counts.push(Series {
             name: name.to_owned(),
             points: bins.count(points.iter().map(|[size, _]| *size)),
-            replicas: Vec::new(),
             line: true,
+            ..Series::default()
         });
         occupied.push(Series {
             name: name.to_owned(),
-            points: Vec::new(),
             replicas: points,
             line: false,
+            ..Series::default()
         });
     }
     Figure {

@@ -186,8 +186,8 @@ fn phase_differences(sweep: &LatticeSweep, data: &[Data]) -> Figure {
         series.push(Series {
             name: name(row, sweep),
             points,
-            replicas: Vec::new(),
             line: true,
+            ..Series::default()
         });
     }
     Figure {
@@ -249,9 +249,9 @@ fn crossings(sweep: &LatticeSweep, data: &[Data]) -> Figure {
 fn scatter(name: String, replicas: Vec<[f64; 2]>) -> Series {
     Series {
         name,
-        points: Vec::new(),
         replicas,
         line: false,
+        ..Series::default()
     }
 }
 
@@ -378,6 +378,7 @@ fn curve(
         points,
         replicas,
         line: true,
+        ..Series::default()
     }
 }
 

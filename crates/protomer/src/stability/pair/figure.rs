@@ -203,9 +203,8 @@ fn line_name(condition: &ConditionResult) -> String {
 fn named(name: String) -> Series {
     Series {
         name,
-        points: Vec::new(),
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     }
 }
 

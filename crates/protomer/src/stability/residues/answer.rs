@@ -39,9 +39,8 @@ impl Answer for ResiduesResult {
                 names.push(&row.name.body);
                 series.push(Series {
                     name: literal(&row.name.body),
-                    points: Vec::new(),
-                    replicas: Vec::new(),
                     line: true,
+                    ..Series::default()
                 });
             }
             let points = &mut series[index].points;

@@ -6,7 +6,7 @@ use crate::stability::sweep::stability::with_interval;
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::csv::{Cell, Table};
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
 use serde::Serialize;
 use std::path::Path;
 
@@ -149,24 +149,35 @@ impl ReweightingResult {
 
     pub(super) fn drawn(&self) -> Figure {
         let has_salt = self.simulated_salt_molar.iter().all(|salt| *salt > 0.0);
-        let panel = |name: &str, of: fn(&CurvePoint) -> Estimate| Panel {
+        let panel = |name: &str, value: ValueOfPoint, half: HalfOfCurve| Panel {
             y: Axis::linear(name).with_range(0.0, 1.05),
             series: self
                 .concentrations
                 .iter()
-                .map(|curve| series(curve, of))
+                .map(|curve| series(curve, value, half(curve)))
                 .collect(),
         };
         Figure {
             title: "Stability against salt, from all frames".into(),
-            caption: format!("{} bodies, {} frames", self.bodies, self.frames),
+            caption: format!(
+                "{} bodies, {} frames; horizontal bars: where one half is left, 95 %",
+                self.bodies, self.frames
+            ),
             x: match has_salt {
                 true => Axis::log("salt (mM)"),
                 false => Axis::linear("salt (mM)"),
             },
             panels: vec![
-                panel("contacts left", |point| point.contacts_left),
-                panel("bodies that touch another", |point| point.bound_fraction),
+                panel(
+                    "contacts left",
+                    |point| point.contacts_left,
+                    |curve| curve.half_salt,
+                ),
+                panel(
+                    "bodies that touch another",
+                    |point| point.bound_fraction,
+                    |curve| curve.half_bound_salt,
+                ),
             ],
         }
     }
@@ -292,10 +303,18 @@ impl ConcentrationCurve {
     }
 }
 
-fn series(curve: &ConcentrationCurve, of: fn(&CurvePoint) -> Estimate) -> Series {
+type ValueOfPoint = fn(&CurvePoint) -> Estimate;
+type HalfOfCurve = fn(&ConcentrationCurve) -> Option<HalfSaltEstimate>;
+
+/// A curve, and where it is one half with its interval.
+fn series(
+    curve: &ConcentrationCurve,
+    value: ValueOfPoint,
+    half: Option<HalfSaltEstimate>,
+) -> Series {
     let mut points = Vec::new();
     for point in &curve.points {
-        let estimate = of(point);
+        let estimate = value(point);
         if estimate.mean.is_finite() {
             points.push(Point {
                 x: 1e3 * point.salt_molar,
@@ -310,7 +329,19 @@ fn series(curve: &ConcentrationCurve, of: fn(&CurvePoint) -> Estimate) -> Series
             false => "no box".into(),
         },
         points,
-        replicas: Vec::new(),
         line: true,
+        spans: half.into_iter().map(span).collect(),
+        ..Series::default()
+    }
+}
+
+/// Without an interval the bar has no length.
+fn span(half: HalfSaltEstimate) -> Span {
+    let [from, to] = half.interval_molar.unwrap_or([half.salt_molar; 2]);
+    Span {
+        x: 1e3 * half.salt_molar,
+        y: 0.5,
+        from: 1e3 * from,
+        to: 1e3 * to,
     }
 }

@@ -1,11 +1,13 @@
-//! The figure of a sweep: radius of gyration, surviving contacts and bound bodies against salt, with
-//! individual replicas.
+//! The figure of a sweep: radius of gyration, surviving contacts and bound bodies against salt, a
+//! curve per start with its replicas, and where one half is left.
 
 use super::result::SweepResult;
 use super::series;
-use crate::stability::run::RunSettings;
+use super::stability::{CountedContacts, Stability};
+use super::table::{ReplicaResult, mean, standard_deviation};
+use crate::stability::run::{RunSettings, Start, Starts};
 use anyhow::Result;
-use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
 use std::path::Path;
 
 /// The name of the figure, without its extension: a single simulation has no curve over salt.
@@ -36,58 +38,12 @@ pub fn figure(result: &SweepResult) -> Figure {
         let title = format!("One simulation at {} mM salt", salts.join(", "));
         return series::figure(title, caption(result), &result.time_series);
     }
-    let mut r_g = named("mean over replicas ± standard deviation");
-    let mut native = named("fraction of the contacts of the start");
-    let mut bound = named("fraction of the bodies");
-    let (mut all_have_contacts, mut all_have_salt) = (true, true);
-    let mut all_have_bound = true;
-    for (row, replicas) in result.salts.iter().zip(&result.replicas) {
-        let x = 1e3 * row.salt_molar;
-        let has_spread = row.replicas > 1;
-        r_g.points.push(Point {
-            x,
-            y: row.r_g_mean_angstrom,
-            error: has_spread.then_some(row.r_g_sd_angstrom),
-        });
-        native.points.push(Point {
-            x,
-            y: row.native_contacts_mean,
-            error: has_spread.then_some(row.native_contacts_sd),
-        });
-        bound.points.push(Point {
-            x,
-            y: row.bound_fraction_mean,
-            error: has_spread.then_some(row.bound_fraction_sd),
-        });
-        for replica in replicas {
-            r_g.replicas.push([x, replica.r_g_angstrom.mean]);
-            if let Some(fraction) = &replica.native_contacts {
-                native.replicas.push([x, fraction.mean]);
-            }
-            if let Some(fraction) = &replica.bound_fraction {
-                bound.replicas.push([x, fraction.mean]);
-            }
-        }
-        all_have_bound &= row.bound_fraction_mean.is_finite();
-        all_have_contacts &= row.native_contacts_mean.is_finite();
-        all_have_salt &= row.salt_molar > 0.0;
-    }
-    let mut panels = vec![Panel {
-        y: Axis::linear("radius of gyration (Å)"),
-        series: vec![r_g],
-    }];
-    if all_have_contacts {
-        panels.push(Panel {
-            y: Axis::linear("native contacts left").with_range(0.0, 1.05),
-            series: vec![native],
-        });
-    }
-    if all_have_bound {
-        panels.push(Panel {
-            y: Axis::linear("bodies that touch another").with_range(0.0, 1.05),
-            series: vec![bound],
-        });
-    }
+    let groups = groups(result);
+    let panels = observables(result)
+        .into_iter()
+        .filter_map(|observable| panel(result, &groups, &observable));
+    let panels = panels.collect();
+    let all_have_salt = result.salts.iter().all(|row| row.salt_molar > 0.0);
     // Zero salt cannot be shown on a logarithmic axis.
     let x = match all_have_salt && result.salts.len() > 1 {
         true => Axis::log("salt (mM)"),
@@ -101,13 +57,125 @@ pub fn figure(result: &SweepResult) -> Figure {
     }
 }
 
-/// A line without points.
-fn named(name: &str) -> Series {
-    Series {
-        name: name.into(),
-        points: Vec::new(),
-        replicas: Vec::new(),
+/// Replicas that are averaged together, and the name of their curve.
+struct Group {
+    name: &'static str,
+    /// `None` for all replicas.
+    start: Option<Start>,
+}
+
+/// A group per start: where starts disagree, their common mean is a state that no replica is in.
+fn groups(result: &SweepResult) -> Vec<Group> {
+    let group = |name, start| Group { name, start };
+    match (result.settings.starts, result.settings.replicas) {
+        (Starts::Both, 2..) => vec![
+            group("from the assembly", Some(Start::Assembly)),
+            group("from a fluid", Some(Start::Fluid)),
+        ],
+        (_, 1) => vec![group("one replica", None)],
+        _ => vec![group("mean of the replicas", None)],
+    }
+}
+
+/// What is drawn against salt.
+struct Observable {
+    axis: Axis,
+    value: fn(&Stability, &ReplicaResult) -> Option<f64>,
+    /// Where it is one half, with the interval, mol/L.
+    half: Option<(f64, [Option<f64>; 2])>,
+}
+
+fn observables(result: &SweepResult) -> [Observable; 3] {
+    let stability = &result.stability;
+    let half = |salt: Option<f64>, interval: Option<[Option<f64>; 2]>| salt.zip(interval);
+    let contacts = match stability.half_salt_contacts {
+        CountedContacts::Native => Axis::linear("native contacts left").with_range(0.0, 1.05),
+        // Bodies may come to touch more others than they did in the assembly.
+        CountedContacts::Any => Axis::linear("contacts over those of the assembly"),
+    };
+    [
+        Observable {
+            axis: Axis::linear("radius of gyration (Å)"),
+            value: |_, replica| Some(replica.r_g_angstrom.mean),
+            half: None,
+        },
+        Observable {
+            axis: contacts,
+            value: |stability, replica| Some(stability.contacts_left(replica)?.mean),
+            half: half(
+                stability.half_salt_molar,
+                stability.half_salt_interval_molar,
+            ),
+        },
+        Observable {
+            axis: Axis::linear("bodies that touch another").with_range(0.0, 1.05),
+            value: |_, replica| Some(replica.bound_fraction?.mean),
+            half: half(
+                stability.half_bound_salt_molar,
+                stability.half_bound_salt_interval_molar,
+            ),
+        },
+    ]
+}
+
+/// The panel of an observable; `None` if a replica does not have it.
+fn panel(result: &SweepResult, groups: &[Group], observable: &Observable) -> Option<Panel> {
+    let mut series = Vec::with_capacity(groups.len() + 1);
+    for group in groups {
+        series.push(curve(result, group, observable)?);
+    }
+    series.extend(observable.half.map(|half| half_salt(result, half)));
+    Some(Panel {
+        y: observable.axis.clone(),
+        series,
+    })
+}
+
+/// Means of a group with their standard deviations, and the replicas behind them.
+fn curve(result: &SweepResult, group: &Group, observable: &Observable) -> Option<Series> {
+    let mut curve = Series {
+        name: group.name.into(),
         line: true,
+        ..Series::default()
+    };
+    let starts = result.settings.starts;
+    for (row, replicas) in result.salts.iter().zip(&result.replicas) {
+        let x = 1e3 * row.salt_molar;
+        let is_ours = |replica: &&ReplicaResult| {
+            let start = starts.of_replica(replica.replica);
+            group.start.is_none_or(|ours| ours == start)
+        };
+        let mut values = Vec::with_capacity(replicas.len());
+        for replica in replicas.iter().filter(is_ours) {
+            values.push((observable.value)(&result.stability, replica)?);
+        }
+        curve.points.push(Point {
+            x,
+            y: mean(&values),
+            error: (values.len() > 1).then(|| standard_deviation(&values)),
+        });
+        curve
+            .replicas
+            .extend(values.iter().map(|value| [x, *value]));
+    }
+    Some(curve)
+}
+
+/// The salt at which one half is left. An open interval reaches to the end of the sweep.
+fn half_salt(result: &SweepResult, (salt, interval): (f64, [Option<f64>; 2])) -> Series {
+    let salts = &result.settings.salt_molar;
+    let lowest = salts.iter().copied().fold(f64::INFINITY, f64::min);
+    let highest = salts.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [low, high] = interval;
+    Series {
+        name: "half, and its interval of 95 %".into(),
+        spans: vec![Span {
+            x: 1e3 * salt,
+            y: 0.5,
+            from: 1e3 * low.unwrap_or(lowest),
+            to: 1e3 * high.unwrap_or(highest),
+        }],
+        ..Series::default()
     }
 }
 
@@ -125,7 +193,7 @@ fn caption(result: &SweepResult) -> String {
     let headline = result.stability.headline();
     let replicas = match result.settings.replicas {
         1 => "one replica".into(),
-        several => format!("{several} replicas"),
+        several => format!("{several} replicas (bars: standard deviation)"),
     };
     format!(
         "{} bodies, {space}, {replicas} of {} + {} sweeps, seed {}{}",

@@ -7,24 +7,29 @@ use protomer_plot::{Axis, Figure, Panel, Point, Series};
 /// More points than this cannot be told apart on a page.
 const MOST_POINTS: usize = 1000;
 
-/// Radius of gyration, native contacts, bound bodies and energy against sweeps; what has no value is
-/// left out.
+/// An observable of the log: its label, its value in a row, and the range of its axis.
+pub type Observable = (&'static str, fn(&LogRow) -> f64, Option<[f64; 2]>);
+
+const FRACTION: Option<[f64; 2]> = Some([0.0, 1.05]);
+
+/// The observables that are drawn against sweeps, here and on a page.
+pub const OBSERVABLES: [Observable; 5] = [
+    ("radius of gyration (Å)", |row| row.r_g_angstrom, None),
+    ("native contacts left", |row| row.native_contacts, FRACTION),
+    ("pairs of bodies in contact", |row| row.contacts, None),
+    (
+        "bodies that touch another",
+        |row| row.bound_fraction,
+        FRACTION,
+    ),
+    ("energy (kT)", |row| row.energy_kt, None),
+];
+
+/// The observables against sweeps; what has no value is left out.
 pub fn figure(title: String, caption: String, rows: &[LogRow]) -> Figure {
-    type Observable = (&'static str, fn(&LogRow) -> f64, Option<[f64; 2]>);
-    const FRACTION: Option<[f64; 2]> = Some([0.0, 1.05]);
-    let observables: [Observable; 4] = [
-        ("radius of gyration (Å)", |row| row.r_g_angstrom, None),
-        ("native contacts left", |row| row.native_contacts, FRACTION),
-        (
-            "bodies that touch another",
-            |row| row.bound_fraction,
-            FRACTION,
-        ),
-        ("energy (kT)", |row| row.energy_kt, None),
-    ];
     let step = rows.len().div_ceil(MOST_POINTS).max(1);
     let mut panels = Vec::new();
-    for (label, value, range) in observables {
+    for (label, value, range) in OBSERVABLES {
         if !rows.iter().all(|row| value(row).is_finite()) {
             continue;
         }
@@ -41,8 +46,8 @@ pub fn figure(title: String, caption: String, rows: &[LogRow]) -> Figure {
             series: vec![Series {
                 name: String::new(),
                 points: points.collect(),
-                replicas: Vec::new(),
                 line: true,
+                ..Series::default()
             }],
         });
     }
@@ -75,7 +80,7 @@ mod tests {
     fn each_known_observable_has_a_panel_over_the_whole_run() {
         let rows: Vec<LogRow> = (1..=2500).map(|sweep| row(sweep, 0.5)).collect();
         let drawn = figure("title".into(), "caption".into(), &rows);
-        assert_eq!(drawn.panels.len(), 4);
+        assert_eq!(drawn.panels.len(), 5);
         for panel in &drawn.panels {
             let points = &panel.series[0].points;
             assert!(
@@ -92,7 +97,7 @@ mod tests {
             .iter()
             .map(|panel| panel.y.label.as_str())
             .collect();
-        assert_eq!(labels.len(), 3);
+        assert_eq!(labels.len(), 4);
         assert!(!labels.contains(&"native contacts left"));
     }
 }

@@ -33,9 +33,12 @@ pub struct Stability {
     pub equilibrated: Option<bool>,
     /// The same in words.
     pub equilibration: String,
-    /// At the lowest and the highest salt.
+    /// Contacts of the assembly.
     #[serde(skip)]
-    contacts_left: Option<[f64; 2]>,
+    native: usize,
+    /// The part of the contacts left at the lowest and the highest salt.
+    #[serde(skip)]
+    contacts_at_ends: Option<[f64; 2]>,
 }
 
 /// Which contacts are compared with those of the assembly.
@@ -48,17 +51,26 @@ pub enum CountedContacts {
     Any,
 }
 
+impl CountedContacts {
+    /// The part of `native` contacts of an assembly that a replica has left.
+    fn left(self, replica: &ReplicaResult, native: usize) -> Option<Summary> {
+        match self {
+            CountedContacts::Native => replica.native_contacts,
+            CountedContacts::Any => replica.contacts.map(|summary| scaled(&summary, native)),
+        }
+    }
+}
+
 impl Stability {
     /// From the replicas at each salt concentration. `native`: contacts of the assembly.
     pub fn new(settings: &RunSettings, replicas: &[Vec<ReplicaResult>], native: usize) -> Self {
         let (equilibrated, equilibration) = equilibration(settings, replicas, native);
         // At equilibrium bodies change places.
-        let is_native = settings.exchange_every == 0 && settings.is_from_assembly();
-        let contacts = |replica: &ReplicaResult| match is_native {
-            true => replica.native_contacts,
-            false => replica.contacts.map(|summary| scaled(&summary, native)),
+        let counted = match settings.exchange_every == 0 && settings.is_from_assembly() {
+            true => CountedContacts::Native,
+            false => CountedContacts::Any,
         };
-        let curve = points(settings, replicas, contacts);
+        let curve = points(settings, replicas, |replica| counted.left(replica, native));
         let bound = points(settings, replicas, |replica| replica.bound_fraction);
         let half = |points: &[FractionAt]| match equilibrated {
             Some(false) => None,
@@ -72,20 +84,27 @@ impl Stability {
             half_salt_interval_molar: interval(&half_contacts),
             half_bound_salt_molar: molar(&half_bound),
             half_bound_salt_interval_molar: interval(&half_bound),
-            half_salt_contacts: match is_native {
-                true => CountedContacts::Native,
-                false => CountedContacts::Any,
-            },
+            half_salt_contacts: counted,
             equilibrated,
             equilibration,
-            contacts_left: ends(&curve),
+            native,
+            contacts_at_ends: ends(&curve),
+        }
+    }
+
+    /// The part of the contacts of the assembly that a replica has left; `None` if the assembly has
+    /// none, or an earlier version did not count them.
+    pub(super) fn contacts_left(&self, replica: &ReplicaResult) -> Option<Summary> {
+        match self.native {
+            0 => None,
+            native => self.half_salt_contacts.left(replica, native),
         }
     }
 
     /// Where half of the contacts are left, in words.
     pub fn headline(&self) -> Option<String> {
         let half = self.half_salt_molar.zip(self.half_salt_interval_molar);
-        Some(match (self.equilibrated, half, self.contacts_left?) {
+        Some(match (self.equilibrated, half, self.contacts_at_ends?) {
             (Some(false), ..) => "not equilibrated".into(),
             (_, Some((salt, interval)), _) => {
                 let salt = with_interval(salt, interval);

@@ -146,6 +146,10 @@ pub struct SaltRow {
     pub bound_fraction_mean: f64,
     /// Standard deviation over replicas.
     pub bound_fraction_sd: f64,
+    /// Mean number of pairs of bodies in contact; NaN in results of earlier versions.
+    pub contacts_mean: f64,
+    /// Standard deviation over replicas.
+    pub contacts_sd: f64,
     /// Number of replicas.
     pub replicas: usize,
     /// Each kind of body, where its effective charges interact.
@@ -156,7 +160,7 @@ pub struct SaltRow {
 impl SaltRow {
     /// Averages over replicas.
     pub fn new(salt_molar: f64, interaction: &ScreenedCoulomb, replicas: &[ReplicaResult]) -> Self {
-        let mut columns: [Vec<f64>; 8] = Default::default();
+        let mut columns: [Vec<f64>; 9] = Default::default();
         let mut squared_errors = 0.0;
         for replica in replicas {
             let native = replica.native_contacts.as_ref();
@@ -169,6 +173,7 @@ impl SaltRow {
                 replica.accepted.rotation_acceptance,
                 replica.cluster_moved_mean,
                 replica.bound_fraction.map_or(f64::NAN, |bound| bound.mean),
+                replica.contacts.map_or(f64::NAN, |contacts| contacts.mean),
             ];
             for (column, value) in columns.iter_mut().zip(values) {
                 column.push(value);
@@ -184,6 +189,7 @@ impl SaltRow {
             rotation,
             cluster_moved,
             bound,
+            contacts,
         ] = columns;
         Self {
             salt_molar,
@@ -203,6 +209,8 @@ impl SaltRow {
             cluster_moved_mean: mean(&cluster_moved),
             bound_fraction_mean: mean(&bound),
             bound_fraction_sd: standard_deviation(&bound),
+            contacts_mean: mean(&contacts),
+            contacts_sd: standard_deviation(&contacts),
             replicas: replicas.len(),
             effective_bodies: None,
         }
@@ -211,7 +219,7 @@ impl SaltRow {
 
 impl SaltRow {
     /// The cells by the names of their columns, in the order of the table.
-    fn cells(&self) -> [(&'static str, Cell); 18] {
+    fn cells(&self) -> [(&'static str, Cell); 20] {
         [
             ("salt_M", self.salt_molar.into()),
             ("debye_length_angstrom", self.debye_length_angstrom.into()),
@@ -231,6 +239,8 @@ impl SaltRow {
             ("cluster_moved_mean", self.cluster_moved_mean.into()),
             ("bound_fraction_mean", self.bound_fraction_mean.into()),
             ("bound_fraction_sd", self.bound_fraction_sd.into()),
+            ("contacts_mean", self.contacts_mean.into()),
+            ("contacts_sd", self.contacts_sd.into()),
         ]
     }
 }
@@ -255,11 +265,11 @@ pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
     Ok(table.to_csv()?)
 }
 
-fn mean(values: &[f64]) -> f64 {
+/// The mean of values.
+pub(super) fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Sample standard deviation; zero for a single value.
 /// The mean with its standard error; without one, if it is not known.
 fn with_error(summary: &Summary) -> String {
     match summary.standard_error.is_finite() {
@@ -268,7 +278,8 @@ fn with_error(summary: &Summary) -> String {
     }
 }
 
-fn standard_deviation(values: &[f64]) -> f64 {
+/// Sample standard deviation; zero for a single value.
+pub(super) fn standard_deviation(values: &[f64]) -> f64 {
     if values.len() < 2 {
         return 0.0;
     }

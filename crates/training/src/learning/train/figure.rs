@@ -25,8 +25,8 @@ pub fn learning_curve(
                 error: None,
             })
             .collect(),
-        replicas: Vec::new(),
         line: true,
+        ..Series::default()
     };
     let loss = Panel {
         y: Axis::linear("cross entropy (nats)"),
@@ -72,8 +72,8 @@ pub fn predicted_numbers(title: &str, caption: &str, pairs: &[(f64, f64)]) -> Fi
     let series = |name: &str, pairs: &[(f64, f64)], line| Series {
         name: name.into(),
         points: points(pairs),
-        replicas: Vec::new(),
         line,
+        ..Series::default()
     };
     Figure {
         title: title.into(),

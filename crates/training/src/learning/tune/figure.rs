@@ -26,8 +26,8 @@ pub fn figure(trials: &[Trial], channels: &[String]) -> Figure {
             Series {
                 name,
                 points: finite.iter().filter_map(point).collect(),
-                replicas: Vec::new(),
                 line: false,
+                ..Series::default()
             }
         };
         epochs.iter().map(of_epochs).collect()
