@@ -65,6 +65,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     Ok(Page {
         title: format!("Framework: {}", provenance::name(directory)),
         subtitle: text("network"),
+        verdict: None,
         problems,
         sections: vec![
             Section::new("Results", results),

@@ -36,6 +36,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     Ok(Page {
         title: format!("Tables of networks: {}", provenance::name(directory)),
         subtitle: "Elastic constants of honeycombs, printed and recomputed".into(),
+        verdict: None,
         problems: Vec::new(),
         sections: vec![
             Section::new("Results", results),

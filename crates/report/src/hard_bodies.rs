@@ -1,37 +1,30 @@
 //! The pages of runs of hard bodies and of free energies of crystals.
 
-use super::html::{definitions, paragraph, significant, table};
-use super::mesh_view::{self, Scene, Shown, ShownMesh};
+use super::html::{definitions, significant, table};
 use super::page::{Page, Section};
-use super::{data, figures, provenance};
-use anyhow::{Context, Result, bail};
+use super::verdict::Verdict;
+use super::{convex_bodies, data, figures, provenance};
+use anyhow::Result;
 use protomer_common::answer::Answer;
 use protomer_convex::hard_bodies::free_energy::FreeEnergyResult;
 use protomer_convex::hard_bodies::log::LogRow;
 use protomer_convex::hard_bodies::result::HardBodyResult;
 use protomer_convex::hard_bodies::sweep::EquationOfState;
-use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};
-use protomer_kernel::shape::{Shape, hull::Hull};
-use protomer_kernel::{TriangleMesh, Vec3};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::keys::read_json_if_present;
 use protomer_results::{Record, log};
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
-use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// The title of a sweep.
 const SWEEP: &str = "Equation of state";
+/// Why a run of hard bodies does not tell whether it is in equilibrium.
+const ONE_START: &str = "a run does not test it; compare the course with that of a run from \
+                         another start (--start) or seed";
 /// Rows of a log that are drawn.
 const MOST_ROWS: usize = 500;
-/// More bodies than this are slow to turn.
-const MOST_BODIES: usize = 512;
 /// Tilt factors of a box, in their order.
 const TILTS: [&str; 3] = ["tilt factor xy", "tilt factor xz", "tilt factor yz"];
-/// Points of a rounded corner in space, and in a plane.
-const ON_SPHERE: usize = 92;
-const ON_CIRCLE: usize = 24;
 
 /// The page of a run.
 ///
@@ -56,14 +49,14 @@ pub fn page_of_run(directory: &Path) -> Result<Page> {
     let subtitle = result
         .as_ref()
         .map(|result| format!("{} bodies ({})", result.bodies, result.shape));
-    page(
-        directory,
-        "Hard bodies",
+    let results = Results {
+        title: "Hard bodies",
         subtitle,
+        verdict: Some(Verdict::equilibrated(None, ONE_START)),
         html,
-        "trajectory.gsd",
-        record.as_ref(),
-    )
+        trajectory: "trajectory.gsd".into(),
+    };
+    page(directory, results, record.as_ref())
 }
 
 /// The page of a sweep: the equation of state, and the bodies of its densest run.
@@ -93,14 +86,14 @@ pub fn page_of_sweep(directory: &Path) -> Result<Page> {
             equation.points.len()
         )
     });
-    page(
-        directory,
-        SWEEP,
+    let results = Results {
+        title: SWEEP,
         subtitle,
+        verdict: Some(Verdict::equilibrated(None, ONE_START)),
         html,
-        &trajectory,
-        record.as_ref(),
-    )
+        trajectory,
+    };
+    page(directory, results, record.as_ref())
 }
 
 /// The page of a free energy.
@@ -115,11 +108,6 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
         html += &terms(result);
         let csv = data::of_file(directory, "points.csv")?;
         html += &figures::drawn(&integrand(result), &csv)?;
-        if !result.slow_points.is_empty() {
-            html += &paragraph(
-                "Some points have few independent samples; more sweeps would make their errors certain.",
-            );
-        }
     }
     let subtitle = result.as_ref().map(|result| {
         format!(
@@ -127,30 +115,41 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
             result.bodies, result.shape, result.crystal
         )
     });
-    page(
-        directory,
-        "Free energy",
+    let results = Results {
+        title: "Free energy",
         subtitle,
+        verdict: result.as_ref().map(sampling),
         html,
-        "crystal.gsd",
-        record.as_ref(),
-    )
+        trajectory: "crystal.gsd".into(),
+    };
+    page(directory, results, record.as_ref())
 }
 
-fn page(
-    directory: &Path,
-    kind: &str,
+fn sampling(result: &FreeEnergyResult) -> Verdict {
+    match result.slow() {
+        None => Verdict::sampled_enough(true, "every strength has enough independent samples"),
+        Some(slow) => Verdict::sampled_enough(false, slow.trim_start_matches("slow: ")),
+    }
+}
+
+/// What a kind of run shows on its page.
+struct Results {
+    title: &'static str,
+    /// `None` before there is a result.
     subtitle: Option<String>,
-    results: String,
-    trajectory: &str,
-    record: Option<&Record>,
-) -> Result<Page> {
+    verdict: Option<Verdict>,
+    html: String,
+    /// The file with the bodies.
+    trajectory: String,
+}
+
+fn page(directory: &Path, results: Results, record: Option<&Record>) -> Result<Page> {
     let mut problems: Vec<String> = provenance::unfinished(record).into_iter().collect();
-    let mut sections = vec![Section::new("Results", results)];
-    let trajectory = directory.join(trajectory);
-    match bodies(&trajectory) {
+    let mut sections = vec![Section::new("Results", results.html)];
+    let trajectory = directory.join(&results.trajectory);
+    match convex_bodies::section(&trajectory, "sweeps") {
         // A sweep may have been told to keep no trajectories.
-        _ if !trajectory.is_file() && kind == SWEEP => {}
+        _ if !trajectory.is_file() && results.title == SWEEP => {}
         Ok(section) => sections.push(section),
         Err(error) => problems.push(format!("The bodies cannot be shown: {error:#}")),
     }
@@ -161,22 +160,26 @@ fn page(
         Vec::new(),
     )?);
     Ok(Page {
-        title: format!("{kind}: {}", provenance::name(directory)),
-        subtitle: subtitle.unwrap_or_else(|| "Not finished".into()),
+        title: format!("{}: {}", results.title, provenance::name(directory)),
+        subtitle: results.subtitle.unwrap_or_else(|| "Not finished".into()),
+        verdict: results.verdict,
         problems,
         sections,
     })
 }
 
 /// The result in the record; `None` before there is one.
-fn details<T: DeserializeOwned>(record: Option<&Record>, directory: &Path) -> Result<Option<T>> {
+pub fn details<T: DeserializeOwned>(
+    record: Option<&Record>,
+    directory: &Path,
+) -> Result<Option<T>> {
     match record {
         Some(record) if !record.details.is_null() => Ok(record.read_details(directory).ok()),
         _ => Ok(None),
     }
 }
 
-fn with_error(value: f64, error: Option<f64>) -> String {
+pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error {
         Some(error) => format!("{} ± {}", significant(value, 6), significant(error, 2)),
         None => significant(value, 6),
@@ -349,168 +352,4 @@ fn integrand(result: &FreeEnergyResult) -> Figure {
             series: vec![series],
         }],
     }
-}
-
-/// The shape in a trajectory, in the words of its schema.
-#[derive(Debug, Deserialize)]
-struct ShapeWords {
-    #[serde(rename = "type")]
-    kind: String,
-    #[serde(default)]
-    diameter: f64,
-    #[serde(default)]
-    rounding_radius: f64,
-    #[serde(default)]
-    vertices: Vec<Vec<f64>>,
-    /// Corners of the triangles of a mesh.
-    #[serde(default)]
-    indices: Vec<[u32; 3]>,
-    /// Of a union of balls.
-    #[serde(default)]
-    centers: Vec<[f64; 3]>,
-    #[serde(default)]
-    diameters: Vec<f64>,
-}
-
-/// The last frame of a trajectory.
-fn bodies(path: &Path) -> Result<Section> {
-    let mut reader = TrajectoryReader::open(path)?;
-    let Some(last) = reader.frames().checked_sub(1) else {
-        bail!("{} holds no frame", path.display());
-    };
-    let frame = reader.frame(last)?;
-    if frame.poses.len() > MOST_BODIES {
-        let count = frame.poses.len();
-        return Ok(Section::new(
-            "Bodies",
-            paragraph(&format!(
-                "{count} bodies are not drawn; OVITO opens {}.",
-                path.display()
-            )),
-        ));
-    }
-    let text = shape_text(path)?;
-    let words: ShapeWords = serde_json::from_str(&text)
-        .with_context(|| format!("{} has no shape that is understood", path.display()))?;
-    let shown = Shown {
-        meshes: vec![ShownMesh {
-            name: "body".into(),
-            mesh: mesh(&words)?,
-            values: Vec::new(),
-        }],
-        colourings: Vec::new(),
-        scenes: vec![Scene {
-            name: format!("after {} sweeps", frame.step),
-            bodies: frame.poses.into_iter().map(|pose| (0, pose)).collect(),
-            colouring: None,
-            film: None,
-        }],
-    };
-    Ok(mesh_view::section(&shown, ""))
-}
-
-fn shape_text(path: &Path) -> Result<String> {
-    let mut file = GsdFile::open(path)?;
-    let chunk = file.chunk(0, "particles/type_shapes")?;
-    let Some(ChunkData::I8(letters)) = chunk.map(|chunk| chunk.data) else {
-        bail!("{} has no shape", path.display());
-    };
-    let bytes = letters.iter().map(|letter| *letter as u8);
-    let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-/// What is drawn of a body.
-fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
-    match words.kind.as_str() {
-        "Mesh" => Ok(TriangleMesh {
-            vertices: words.vertices.iter().map(|vertex| point(vertex)).collect(),
-            triangles: words.indices.clone(),
-        }),
-        "SphereUnion" => balls(&words.centers, &words.diameters),
-        _ => hull(words),
-    }
-}
-
-fn point(vertex: &[f64]) -> Vec3 {
-    Vec3::from_fn(|axis, _| vertex.get(axis).copied().unwrap_or(0.0))
-}
-
-fn balls(centers: &[[f64; 3]], diameters: &[f64]) -> Result<TriangleMesh> {
-    let mut all = TriangleMesh {
-        vertices: Vec::new(),
-        triangles: Vec::new(),
-    };
-    for (centre, diameter) in centers.iter().zip(diameters) {
-        let points: Vec<Vec3> = sphere(0.5 * diameter)
-            .into_iter()
-            .map(|by| point(centre) + by)
-            .collect();
-        let ball = of_solid(&points)?;
-        let first = all.vertices.len() as u32;
-        all.vertices.extend(ball.vertices);
-        let triangles = ball.triangles.into_iter();
-        all.triangles
-            .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
-    }
-    Ok(all)
-}
-
-/// The hull of the corners, each with points of its rounding; polygons are thin plates.
-fn hull(words: &ShapeWords) -> Result<TriangleMesh> {
-    let is_flat = words.kind == "Polygon";
-    let radius = words.rounding_radius.max(0.5 * words.diameter);
-    let mut corners = Vec::new();
-    for vertex in &words.vertices {
-        corners.push(point(vertex));
-    }
-    if corners.is_empty() {
-        corners.push(Vec3::zeros());
-    }
-    let around: Vec<Vec3> = match (radius > 0.0, is_flat) {
-        (false, _) => vec![Vec3::zeros()],
-        (true, true) => circle(radius),
-        (true, false) => sphere(radius),
-    };
-    let size = corners.iter().map(Vec3::norm).fold(radius, f64::max);
-    let mut points = Vec::new();
-    for corner in &corners {
-        for by in &around {
-            let point = corner + by;
-            if is_flat {
-                points.push(point + 0.1 * size * Vec3::z());
-                points.push(point - 0.1 * size * Vec3::z());
-            } else {
-                points.push(point);
-            }
-        }
-    }
-    of_solid(&points)
-}
-
-fn of_solid(points: &[Vec3]) -> Result<TriangleMesh> {
-    match Shape::solid(points)? {
-        Shape::Solid(Hull::Polyhedron(mesh)) => Ok(mesh),
-        _ => bail!("a shape without volume cannot be drawn"),
-    }
-}
-
-fn circle(radius: f64) -> Vec<Vec3> {
-    let at = |number: usize| {
-        let (sine, cosine) = (TAU * number as f64 / ON_CIRCLE as f64).sin_cos();
-        radius * Vec3::new(cosine, sine, 0.0)
-    };
-    (0..ON_CIRCLE).map(at).collect()
-}
-
-/// Points on a spiral of equal areas.
-fn sphere(radius: f64) -> Vec<Vec3> {
-    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-    let at = |number: usize| {
-        let height = 1.0 - (2.0 * number as f64 + 1.0) / ON_SPHERE as f64;
-        let across = (1.0 - height * height).sqrt();
-        let (sine, cosine) = (golden_angle * number as f64).sin_cos();
-        radius * Vec3::new(across * cosine, across * sine, height)
-    };
-    (0..ON_SPHERE).map(at).collect()
 }

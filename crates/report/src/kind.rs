@@ -27,6 +27,8 @@ pub enum Kind {
     HardBodySweep,
     /// The free energy of a crystal of hard bodies.
     FreeEnergy,
+    /// A run of contact dynamics.
+    Dynamics,
     /// The elastic constants of a network.
     Framework,
     /// The tables of a paper on networks.
@@ -61,6 +63,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
         Some(ResultKind::HardBodies) => Kind::HardBodies,
         Some(ResultKind::HardBodySweep) => Kind::HardBodySweep,
         Some(ResultKind::FreeEnergy) => Kind::FreeEnergy,
+        Some(ResultKind::DynamicsRun) => Kind::Dynamics,
         Some(ResultKind::ElasticConstants) => Kind::Framework,
         Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
         Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => {
@@ -74,14 +77,26 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
             directory.display()
         ),
-        Some(ResultKind::DynamicsRun | ResultKind::Other(_)) | None => {
-            bail!(
-                "{} holds no results that a report can show; give the directory of a simulate, sweep, pair, \
-             hpmc run, hpmc sweep, free-energy, lattice run, lattice sweep, framework, train, tune or voxelize command",
-                directory.display()
-            )
-        }
+        None if settings("run.toml").is_file() => bail!(
+            "{} holds the settings of work that has not begun; the same command begins it, and then it has a page",
+            directory.display()
+        ),
+        Some(ResultKind::Other(_)) | None => bail!(
+            "{} holds no results that a report can show; give the directory of a {} command",
+            directory.display(),
+            verbs()
+        ),
     })
+}
+
+/// The verbs whose directories have a page, as in "a *simulate, sweep or pair* command".
+fn verbs() -> String {
+    let mut verbs: Vec<&str> = ResultKind::all()
+        .flat_map(ResultKind::verbs)
+        .copied()
+        .collect();
+    let last = verbs.pop().unwrap_or_default();
+    format!("{} or {last}", verbs.join(", "))
 }
 
 #[cfg(feature = "learning")]
@@ -99,4 +114,32 @@ fn of_learning(kind: &ResultKind, directory: &Path) -> Result<Kind> {
          with its default features",
         directory.display()
     )
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_that_a_verb_writes_has_a_page() {
+        for kind in ResultKind::all().filter(|kind| !kind.verbs().is_empty()) {
+            let folder = tempfile::tempdir().unwrap();
+            let record = format!("{{\"kind\": \"{}\"}}", kind.word());
+            std::fs::write(folder.path().join("run.json"), record).unwrap();
+            // Some then miss their settings.
+            if let Err(error) = of(folder.path()) {
+                let told = error.to_string();
+                assert!(!told.contains("no results that a report"), "{told}");
+            }
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let told = of(folder.path()).unwrap_err().to_string();
+        for verb in ["simulate", "md run", "hpmc sweep", "free-energy"] {
+            assert!(told.contains(verb), "{told}");
+        }
+        std::fs::write(folder.path().join("run.toml"), "bodies = 36").unwrap();
+        let told = of(folder.path()).unwrap_err().to_string();
+        assert!(told.contains("has not begun"), "{told}");
+    }
 }

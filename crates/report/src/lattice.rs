@@ -68,6 +68,7 @@ pub fn page_of_run(directory: &Path, settings: &LatticeSettings) -> Result<Page>
     Ok(Page {
         title: format!("Lattice: {}", provenance::name(directory)),
         subtitle: subtitle(settings),
+        verdict: None,
         problems,
         sections,
     })
@@ -134,6 +135,7 @@ pub fn page_of_sweep(directory: &Path, settings: &LatticeSettings) -> Result<Pag
     Ok(Page {
         title: format!("Sweep of lattices: {}", provenance::name(directory)),
         subtitle: format!("{}; {} runs", subtitle(settings), tasks.len()),
+        verdict: None,
         problems,
         sections,
     })

@@ -8,9 +8,11 @@
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `hard_bodies`, `pair`, `learning` | the sections of each kind |
+//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `hard_bodies`, `dynamics`, `pair`, `learning` | the sections of each kind |
+//! | `verdict` | whether a run is in equilibrium, or a control passed, according to the run itself |
 //! | `traces` | the logs of simulations as a figure |
 //! | `scenes` | the bodies shown, and their positions |
+//! | `convex_bodies` | convex shapes and unions of them, from a trajectory |
 //! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
 //! | `residues` | what holds an assembly together |
 //! | `companions` | what other verbs left in the directory of a run |
@@ -23,7 +25,9 @@
 //! forbids the browser to do so.
 
 mod companions;
+mod convex_bodies;
 mod data;
+mod dynamics;
 mod figures;
 mod framework;
 mod framework_tables;
@@ -42,6 +46,7 @@ mod provenance;
 mod residues;
 mod scenes;
 mod traces;
+mod verdict;
 
 use anyhow::{Result, bail};
 use kind::Kind;
@@ -125,6 +130,7 @@ fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Pag
         Kind::HardBodies => hard_bodies::page_of_run(directory),
         Kind::HardBodySweep => hard_bodies::page_of_sweep(directory),
         Kind::FreeEnergy => hard_bodies::page_of_free_energy(directory),
+        Kind::Dynamics => dynamics::page(directory),
         Kind::Framework => framework::page(directory),
         Kind::FrameworkTables => framework_tables::page(directory),
         #[cfg(feature = "learning")]

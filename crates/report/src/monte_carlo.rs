@@ -3,10 +3,11 @@
 use super::html::{definitions, millimolar, paragraph, significant, significant_or_dash, table};
 use super::page::{Page, Section};
 use super::scenes::{Collected, collect};
+use super::verdict::Verdict;
 use super::{companions, data, figures, mesh_view, provenance, residues, traces};
 use anyhow::Result;
 use protomer::stability::run::replica_directory;
-use protomer::stability::run::{EnergyMode, RunSettings};
+use protomer::stability::run::{EnergyMode, RunSettings, Start, Starts};
 use protomer_results::Record;
 use protomer_results::keys::read_json_if_present;
 use serde_json::Value;
@@ -68,9 +69,20 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
             provenance::name(directory)
         ),
         subtitle: subtitle(settings),
+        verdict: Some(verdict(result.as_ref())),
         problems,
         sections,
     })
+}
+
+/// What the sweep says of its equilibrium.
+fn verdict(result: Option<&Value>) -> Verdict {
+    let Some(result) = result else {
+        return Verdict::equilibrated(None, "there is no result yet");
+    };
+    let reason = result["equilibration"].as_str();
+    let reason = reason.unwrap_or("an earlier version, which did not compare starts, ran this");
+    Verdict::equilibrated(result["equilibrated"].as_bool(), reason)
 }
 
 fn subtitle(settings: &RunSettings) -> String {
@@ -100,7 +112,7 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
             "There is no result yet: the table and the curve are written when all simulations are done.",
         ),
         // A curve through one point is useless.
-        Some(result) if settings.salt_molar.len() == 1 => averages(result) + &table,
+        Some(result) if settings.salt_molar.len() == 1 => averages(result, settings) + &table,
         Some(_) => figures::of_file(directory, "sweep.svg", "Stability against salt", &table)?,
     };
     html += &paragraph(&format!("The model: {}.", settings.what_attracts()));
@@ -110,34 +122,70 @@ fn results(directory: &Path, settings: &RunSettings, result: Option<&Value>) -> 
     Ok(Section::new("Results", html))
 }
 
-/// The result at a single salt concentration.
-fn averages(result: &Value) -> String {
-    let row = &result["salts"][0];
-    let number = |key: &str, digits| significant_or_dash(row[key].as_f64(), digits);
-    definitions(&[
-        (
-            "radius of gyration",
-            match row["r_g_se_angstrom"].as_f64() {
-                Some(error) => format!(
-                    "{} ± {} Å (standard error)",
-                    number("r_g_mean_angstrom", 5),
-                    significant(error, 2)
-                ),
-                None => format!(
-                    "{} Å (too short for an error)",
-                    number("r_g_mean_angstrom", 5)
-                ),
-            },
-        ),
-        ("native contacts left", number("native_contacts_mean", 4)),
-        (
-            "bodies in the largest cluster",
-            number("largest_cluster_mean", 4),
-        ),
-        ("energy", format!("{} kT", number("energy_mean_kT", 6))),
-        ("accepted translations", number("translation_acceptance", 3)),
-        ("accepted rotations", number("rotation_acceptance", 3)),
-    ])
+/// The results at a single salt concentration, those of each start apart.
+fn averages(result: &Value, settings: &RunSettings) -> String {
+    let replicas: Vec<(u32, &Value)> = (0..)
+        .zip(result["replicas"][0].as_array().into_iter().flatten())
+        .collect();
+    let groups: Vec<(&str, Vec<&Value>)> = match settings.starts {
+        Starts::Both => [
+            ("from the assembly", Start::Assembly),
+            ("from a fluid", Start::Fluid),
+        ]
+        .map(|(name, start)| {
+            let ours = replicas
+                .iter()
+                .filter(|(number, _)| settings.starts.of_replica(*number) == start);
+            (name, ours.map(|(_, replica)| *replica).collect())
+        })
+        .into(),
+        Starts::Assembly | Starts::Fluid => {
+            let all = replicas.iter().map(|(_, replica)| *replica);
+            vec![("average", all.collect())]
+        }
+    };
+    let mut head = vec![String::new()];
+    head.extend(groups.iter().map(|(name, _)| (*name).to_owned()));
+    let mut rows = Vec::new();
+    for (label, key) in AVERAGES {
+        let mut row = vec![label.to_owned()];
+        row.extend(groups.iter().map(|(_, replicas)| average(replicas, key)));
+        rows.push(row);
+    }
+    table(&head, &rows)
+}
+
+/// What is averaged: its name, and its key in the result of a replica.
+const AVERAGES: [(&str, &str); 8] = [
+    ("radius of gyration (Å)", "r_g_angstrom"),
+    ("native contacts left", "native_contacts"),
+    ("pairs of bodies in contact", "contacts"),
+    ("bodies that touch another", "bound_fraction"),
+    ("bodies in the largest cluster", "largest_cluster"),
+    ("energy (kT)", "energy_kT"),
+    ("accepted translations", "translation_acceptance"),
+    ("accepted rotations", "rotation_acceptance"),
+];
+
+/// The mean over replicas with its standard error, from the errors of the replicas.
+fn average(replicas: &[&Value], key: &str) -> String {
+    let count = replicas.len() as f64;
+    let (mut sum, mut squares) = (0.0, 0.0);
+    for replica in replicas {
+        let value = &replica[key];
+        let Some(mean) = value["mean"].as_f64().or(value.as_f64()) else {
+            return significant_or_dash(None, 0);
+        };
+        sum += mean;
+        squares += value["standard_error"]
+            .as_f64()
+            .map_or(f64::NAN, |error| error * error);
+    }
+    let mean = significant(sum / count, 5);
+    match squares.sqrt() / count {
+        error if error.is_finite() => format!("{mean} ± {}", significant(error, 2)),
+        _ => mean,
+    }
 }
 
 fn bodies_table(collected: &Collected) -> String {

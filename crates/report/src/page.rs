@@ -1,6 +1,7 @@
 //! The page around the sections.
 
 use super::html::{escape, list};
+use super::verdict::Verdict;
 
 const STYLE: &str = include_str!("page.css");
 /// Nothing may be loaded; inline scripts and styles may run.
@@ -42,6 +43,8 @@ pub struct Page {
     pub title: String,
     /// A line below it.
     pub subtitle: String,
+    /// The verdict of the run on its results; `None` for a kind of results that has none.
+    pub verdict: Option<Verdict>,
     /// What failed or is missing.
     pub problems: Vec<String>,
     /// Its sections.
@@ -88,11 +91,19 @@ impl Page {
         )
     }
 
+    /// The verdict, then whether the work is complete. Complete work is green only if its verdict
+    /// is good: a finished run may still be far from equilibrium.
     fn status(&self) -> String {
-        match self.problems.as_slice() {
-            [] => "<p class=\"good\">Finished; nothing failed and nothing is missing.</p>\n".into(),
-            problems => format!("<div class=\"bad\">{}</div>\n", list(problems)),
-        }
+        let verdict = self.verdict.as_ref().map(Verdict::to_html);
+        let is_good = self.verdict.as_ref().is_none_or(Verdict::is_good);
+        let completeness = match (self.problems.as_slice(), is_good) {
+            ([], true) => {
+                "<p class=\"good\">Finished; nothing failed and nothing is missing.</p>\n".into()
+            }
+            ([], false) => "<p>Finished; nothing failed and nothing is missing.</p>\n".into(),
+            (problems, _) => format!("<div class=\"bad\">{}</div>\n", list(problems)),
+        };
+        verdict.unwrap_or_default() + &completeness
     }
 
     fn distinct(&self, part: fn(&Section) -> &str) -> String {
@@ -120,4 +131,41 @@ fn anchor(title: &str) -> String {
         .chars()
         .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn page(verdict: Option<Verdict>, problems: &[&str]) -> String {
+        let page = Page {
+            title: "a".into(),
+            subtitle: String::new(),
+            verdict,
+            problems: problems
+                .iter()
+                .map(|problem| (*problem).to_owned())
+                .collect(),
+            sections: Vec::new(),
+        };
+        page.status()
+    }
+
+    #[test]
+    fn finished_work_is_green_only_with_a_good_verdict() {
+        let green = "<p class=\"good\">Finished;";
+        let equilibrated = |answer| Some(Verdict::equilibrated(answer, "why"));
+        assert!(page(None, &[]).starts_with(green));
+        assert!(page(equilibrated(Some(true)), &[]).contains(green));
+        for answer in [Some(false), None] {
+            let status = page(equilibrated(answer), &[]);
+            assert!(
+                !status.contains("good") && status.contains("<p>Finished;"),
+                "{status}"
+            );
+            assert!(status.find("Equilibrated:") < status.find("Finished;"));
+        }
+        let failed = page(equilibrated(Some(true)), &["It failed: why"]);
+        assert!(failed.contains("class=\"bad\"") && !failed.contains("Finished"));
+    }
 }

@@ -41,6 +41,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     Ok(Page {
         title: format!("Two bodies: {}", provenance::name(directory)),
         subtitle,
+        verdict: None,
         problems,
         sections,
     })

@@ -1,16 +1,17 @@
-//! The logs of simulations: radius of gyration and energy against sweeps.
+//! The logs of simulations: their observables against sweeps.
 
 use super::html::millimolar;
 use anyhow::Result;
 use protomer::stability::run::replica_directory;
-use protomer::stability::run::{LogRow, RunSettings};
+use protomer::stability::run::{LogRow, RunSettings, Start, Starts};
+use protomer::stability::sweep::series::OBSERVABLES;
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Series};
-use protomer_results::log;
+use protomer_results::{Row, log};
 use std::path::Path;
 
 /// Number of distinguishable colours.
-const MOST_SALTS: usize = 6;
+const MOST_COLOURS: usize = 6;
 /// Maximum number of rows drawn per log.
 const MOST_ROWS: usize = 150;
 /// Target for the rows drawn of all logs together; each log keeps at least a few.
@@ -18,6 +19,8 @@ const MOST_POINTS: usize = 6000;
 
 /// One log, thinned.
 struct Trace {
+    /// Its series: the salt concentration, and the start where there are two.
+    name: String,
     salt_molar: f64,
     replica: u32,
     rows: Vec<LogRow>,
@@ -28,7 +31,11 @@ struct Trace {
 /// # Errors
 /// If a log is damaged.
 pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure, Table)>> {
-    let step = settings.salt_molar.len().div_ceil(MOST_SALTS).max(1);
+    let most_salts = match settings.starts {
+        Starts::Both => MOST_COLOURS / 2,
+        Starts::Assembly | Starts::Fluid => MOST_COLOURS,
+    };
+    let step = settings.salt_molar.len().div_ceil(most_salts).max(1);
     let salts: Vec<f64> = settings.salt_molar.iter().copied().step_by(step).collect();
     let logs = salts.len() * settings.replicas as usize;
     let most_rows = (MOST_POINTS / logs.max(1)).clamp(5, MOST_ROWS);
@@ -40,6 +47,7 @@ pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure
                 let rows: Vec<LogRow> = log::read_so_far(&path)?;
                 let every = rows.len().div_ceil(most_rows).max(1);
                 traces.push(Trace {
+                    name: name(settings, salt_molar, replica),
                     salt_molar,
                     replica,
                     rows: rows.into_iter().step_by(every).collect(),
@@ -54,67 +62,72 @@ pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure
     Ok(Some((figure(&traces), table(&traces)?)))
 }
 
-fn figure(traces: &[Trace]) -> Figure {
-    let panel = |label: &str, value: fn(&LogRow) -> f64| {
-        let mut series: Vec<Series> = Vec::new();
-        for trace in traces {
-            let name = format!("{} mM", millimolar(trace.salt_molar));
-            let points = trace
-                .rows
-                .iter()
-                .map(|row| [row.sweep as f64, value(row)])
-                .filter(|[_, y]| y.is_finite());
-            match series.iter_mut().find(|series| series.name == name) {
-                Some(series) => series.replicas.extend(points),
-                None => series.push(Series {
-                    name,
-                    replicas: points.collect(),
-                    ..Series::default()
-                }),
-            }
-        }
-        series.retain(|series| !series.replicas.is_empty());
-        Panel {
-            y: Axis::linear(label),
-            series,
-        }
+fn name(settings: &RunSettings, salt_molar: f64, replica: u32) -> String {
+    let start = match (settings.starts, settings.starts.of_replica(replica)) {
+        (Starts::Both, Start::Assembly) => ", from the assembly",
+        (Starts::Both, Start::Fluid) => ", from a fluid",
+        (Starts::Assembly | Starts::Fluid, _) => "",
     };
-    let panels = [
-        panel("radius of gyration (Å)", |row| row.r_g_angstrom),
-        panel("energy (kT)", |row| row.energy_kt),
-    ];
+    format!("{} mM{start}", millimolar(salt_molar))
+}
+
+fn figure(traces: &[Trace]) -> Figure {
+    let panels = OBSERVABLES.into_iter().map(|(label, value, range)| Panel {
+        y: Axis {
+            range,
+            ..Axis::linear(label)
+        },
+        series: series(traces, value),
+    });
     Figure {
         title: "Course of the simulations".into(),
-        caption: "thinned rows of the logs; one colour per salt concentration".into(),
+        caption: "thinned rows of the logs; one colour per salt concentration and start".into(),
         x: Axis::linear("sweeps of production"),
-        panels: panels
-            .into_iter()
-            .filter(|panel| !panel.series.is_empty())
-            .collect(),
+        panels: panels.filter(|panel| !panel.series.is_empty()).collect(),
     }
 }
 
+/// A series per salt concentration and start.
+fn series(traces: &[Trace], value: fn(&LogRow) -> f64) -> Vec<Series> {
+    let mut series: Vec<Series> = Vec::new();
+    for trace in traces {
+        let points = trace
+            .rows
+            .iter()
+            .map(|row| [row.sweep as f64, value(row)])
+            .filter(|[_, y]| y.is_finite());
+        match series.iter_mut().find(|series| series.name == trace.name) {
+            Some(series) => series.replicas.extend(points),
+            None => series.push(Series {
+                name: trace.name.clone(),
+                replicas: points.collect(),
+                ..Series::default()
+            }),
+        }
+    }
+    series.retain(|series| !series.replicas.is_empty());
+    series
+}
+
+/// The rows as in the logs, all of their columns.
 fn table(traces: &[Trace]) -> Result<Table> {
-    let mut table = Table::new([
-        "salt_M",
-        "replica",
-        "sweep",
-        "r_g_angstrom",
-        "native_contacts",
-        "largest_cluster",
-        "energy_kT",
-    ]);
+    let mut columns = vec!["salt_M", "replica"];
+    columns.extend(LogRow::columns());
+    let mut table = Table::new(columns);
     for trace in traces {
         for row in &trace.rows {
-            table.push([
-                trace.salt_molar.into(),
+            let mut cells = vec![
+                Cell::from(trace.salt_molar),
                 Cell::Integer(i64::from(trace.replica)),
-                Cell::Integer(i64::try_from(row.sweep).unwrap_or(i64::MAX)),
-                row.r_g_angstrom.into(),
-                row.native_contacts.into(),
-                row.largest_cluster.into(),
-                row.energy_kt.into(),
-            ])?;
+            ];
+            for cell in row.to_cells() {
+                // A value that an earlier version did not write.
+                cells.push(match cell.as_str() {
+                    "NaN" => Cell::Empty,
+                    _ => Cell::Text(cell),
+                });
+            }
+            table.push(cells)?;
         }
     }
     Ok(table)

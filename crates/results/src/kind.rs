@@ -49,74 +49,159 @@ pub enum ResultKind {
     Other(Cow<'static, str>),
 }
 
-/// Each kind, its word in JSON, and its name in a sentence.
-const KINDS: &[(ResultKind, &str, &str)] = &[
-    (ResultKind::Sweep, "sweep", "a sweep"),
-    (
+/// What is said of a kind.
+struct Words {
+    kind: ResultKind,
+    /// In JSON.
+    word: &'static str,
+    /// In a sentence.
+    name: &'static str,
+    /// The verbs whose directory holds it; none for parts of other results.
+    verbs: &'static [&'static str],
+}
+
+const fn words(
+    kind: ResultKind,
+    word: &'static str,
+    name: &'static str,
+    verbs: &'static [&'static str],
+) -> Words {
+    Words {
+        kind,
+        word,
+        name,
+        verbs,
+    }
+}
+
+const KINDS: &[Words] = &[
+    words(
+        ResultKind::Sweep,
+        "sweep",
+        "a sweep",
+        &["simulate", "sweep"],
+    ),
+    words(
         ResultKind::Simulation,
         "simulation",
         "one simulation of a sweep",
+        &[],
     ),
-    (ResultKind::Pair, "pair", "the thermodynamics of two bodies"),
-    (
+    words(
+        ResultKind::Pair,
+        "pair",
+        "the thermodynamics of two bodies",
+        &["pair"],
+    ),
+    words(
         ResultKind::PairCondition,
         "pair condition",
         "two bodies at one salt and pH",
+        &[],
     ),
-    (
+    words(
         ResultKind::HardBodies,
         "hard bodies",
         "a run of hard bodies",
+        &["hpmc run"],
     ),
-    (
+    words(
         ResultKind::HardBodySweep,
         "hard bodies sweep",
         "a sweep of hard bodies",
+        &["hpmc sweep"],
     ),
-    (
+    words(
         ResultKind::FreeEnergy,
         "free energy",
         "the free energy of a crystal",
+        &["free-energy"],
     ),
-    (ResultKind::LatticeRun, "lattice run", "a lattice run"),
-    (ResultKind::LatticeSweep, "lattice sweep", "a lattice sweep"),
-    (
-        ResultKind::ElasticConstants,
-        "elastic constants",
-        "elastic constants of a network",
-    ),
-    (
-        ResultKind::FrameworkTables,
-        "framework tables",
-        "the tables of a paper",
-    ),
-    (ResultKind::Training, "training", "a training run"),
-    (ResultKind::Search, "search", "a search for settings"),
-    (ResultKind::VoxelSet, "voxel set", "a voxel set"),
-    (
+    words(
         ResultKind::DynamicsRun,
         "dynamics run",
         "a run of contact dynamics",
+        &["md run"],
+    ),
+    words(
+        ResultKind::LatticeRun,
+        "lattice run",
+        "a lattice run",
+        &["lattice run"],
+    ),
+    words(
+        ResultKind::LatticeSweep,
+        "lattice sweep",
+        "a lattice sweep",
+        &["lattice sweep"],
+    ),
+    words(
+        ResultKind::ElasticConstants,
+        "elastic constants",
+        "elastic constants of a network",
+        &["framework"],
+    ),
+    words(
+        ResultKind::FrameworkTables,
+        "framework tables",
+        "the tables of a paper",
+        &["framework tables"],
+    ),
+    words(
+        ResultKind::Training,
+        "training",
+        "a training run",
+        &["train"],
+    ),
+    words(
+        ResultKind::Search,
+        "search",
+        "a search for settings",
+        &["tune"],
+    ),
+    words(
+        ResultKind::VoxelSet,
+        "voxel set",
+        "a voxel set",
+        &["voxelize", "merge"],
     ),
 ];
 
 impl ResultKind {
+    /// Every kind but [`ResultKind::Other`].
+    pub fn all() -> impl Iterator<Item = &'static Self> {
+        KINDS.iter().map(|words| &words.kind)
+    }
+
     /// The word in JSON.
     pub fn word(&self) -> &str {
-        match self {
-            Self::Other(word) => word,
-            known => KINDS
-                .iter()
-                .find(|(kind, ..)| kind == known)
-                .map_or("", |(_, word, _)| word),
+        match (self, self.words()) {
+            (Self::Other(word), _) => word,
+            (_, words) => words.map_or("", |words| words.word),
         }
+    }
+
+    /// The verbs whose directory holds this kind; none for parts of other results, and for kinds
+    /// that this version does not have.
+    ///
+    /// ```
+    /// use protomer_results::ResultKind;
+    /// assert_eq!(ResultKind::VoxelSet.verbs(), ["voxelize", "merge"]);
+    /// assert!(ResultKind::Simulation.verbs().is_empty());
+    /// ```
+    pub fn verbs(&self) -> &'static [&'static str] {
+        self.words().map_or(&[], |words| words.verbs)
+    }
+
+    fn words(&self) -> Option<&'static Words> {
+        KINDS.iter().find(|words| words.kind == *self)
     }
 }
 
 impl fmt::Display for ResultKind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match KINDS.iter().find(|(kind, ..)| kind == self) {
-            Some((.., name)) => formatter.write_str(name),
+        match self.words() {
+            Some(words) => formatter.write_str(words.name),
             None => write!(formatter, "results of the kind '{}'", self.word()),
         }
     }
@@ -124,8 +209,8 @@ impl fmt::Display for ResultKind {
 
 impl From<String> for ResultKind {
     fn from(word: String) -> Self {
-        match KINDS.iter().find(|(_, known, _)| *known == word) {
-            Some((kind, ..)) => kind.clone(),
+        match KINDS.iter().find(|words| words.word == word) {
+            Some(words) => words.kind.clone(),
             None => Self::Other(word.into()),
         }
     }
@@ -143,7 +228,10 @@ mod tests {
 
     #[test]
     fn each_kind_has_one_word_and_reads_back() {
-        for (kind, word, name) in KINDS {
+        for Words {
+            kind, word, name, ..
+        } in KINDS
+        {
             let json = serde_json::to_string(&kind).unwrap();
             assert_eq!(json, format!("\"{word}\""));
             assert_eq!(serde_json::from_str::<ResultKind>(&json).unwrap(), *kind);

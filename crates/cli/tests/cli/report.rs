@@ -5,6 +5,7 @@
 
 use crate::common::{CHARGES, TemporaryFolder, contents, is_ok, message};
 use protomer::bodies::body_file;
+use protomer_results::ResultKind;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -62,6 +63,23 @@ fn page(place: &TemporaryFolder, directory: &str) -> (String, Vec<String>) {
     (html, sections.collect())
 }
 
+/// The first section of a page.
+fn status(html: &str) -> &str {
+    let (_, rest) = html.split_once("<section id=\"status\">").unwrap();
+    rest.split_once("</section>").unwrap().0
+}
+
+/// The columns of a table that a page carries.
+fn columns_of(html: &str, table: &str) -> Vec<String> {
+    let (_, rest) = html
+        .split_once(&format!(
+            "download=\"{table}\" href=\"data:text/csv;charset=utf-8,"
+        ))
+        .unwrap();
+    let (head, _) = rest.split_once("%0A").unwrap();
+    head.split(',').map(str::to_owned).collect()
+}
+
 /// Every row of a table of the directory is in the link that saves it, digit for digit.
 fn carries(html: &str, table: &Path) {
     for line in read(table).lines() {
@@ -103,7 +121,15 @@ fn a_sweep_has_its_curve_bodies_conditions_and_simulations() {
         !html.contains("metadata"),
         "what a figure is drawn from is not carried along"
     );
-    assert!(html.contains("nothing failed and nothing is missing"));
+    assert!(html.contains("<p>Finished; nothing failed and nothing is missing"));
+    let status = status(&html);
+    assert!(
+        status.contains(
+            "<p class=\"open\"><strong>Equilibrated: unknown.</strong> All runs start alike"
+        ),
+        "{status}"
+    );
+    assert!(!status.contains("class=\"good\""), "{status}");
     let record: serde_json::Value =
         serde_json::from_str(&read(&place.path("sweep/run.json"))).unwrap();
     assert_eq!(record["details"]["assembly"], "../ring.json");
@@ -488,10 +514,120 @@ fn a_stopped_sweep_says_what_is_not_done() {
     )
     .unwrap();
     let (html, _) = page(&place, "sweep");
-    assert!(html.contains("0.05,0,10,8.5,1,4,-3%0A") && html.contains("traces.csv: 1 row<"));
+    assert!(html.contains("0.05,0,10,8.5,1,4,-3,2,,%0A") && html.contains("traces.csv: 1 row<"));
     // What was shown of the unfinished one goes when the work starts anew.
     is_ok(&place.run(&format!("{SWEEP} --force")));
     assert!(!place.path("sweep/report.html").exists());
+}
+
+#[test]
+fn starts_that_disagree_head_the_page_and_are_told_apart() {
+    let place = TemporaryFolder::new();
+    // Four bodies in contact, and a fluid in which none touch: a few sweeps change neither.
+    is_ok(&place.run(
+        "sweep ring.json --salt 50mM,300mM --replicas 4 --starts both --sweeps 12 --equilibration 2 \
+         --cluster-moves 0 --log-every 1 --seed 7 --quiet -o both",
+    ));
+    let (html, _) = page(&place, "both");
+    let status = status(&html);
+    assert!(
+        status.contains("<p class=\"bad\"><strong>Equilibrated: no.</strong> At "),
+        "{status}"
+    );
+    assert!(
+        status.contains("in runs from the assembly") && !status.contains("class=\"good\""),
+        "{status}"
+    );
+    let curve = read(&place.path("both/sweep.svg"));
+    for start in ["from\u{a0}the\u{a0}assembly", "from\u{a0}a\u{a0}fluid"] {
+        assert!(curve.contains(&format!(">{start}<")), "{start}");
+    }
+    let sections = html.replace('\u{a0}', " ");
+    assert!(sections.contains(">50 mM, from a fluid<"));
+    // All columns of the logs, whatever they are.
+    let log = read(&place.path("both/salt_0.050000M/replica_0/log.csv"));
+    let log: Vec<&str> = log.lines().next().unwrap().split(',').collect();
+    assert_eq!(columns_of(&html, "traces.csv")[2..], log);
+    for column in ["contacts", "bound_fraction"] {
+        assert!(log.contains(&column), "{column}");
+    }
+    // At one salt there is no curve: averages, each start in its column.
+    is_ok(&place.run(
+        "sweep ring.json --salt 50mM --replicas 2 --starts both --sweeps 12 --equilibration 2 \
+         --log-every 1 --seed 7 --quiet -o one_salt",
+    ));
+    let (html, _) = page(&place, "one_salt");
+    for text in [
+        "<th>from the assembly</th><th>from a fluid</th>",
+        "<td>pairs of bodies in contact</td>",
+        "<td>bodies that touch another</td>",
+    ] {
+        assert!(html.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn a_sweep_with_one_start_has_a_legend_only_where_a_half_salt_is_drawn() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    let result: serde_json::Value =
+        serde_json::from_str(&read(&place.path("sweep/sweep.json"))).unwrap();
+    let curve = read(&place.path("sweep/sweep.svg")).replace('\u{a0}', " ");
+    let is_drawn = curve.contains("half, and its interval");
+    let has_half = ["half_salt_molar", "half_bound_salt_molar"]
+        .into_iter()
+        .any(|key| result[key].is_number());
+    assert_eq!(is_drawn, has_half);
+    assert!(
+        !curve.contains("fraction of the bodies") && !curve.contains("fraction of the contacts")
+    );
+}
+
+#[test]
+fn contact_dynamics_has_its_course_and_bodies_of_every_kind() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(
+        "md run --shape ellipsoid:2,1,1 --bodies 32 --packing-fraction 0.1 --steps 40 \
+         --compress-steps 20 --equilibrate-steps 20 --log-every 10 --trajectory-every 20 -q -o ellipsoids",
+    ));
+    let (html, sections) = page(&place, "ellipsoids");
+    assert_eq!(sections, ["Status", "Results", "Bodies", "Provenance"]);
+    assert!(status(&html).contains("<strong>Equilibrated: unknown.</strong>"));
+    carries(&html, &place.path("ellipsoids/log.csv"));
+    assert!(html.contains("after 40 steps") && html.contains("<dt>Pressure</dt>"));
+    assert_eq!(html.matches("<svg").count(), 2, "the course in two shapes");
+
+    let mixture = "md run --shape polygon:4 --shape polygon:5 --share 3 --share 1 --bodies 36 --packing-fraction 0.3 \
+                   --steps 20 --compress-steps 20 --equilibrate-steps 20 --trajectory-every 20 -q -o";
+    is_ok(&place.run(&format!("{mixture} mixture")));
+    let (html, _) = page(&place, "mixture");
+    assert!(html.contains("body 1") && html.contains("body 2"));
+    assert_eq!(
+        place
+            .run(&format!("{mixture} stopped --time-limit 0"))
+            .status
+            .code(),
+        Some(3)
+    );
+    assert!(message(&place.run("report stopped")).contains("work that has not begun"));
+}
+
+#[test]
+fn the_guide_lists_the_verbs_whose_results_have_a_page() {
+    let guide = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guide/report.md"));
+    let (_, rows) = guide
+        .split_once("| directory of | on the page |\n|---|---|\n")
+        .unwrap();
+    let mut listed = Vec::new();
+    for row in rows.lines().take_while(|row| row.starts_with('|')) {
+        let cell = row.split('|').nth(1).unwrap();
+        listed.extend(cell.split('`').skip(1).step_by(2));
+    }
+    let verbs: Vec<&str> = ResultKind::all()
+        .flat_map(ResultKind::verbs)
+        .copied()
+        .collect();
+    assert_eq!(listed, verbs);
 }
 
 #[cfg(unix)]
@@ -626,8 +762,16 @@ fn lattices_frameworks_and_trainings_have_pages_too() {
         "the drawing's texts stand below it"
     );
 
-    is_ok(&place.run("train --control orientation --short --epochs 3 -q -o training"));
+    let trained = place.run("train --control orientation --short --epochs 3 -q -o training");
+    is_ok(&trained);
     let (html, sections) = page(&place, "training");
+    assert!(status(&html).contains("<strong>Control passed: "));
+    // The terminal and the page say the same of a prediction with certainty.
+    assert!(html.contains("<td>majority</td>"));
+    let (_, row) = html.split_once("<td>majority</td>").unwrap();
+    let (row, _) = row.split_once("</tr>").unwrap();
+    assert!(row.ends_with("<td>–</td><td>–</td>"), "{row}");
+    assert!(html.contains("does not test the gain over the prior"));
     assert_eq!(
         sections,
         [

@@ -236,7 +236,7 @@ impl Answer for FreeEnergyResult {
 
 impl FreeEnergyResult {
     /// How many strengths are slow, and which is the slowest; `None` if none is.
-    fn slow(&self) -> Option<String> {
+    pub fn slow(&self) -> Option<String> {
         let points = self.slow_points.iter().map(|number| &self.points[*number]);
         let slowest = points.min_by(|one, other| {
             one.independent_samples

@@ -1,7 +1,8 @@
 //! The page of a training.
 
-use crate::html::{definitions, escape, list, paragraph, significant, table};
+use crate::html::{definitions, escape, list, paragraph, significant, significant_or_dash, table};
 use crate::page::{Page, Section};
+use crate::verdict::Verdict;
 use crate::{data, figures, provenance};
 use anyhow::Result;
 use protomer_learn::bootstrap::Interval;
@@ -63,9 +64,21 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
             "A network that sees {}",
             settings.training.channels.join(", ")
         ),
+        verdict: metrics.as_ref().and_then(passed),
         problems: problems(metrics.as_ref()),
         sections,
     })
+}
+
+/// Whether a control gave what is known beforehand; `None` for other trainings.
+fn passed(metrics: &Metrics) -> Option<Verdict> {
+    let control = metrics.control.as_ref()?;
+    let expected = control.experiments.iter().filter(|one| one.reached).count();
+    let reason = format!(
+        "{expected} of {} experiments came out as expected",
+        control.experiments.len()
+    );
+    Some(Verdict::control_passed(control.reached, &reason))
 }
 
 fn problems(metrics: Option<&Metrics>) -> Vec<String> {
@@ -128,14 +141,7 @@ fn scores(metrics: &Metrics) -> String {
                 interval(&metrics.bootstrap_95.nats_gained_over_prior)
             ),
         ),
-        (
-            "permutation test",
-            format!(
-                "p = {} from {} exchanges of labels",
-                of(metrics.permutation_p),
-                metrics.permutations
-            ),
-        ),
+        ("permutation test", metrics.permutation_test()),
         ("Matthews' correlation", of(metrics.matthews_correlation)),
         (
             "expected calibration error",
@@ -159,35 +165,17 @@ fn table_of_baselines(metrics: &Metrics) -> String {
         "macro F1",
         "top 3",
         "cross entropy (nats)",
+        "gained over the prior (nats)",
     ]
     .map(str::to_owned);
-    let row = |name: &str, values: [f64; 5]| {
-        std::iter::once(name.to_owned())
-            .chain(values.map(|value| significant(value, 4)))
-            .collect::<Vec<_>>()
-    };
-    let own = [
-        metrics.accuracy,
-        metrics.balanced_accuracy,
-        metrics.macro_f1,
-        metrics.top3_accuracy,
-        metrics.log_loss_nats,
-    ];
-    let baselines = metrics.baselines.iter().map(|(name, b)| {
-        row(
-            name,
-            [
-                b.accuracy,
-                b.balanced_accuracy,
-                b.macro_f1,
-                b.top3_accuracy,
-                b.log_loss_nats,
-            ],
-        )
-    });
-    let rows: Vec<Vec<String>> = std::iter::once(row("this network", own))
-        .chain(baselines)
-        .collect();
+    let mut rows = Vec::new();
+    for scores in metrics.score_rows() {
+        let mut row = vec![scores.name];
+        row.extend(scores.shares.map(|share| significant(share, 4)));
+        row.push(significant_or_dash(scores.log_loss_nats, 4));
+        row.push(significant_or_dash(scores.gained_nats, 3));
+        rows.push(row);
+    }
     format!(
         "<h3>Compared with predictions without voxels</h3>\n{}",
         table(&head, &rows)
@@ -367,5 +355,9 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
             );
         }
     }
-    Section::new("Conditions", definitions(&rows) + &left_out)
+    let joined = metrics.and_then(Metrics::joined_labels);
+    let joined = joined.map_or_else(String::new, |joined| {
+        paragraph(&format!("In this training {joined}."))
+    });
+    Section::new("Conditions", definitions(&rows) + &joined + &left_out)
 }

@@ -73,6 +73,7 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
             settings.trials,
             settings.base.training.channels.join(", ")
         ),
+        verdict: None,
         problems,
         sections,
     })

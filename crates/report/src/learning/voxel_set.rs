@@ -80,6 +80,7 @@ pub fn page(directory: &Path) -> Result<Page> {
             settings.size,
             names(&settings)
         ),
+        verdict: None,
         problems,
         sections,
     })

@@ -1,0 +1,243 @@
+//! The bodies of a trajectory with convex shapes, or unions of them, in the viewer.
+
+use super::html::paragraph;
+use super::mesh_view::{self, Scene, Shown, ShownMesh};
+use super::page::Section;
+use anyhow::{Context, Result, bail};
+use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};
+use protomer_kernel::shape::{Shape, hull::Hull};
+use protomer_kernel::{TriangleMesh, Vec3};
+use serde::Deserialize;
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
+
+/// More bodies than this are slow to turn.
+const MOST_BODIES: usize = 512;
+/// Points of a rounded corner in space, and in a plane.
+const ON_SPHERE: usize = 92;
+const ON_CIRCLE: usize = 24;
+
+/// The section with the last frame of a trajectory; `unit` is what its steps count.
+///
+/// # Errors
+/// If the trajectory is damaged, holds no frame, or has a shape that cannot be drawn.
+pub fn section(path: &Path, unit: &str) -> Result<Section> {
+    let mut reader = TrajectoryReader::open(path)?;
+    let Some(last) = reader.frames().checked_sub(1) else {
+        bail!("{} holds no frame", path.display());
+    };
+    let frame = reader.frame(last)?;
+    if frame.poses.len() > MOST_BODIES {
+        let count = frame.poses.len();
+        return Ok(Section::new(
+            "Bodies",
+            paragraph(&format!(
+                "{count} bodies are not drawn; OVITO opens {}.",
+                path.display()
+            )),
+        ));
+    }
+    let kinds = Kinds::read(path)?;
+    let mut meshes = Vec::with_capacity(kinds.shapes.len());
+    for (number, text) in kinds.shapes.iter().enumerate() {
+        let words: ShapeWords = serde_json::from_str(text)
+            .with_context(|| format!("{} has no shape that is understood", path.display()))?;
+        meshes.push(ShownMesh {
+            name: match kinds.shapes.len() {
+                1 => "body".into(),
+                _ => format!("body {}", number + 1),
+            },
+            mesh: mesh(&words)?,
+            values: Vec::new(),
+        });
+    }
+    let poses = frame.poses.into_iter().enumerate();
+    let shown = Shown {
+        scenes: vec![Scene {
+            name: format!("after {} {unit}", frame.step),
+            bodies: poses.map(|(body, pose)| (kinds.kind(body), pose)).collect(),
+            colouring: None,
+            film: None,
+        }],
+        meshes,
+        colourings: Vec::new(),
+    };
+    Ok(mesh_view::section(&shown, ""))
+}
+
+/// The shapes of a trajectory, and which of them each body has.
+struct Kinds {
+    shapes: Vec<String>,
+    /// Empty if all bodies have the first shape.
+    by_body: Vec<u32>,
+}
+
+impl Kinds {
+    fn read(path: &Path) -> Result<Self> {
+        let mut file = GsdFile::open(path)?;
+        let chunk = file.chunk(0, "particles/type_shapes")?;
+        let Some((columns, ChunkData::I8(letters))) =
+            chunk.map(|chunk| (chunk.columns, chunk.data))
+        else {
+            bail!("{} has no shape", path.display());
+        };
+        let rows = letters.chunks(columns.max(1) as usize);
+        let shapes = rows.map(|letters| {
+            let bytes = letters.iter().map(|letter| *letter as u8);
+            let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
+            String::from_utf8_lossy(&bytes).into_owned()
+        });
+        let shapes: Vec<String> = shapes.collect();
+        let by_body = match file.chunk(0, "particles/typeid")?.map(|chunk| chunk.data) {
+            Some(ChunkData::U32(kinds)) => kinds,
+            _ => Vec::new(),
+        };
+        if by_body.iter().any(|kind| *kind as usize >= shapes.len()) {
+            bail!("{} has a body without a shape", path.display());
+        }
+        Ok(Self { shapes, by_body })
+    }
+
+    fn kind(&self, body: usize) -> usize {
+        self.by_body.get(body).map_or(0, |kind| *kind as usize)
+    }
+}
+
+/// The shape in a trajectory, in the words of its schema.
+#[derive(Debug, Deserialize)]
+struct ShapeWords {
+    #[serde(rename = "type")]
+    kind: String,
+    /// Half axes of an ellipsoid.
+    #[serde(default)]
+    a: f64,
+    #[serde(default)]
+    b: f64,
+    #[serde(default)]
+    c: f64,
+    #[serde(default)]
+    diameter: f64,
+    #[serde(default)]
+    rounding_radius: f64,
+    #[serde(default)]
+    vertices: Vec<Vec<f64>>,
+    /// Corners of the triangles of a mesh.
+    #[serde(default)]
+    indices: Vec<[u32; 3]>,
+    /// Of a union of balls.
+    #[serde(default)]
+    centers: Vec<[f64; 3]>,
+    #[serde(default)]
+    diameters: Vec<f64>,
+}
+
+/// What is drawn of a body.
+fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
+    match words.kind.as_str() {
+        "Mesh" => Ok(two_sided_if_flat(TriangleMesh {
+            vertices: words.vertices.iter().map(|vertex| point(vertex)).collect(),
+            triangles: words.indices.clone(),
+        })),
+        "Ellipsoid" => ellipsoid([words.a, words.b, words.c]),
+        "SphereUnion" => balls(&words.centers, &words.diameters),
+        _ => hull(words),
+    }
+}
+
+/// A mesh in a plane is seen from both sides.
+fn two_sided_if_flat(mut mesh: TriangleMesh) -> TriangleMesh {
+    if mesh.vertices.iter().all(|vertex| vertex.z == 0.0) {
+        let other_side = mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]);
+        mesh.triangles.extend(other_side.collect::<Vec<_>>());
+    }
+    mesh
+}
+
+fn ellipsoid([a, b, c]: [f64; 3]) -> Result<TriangleMesh> {
+    let points = sphere(1.0).into_iter();
+    let points = points.map(|point| Vec3::new(a * point.x, b * point.y, c * point.z));
+    of_solid(&points.collect::<Vec<_>>())
+}
+
+fn point(vertex: &[f64]) -> Vec3 {
+    Vec3::from_fn(|axis, _| vertex.get(axis).copied().unwrap_or(0.0))
+}
+
+fn balls(centers: &[[f64; 3]], diameters: &[f64]) -> Result<TriangleMesh> {
+    let mut all = TriangleMesh {
+        vertices: Vec::new(),
+        triangles: Vec::new(),
+    };
+    for (centre, diameter) in centers.iter().zip(diameters) {
+        let points: Vec<Vec3> = sphere(0.5 * diameter)
+            .into_iter()
+            .map(|by| point(centre) + by)
+            .collect();
+        let ball = of_solid(&points)?;
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(ball.vertices);
+        let triangles = ball.triangles.into_iter();
+        all.triangles
+            .extend(triangles.map(|triangle| triangle.map(|corner| first + corner)));
+    }
+    Ok(all)
+}
+
+/// The hull of the corners, each with points of its rounding; polygons are thin plates.
+fn hull(words: &ShapeWords) -> Result<TriangleMesh> {
+    let is_flat = words.kind == "Polygon";
+    let radius = words.rounding_radius.max(0.5 * words.diameter);
+    let mut corners = Vec::new();
+    for vertex in &words.vertices {
+        corners.push(point(vertex));
+    }
+    if corners.is_empty() {
+        corners.push(Vec3::zeros());
+    }
+    let around: Vec<Vec3> = match (radius > 0.0, is_flat) {
+        (false, _) => vec![Vec3::zeros()],
+        (true, true) => circle(radius),
+        (true, false) => sphere(radius),
+    };
+    let size = corners.iter().map(Vec3::norm).fold(radius, f64::max);
+    let mut points = Vec::new();
+    for corner in &corners {
+        for by in &around {
+            let point = corner + by;
+            if is_flat {
+                points.push(point + 0.1 * size * Vec3::z());
+                points.push(point - 0.1 * size * Vec3::z());
+            } else {
+                points.push(point);
+            }
+        }
+    }
+    of_solid(&points)
+}
+
+fn of_solid(points: &[Vec3]) -> Result<TriangleMesh> {
+    match Shape::solid(points)? {
+        Shape::Solid(Hull::Polyhedron(mesh)) => Ok(mesh),
+        _ => bail!("a shape without volume cannot be drawn"),
+    }
+}
+
+fn circle(radius: f64) -> Vec<Vec3> {
+    let at = |number: usize| {
+        let (sine, cosine) = (TAU * number as f64 / ON_CIRCLE as f64).sin_cos();
+        radius * Vec3::new(cosine, sine, 0.0)
+    };
+    (0..ON_CIRCLE).map(at).collect()
+}
+
+/// Points on a spiral of equal areas.
+fn sphere(radius: f64) -> Vec<Vec3> {
+    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
+    let at = |number: usize| {
+        let height = 1.0 - (2.0 * number as f64 + 1.0) / ON_SPHERE as f64;
+        let across = (1.0 - height * height).sqrt();
+        let (sine, cosine) = (golden_angle * number as f64).sin_cos();
+        radius * Vec3::new(across * cosine, across * sine, height)
+    };
+    (0..ON_SPHERE).map(at).collect()
+}
