@@ -5,19 +5,35 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _protomer
 from ._errors import unknown
 from ._result import missing
 
 Grid = NDArray[np.float32]
 
 
+def _number(label: str) -> float | None:
+    """The finite number that a label is, as `train --target number` reads it."""
+    # Only Python takes underscores between digits.
+    if "_" in label:
+        return None
+    try:
+        number = float(label)
+    except ValueError:
+        return None
+    return number if np.isfinite(number) else None
+
+
 class VoxelSet:
-    """The samples of a set made by `protomer.voxelize`: pairs of a grid (C, z, y, x) and the number of its class.
+    """The samples of a set made by `protomer.voxelize`: pairs of a grid (C, z, y, x) and its target.
+
+    The target is the number of the class of a sample, its place in `classes`. If every label of the set is a number, such as a melting
+    temperature, it is that number instead, and `values` holds all of them; `target` says otherwise.
 
     A map-style dataset: `torch.utils.data.DataLoader(VoxelSet("set.zarr"), batch_size=8)` takes it as it is, and torch is not
     needed for anything else. Samples are read one by one, so a set may be larger than memory. Needs zarr
@@ -31,6 +47,9 @@ class VoxelSet:
         The channels wanted, in order; all if left out
     transform
         Called with every grid, for scaling or rotation
+    target
+        `"number"` or `"class"`; by default numbers if all labels are numbers, classes otherwise. Labels that count
+        classes, such as 0 and 1, need `target="class"`
 
     Raises
     ------
@@ -38,6 +57,8 @@ class VoxelSet:
         If there is no such set; also a `FileNotFoundError`
     KeyError
         For a channel that the set does not have; it lists those that exist
+    ConfigError
+        For `target="number"` of a set with a label that is no number; it names the sample
 
     Examples
     --------
@@ -50,6 +71,7 @@ class VoxelSet:
         *,
         channels: list[str] | None = None,
         transform: Callable[[Grid], Any] | None = None,
+        target: Literal["number", "class"] | None = None,
     ) -> None:
         self._path = os.fspath(path)
         self._transform = transform
@@ -65,8 +87,30 @@ class VoxelSet:
         self.names: list[str] = list(samples["name"])
         self.labels: list[str] = list(samples["label"])
         self.clusters: list[str] = list(samples["cluster"])
-        self.classes: list[str] = sorted(set(self.labels))
-        self._numbers = {label: number for number, label in enumerate(self.classes)}
+        numbers = [_number(label) for label in self.labels]
+        if target is None:
+            target = "class" if None in numbers or not numbers else "number"
+        elif target not in ("number", "class"):
+            unknown("target", target, ["number", "class"])
+        self.target: Literal["number", "class"] = target
+        self.values: NDArray[np.float64] | None = None
+        """The numbers of the samples, (S,); None for classes."""
+        self.classes: list[str] = []
+        """The classes in alphabetical order; none for numbers."""
+        self._targets: list[int] | list[float]
+        if target == "number":
+            found = [number for number in numbers if number is not None]
+            if len(found) < len(numbers):
+                sample = numbers.index(None)
+                raise _protomer.ConfigError(
+                    f"{self._path}: the label '{self.labels[sample]}' of {self.names[sample]} is no number; use target=\"class\""
+                )
+            self.values = np.array(found, dtype=np.float64)
+            self._targets = found
+        else:
+            self.classes = sorted(set(self.labels))
+            places = {label: place for place, label in enumerate(self.classes)}
+            self._targets = [places[label] for label in self.labels]
 
     def _open(self) -> None:
         try:
@@ -91,14 +135,14 @@ class VoxelSet:
     def __len__(self) -> int:
         return len(self.names)
 
-    def __getitem__(self, sample: int) -> tuple[Any, int]:
+    def __getitem__(self, sample: int) -> tuple[Any, int | float]:
         if not -len(self) <= sample < len(self):
             raise IndexError(f"sample {sample} of {len(self)}")
         sample %= len(self)
         grid = self.grid(sample)
-        return (grid if self._transform is None else self._transform(grid)), self._numbers[self.labels[sample]]
+        return (grid if self._transform is None else self._transform(grid)), self._targets[sample]
 
-    def __iter__(self) -> Iterator[tuple[Any, int]]:
+    def __iter__(self) -> Iterator[tuple[Any, int | float]]:
         return (self[sample] for sample in range(len(self)))
 
     def grid(self, sample: int) -> Grid:

@@ -278,7 +278,8 @@ class SweepResult(Result):
         return _at(_assembly_of(self.directory), opened)
 
     def _column(self, name: str) -> Numbers:
-        return numbers([row[name] for row in self._fields["salts"]])
+        # Results of earlier versions lack some columns.
+        return numbers([row.get(name) for row in self._fields["salts"]])
 
     @property
     def salt_molar(self) -> Numbers:
@@ -320,14 +321,53 @@ class SweepResult(Result):
         """Standard deviation of it between replicas, (S,)."""
         return self._column("largest_cluster_sd")
 
+    @property
+    def contacts(self) -> Numbers:
+        """Mean number of pairs of bodies in contact, (S,); NaN in results of earlier versions."""
+        return self._column("contacts_mean")
+
+    @property
+    def contacts_sd(self) -> Numbers:
+        """Standard deviation of it between replicas, (S,)."""
+        return self._column("contacts_sd")
+
+    @property
+    def bound_fraction(self) -> Numbers:
+        """Mean fraction of the bodies that touch another, (S,); NaN in results of earlier versions."""
+        return self._column("bound_fraction_mean")
+
+    @property
+    def bound_fraction_sd(self) -> Numbers:
+        """Standard deviation of it between replicas, (S,)."""
+        return self._column("bound_fraction_sd")
+
+    @property
+    def energy_kt(self) -> Numbers:
+        """Mean energy, kT, (S,)."""
+        return self._column("energy_mean_kT")
+
+    @property
+    def energy_sd_kt(self) -> Numbers:
+        """Standard deviation of it between replicas, kT, (S,)."""
+        return self._column("energy_sd_kT")
+
     def plot(
-        self, ax: Axes | None = None, *, quantity: Literal["r_g", "native_contacts", "largest_cluster"] = "r_g"
+        self,
+        ax: Axes | None = None,
+        *,
+        quantity: Literal["r_g", "native_contacts", "contacts", "bound_fraction", "largest_cluster", "energy"] = "r_g",
     ) -> Axes:
-        """A quantity against salt with the spread between replicas: radius of gyration (Å), contacts or cluster."""
+        """A quantity against salt with the spread between replicas.
+
+        Radius of gyration (Å), contacts, bodies that touch another, largest cluster, or energy (kT).
+        """
         columns = {
             "r_g": ("r_g_mean_angstrom", "r_g_sd_angstrom", "radius of gyration (Å)"),
             "native_contacts": ("native_contacts_mean", "native_contacts_sd", "native contacts left"),
+            "contacts": ("contacts_mean", "contacts_sd", "pairs of bodies in contact"),
+            "bound_fraction": ("bound_fraction_mean", "bound_fraction_sd", "bodies that touch another"),
             "largest_cluster": ("largest_cluster_mean", "largest_cluster_sd", "bodies in the largest cluster"),
+            "energy": ("energy_mean_kT", "energy_sd_kT", "energy (kT)"),
         }
         if quantity not in columns:
             unknown("quantity", quantity, columns)

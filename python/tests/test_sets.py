@@ -35,6 +35,30 @@ def test_samples_are_grids_with_the_number_of_their_class(path):
         pm.VoxelSet(path, channels=["colour"])
 
 
+def test_labels_that_are_numbers_stay_numbers(tmp_path):
+    # Sorted as text they would be 100.5, 20, 9.25, and the places in that order 2, 1, 0.
+    rows = "".join(f"{BPTI},{label},c,{name}\n" for label, name in [("9.25", "one"), ("20", "two"), ("100.5", "three")])
+    (tmp_path / "set.csv").write_text("file,label,cluster,name\n" + rows)
+    pm.voxelize(manifest=tmp_path / "set.csv", output=tmp_path / "set.zarr", size=24, spacing="fit", channels=["shape"])
+    samples = pm.VoxelSet(tmp_path / "set.zarr")
+    assert samples.target == "number" and samples.classes == []
+    np.testing.assert_array_equal(samples.values, [9.25, 20.0, 100.5])
+    assert samples.values.dtype == np.float64
+    assert [target for _, target in samples] == [9.25, 20.0, 100.5]
+    assert pickle.loads(pickle.dumps(samples))[0][1] == 9.25
+    classes = pm.VoxelSet(tmp_path / "set.zarr", target="class")
+    assert classes.values is None and classes.classes == ["100.5", "20", "9.25"]
+    assert [target for _, target in classes] == [2, 1, 0]
+    with pytest.raises(KeyError, match="target"):
+        pm.VoxelSet(tmp_path / "set.zarr", target="colour")
+
+
+def test_classes_are_no_numbers(path):
+    assert pm.VoxelSet(path).values is None
+    with pytest.raises(pm.ConfigError, match="'b' of one is no number"):
+        pm.VoxelSet(path, target="number")
+
+
 def test_workers_of_a_loader_can_have_it(path):
     samples = pickle.loads(pickle.dumps(pm.VoxelSet(path)))
     np.testing.assert_array_equal(samples.grid(0), pm.VoxelSet(path).grid(0))

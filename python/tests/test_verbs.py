@@ -47,6 +47,16 @@ def test_a_sweep_is_that_of_the_command_line_byte_for_byte(ring, tmp_path):
         assert (tmp_path / "python" / file).read_bytes() == (tmp_path / "shell" / file).read_bytes(), file
     np.testing.assert_allclose(result.salt_molar, [0.03, 0.3])
     assert result.r_g_angstrom.shape == (2,) and np.all(result.r_g_angstrom > 0)
+    # Every average is that of its column in the logs.
+    for name, column in [
+        ("r_g_angstrom", "r_g_angstrom"),
+        ("contacts", "contacts"),
+        ("bound_fraction", "bound_fraction"),
+        ("largest_cluster", "largest_cluster"),
+        ("energy_kt", "energy_kT"),
+    ]:
+        logs = [[result.log(salt_molar=salt, replica=replica)[column].mean() for replica in (0, 1)] for salt in (0.03, 0.3)]
+        np.testing.assert_allclose(getattr(result, name), np.mean(logs, axis=1), rtol=1e-12, err_msg=name)
     done, total, unit = heard[-1]
     assert 0 < done <= total and unit == "sweeps"
     both = pm.compare([tmp_path / "python", tmp_path / "shell"], output=tmp_path / "both.svg")
@@ -135,6 +145,12 @@ def test_a_sweep_labels_its_salts_readably():
     low, high = axes.get_xlim()
     labels = [label.get_text() for label in axes.get_xticklabels(which="both") if low <= label.get_position()[0] <= high]
     assert [label for label in labels if label] == ["50", "100", "200"]
+    rows = [row | {"bound_fraction_mean": bound, "bound_fraction_sd": 0.1} for row, bound in zip(rows, [0.9, 0.2])]
+    axes = pm.SweepResult({"salts": rows}).plot(quantity="bound_fraction")
+    assert axes.get_ylabel() == "bodies that touch another"
+    np.testing.assert_allclose(axes.lines[0].get_ydata(), [0.9, 0.2])
+    # A sweep of an earlier version has no contacts.
+    assert np.isnan(pm.SweepResult({"salts": rows}).contacts).all()
 
 
 def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
