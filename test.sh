@@ -35,6 +35,7 @@ command_line_tests() {
 
 other_rust_tests() {
     cargo test --workspace --locked --lib --bins $(test_names $(ls -d crates/* | grep -v '/cli$'))
+    data_tests
     documentation_tests
 }
 
@@ -55,6 +56,19 @@ test_names() {
 
 documentation_tests() {
     cargo test --workspace --locked --doc
+}
+
+# Tests of data that are not part of the repository, by the names that stand below their marks. Without the data they
+# are ignored.
+data_tests() {
+    local names
+    if [ -z "${PROTOMER_TEST_DATA:-}" ]; then
+        echo "test.sh: tests that need PROTOMER_TEST_DATA are ignored"
+        return
+    fi
+    mapfile -t names < <(grep -rhA1 '#\[ignore = "needs PROTOMER_TEST_DATA' crates --include='*.rs' |
+        sed -n 's/^ *fn \([a-z0-9_]*\)(.*/\1/p')
+    cargo test --workspace --locked --lib --tests -- --ignored "${names[@]}"
 }
 
 install_requirements() {
@@ -113,6 +127,7 @@ case "${1:-all}" in
 rust)
     lints
     rust_tests
+    data_tests
     documentation_tests
     ;;
 python)

@@ -12,19 +12,21 @@ use flate2::read::GzDecoder;
 use protomer_body::chemistry::{SiteSettings, build_sites};
 use protomer_body::structure::{SelectionSettings, Structure};
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 fn read_select_charge(criterion: &mut Criterion) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let bundled = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let others = std::env::var_os("PROTOMER_TEST_DATA").map(PathBuf::from);
+    let others = others.unwrap_or_default();
     let files = [
-        "data/structures/5pti.cif.gz",
-        "data/structures/4e43.pdb.gz",
-        "../shared/data/structures/4v8r_hybrid36.pdb.gz",
-        "../shared/data/structures/5a9z.cif.gz",
+        (&bundled, "data/structures/5pti.cif.gz"),
+        (&bundled, "data/structures/4e43.pdb.gz"),
+        (&others, "data/structures/4v8r_hybrid36.pdb.gz"),
+        (&others, "data/structures/5a9z.cif.gz"),
     ];
-    for name in files {
+    for (root, name) in files {
         let Ok(file) = std::fs::File::open(root.join(name)) else {
-            eprintln!("skipped: {name} is absent");
+            eprintln!("skipped: {name}, which is looked for in PROTOMER_TEST_DATA");
             continue;
         };
         let mut bytes = Vec::new();

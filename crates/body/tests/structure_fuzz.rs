@@ -11,7 +11,7 @@
 
 mod common;
 
-use common::{bundled, bytes, shared};
+use common::{bundled, bytes, many_structures};
 use proptest::prelude::*;
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites};
@@ -206,9 +206,9 @@ fn two_hundred_thousand_damaged_files_are_read_or_refused() {
 }
 
 #[test]
-#[ignore = "reason: slow; run by name"]
+#[ignore = "slow; needs PROTOMER_TEST_DATA: data/structures"]
 fn damaged_whole_entries_are_read_or_refused() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     let names = [
         "1crn.pdb.gz",
         "1crn.cif.gz",

@@ -1,4 +1,4 @@
-//! The larger set of real structures beside the checkout; skipped where it is absent.
+//! The larger set of real structures, which is not part of the repository.
 
 #![allow(
     clippy::unwrap_used,
@@ -10,7 +10,7 @@
 
 mod common;
 
-use common::{bytes, read, select, shared};
+use common::{bytes, many_structures, read, select};
 use protomer_body::assembly::body_types;
 use protomer_body::chemistry::{SiteSettings, build_sites, residue_names};
 use protomer_body::structure::{Atom, Model, ResidueKey, SelectionSettings, Structure};
@@ -50,8 +50,9 @@ fn residues_of(model: &Model, is_kind: impl Fn(&str) -> bool) -> usize {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn every_file_reads_and_agrees_with_the_manifest() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for entry in manifest(&folder) {
         let file = &entry["file"];
         let structure =
@@ -94,8 +95,9 @@ fn every_file_reads_and_agrees_with_the_manifest() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn insertion_codes_and_operators_are_all_found() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for entry in manifest(&folder) {
         let structure = read(&folder, &entry["file"]);
         let number = |column: &str| entry[column].parse::<usize>().unwrap();
@@ -141,8 +143,9 @@ fn insertion_codes_and_operators_are_all_found() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn no_file_is_a_crystal_by_a_conventional_cell() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for (file, is_crystal) in [
         ("6msm.pdb.gz", false),
         ("5a9z.cif.gz", false),
@@ -159,8 +162,9 @@ fn no_file_is_a_crystal_by_a_conventional_cell() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn both_formats_of_one_entry_give_the_same_sites() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for name in [
         "1crn", "1ubq", "1aki", "5pti", "4hhb", "1f2n", "1ssu", "1ema",
     ] {
@@ -192,8 +196,9 @@ fn both_formats_of_one_entry_give_the_same_sites() {
 /// Counts of charged residues and the published model pKa values give these net charges
 /// (protonation by hand).
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn net_charges_at_ph_7_4() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for (file, expected) in [
         ("1crn.pdb.gz", -0.20),
         ("1aki.pdb.gz", 7.90),
@@ -210,8 +215,9 @@ fn net_charges_at_ph_7_4() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn net_charges_are_protonation_sums_everywhere() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for entry in manifest(&folder) {
         let settings = SelectionSettings {
             keep_ligands: true,
@@ -233,8 +239,9 @@ fn net_charges_are_protonation_sums_everywhere() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn the_chromophore_of_gfp_keeps_its_atoms() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     let selection = select(&read(&folder, "1ema.pdb.gz"));
     let chromophore = selection
         .residues
@@ -264,8 +271,9 @@ fn the_chromophore_of_gfp_keeps_its_atoms() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn microheterogeneous_residues_are_one_residue() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for file in ["1en2.pdb.gz", "1ejg.pdb.gz"] {
         let selection = select(&read(&folder, file));
         assert!(!selection.report.microheterogeneous.is_empty(), "{file}");
@@ -293,8 +301,9 @@ fn microheterogeneous_residues_are_one_residue() {
 /// Every copy of an assembly is the reference moved by its pose, and the assembly has the symmetry
 /// it should have.
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn assemblies_become_copies_of_few_bodies() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     for (file, id, copies) in [
         ("4qnb.pdb.gz", "1", &[6][..]),
         ("4oyn.pdb.gz", "1", &[24]),
@@ -333,8 +342,9 @@ fn assemblies_become_copies_of_few_bodies() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn the_capsid_protein_hexamer_is_a_ring_about_an_axis() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     let settings = SelectionSettings {
         assembly: Some("1".into()),
         ..SelectionSettings::default()
@@ -361,8 +371,9 @@ fn the_capsid_protein_hexamer_is_a_ring_about_an_axis() {
 /// Where pdbtbx reads a file without alternate locations, it finds the same atoms in the same
 /// places.
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn pdbtbx_is_a_second_witness() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     let mut agreed = 0;
     for entry in manifest(&folder) {
         let file = &entry["file"];

@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{bundled, read, shared};
+use common::{bundled, many_structures, read};
 use proptest::prelude::*;
 use protomer_body::chemistry::{SiteSettings, build_sites};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, has_atoms};
@@ -219,8 +219,9 @@ fn selections_of_written_files_are_those_of_the_source() {
 /// The elements of the archive against those that are derived from names and radii, on every
 /// structure at hand.
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
 fn elements_are_those_of_the_archive() {
-    let Some(folder) = shared() else { return };
+    let folder = many_structures();
     let (mut atoms, mut wrong) = (
         0,
         BTreeMap::<(String, String, String, String), usize>::new(),
@@ -296,8 +297,9 @@ fn elements_are_those_of_the_archive() {
 }
 
 #[test]
-fn shared_structures_survive() {
-    let Some(folder) = shared() else { return };
+#[ignore = "needs PROTOMER_TEST_DATA: data/structures"]
+fn many_structures_survive() {
+    let folder = many_structures();
     // Insertion codes, DNA, haem, chromophores.
     for name in ["1aye.pdb.gz", "1kx5.pdb.gz", "4hhb.cif.gz", "1ema.cif.gz"] {
         let settings = SelectionSettings {

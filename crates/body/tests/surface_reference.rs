@@ -1,6 +1,5 @@
 //! Meshes of real proteins against their exact areas and volumes. The reference set is not part of
-//! the repository: it is read from `reference/surface` beside the checkout, or in the folder that
-//! `PROTOMER_TEST_DATA` names.
+//! the repository.
 
 #![allow(
     clippy::unwrap_used,
@@ -10,6 +9,8 @@
 )]
 
 mod solids;
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
 
 use protomer_body::surface::{
     MeshSettings, Surface, solvent_excluded_surface, surface_without_cavities,
@@ -17,17 +18,11 @@ use protomer_body::surface::{
 use protomer_kernel::Vec3;
 use solids::random::{Dice, cluster};
 use solids::worst;
-use std::path::Path;
 use std::time::Instant;
 
-fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
-    let path = Path::new(&root).join("reference/surface").join(name);
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        eprintln!("skipped: {} is absent", path.display());
-        return None;
-    };
+fn read(name: &str) -> (Vec<Vec3>, Vec<f64>) {
+    let path = test_data::test_data(&format!("reference/surface/{name}"));
+    let text = std::fs::read_to_string(path).unwrap();
     let (mut centres, mut radii) = (Vec::new(), Vec::new());
     for line in text.lines() {
         let words = line.split_whitespace();
@@ -35,7 +30,7 @@ fn read(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
         centres.push(Vec3::new(row[0], row[1], row[2]));
         radii.push(row[3]);
     }
-    Some((centres, radii))
+    (centres, radii)
 }
 
 /// Components, genus and cavities.
@@ -96,11 +91,10 @@ const CASES: [Case; 10] = [
 ];
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/surface"]
 fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() {
     for (name, area_angstrom2, volume_angstrom3, shape) in CASES {
-        let Some((centres, radii)) = read(name) else {
-            return;
-        };
+        let (centres, radii) = read(name);
         for density in [0.5, 1.0, 2.0, 4.0] {
             let settings = MeshSettings {
                 density_per_angstrom2: density,
@@ -158,10 +152,9 @@ fn reference_surfaces_have_their_exact_area_and_volume_and_the_right_topology() 
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/surface"]
 fn a_protein_turned_has_the_same_mesh() {
-    let Some((centres, radii)) = read("1crn_heavy.xyzr") else {
-        return;
-    };
+    let (centres, radii) = read("1crn_heavy.xyzr");
     let mut dice = Dice(1);
     let mut counts = Vec::new();
     for _ in 0..20 {
@@ -211,14 +204,13 @@ fn shape(surface: &Surface) -> Shape {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/surface"]
 fn proteins_have_their_settled_topology_however_they_are_turned() {
     for (name, cavities, settled) in [
         ("1aki_heavy.xyzr", 3, Some((4, 0, 3))),
         ("4ake_heavy.xyzr", 5, None),
     ] {
-        let Some((centres, radii)) = read(name) else {
-            return;
-        };
+        let (centres, radii) = read(name);
         let mut dice = Dice(3);
         let mut shapes = Vec::new();
         for _ in 0..3 {
@@ -244,15 +236,13 @@ fn proteins_have_their_settled_topology_however_they_are_turned() {
 
 /// What the default lattice finds is what lattices several times finer find.
 #[test]
-#[ignore = "reason: slow; run by name"]
+#[ignore = "slow; needs PROTOMER_TEST_DATA: reference/surface"]
 fn the_topology_of_proteins_converges_with_the_lattice() {
     for (name, settled) in [
         ("1crn_heavy.xyzr", (2, 0, 1)),
         ("1aki_heavy.xyzr", (4, 0, 3)),
     ] {
-        let Some((centres, radii)) = read(name) else {
-            return;
-        };
+        let (centres, radii) = read(name);
         for base_spacing_angstrom in [0.4, 0.3, 0.2, 0.1] {
             let settings = MeshSettings {
                 base_spacing_angstrom,

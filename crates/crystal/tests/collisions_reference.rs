@@ -11,12 +11,14 @@ use protomer_crystal::lattice::collision::replay::{first_contact, respond};
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
 use serde_json::Value;
 use std::f64::consts::FRAC_PI_4;
-use std::path::Path;
 use std::sync::Arc;
 
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
 fn references() -> Vec<(String, Value)> {
-    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
-    let entries = std::fs::read_dir(Path::new(&root).join("reference/lattice")).unwrap();
+    let folder = test_data::test_data("reference/lattice");
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| {
         path.extension()
@@ -61,7 +63,7 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn impacts_give_the_reference_velocities() {
     for (name, reference) in references() {
         let network = network(&reference);
@@ -81,7 +83,7 @@ fn impacts_give_the_reference_velocities() {
 }
 
 #[test]
-#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn first_contacts_are_those_of_the_reference() {
     for (name, reference) in references() {
         let network = Arc::new(network(&reference));

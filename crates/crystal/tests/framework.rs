@@ -19,7 +19,6 @@ use protomer_crystal::framework::{
 };
 use protomer_kernel::random::CounterRng;
 use std::f64::consts::PI;
-use std::path::Path;
 
 fn gpa() -> f64 {
     gpa_per_kcal_mol_angstrom3(6.022e23)
@@ -36,12 +35,14 @@ fn made_of(theta_deg: f64, kh: f64, ks: f64) -> Honeycomb {
     }
 }
 
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
 #[test]
-#[ignore = "needs the folder reference/emuda in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/emuda"]
 fn all_eighteen_honeycombs_are_those_of_the_reference() {
-    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
-    let file = Path::new(&root).join("reference/emuda/emuda_tables.json");
-    let text = std::fs::read(&file).unwrap();
+    let file = test_data::test_data("reference/emuda/emuda_tables.json");
+    let text = std::fs::read(file).unwrap();
     let tables: serde_json::Value = serde_json::from_slice(&text).unwrap();
     let mut count = 0;
     for (case, rows) in tables["cases"].as_object().unwrap() {

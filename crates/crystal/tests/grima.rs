@@ -8,7 +8,6 @@ use protomer_crystal::lattice::{
     Coherence, Dynamics, Edges, Force, Network, Square, Start, StartVelocities, State,
 };
 use std::f64::consts::FRAC_PI_4;
-use std::path::Path;
 use std::sync::Arc;
 
 fn start(size: usize, rod_length: f64, angle: f64, rate: f64) -> (Arc<Network>, State) {
@@ -87,11 +86,13 @@ fn four_by_four_approaches_the_orbit_as_coherence_is_enforced() {
     }
 }
 
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
 #[test]
-#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn contact_times_and_velocities_are_those_computed_elsewhere() {
-    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
-    let folder = Path::new(&root).join("reference/lattice");
+    let folder = test_data::test_data("reference/lattice");
     for name in ["grima2_r0.05", "grima2_r0.1364", "grima2_r1"] {
         let text = std::fs::read(folder.join(format!("{name}.json"))).unwrap();
         let reference: serde_json::Value = serde_json::from_slice(&text).unwrap();

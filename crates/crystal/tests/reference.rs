@@ -9,12 +9,15 @@
 
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
 use std::f64::consts::FRAC_PI_4;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
 fn files() -> Vec<PathBuf> {
-    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
-    let entries = std::fs::read_dir(Path::new(&root).join("reference/lattice")).unwrap();
+    let folder = test_data::test_data("reference/lattice");
+    let entries = std::fs::read_dir(folder).unwrap();
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
     files.retain(|path| {
         path.extension()
@@ -34,7 +37,7 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
 }
 
 #[test]
-#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn trajectories_are_followed_to_second_order() {
     for file in files() {
         let reference: serde_json::Value =

@@ -17,14 +17,11 @@ use protomer_kernel::units::kilojoule_per_mol_per_kt;
 use protomer_kernel::{Electrolyte, Vec3};
 use std::path::{Path, PathBuf};
 
-fn shared() -> Option<PathBuf> {
-    let folder =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/electrostatics");
-    if !folder.is_dir() {
-        eprintln!("skipped: {} is absent", folder.display());
-        return None;
-    }
-    Some(folder)
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
+fn electrostatics() -> PathBuf {
+    test_data::test_data("reference/electrostatics")
 }
 
 /// Kirkwood's series without salt: ½ l/(ε_in a) Σ_n Σ_ij q_i q_j (z_i z_j/a²)ⁿ (n + 1)(ε_in -
@@ -157,8 +154,9 @@ fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/electrostatics"]
 fn references_with_salt_are_met() {
-    let Some(folder) = shared() else { return };
+    let folder = electrostatics();
     let cases: serde_json::Value =
         serde_json::from_slice(&std::fs::read(folder.join("analytic.json")).unwrap()).unwrap();
     for case in cases.as_array().unwrap() {
@@ -223,8 +221,9 @@ fn relative_difference(solved: &Potential, file: &Path) -> f64 {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/electrostatics"]
 fn the_potential_outside_a_protein_is_that_of_another_program() {
-    let Some(folder) = shared() else { return };
+    let folder = electrostatics();
     let spheres = crambin(&folder);
     // The other program ran at 0.25 Å with the potentials of screened atoms on the boundary. With
     // the same boundary here, the remaining difference is that of discretisation and surface; its
@@ -256,8 +255,9 @@ fn the_potential_outside_a_protein_is_that_of_another_program() {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/electrostatics"]
 fn boundary_values_do_not_depend_on_the_margin() {
-    let Some(folder) = shared() else { return };
+    let folder = electrostatics();
     let spheres = crambin(&folder);
     let points = std::fs::read_to_string(folder.join("1crn_points.txt")).unwrap();
     let points: Vec<Vec3> = points

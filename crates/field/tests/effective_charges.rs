@@ -14,7 +14,6 @@ use protomer_field::effective_charges::{
 use protomer_field::{ChargedSphere, DielectricModel};
 use protomer_kernel::{Electrolyte, Vec3};
 use serde_json::Value;
-use std::path::Path;
 
 const COARSE: EffectiveChargeSettings = EffectiveChargeSettings {
     spacing_angstrom: Some(0.5),
@@ -137,14 +136,15 @@ fn a_charge_below_the_surface_has_the_exact_potential_outside() {
     }
 }
 
-/// The energies of two spheres in ../shared/reference/solution, to 5 % from 3 Å on.
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
+/// The energies of two spheres by another program, to 5 % from 3 Å on.
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/solution"]
 fn pairs_of_spheres_have_the_reference_energies() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/reference/solution");
-    let Ok(text) = std::fs::read_to_string(folder.join("two_spheres.json")) else {
-        eprintln!("skipped: the reference energies (../shared/reference/solution) are absent");
-        return;
-    };
+    let file = test_data::test_data("reference/solution/two_spheres.json");
+    let text = std::fs::read_to_string(file).unwrap();
     let reference: Value = serde_json::from_str(&text).unwrap();
     let wanted = ["12_a25_ei4_100mM_b_facing", "12_a25_ei4_300mM_c_charged"];
     let mut compared = 0;

@@ -25,8 +25,6 @@ use rand::RngExt;
 use rand::rngs::SmallRng;
 use std::hint::black_box;
 
-const SHARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/bench/data");
-
 /// Reported bounds reach this far, Å: a few trial steps.
 const CEILING: f64 = 1.0;
 /// Moves from the saved state before it is restored; hard bodies alone drift apart.
@@ -44,9 +42,15 @@ fn main() {
     }
 }
 
+/// A file of the benchmark states, which are not part of the repository.
+fn state(name: &str) -> String {
+    let root = std::env::var("PROTOMER_TEST_DATA").unwrap_or_default();
+    format!("{root}/bench/data/{name}")
+}
+
 /// The two benchmark meshes, or a generated one where they are missing.
 fn meshes() -> Vec<(&'static str, TriangleMesh)> {
-    let read = |name| read_off(&format!("{SHARED}/{name}.off")).map(|mesh| (name, mesh));
+    let read = |name| read_off(&state(&format!("{name}.off"))).map(|mesh| (name, mesh));
     let found: Vec<_> = ["bumpy_1620", "bumpy_5120"]
         .into_iter()
         .filter_map(read)
@@ -61,7 +65,9 @@ fn meshes() -> Vec<(&'static str, TriangleMesh)> {
 /// Trial moves of sixteen hard bodies per CPU-second, half translations, half rotations.
 fn trial_moves(name: &str, shape: &CollisionShape) {
     let Some(start_poses) = read_cluster() else {
-        eprintln!("skipped: trial moves, no saved state in {SHARED}");
+        eprintln!(
+            "skipped: trial moves, no saved state; PROTOMER_TEST_DATA names the folder with bench/data"
+        );
         return;
     };
     let mut chain = Chain::new(shape, start_poses.clone());
@@ -380,7 +386,7 @@ fn read_off(path: &str) -> Option<TriangleMesh> {
 
 /// The numbers of the state file in order: box, then position and orientation of each body.
 fn read_cluster() -> Option<Vec<Pose>> {
-    let text = std::fs::read_to_string(format!("{SHARED}/cluster16.json")).ok()?;
+    let text = std::fs::read_to_string(state("cluster16.json")).ok()?;
     let numbers: Vec<f64> = text
         .split(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)))
         .filter_map(|word| word.parse().ok())

@@ -1129,13 +1129,14 @@ fn replays_state_their_error() {
     );
 }
 
+#[path = "../../../tests/test_data.rs"]
+mod test_data;
+
 #[test]
-#[ignore = "needs the folder reference/lattice in PROTOMER_TEST_DATA"]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn files_are_replayed_to_their_contacts() {
-    let root = std::env::var_os("PROTOMER_TEST_DATA").expect("PROTOMER_TEST_DATA is not set");
-    let folder = Path::new(&root).join("reference/lattice");
-    for path in std::fs::read_dir(&folder)
-        .unwrap()
+    let entries = std::fs::read_dir(test_data::test_data("reference/lattice")).unwrap();
+    for path in entries
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.extension().is_some_and(|e| e == "json"))
     {

@@ -23,7 +23,9 @@ use std::sync::Arc;
 
 fn main() {
     let Some(folder) = bench_folder() else {
-        println!("skipped: the benchmark states (../shared/bench/data) are absent");
+        println!(
+            "skipped: the benchmark states are absent; PROTOMER_TEST_DATA names the folder with bench/data"
+        );
         return;
     };
     let runs: u32 = std::env::args()
@@ -84,7 +86,8 @@ fn measure(name: &str, system: &System, interaction: Interaction, sweeps: u64, r
 }
 
 fn bench_folder() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/bench/data");
+    let root = std::env::var_os("PROTOMER_TEST_DATA")?;
+    let folder = Path::new(&root).join("bench/data");
     folder.is_dir().then_some(folder)
 }
 

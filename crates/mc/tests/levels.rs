@@ -167,11 +167,9 @@ fn a_hundred_thousand_decisions_are_those_of_the_direct_sum() {
 
 /// As above.
 #[test]
-#[ignore = "five thousand decisions at 3000 charges; run by name"]
+#[ignore = "slow, five thousand decisions at 3000 charges; needs PROTOMER_TEST_DATA: bench/data"]
 fn decisions_on_the_benchmark_state_are_those_of_the_direct_sum() {
-    let Some(folder) = bench_folder() else {
-        return;
-    };
+    let folder = bench_folder();
     let system = bench_system(&folder, "bumpy_1620.off");
     let yukawa = Yukawa::uncut(7.0, 1.0 / 9.6).unwrap();
     let decisions = |model: Box<dyn EnergyModel>| {

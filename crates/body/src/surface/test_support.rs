@@ -3,7 +3,6 @@
 use crate::surface::arrangement::hashed_fraction;
 use protomer_kernel::Vec3;
 use std::ops::Range;
-use std::path::Path;
 
 /// The fixed pseudo-random number in [0, 1) of this index.
 pub(crate) fn fraction(index: u64) -> f64 {
@@ -75,24 +74,19 @@ pub(crate) fn probe_contacts(centres: &[Vec3], radii: &[f64]) -> Vec<Vec3> {
     contacts
 }
 
-/// A file of the reference surfaces, which are not part of the repository: they are read beside
-/// the checkout, or in the folder that `PROTOMER_TEST_DATA` names. `None`, with a message, where it
-/// is absent.
-pub(crate) fn reference_file(name: &str) -> Option<String> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
-    let path = Path::new(&root).join("reference/surface").join(name);
-    let text = std::fs::read_to_string(&path).ok();
-    if text.is_none() {
-        eprintln!("skipped: {} is absent", path.display());
-    }
-    text
+#[path = "../../../../tests/test_data.rs"]
+mod test_data;
+
+/// A file of the reference surfaces, which are not part of the repository.
+pub(crate) fn reference_file(name: &str) -> String {
+    let path = test_data::test_data(&format!("reference/surface/{name}"));
+    std::fs::read_to_string(path).unwrap()
 }
 
 /// Centres and radii of a reference file.
-pub(crate) fn read_reference(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
+pub(crate) fn read_reference(name: &str) -> (Vec<Vec3>, Vec<f64>) {
     let (mut centres, mut radii) = (Vec::new(), Vec::new());
-    for line in reference_file(name)?.lines() {
+    for line in reference_file(name).lines() {
         let words = line.split_whitespace();
         let row: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
         if let [x, y, z, radius] = row[..] {
@@ -100,5 +94,5 @@ pub(crate) fn read_reference(name: &str) -> Option<(Vec<Vec3>, Vec<f64>)> {
             radii.push(radius);
         }
     }
-    Some((centres, radii))
+    (centres, radii)
 }

@@ -12,17 +12,12 @@ pub fn bundled() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures")
 }
 
-/// The larger set of structures, if it is there: in the folder that `PROTOMER_TEST_DATA` names, or
-/// beside the checkout.
-pub fn shared() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let root = std::env::var_os("PROTOMER_TEST_DATA").unwrap_or_else(|| beside.into());
-    let folder = Path::new(&root).join("data/structures");
-    if !folder.is_dir() {
-        eprintln!("skipped: {} is absent", folder.display());
-        return None;
-    }
-    Some(folder)
+#[path = "../../../../tests/test_data.rs"]
+mod test_data;
+
+/// The larger set of structures, which is not part of the repository.
+pub fn many_structures() -> PathBuf {
+    test_data::test_data("data/structures")
 }
 
 /// The decompressed bytes of a file.

@@ -2,7 +2,6 @@
 //! state.
 
 use crate::common::{CHARGES, TemporaryFolder, is_ok, message};
-use std::path::Path;
 
 #[test]
 fn calibrated_energies_hold_the_sum() {
@@ -106,22 +105,19 @@ fn the_energy_of_two_bodies_is_the_sum_over_their_charges() {
     assert_eq!(found["overlaps"].as_array().unwrap().len(), 0);
 }
 
+#[path = "../../../../tests/test_data.rs"]
+mod test_data;
+
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: bench/data"]
 fn the_benchmark_state_has_its_stated_energy() {
-    let shared = Path::new(concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/../../../shared/bench/data"
-    ));
-    if !shared.is_dir() {
-        eprintln!("skipped: {} is not there", shared.display());
-        return;
-    }
+    let states = test_data::test_data("bench/data");
     let place = TemporaryFolder::new();
-    std::fs::copy(shared.join("cluster16.json"), place.path("cluster16.json")).unwrap();
+    std::fs::copy(states.join("cluster16.json"), place.path("cluster16.json")).unwrap();
     for name in ["a", "b"] {
         let (mesh, charges) = (
-            shared.join("bumpy_1620.off"),
-            shared.join(format!("charges_{name}.xyzq")),
+            states.join("bumpy_1620.off"),
+            states.join(format!("charges_{name}.xyzq")),
         );
         let mut command = place.command("body");
         command
@@ -132,7 +128,7 @@ fn the_benchmark_state_has_its_stated_energy() {
             .args(["-o", &format!("{name}.body"), "--force"]);
         is_ok(&command.output().unwrap());
     }
-    let reference = std::fs::read(shared.join("energies.json")).unwrap();
+    let reference = std::fs::read(states.join("energies.json")).unwrap();
     let reference: serde_json::Value = serde_json::from_slice(&reference).unwrap();
     for (cutoff, definition, total) in [
         ("", "a", -27.093464773453),

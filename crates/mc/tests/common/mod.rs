@@ -22,14 +22,12 @@ use std::sync::Arc;
 
 include!("bench_states.rs");
 
-/// The bench folder beside the checkout, if it is there.
-pub fn bench_folder() -> Option<std::path::PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/bench/data");
-    if !folder.is_dir() {
-        eprintln!("skipped: the benchmark states (../shared/bench/data) are absent");
-        return None;
-    }
-    Some(folder)
+#[path = "../../../../tests/test_data.rs"]
+mod test_data;
+
+/// The benchmark states, which are not part of the repository.
+pub fn bench_folder() -> std::path::PathBuf {
+    test_data::test_data("bench/data")
 }
 
 /// The sixteen charged bodies of the benchmark.

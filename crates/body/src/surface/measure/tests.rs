@@ -8,14 +8,13 @@ fn measure(centres: &[Vec3], radii: &[f64], probe: f64) -> Measure {
 }
 
 #[test]
+#[ignore = "needs PROTOMER_TEST_DATA: reference/surface"]
 fn all_reference_surfaces_are_met() {
-    let Some(text) = reference_file("reference.json") else {
-        return;
-    };
+    let text = reference_file("reference.json");
     let cases: Vec<serde_json::Value> = serde_json::from_str(&text).unwrap();
     for case in &cases {
         let file = case["file"].as_str().unwrap();
-        let (centres, radii) = read_reference(file).unwrap();
+        let (centres, radii) = read_reference(file);
         let measured = measure(&centres, &radii, case["probe"].as_f64().unwrap());
         let total = measured.total();
         let tolerance = if centres.len() < 10 { 1e-6 } else { 1e-5 };
