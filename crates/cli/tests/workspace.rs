@@ -1,7 +1,10 @@
 //! The shape of the workspace: which crate may depend on which, one door per heavy dependency,
-//! permissive licences.
+//! permissive licences; and what its pages may not say any more (`decisions`).
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
+
+#[path = "common/decisions.rs"]
+mod decisions;
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
