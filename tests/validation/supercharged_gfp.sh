@@ -19,7 +19,8 @@ $protomer ingest "$structure" -q -o "$output" --name plus --charges "$charges" -
 $protomer ingest "$structure" -q -o "$output" --name minus --charges "$charges" --mutate $minus
 # The four up/down arrangements of full D4 symmetry, all barrels along the axis ...
 $protomer candidates "$output/plus.body" "$output/minus.body" --ring 8 --stack 2 --box 500 -o "$output"
-# ... and one of D4 symmetry in which the positive barrels lean, as in the cryo-EM structure.
+# ... and one of D4 symmetry in which the positive barrels lean by 40 degrees and the negative ones stand along the axis. It is a
+# recipe of our own: in the published cryo-EM structure one kind lies across the axis and the other at an angle.
 $protomer assemble ring "$output/plus.body" "$output/minus.body" --members 8 --stack 2 --tilt 40,0 --box 500 \
     -o "$output/tilted.json"
 for arrangement in candidate_1 candidate_2 candidate_3 candidate_4 tilted; do

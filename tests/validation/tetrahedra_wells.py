@@ -1,8 +1,8 @@
 """Wells at the faces of truncated tetrahedra: rounding and dents make them shallower, depletants deeper.
 
-    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|depletants|dents]
+    python tests/validation/tetrahedra_wells.py PROTOMER OUTPUT SWEEPS [rounding|dense-rounding|depletants|dents]
 
-Fluids: for each rounding and each depth of dents in the hexagons at a packing fraction of 0.5, and for each reservoir of
+Fluids: for each rounding at packing fractions of 0.5 and 0.55, for each depth of dents in the hexagons at 0.5, and for each reservoir of
 depletants of size ratio 0.1 at 0.3, the potential of mean force in the frame of a body, and its least values towards the four
 hexagons and the four triangles, with the standard error from four parts of the run. Prints the tables of
 docs/validation/hard-shapes-campaign.md. Needs `pip install protomer[dynamics]`. Runs that have been done are not done again.
@@ -22,6 +22,7 @@ SHAPE = "truncated-tetrahedron:0.6666666666666666"
 # Of the solid that is cut from a tetrahedron with edges of 1.
 CIRCUMRADIUS = 11**0.5 / (6 * 2**0.5)
 ROUNDINGS = [0.0, 0.025, 0.05, 0.1]
+DENSE_ROUNDINGS = [0.0, 0.05, 0.1]
 SIZE_RATIO = 0.1
 RESERVOIRS = [0.0, 0.05, 0.1, 0.2]
 DENTS = [0.0, 0.025, 0.05, 0.1]
@@ -35,6 +36,15 @@ EVERY = 60
 
 def rounded(rounding: float, _: Path) -> list[object]:
     return ["--shape", SHAPE, "--bodies", 216, "--packing-fraction", 0.5, "--rounding", rounding * CIRCUMRADIUS]
+
+
+def dense_and_rounded(rounding: float, output: Path) -> list[object]:
+    """The same at 0.55, where the well of sharp bodies at the hexagons is as deep as the published one."""
+    words = rounded(rounding, output)
+    words[words.index("--packing-fraction") + 1] = 0.55
+    # A few more: the box must hold the reach in all directions.
+    words[words.index("--bodies") + 1] = 250
+    return words
 
 
 def among_depletants(reservoir: float, _: Path) -> list[object]:
@@ -73,6 +83,7 @@ def pieces_of_dented(depth: float) -> list[np.ndarray]:
 
 LADDERS = {
     "rounding": ("rounding / circumradius", ROUNDINGS, rounded),
+    "dense-rounding": ("rounding / circumradius", DENSE_ROUNDINGS, dense_and_rounded),
     "depletants": ("reservoir", RESERVOIRS, among_depletants),
     "dents": ("depth of the dents / circumradius", DENTS, dented),
 }
