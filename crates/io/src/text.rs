@@ -4,7 +4,7 @@
 use crate::{IoError, Result};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::point_record::LARGEST_CHARGE_E;
-use protomer_kernel::{Number, Vec3};
+use protomer_kernel::{Number, Vec3, plain_text};
 use std::borrow::Cow;
 
 /// Removes the byte-order mark that some editors write at the beginning.
@@ -16,20 +16,10 @@ pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
-/// The text in these bytes, without a byte-order mark. Comments may be in any encoding; a NUL byte
-/// means that the file is not text.
+/// The text in these bytes, in any encoding and with any line ends.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
-    let bytes = without_byte_order_mark(bytes);
-    if bytes.is_empty() {
-        let remedy = "give a file with content";
-        return Err(IoError::parse(file, 0, "the file is empty", remedy));
-    }
-    if bytes.contains(&0) {
-        let cause = "the file is binary where text was expected";
-        let remedy = "give a file of the format its extension names";
-        return Err(IoError::parse(file, 0, cause, remedy));
-    }
-    Ok(String::from_utf8_lossy(bytes))
+    plain_text::decode(bytes)
+        .map_err(|found| IoError::parse(file, found.line(), found.cause(), found.remedy()))
 }
 
 /// A token as an error message shows it: in quotes, and shortened if it is long.

@@ -8,6 +8,7 @@
 //! | [`boundary`] | the space that bodies live in: open, periodic, or inside a spherical wall |
 //! | [`periodic_box`] | periodic boxes of any shape in one, two and three dimensions |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//! | [`plain_text`] | bytes of a file as text: encodings, line ends, what is not text |
 //! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`fused`] | multiply-add where it is one instruction |
@@ -31,6 +32,7 @@ pub mod fused;
 pub mod mesh;
 pub mod overlap;
 pub mod periodic_box;
+pub mod plain_text;
 pub mod point_record;
 pub mod pose;
 pub mod potential;
