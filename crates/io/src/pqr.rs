@@ -3,14 +3,21 @@
 //!
 //! `ATOM serial name residue [chain] number x y z charge radius`
 
-use crate::text::{self, Line};
+use crate::text::{self, Line, shown};
 use crate::{IoError, Result};
 use protomer_kernel::PointRecord;
 use std::fmt::Write;
 
-/// Reads the `ATOM` and `HETATM` records of a PQR file up to the first `ENDMDL`. The chain may be
-/// absent or glued to the residue number, an insertion code may be glued to the number, and
-/// negative coordinates may be glued to their neighbours.
+/// The atoms of a PQR file, and how many models it holds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PqrFile {
+    /// Atoms of the first model.
+    pub atoms: Vec<PointRecord>,
+    /// Models with atoms, of which the first was read.
+    pub models: usize,
+}
+
+/// Reads the atoms of a PQR file: [`read_pqr_file`] without the number of models.
 ///
 /// ```
 /// let atoms = protomer_io::pqr::read_pqr("one.pqr", b"ATOM 1 CA ALA A 52B 0.0 1.0 -2.0 -0.25 1.7\n")?;
@@ -19,28 +26,77 @@ use std::fmt::Write;
 /// ```
 ///
 /// # Errors
-/// [`IoError::Parse`] names the line.
+/// As [`read_pqr_file`].
 pub fn read_pqr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
+    Ok(read_pqr_file(name, bytes)?.atoms)
+}
+
+/// Reads the `ATOM` and `HETATM` records of a PQR file up to the first `ENDMDL`. The chain may be
+/// absent or glued to the residue number, an insertion code may be glued to the number, and
+/// negative coordinates may be glued to their neighbours.
+///
+/// ```
+/// let text = b"MODEL 1\nATOM 1 CA ALA 1 0 0 0 -0.25 1.7\nENDMDL\nMODEL 2\nATOM 1 CA ALA 1 9 0 0 -0.25 1.7\n";
+/// let file = protomer_io::pqr::read_pqr_file("two.pqr", text)?;
+/// assert_eq!((file.atoms.len(), file.models), (1, 2));
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
+///
+/// # Errors
+/// [`IoError::Parse`] names the line: an atom that cannot be read, or one under a record of another
+/// name.
+pub fn read_pqr_file(name: &str, bytes: &[u8]) -> Result<PqrFile> {
     let text = text::decode(name, bytes)?;
-    let mut records = Vec::new();
+    let mut file = PqrFile::default();
+    let mut in_model = false;
     for (index, text) in text.lines().enumerate() {
+        let after_name = text
+            .strip_prefix("ATOM")
+            .or_else(|| text.strip_prefix("HETATM"));
+        let line = Line {
+            file: name,
+            number: index + 1,
+            text: after_name.unwrap_or(text),
+        };
         if text.starts_with("ENDMDL") {
-            break;
-        }
-        let after_name = text.strip_prefix("ATOM");
-        if let Some(fields) = after_name.or_else(|| text.strip_prefix("HETATM")) {
-            records.push(read_atom(&Line {
-                file: name,
-                number: index + 1,
-                text: fields,
-            })?);
+            in_model = false;
+        } else if after_name.is_none() {
+            refuse_unknown_atom(&line)?;
+        } else {
+            file.models += usize::from(!in_model);
+            in_model = true;
+            if file.models == 1 {
+                file.atoms.push(read_atom(&line)?);
+            }
         }
     }
-    if records.is_empty() {
+    if file.atoms.is_empty() {
         let cause = "the file holds no ATOM records";
         return Err(IoError::parse(name, 0, cause, "give a PQR file"));
     }
-    Ok(records)
+    Ok(file)
+}
+
+/// Refuses a line that holds an atom under another name than ATOM and HETATM, because the atom would
+/// be lost silently.
+fn refuse_unknown_atom(line: &Line) -> Result<()> {
+    let fields: Vec<&str> = line.text.split_whitespace().collect();
+    let Some((record, fields)) = fields.split_first() else {
+        return Ok(());
+    };
+    if *record == "REMARK" || record.starts_with('#') {
+        return Ok(());
+    }
+    match read_fields(line, fields) {
+        Ok(Some(_)) => {
+            let cause = format!(
+                "{} is no record of a PQR file, but has an atom",
+                shown(record)
+            );
+            Err(line.error(cause, "write ATOM or HETATM, or delete the line"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn read_atom(line: &Line) -> Result<PointRecord> {

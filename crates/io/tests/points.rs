@@ -237,3 +237,28 @@ fn a_byte_order_mark_is_no_part_of_the_first_line() {
             .contains("empty")
     );
 }
+
+#[test]
+fn no_atom_of_a_pqr_is_lost_without_a_word() {
+    let atoms: Vec<String> = (1..=4)
+        .map(|number| format!("ATOM {number} CA ALA A {number} {number}.0 1.0 -2.0 -0.25 1.7"))
+        .collect();
+    for line_end in ["\n", "\r\n", "\r"] {
+        let text = atoms.join(line_end);
+        assert_eq!(read_pqr("x.pqr", text.as_bytes()).unwrap().len(), 4);
+    }
+    let misspelt = atoms.join("\n").replacen("ATOM 3", "ATAM 3", 1);
+    let error = read_pqr("x.pqr", misspelt.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("x.pqr:3") && error.contains("ATAM") && error.contains("write ATOM"),
+        "{error}"
+    );
+    // Lines of numbers that are no atoms.
+    let remarks = format!(
+        "REMARK 1 2 3 4 5 6 7 8 9\nCRYST1 1 2 3 90 90 90\n{}",
+        atoms.join("\n")
+    );
+    assert_eq!(read_pqr("x.pqr", remarks.as_bytes()).unwrap().len(), 4);
+}
