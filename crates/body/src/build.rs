@@ -4,6 +4,7 @@ use crate::body::{Body, Provenance, Site};
 use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
+use crate::points::sift_points;
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
 use crate::surface::{Deviation, ExactSurface, MeshSettings, Surface};
 use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
@@ -220,10 +221,12 @@ impl Draft {
         })
     }
 
-    /// Bare points that have charges and radii of their own.
+    /// Bare points that have charges and radii of their own. Atoms without a position and repeated
+    /// atoms are left out, with a warning.
     ///
     /// # Errors
-    /// [`BodyError::Invalid`] for an empty name and without points.
+    /// [`BodyError::Invalid`] for an empty name and without points, [`BodyError::Parse`] for atoms in
+    /// another unit than Å.
     pub fn of_points(
         name: &str,
         source: Source<'_>,
@@ -231,18 +234,25 @@ impl Draft {
         surface: &SurfaceSettings,
     ) -> Result<Self> {
         check_name(name)?;
+        let sifted = sift_points(source.file, points)?;
         let mut described = surface.describe();
         described.insert("charges".into(), "from the file".into());
         Ok(Self {
             name: name.into(),
             file: source.file.into(),
             sha256: source.sha256.into(),
-            sites: sites_of_points(points)?,
+            sites: sites_of_points(&sifted.points)?,
             described,
             surface: *surface,
             selection: None,
-            warnings: Vec::new(),
+            warnings: sifted.warnings,
         })
+    }
+
+    /// Adds a warning.
+    pub fn with_warning(mut self, warning: String) -> Self {
+        self.warnings.push(warning);
+        self
     }
 
     /// Adds the warnings about the structure that the selection is from.

@@ -22,6 +22,7 @@
 //! | [`surface`] | the solvent-excluded surface as a closed mesh |
 //! | [`body`] | the rigid body every engine shares |
 //! | [`build`] | from text to body in one call |
+//! | `points` | the points of a PQR file that are atoms |
 //! | `warnings` | warnings about a file and the body made from it |
 //! | [`residue_contacts`] | attraction between residues by published scales; residues as beads |
 //! | [`assembly`] | poses of bodies: copies, rings, stacks, candidates, random insertion |
@@ -31,6 +32,7 @@ pub mod body;
 pub mod build;
 pub mod chemistry;
 mod error;
+mod points;
 pub mod residue_contacts;
 pub mod structure;
 pub mod surface;

@@ -16,9 +16,10 @@ pub fn structure_warnings(structure: &Structure, report: &SelectionReport) -> Ve
 /// Warnings of the reader.
 pub(crate) fn reader_warnings(structure: &Structure) -> Vec<String> {
     let warnings = &structure.warnings;
-    let mut messages = warnings.messages.clone();
-    if warnings.count > messages.len() {
-        let more = warnings.count - messages.len();
+    let mut messages = structure.corrections.warnings();
+    messages.extend(warnings.messages.iter().cloned());
+    if warnings.count > warnings.messages.len() {
+        let more = warnings.count - warnings.messages.len();
         messages.push(format!("and {more} more warnings of this kind"));
     }
     messages
@@ -26,7 +27,15 @@ pub(crate) fn reader_warnings(structure: &Structure) -> Vec<String> {
 
 /// Warnings about the selection: unusual residues and how each was treated, then what is missing.
 pub(crate) fn selection_warnings(report: &SelectionReport) -> Vec<String> {
-    let mut warnings = Vec::new();
+    let mut warnings = model_warning(report);
+    warnings.extend(left_out_warnings(report));
+    warnings.extend(report.corrections.iter().cloned());
+    if report.repeated_numbers > 0 {
+        let count = report.repeated_numbers;
+        warnings.push(format!(
+            "{count} residues have the chain and number of another residue"
+        ));
+    }
     let lists = [
         &report.unknown,
         &report.modified,
@@ -54,6 +63,42 @@ pub(crate) fn selection_warnings(report: &SelectionReport) -> Vec<String> {
     if report.unobserved > 0 {
         let count = report.unobserved;
         warnings.push(format!("{count} residues are listed as not observed"));
+    }
+    warnings
+}
+
+/// That one of several models is used, unless the user chose it.
+fn model_warning(report: &SelectionReport) -> Vec<String> {
+    if report.models < 2 || report.is_model_chosen {
+        return Vec::new();
+    }
+    vec![format!(
+        "model {} of {} models is used; --model chooses another one; if the models are the copies of a \
+         biological assembly (.pdb1), use --assembly on the deposited entry to have all of them",
+        report.model, report.models
+    )]
+}
+
+/// One line for each reason for which records are no atoms, with their names.
+fn left_out_warnings(report: &SelectionReport) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for (reason, names) in &report.left_out {
+        let count: usize = names.values().sum();
+        let mut names: Vec<(&String, &usize)> = names.iter().collect();
+        names.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), *name));
+        let names: Vec<String> = names
+            .iter()
+            .map(|(name, count)| format!("{count} {name}"))
+            .collect();
+        let plural = match count {
+            1 => String::new(),
+            _ => "s".into(),
+        };
+        let reason = match reason.split_once(' ') {
+            Some(("atom", place)) => format!("atom{plural} {place}"),
+            _ => format!("{reason}{plural}"),
+        };
+        warnings.push(format!("{count} {reason} left out: {}", listed(&names)));
     }
     warnings
 }

@@ -32,14 +32,14 @@ fn the_conformer_with_the_highest_occupancy_is_taken_whole() {
     let conformers = |a: f64, b: f64| {
         let letters = [('A', a, 0.0), ('B', b, 1.0)];
         let atoms = letters.iter().flat_map(|(code, occupancy, x)| {
-            ["CB", "OG"].map(|name| {
+            [("CB", 1.0), ("OG", 2.0)].map(|(name, y)| {
                 line(
                     "ATOM",
                     name,
                     *code,
                     "SER",
                     "A   1 ",
-                    [*x, 0.0, 0.0],
+                    [*x, y, 0.0],
                     *occupancy,
                 )
             })
@@ -108,7 +108,7 @@ fn a_ligand_after_ter_is_no_part_of_the_chain_and_a_modified_residue_is() {
         + "TER\n"
         + &residue("HETATM", "GLY", "A 101 ", 20)
         + &line("HETATM", "O", ' ', "HOH", "A 201 ", [9.0; 3], 1.0)
-        + &line("HETATM", "ZN", ' ', " ZN", "A 301 ", [9.0; 3], 1.0);
+        + &line("HETATM", "ZN", ' ', " ZN", "A 301 ", [12.0; 3], 1.0);
     let selection = select(&text);
     let kept: Vec<&str> = selection
         .residues
@@ -260,9 +260,9 @@ fn charges_of_modified_residues() {
 #[test]
 fn nucleic_acids_are_counted_or_kept_with_their_phosphates() {
     let base = |name: &str, place: &str, x: f64| {
-        ["P", "OP1", "OP2", "C1'"]
+        [("P", 0.0), ("OP1", 1.5), ("OP2", -1.5), ("C1'", 3.0)]
             .iter()
-            .map(|atom_name| atom(atom_name, name, place, [x, 0.0, 0.0]))
+            .map(|(atom_name, y)| atom(atom_name, name, place, [x, *y, 0.0]))
             .collect::<String>()
     };
     let text = residue("ATOM", "ALA", "A   1 ", 0)
@@ -414,12 +414,12 @@ fn chains_without_names_are_not_taken_for_duplicates() {
             selection.residues.len(),
             selection.report.repeated_numbers
         ),
-        (20, 4, 2)
+        (20, 4, 0)
     );
     // Conformers one after the other are one residue all the same.
     let conformer = |code: char| {
-        ["N", "CA"]
-            .map(|name| line("ATOM", name, code, "ALA", "A   1 ", [0.0; 3], 0.5))
+        [("N", 0.0), ("CA", 1.0)]
+            .map(|(name, y)| line("ATOM", name, code, "ALA", "A   1 ", [0.0, y, 0.0], 0.5))
             .concat()
     };
     let selection =
@@ -436,8 +436,8 @@ fn chains_without_names_are_not_taken_for_duplicates() {
 #[test]
 fn names_of_simulation_programs_are_understood() {
     let text = residue("ATOM", "ILE", "A   1 ", 0)
-        + &atom("CD", "ILE", "A   1 ", [0.0; 3])
-        + &atom("OT2", "ILE", "A   1 ", [0.0; 3]);
+        + &atom("CD", "ILE", "A   1 ", [0.0, 0.0, 4.0])
+        + &atom("OT2", "ILE", "A   1 ", [0.0, 0.0, 6.0]);
     let selection = select(&text);
     assert!(
         selection.residues[0].atom("CD1").is_some() && selection.residues[0].atom("OXT").is_some()

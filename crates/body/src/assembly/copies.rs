@@ -6,7 +6,7 @@
 //! about their centroid. The pose of each copy is the superposition of the atoms common to both.
 
 use super::superposition::superpose;
-use crate::structure::{SelectedResidue, Selection};
+use crate::structure::{ResidueKey, SelectedResidue, Selection};
 use crate::{BodyError, Result};
 use protomer_kernel::{Pose, Vec3};
 use std::collections::HashMap;
@@ -97,11 +97,25 @@ fn families(chains: &[Chain]) -> Vec<Vec<usize>> {
 struct Chain<'a> {
     name: &'a str,
     residues: Vec<&'a SelectedResidue>,
-    /// The first residue of each number and insertion code.
-    by_number: HashMap<(i32, &'a str), usize>,
+    /// The place of each residue by number, insertion code, and how many before it have the same:
+    /// waters and ions may.
+    by_number: HashMap<Number<'a>, usize>,
+    /// The number of each residue.
+    numbers: Vec<Number<'a>>,
 }
 
+/// Number, insertion code, and how many residues before have the same.
+type Number<'a> = (i32, &'a str, usize);
+
 impl<'a> Chain<'a> {
+    fn add(&mut self, residue: &'a SelectedResidue, earlier: usize) {
+        let key = &residue.key;
+        let number = (key.number, &*key.insertion_code, earlier);
+        self.by_number.insert(number, self.residues.len());
+        self.numbers.push(number);
+        self.residues.push(residue);
+    }
+
     fn atoms(&self) -> usize {
         let mut atoms = 0;
         for residue in &self.residues {
@@ -110,16 +124,16 @@ impl<'a> Chain<'a> {
         atoms
     }
 
-    /// The residue with the number of another.
-    fn partner(&self, residue: &SelectedResidue) -> Option<&'a SelectedResidue> {
-        let number = (residue.key.number, &*residue.key.insertion_code);
-        Some(self.residues[*self.by_number.get(&number)?])
+    /// The residue of a number.
+    fn residue(&self, number: &Number<'a>) -> Option<&'a SelectedResidue> {
+        Some(self.residues[*self.by_number.get(number)?])
     }
 }
 
 fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
     let mut index_of: HashMap<&str, usize> = HashMap::new();
     let mut chains: Vec<Chain> = Vec::new();
+    let mut earlier: HashMap<&ResidueKey, usize> = HashMap::new();
     for residue in &selection.residues {
         let name = &*residue.key.chain;
         let index = *index_of.entry(name).or_insert_with(|| {
@@ -127,14 +141,13 @@ fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
                 name,
                 residues: Vec::new(),
                 by_number: HashMap::new(),
+                numbers: Vec::new(),
             });
             chains.len() - 1
         });
-        let chain = &mut chains[index];
-        let number = (residue.key.number, &*residue.key.insertion_code);
-        let place = chain.residues.len();
-        chain.by_number.entry(number).or_insert(place);
-        chain.residues.push(residue);
+        let earlier = earlier.entry(&residue.key).or_default();
+        chains[index].add(residue, *earlier);
+        *earlier += 1;
     }
     chains
 }
@@ -142,8 +155,8 @@ fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
 /// The residues of both chains that have the same number, in the order of the first.
 fn shared<'a>(a: &Chain<'a>, b: &Chain<'a>) -> Vec<(&'a SelectedResidue, &'a SelectedResidue)> {
     let mut shared = Vec::new();
-    for residue in &a.residues {
-        if let Some(partner) = b.partner(residue) {
+    for (residue, number) in a.residues.iter().zip(&a.numbers) {
+        if let Some(partner) = b.residue(number) {
             shared.push((*residue, partner));
         }
     }

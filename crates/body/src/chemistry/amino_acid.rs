@@ -200,7 +200,7 @@ impl AminoAcid {
     /// use protomer_body::chemistry::AminoAcid;
     /// assert_eq!(AminoAcid::Gly.residue_mass_g_per_mol(), 57.052);
     /// ```
-    pub fn residue_mass_g_per_mol(self) -> f64 {
+    pub const fn residue_mass_g_per_mol(self) -> f64 {
         match self {
             AminoAcid::Ala => 71.079,
             AminoAcid::Arg => 156.188,

@@ -13,9 +13,8 @@
 
 use super::amino_acid::{AminoAcid, BACKBONE};
 use super::protonation::{C_TERMINUS, Group, N_TERMINUS, protonated_fraction, side_chain_groups};
-use super::residue_names::ion_charge_e;
 use super::templates::{self, Template, forms};
-use super::treatment::formal_charge_e;
+use super::treatment::{formal_charge_e, ion_of};
 use crate::structure::{Atom, ResidueClass, SelectedResidue};
 use serde::{Deserialize, Serialize};
 
@@ -66,7 +65,7 @@ pub fn residue_charge_e(residue: &SelectedResidue, ph: f64) -> f64 {
 fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
     match residue.class {
         ResidueClass::Nucleotide if residue.atom("P").is_some() => -1.0,
-        ResidueClass::Ligand => match ion_charge_e(&residue.name) {
+        ResidueClass::Ligand => match ion_of(residue) {
             Some(charge) => f64::from(charge),
             None => f64::from(formal_charge_e(residue)),
         },
@@ -202,7 +201,7 @@ impl Charges<'_> {
             ResidueClass::Nucleotide if self.residue.atom("P").is_some() => {
                 self.place(&["OP1", "OP2", "O1P", "O2P"], -1.0);
             }
-            ResidueClass::Ligand if ion_charge_e(&self.residue.name).is_some() => {}
+            ResidueClass::Ligand if ion_of(self.residue).is_some() => {}
             ResidueClass::Ligand | ResidueClass::UnknownAminoAcid => {
                 for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
                     *value += f64::from(atom.formal_charge_e.unwrap_or(0));
@@ -325,13 +324,14 @@ mod tests {
     /// A residue with all its heavy atoms, in the middle of a chain.
     fn whole(amino_acid: AminoAcid) -> SelectedResidue {
         let names = BACKBONE.iter().chain(amino_acid.side_chain());
-        let line = |name: &&str| {
+        let line = |(place, name): (usize, &&str)| {
             format!(
-                "ATOM      1  {name:<3} {} A   1       0.000   0.000   0.000\n",
-                amino_acid.name()
+                "ATOM      1  {name:<3} {} A   1    {:8.3}   0.000   0.000\n",
+                amino_acid.name(),
+                1.5 * place as f64
             )
         };
-        let text: String = names.map(line).collect();
+        let text: String = names.enumerate().map(line).collect();
         let structure = Structure::read("test.pdb", text.as_bytes()).unwrap();
         let mut residue = structure
             .select(&SelectionSettings::default())

@@ -3,7 +3,8 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`amino_acid`] | the twenty amino acids: names, heavy atoms, hydropathy |
-//! | [`residue_names`] | other residue names: modified residues and their parents, caps, nucleotides, waters |
+//! | [`residue_names`] | other residue names: modified residues and their parents, force fields, caps, nucleotides, waters |
+//! | [`ions`] | ions by their residue names |
 //! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
 //! | [`templates`] | AMBER ff94 charges of each residue |
 //! | [`charges`] | the charge of one residue, distributed over its atoms |
@@ -14,6 +15,7 @@
 
 pub mod amino_acid;
 pub mod charges;
+pub mod ions;
 pub mod mutation;
 pub mod protonation;
 pub mod radii;

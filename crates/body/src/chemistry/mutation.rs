@@ -184,7 +184,7 @@ fn break_disulfides(selection: &mut Selection) {
 fn absent(selection: &Selection, mutation: &Mutation) -> BodyError {
     let mut range: Option<(i32, i32)> = None;
     for residue in &selection.residues {
-        if *residue.source_chain == *mutation.chain {
+        if [&residue.source_chain, &residue.key.chain].contains(&&Arc::from(&*mutation.chain)) {
             let number = residue.key.number;
             let (low, high) = range.unwrap_or((number, number));
             range = Some((low.min(number), high.max(number)));

@@ -1,5 +1,5 @@
 //! Residue names beyond the twenty: modified residues and their parents, D-amino acids, caps,
-//! nucleotides, waters, ions.
+//! nucleotides, waters.
 //!
 //! Sources of the pKa values of modified residues:
 //!
@@ -13,6 +13,10 @@
 //!   constants of amino acids, 10.8 and 10.4;
 //! * sulfate, sulfonate, sulfinate and quaternary ammonium groups are charged at any pH of interest;
 //!   their pKa values are set out of that range.
+//!
+//! Masses are those of the parent and what the modification adds to its formula (IUPAC standard
+//! atomic weights): 79.980 for HPO₃, 15.999 for O, 14.027 for CH₂, 42.037 for C₂H₂O. A chromophore
+//! has those of its residues less H₂O and H₂, and another H₂ where it has an acylimine.
 
 use super::amino_acid::AminoAcid::{
     self, Ala, Arg, Asn, Asp, Cys, Gln, Glu, His, Ile, Leu, Lys, Met, Phe, Pro, Ser, Thr, Trp, Tyr,
@@ -37,6 +41,8 @@ pub struct ModifiedResidue {
     pub parent: Option<AminoAcid>,
     /// Its titratable groups; `None` where they are the parent's.
     pub groups: Option<&'static [Group]>,
+    /// Mass of the residue in a chain, neutral, g/mol: the molecule without one water.
+    pub mass_g_per_mol: f64,
     /// What it is.
     pub what: &'static str,
 }
@@ -72,24 +78,37 @@ const GAMMA_CARBOXYGLUTAMATE: &[Group] = &[
     Group::acid(4.4, &["OE21", "OE22"]),
 ];
 
-/// A residue with the titratable groups of its parent.
-const fn like(name: &'static str, parent: AminoAcid, what: &'static str) -> ModifiedResidue {
+/// A residue with the titratable groups of its parent. `added_g_per_mol` is what the modification
+/// adds to the mass of the parent.
+const fn like(
+    name: &'static str,
+    added_g_per_mol: f64,
+    parent: AminoAcid,
+    what: &'static str,
+) -> ModifiedResidue {
     ModifiedResidue {
         name,
         parent: Some(parent),
         groups: None,
+        mass_g_per_mol: parent.residue_mass_g_per_mol() + added_g_per_mol,
         what,
     }
 }
 
 /// A residue whose side chain does not titrate.
-const fn neutral(name: &'static str, parent: AminoAcid, what: &'static str) -> ModifiedResidue {
-    titrating(name, parent, &[], what)
+const fn neutral(
+    name: &'static str,
+    added_g_per_mol: f64,
+    parent: AminoAcid,
+    what: &'static str,
+) -> ModifiedResidue {
+    titrating(name, added_g_per_mol, parent, &[], what)
 }
 
 /// A residue with groups of its own.
 const fn titrating(
     name: &'static str,
+    added_g_per_mol: f64,
     parent: AminoAcid,
     groups: &'static [Group],
     what: &'static str,
@@ -98,6 +117,7 @@ const fn titrating(
         name,
         parent: Some(parent),
         groups: Some(groups),
+        mass_g_per_mol: parent.residue_mass_g_per_mol() + added_g_per_mol,
         what,
     }
 }
@@ -105,114 +125,153 @@ const fn titrating(
 /// A chromophore of a fluorescent protein: several residues condensed to one, taken as neutral. The
 /// phenol of the GFP chromophore has a pKa between 4 and 8, depending on its environment in the
 /// barrel, so there is no useful model value.
-const fn chromophore(name: &'static str, what: &'static str) -> ModifiedResidue {
+const fn chromophore(
+    name: &'static str,
+    mass_g_per_mol: f64,
+    what: &'static str,
+) -> ModifiedResidue {
     ModifiedResidue {
         name,
         parent: None,
         groups: Some(&[]),
+        mass_g_per_mol,
         what,
     }
 }
 
-/// Modified residues (wwPDB chemical component dictionary) and the names that force fields give to
-/// protonation states. The pH decides the state: `HIP` of a prepared file is a histidine like any
-/// other.
+/// Modified residues (wwPDB chemical component dictionary).
 const MODIFIED: &[ModifiedResidue] = &[
-    like("MSE", Met, "selenomethionine"),
-    like("FME", Met, "N-formylmethionine"),
-    like("SME", Met, "methionine sulfoxide"),
-    like("MHO", Met, "methionine sulfoxide"),
-    titrating("SEP", Ser, PHOSPHOSERINE, "phosphoserine"),
-    titrating("TPO", Thr, PHOSPHOTHREONINE, "phosphothreonine"),
-    titrating("PTR", Tyr, PHOSPHOTYROSINE, "phosphotyrosine"),
-    titrating("TYS", Tyr, SULFOTYROSINE, "sulfotyrosine"),
-    neutral("CSO", Cys, "S-hydroxycysteine"),
-    neutral("CSX", Cys, "S-oxycysteine"),
-    neutral("CME", Cys, "S-(2-hydroxyethyl)thiocysteine"),
-    neutral("SMC", Cys, "S-methylcysteine"),
-    neutral("CAS", Cys, "S-dimethylarsenocysteine"),
-    neutral("YCM", Cys, "S-carbamoylmethylcysteine"),
-    titrating("OCS", Cys, CYSTEIC_ACID, "cysteic acid"),
-    titrating("CSD", Cys, SULFINIC_ACID, "cysteine sulfinic acid"),
-    titrating("SEC", Cys, SELENOL, "selenocysteine"),
-    like("HYP", Pro, "4-hydroxyproline"),
-    neutral("PCA", Glu, "pyroglutamic acid, which has no free amine"),
+    like("MSE", 46.911, Met, "selenomethionine"),
+    like("FME", 28.010, Met, "N-formylmethionine"),
+    like("SME", 15.999, Met, "methionine sulfoxide"),
+    like("MHO", 15.999, Met, "methionine sulfoxide"),
+    titrating("SEP", 79.980, Ser, PHOSPHOSERINE, "phosphoserine"),
+    titrating("TPO", 79.980, Thr, PHOSPHOTHREONINE, "phosphothreonine"),
+    titrating("PTR", 79.980, Tyr, PHOSPHOTYROSINE, "phosphotyrosine"),
+    titrating("TYS", 80.057, Tyr, SULFOTYROSINE, "sulfotyrosine"),
+    neutral("CSO", 15.999, Cys, "S-hydroxycysteine"),
+    neutral("CSX", 15.999, Cys, "S-oxycysteine"),
+    neutral("CME", 76.113, Cys, "S-(2-hydroxyethyl)thiocysteine"),
+    neutral("SMC", 14.027, Cys, "S-methylcysteine"),
+    neutral("CAS", 103.984, Cys, "S-dimethylarsenocysteine"),
+    neutral("YCM", 57.052, Cys, "S-carbamoylmethylcysteine"),
+    titrating("OCS", 47.997, Cys, CYSTEIC_ACID, "cysteic acid"),
+    titrating("CSD", 31.998, Cys, SULFINIC_ACID, "cysteine sulfinic acid"),
+    titrating("SEC", 46.911, Cys, SELENOL, "selenocysteine"),
+    like("HYP", 15.999, Pro, "4-hydroxyproline"),
+    neutral(
+        "PCA",
+        -18.015,
+        Glu,
+        "pyroglutamic acid, which has no free amine",
+    ),
     titrating(
         "CGU",
+        44.009,
         Glu,
         GAMMA_CARBOXYGLUTAMATE,
         "gamma-carboxyglutamic acid",
     ),
-    like("MLY", Lys, "dimethyllysine"),
-    like("MLZ", Lys, "methyllysine"),
-    titrating("M3L", Lys, QUATERNARY_AMINE, "trimethyllysine"),
-    neutral("ALY", Lys, "acetyllysine"),
-    titrating("KCX", Lys, CARBAMATE, "carboxylated lysine"),
+    like("MLY", 28.054, Lys, "dimethyllysine"),
+    like("MLZ", 14.027, Lys, "methyllysine"),
+    titrating("M3L", 43.089, Lys, QUATERNARY_AMINE, "trimethyllysine"),
+    neutral("ALY", 42.037, Lys, "acetyllysine"),
+    titrating("KCX", 44.009, Lys, CARBAMATE, "carboxylated lysine"),
     titrating(
         "LLP",
+        229.128,
         Lys,
         PYRIDOXAL_PHOSPHATE,
         "lysine with pyridoxal phosphate",
     ),
-    neutral("PYL", Lys, "pyrrolysine"),
-    titrating("ORN", Lys, ORNITHINE, "ornithine"),
-    titrating("DAB", Lys, DIAMINOBUTYRATE, "2,4-diaminobutyric acid"),
-    like("HIC", His, "methylhistidine"),
-    like("AYA", Ala, "N-acetylalanine"),
-    like("SAC", Ser, "N-acetylserine"),
-    like("AGM", Arg, "5-methylarginine"),
-    like("DA2", Arg, "asymmetric dimethylarginine"),
-    like("2MR", Arg, "symmetric dimethylarginine"),
-    neutral("CIR", Arg, "citrulline"),
+    neutral("PYL", 109.128, Lys, "pyrrolysine"),
+    titrating("ORN", -14.027, Lys, ORNITHINE, "ornithine"),
+    titrating(
+        "DAB",
+        -28.054,
+        Lys,
+        DIAMINOBUTYRATE,
+        "2,4-diaminobutyric acid",
+    ),
+    like("HIC", 14.027, His, "methylhistidine"),
+    like("AYA", 42.037, Ala, "N-acetylalanine"),
+    like("SAC", 42.037, Ser, "N-acetylserine"),
+    like("AGM", 14.027, Arg, "5-methylarginine"),
+    like("DA2", 28.054, Arg, "asymmetric dimethylarginine"),
+    like("2MR", 28.054, Arg, "symmetric dimethylarginine"),
+    neutral("CIR", 0.984, Arg, "citrulline"),
     // Mirror images have the charges and the hydropathy of their L-forms.
-    like("DAL", Ala, "D-alanine"),
-    like("DAR", Arg, "D-arginine"),
-    like("DSG", Asn, "D-asparagine"),
-    like("DAS", Asp, "D-aspartic acid"),
-    like("DCY", Cys, "D-cysteine"),
-    like("DGN", Gln, "D-glutamine"),
-    like("DGL", Glu, "D-glutamic acid"),
-    like("DHI", His, "D-histidine"),
-    like("DIL", Ile, "D-isoleucine"),
-    like("DLE", Leu, "D-leucine"),
-    like("DLY", Lys, "D-lysine"),
-    like("MED", Met, "D-methionine"),
-    like("DPN", Phe, "D-phenylalanine"),
-    like("DPR", Pro, "D-proline"),
-    like("DSN", Ser, "D-serine"),
-    like("DTH", Thr, "D-threonine"),
-    like("DTR", Trp, "D-tryptophan"),
-    like("DTY", Tyr, "D-tyrosine"),
-    like("DVA", Val, "D-valine"),
-    // Names of protonation states: AMBER, CHARMM.
-    like("HID", His, "histidine"),
-    like("HIE", His, "histidine"),
-    like("HIP", His, "histidine"),
-    like("HSD", His, "histidine"),
-    like("HSE", His, "histidine"),
-    like("HSP", His, "histidine"),
-    like("ASH", Asp, "aspartic acid"),
-    like("GLH", Glu, "glutamic acid"),
-    like("LYN", Lys, "lysine"),
-    like("CYX", Cys, "cysteine"),
-    like("CYM", Cys, "cysteine"),
-    chromophore("CRO", "chromophore of Thr-Tyr-Gly"),
-    chromophore("CR2", "chromophore of Gly-Tyr-Gly"),
-    chromophore("CRQ", "chromophore of Gln-Tyr-Gly"),
-    chromophore("CRF", "chromophore of Thr-Trp-Gly"),
-    chromophore("CFY", "chromophore of Phe-Cys-Tyr-Gly"),
-    chromophore("CH6", "chromophore of Met-Tyr-Gly"),
-    chromophore("GYS", "chromophore of Ser-Tyr-Gly"),
-    chromophore("NRQ", "chromophore of Met-Tyr-Gly"),
-    chromophore("PIA", "chromophore of Ala-Tyr-Gly"),
-    chromophore("SWG", "chromophore of Ser-Trp-Gly"),
+    like("DAL", 0.0, Ala, "D-alanine"),
+    like("DAR", 0.0, Arg, "D-arginine"),
+    like("DSG", 0.0, Asn, "D-asparagine"),
+    like("DAS", 0.0, Asp, "D-aspartic acid"),
+    like("DCY", 0.0, Cys, "D-cysteine"),
+    like("DGN", 0.0, Gln, "D-glutamine"),
+    like("DGL", 0.0, Glu, "D-glutamic acid"),
+    like("DHI", 0.0, His, "D-histidine"),
+    like("DIL", 0.0, Ile, "D-isoleucine"),
+    like("DLE", 0.0, Leu, "D-leucine"),
+    like("DLY", 0.0, Lys, "D-lysine"),
+    like("MED", 0.0, Met, "D-methionine"),
+    like("DPN", 0.0, Phe, "D-phenylalanine"),
+    like("DPR", 0.0, Pro, "D-proline"),
+    like("DSN", 0.0, Ser, "D-serine"),
+    like("DTH", 0.0, Thr, "D-threonine"),
+    like("DTR", 0.0, Trp, "D-tryptophan"),
+    like("DTY", 0.0, Tyr, "D-tyrosine"),
+    like("DVA", 0.0, Val, "D-valine"),
+    chromophore("CRO", 301.302, "chromophore of Thr-Tyr-Gly"),
+    chromophore("CR2", 257.249, "chromophore of Gly-Tyr-Gly"),
+    chromophore("CRQ", 326.312, "chromophore of Gln-Tyr-Gly"),
+    chromophore("CRF", 324.339, "chromophore of Thr-Trp-Gly"),
+    chromophore("CFY", 450.518, "chromophore of Phe-Cys-Tyr-Gly"),
+    chromophore("CH6", 331.395, "chromophore of Met-Tyr-Gly"),
+    chromophore("GYS", 287.275, "chromophore of Ser-Tyr-Gly"),
+    chromophore("NRQ", 329.379, "chromophore of Met-Tyr-Gly"),
+    chromophore("PIA", 271.276, "chromophore of Ala-Tyr-Gly"),
+    chromophore("SWG", 310.312, "chromophore of Ser-Trp-Gly"),
 ];
 
 /// Residues whose nitrogen is acylated, so that it is not a free amine at the beginning of a chain.
 const BLOCKED_AMINE: &[&str] = &["PCA", "FME", "AYA", "SAC"];
 
-/// Groups that close the ends of a chain.
-const CAPS: &[&str] = &["ACE", "FOR", "NME", "NMA", "NH2", "NHE"];
+/// Groups that close the ends of a chain, and what each adds to the mass of the chain, g/mol: an acyl
+/// group takes the place of a hydrogen, an amine that of the hydroxyl.
+const CAPS: &[(&str, f64)] = &[
+    ("ACE", 42.037),
+    ("FOR", 28.010),
+    ("NME", 13.043),
+    ("NMA", 13.043),
+    ("NAC", 13.043),
+    ("NH2", -0.984),
+    ("NHE", -0.984),
+];
+
+/// Names that force fields and their programs (AMBER, CHARMM, GROMACS, GROMOS, OPLS, Schrödinger)
+/// give to protonation states and disulfides. The pH decides the state: `HIP` of a prepared file is
+/// a histidine like any other.
+const FORCE_FIELD: &[(&str, AminoAcid)] = &[
+    ("HID", His),
+    ("HIE", His),
+    ("HIP", His),
+    ("HIN", His),
+    ("HSD", His),
+    ("HSE", His),
+    ("HSP", His),
+    ("HDP", His),
+    ("ASH", Asp),
+    ("GLH", Glu),
+    ("LYN", Lys),
+    ("LYP", Lys),
+    ("LSN", Lys),
+    ("ARN", Arg),
+    ("CYX", Cys),
+    ("CYM", Cys),
+    ("CYN", Cys),
+    ("CYP", Cys),
+    ("TYM", Tyr),
+    ("DISU", Cys),
+];
 
 const NUCLEOTIDES: &[&str] = &[
     "A", "C", "G", "U", "I", "N", "DA", "DC", "DG", "DT", "DU", "DI", "DN", "RA", "RC", "RG", "RU",
@@ -221,42 +280,8 @@ const NUCLEOTIDES: &[&str] = &[
 ];
 
 const WATERS: &[&str] = &[
-    "HOH", "WAT", "DOD", "H2O", "TIP", "TIP3", "TP3", "TIP4", "TIP5", "T3P", "T4P", "SOL", "SPC",
-    "OH2",
-];
-
-/// Charges of monatomic ions, e (wwPDB chemical component dictionary).
-const IONS: &[(&str, i32)] = &[
-    ("LI", 1),
-    ("NA", 1),
-    ("K", 1),
-    ("RB", 1),
-    ("CS", 1),
-    ("AG", 1),
-    ("CU1", 1),
-    ("MG", 2),
-    ("CA", 2),
-    ("SR", 2),
-    ("BA", 2),
-    ("MN", 2),
-    ("FE2", 2),
-    ("CO", 2),
-    ("NI", 2),
-    ("CU", 2),
-    ("ZN", 2),
-    ("CD", 2),
-    ("HG", 2),
-    ("PB", 2),
-    ("FE", 3),
-    ("MN3", 3),
-    ("AL", 3),
-    ("F", -1),
-    ("CL", -1),
-    ("BR", -1),
-    ("IOD", -1),
-    ("SO4", -2),
-    ("PO4", -3),
-    ("NH4", 1),
+    "HOH", "WAT", "DOD", "HOD", "H2O", "TIP", "TIP3", "TP3", "TIP4", "TP4", "TIP5", "TP5", "T3P",
+    "T4P", "T4E", "T3H", "SOL", "SPC", "SPCE", "OPC", "OPC3", "OH2",
 ];
 
 /// The entry of a modified residue.
@@ -271,7 +296,102 @@ pub fn has_blocked_amine(name: &str) -> bool {
 
 /// Whether the name is that of a cap, such as acetyl.
 pub fn is_cap(name: &str) -> bool {
-    CAPS.contains(&name)
+    cap_mass_g_per_mol(name).is_some()
+}
+
+/// What a cap adds to the mass of a chain, g/mol.
+fn cap_mass_g_per_mol(name: &str) -> Option<f64> {
+    let cap = CAPS.iter().find(|(cap, _)| *cap == name)?;
+    Some(cap.1)
+}
+
+/// Fourth letters by which GROMOS, GROMACS and CHARMM tell the states of an amino acid.
+const STATES: &[(AminoAcid, &str)] = &[
+    (Arg, "NP"),
+    (Asp, "HP"),
+    (Cys, "H12MX"),
+    (Glu, "HP"),
+    (His, "ABDEHP12"),
+    (Lys, "HNP"),
+    (Tyr, "M"),
+];
+
+/// Whether a name of four letters is one that programs for molecular dynamics use.
+pub(crate) fn is_name_of_four_letters(name: &str) -> bool {
+    let Some((three, state)) = name.split_at_checked(3) else {
+        return false;
+    };
+    let has_state = |(amino_acid, states): &(AminoAcid, &str)| {
+        amino_acid.name() == three && state.len() == 1 && states.contains(state)
+    };
+    is_water(name) || name == "DISU" || STATES.iter().any(has_state) || at_end(name).is_some()
+}
+
+/// The amino acid of a name of AMBER for a residue at the end of a chain.
+fn at_end(name: &str) -> Option<AminoAcid> {
+    let name = name
+        .strip_prefix(['N', 'C'])
+        .filter(|rest| rest.len() == 3)?;
+    AminoAcid::of_residue(name).or_else(|| of_state(name))
+}
+
+/// The amino acid of an entry of [`FORCE_FIELD`].
+fn of_state(name: &str) -> Option<AminoAcid> {
+    let entry = FORCE_FIELD.iter().find(|(state, _)| *state == name)?;
+    Some(entry.1)
+}
+
+/// The amino acid of a name that a force field gives to one of its protonation states, or to a
+/// residue at the end of a chain (AMBER: `NALA`, `CHIE`). Names of four letters are the three of an
+/// amino acid and one for the state (GROMOS, GROMACS: `LYSH`, `HISE`, `CYS2`).
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::residue_names::force_field_amino_acid;
+/// assert_eq!(force_field_amino_acid("HISE"), Some(AminoAcid::His));
+/// assert_eq!(force_field_amino_acid("NMET"), Some(AminoAcid::Met));
+/// assert_eq!(force_field_amino_acid("MET"), None);
+/// ```
+pub fn force_field_amino_acid(name: &str) -> Option<AminoAcid> {
+    let of_letters = || {
+        let three = name.get(..3).filter(|_| name.len() == 4)?;
+        AminoAcid::of_residue(three)
+    };
+    of_state(name).or_else(|| at_end(name)).or_else(of_letters)
+}
+
+/// The amino acid that a residue of this name is, by the name of the wwPDB or of a force field, or
+/// derives from.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::residue_names::parent_amino_acid;
+/// assert_eq!(parent_amino_acid("SEP"), Some(AminoAcid::Ser));
+/// assert_eq!(parent_amino_acid("HOH"), None);
+/// ```
+pub fn parent_amino_acid(name: &str) -> Option<AminoAcid> {
+    AminoAcid::of_residue(name)
+        .or_else(|| force_field_amino_acid(name))
+        .or_else(|| modified_residue(name)?.parent)
+}
+
+/// What a residue adds to the mass of its chain, neutral, g/mol. `None` for a residue whose mass is
+/// not known by its name.
+///
+/// ```
+/// use protomer_body::chemistry::residue_names::mass_in_chain_g_per_mol;
+/// // Phosphoserine is serine and HPO₃.
+/// assert_eq!(mass_in_chain_g_per_mol("SEP"), Some(87.078 + 79.980));
+/// assert_eq!(mass_in_chain_g_per_mol("LIG"), None);
+/// ```
+pub fn mass_in_chain_g_per_mol(name: &str) -> Option<f64> {
+    if let Some(modified) = modified_residue(name) {
+        return Some(modified.mass_g_per_mol);
+    }
+    match parent_amino_acid(name) {
+        Some(amino_acid) => Some(amino_acid.residue_mass_g_per_mol()),
+        None => cap_mass_g_per_mol(name),
+    }
 }
 
 /// Whether the name is that of a nucleotide.
@@ -286,18 +406,54 @@ pub fn is_water(name: &str) -> bool {
 
 /// Whether the name is that of an amino acid, a modified one, a cap or a nucleotide.
 pub fn is_polymer(name: &str) -> bool {
-    AminoAcid::of_residue(name).is_some()
+    parent_amino_acid(name).is_some()
         || modified_residue(name).is_some()
         || is_cap(name)
         || is_nucleotide(name)
 }
 
-/// The charge of an ion by its residue name, e.
-pub fn ion_charge_e(name: &str) -> Option<i32> {
-    for (ion, charge) in IONS {
-        if *ion == name {
-            return Some(*charge);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_name_means_two_things() {
+        for (name, amino_acid) in FORCE_FIELD {
+            assert!(AminoAcid::of_residue(name).is_none() && modified_residue(name).is_none());
+            assert_eq!(parent_amino_acid(name), Some(*amino_acid));
         }
     }
-    None
+
+    /// Formulas of the wwPDB chemical component dictionary, less one water.
+    #[test]
+    fn masses_are_those_of_the_formulas() {
+        let mass = |c: f64, h: f64, n: f64, o: f64, rest: f64| {
+            c * 12.011 + h * 1.008 + n * 14.007 + o * 15.999 + rest - 18.015
+        };
+        let (sulfur, selenium, phosphorus, arsenic) = (32.06, 78.971, 30.974, 74.922);
+        for (name, expected) in [
+            ("MSE", mass(5.0, 11.0, 1.0, 2.0, selenium)),
+            ("SEP", mass(3.0, 8.0, 1.0, 6.0, phosphorus)),
+            ("TPO", mass(4.0, 10.0, 1.0, 6.0, phosphorus)),
+            ("PTR", mass(9.0, 12.0, 1.0, 6.0, phosphorus)),
+            ("TYS", mass(9.0, 11.0, 1.0, 6.0, sulfur)),
+            ("CSO", mass(3.0, 7.0, 1.0, 3.0, sulfur)),
+            ("CME", mass(5.0, 11.0, 1.0, 3.0, 2.0 * sulfur)),
+            ("CAS", mass(5.0, 12.0, 1.0, 2.0, sulfur + arsenic)),
+            ("PCA", mass(5.0, 7.0, 1.0, 3.0, 0.0)),
+            ("M3L", mass(9.0, 21.0, 2.0, 2.0, 0.0)),
+            ("LLP", mass(14.0, 22.0, 3.0, 7.0, phosphorus)),
+            ("PYL", mass(12.0, 21.0, 3.0, 3.0, 0.0)),
+            ("CIR", mass(6.0, 13.0, 3.0, 3.0, 0.0)),
+            ("CGU", mass(6.0, 9.0, 1.0, 6.0, 0.0)),
+            ("CRO", mass(15.0, 17.0, 3.0, 5.0, 0.0)),
+            ("NRQ", mass(16.0, 17.0, 3.0, 4.0, sulfur)),
+        ] {
+            let found = mass_in_chain_g_per_mol(name).unwrap();
+            assert!(
+                (found - expected).abs() < 0.02,
+                "{name}: {found}, not {expected}"
+            );
+        }
+    }
 }

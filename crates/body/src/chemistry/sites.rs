@@ -3,7 +3,7 @@
 use super::amino_acid::AminoAcid;
 use super::charges::{ChargeModel, atom_charges_e, residue_charge_e};
 use super::radii::radius_angstrom;
-use super::residue_names::modified_residue;
+use super::residue_names::parent_amino_acid;
 use crate::body::{Residue, Site};
 use crate::structure::{SelectedResidue, Selection};
 use crate::{BodyError, Result};
@@ -197,10 +197,7 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
 /// The residue of a point, without charge yet.
 fn bare_residue(atom: &PointRecord) -> Residue {
     let name = &atom.residue_name;
-    let amino_acid = match AminoAcid::of_residue(name) {
-        Some(amino_acid) => Some(amino_acid),
-        None => modified_residue(name).and_then(|modified| modified.parent),
-    };
+    let amino_acid = parent_amino_acid(name);
     Residue {
         chain: atom.chain.clone(),
         number: atom.residue_number,

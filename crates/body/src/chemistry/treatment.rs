@@ -1,13 +1,25 @@
 //! How a residue that is not one of the twenty is treated, in words.
 
+use super::ions::ion_charge_e;
 use super::protonation::Group;
-use super::residue_names::{ModifiedResidue, ion_charge_e};
+use super::residue_names::{ModifiedResidue, is_polymer};
 use crate::structure::{ResidueClass, SelectedResidue};
 
-/// What the residue is and where its charge and hydropathy come from; empty for one of the twenty.
+/// What the residue is and where its charge and hydropathy come from; of no meaning for one of the
+/// twenty under its own name.
 pub(crate) fn describe(residue: &SelectedResidue) -> String {
     match residue.class {
         ResidueClass::Modified(modified) => describe_modified(modified),
+        ResidueClass::AminoAcid(amino_acid) => {
+            let name = amino_acid.name();
+            format!("name of a force field, counted as {name}: the pH decides its protonation")
+        }
+        ResidueClass::LikeAminoAcid(amino_acid) if is_polymer(&residue.name) => {
+            let name = amino_acid.name();
+            format!(
+                "has the heavy atoms of {name}, not those that its name means: counted as {name}"
+            )
+        }
         ResidueClass::LikeAminoAcid(amino_acid) => {
             let name = amino_acid.name();
             format!("in no table; has the heavy atoms of {name}, counted as {name}")
@@ -16,15 +28,30 @@ pub(crate) fn describe(residue: &SelectedResidue) -> String {
             0 => "in no table, side chain taken as neutral".into(),
             charge => format!("in no table, side chain charged {charge:+} e as the file states"),
         },
-        ResidueClass::Ligand => match ion_charge_e(&residue.name) {
-            Some(charge) => format!("ligand, {charge:+} e by its name"),
-            None => format!(
-                "ligand, {:+} e, the sum of the formal charges that the file states",
-                formal_charge_e(residue)
-            ),
-        },
+        ResidueClass::Ligand => describe_ligand(residue),
         _ => String::new(),
     }
+}
+
+fn describe_ligand(residue: &SelectedResidue) -> String {
+    let states_charges = residue
+        .atoms
+        .iter()
+        .any(|atom| atom.formal_charge_e.is_some());
+    match ion_of(residue) {
+        Some(charge) => format!("ligand, {charge:+} e by its name"),
+        None if states_charges => format!(
+            "ligand, {:+} e, the sum of the formal charges that the file states",
+            formal_charge_e(residue)
+        ),
+        None => "ligand, taken as neutral: the file states no formal charges".into(),
+    }
+}
+
+/// The charge of an ion by its name, e; `None` for what is no ion.
+pub(crate) fn ion_of(residue: &SelectedResidue) -> Option<i32> {
+    let heavy_atoms = residue.atoms.iter().filter(|atom| !atom.is_hydrogen());
+    ion_charge_e(&residue.name, heavy_atoms.count())
 }
 
 fn describe_modified(modified: &ModifiedResidue) -> String {

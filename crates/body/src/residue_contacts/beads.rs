@@ -2,7 +2,7 @@
 
 use crate::Body;
 use crate::chemistry::AminoAcid;
-use crate::chemistry::residue_names::modified_residue;
+use crate::chemistry::residue_names::parent_amino_acid;
 use protomer_kernel::Vec3;
 
 /// A residue as one point.
@@ -31,7 +31,7 @@ pub fn beads_of(body: &Body) -> Vec<Bead> {
     }
     let mut beads = Vec::new();
     for (residue, (sum, count)) in sums.into_iter().enumerate() {
-        let amino_acid = amino_acid_of(&body.residues[residue].name);
+        let amino_acid = parent_amino_acid(&body.residues[residue].name);
         if let (Some(amino_acid), true) = (amino_acid, count > 0) {
             beads.push(Bead {
                 position: sum / f64::from(count),
@@ -41,11 +41,6 @@ pub fn beads_of(body: &Body) -> Vec<Bead> {
         }
     }
     beads
-}
-
-fn amino_acid_of(name: &str) -> Option<AminoAcid> {
-    AminoAcid::of_residue(name)
-        .or_else(|| modified_residue(name).and_then(|modified| modified.parent))
 }
 
 /// Hydrogens of amino acids are named H... or, in old files, 1H....

@@ -7,6 +7,10 @@
 //! crystal holds two residues in one place (microheterogeneity).
 
 use super::contents::Atom;
+use super::residues::{AtomGroup, place_name};
+use crate::chemistry::amino_acid::AminoAcid;
+use crate::chemistry::residue_names::parent_amino_acid;
+use std::borrow::Cow;
 use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -23,25 +27,27 @@ pub(crate) struct Conformer<'a> {
     pub(crate) other_names: BTreeSet<Arc<str>>,
 }
 
-/// Chooses the conformer; `atoms` belong to one residue and are not empty.
-pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<'a> {
+/// Chooses the conformer of a residue, which is not empty.
+pub(crate) fn choose<'a>(group: &AtomGroup<'a>, wanted: Option<char>) -> Conformer<'a> {
+    let atoms = &group.atoms;
     let letter = chosen_letter(atoms, wanted);
     let mut conformer = Conformer {
-        name: name_of(atoms, letter),
+        name: name_of(group, letter),
         atoms: Vec::new(),
         alternates: 0,
         duplicates: 0,
         other_names: BTreeSet::new(),
     };
-    let mut chosen: HashMap<&str, usize> = HashMap::with_capacity(atoms.len());
-    for atom in atoms {
-        if atom.residue_name != conformer.name {
+    let mut chosen: HashMap<Cow<str>, usize> = HashMap::with_capacity(atoms.len());
+    let is_whole = group.fragments.is_empty();
+    for &atom in atoms {
+        if is_whole && atom.residue_name != conformer.name {
             conformer.other_names.insert(atom.residue_name.clone());
             conformer.alternates += 1;
             continue;
         }
-        let Some(&index) = chosen.get(&*atom.name) else {
-            chosen.insert(&atom.name, conformer.atoms.len());
+        let Some(&index) = chosen.get(&place_name(atom)) else {
+            chosen.insert(place_name(atom), conformer.atoms.len());
             conformer.atoms.push(atom);
             continue;
         };
@@ -58,17 +64,23 @@ pub(crate) fn choose<'a>(atoms: &[&'a Atom], wanted: Option<char>) -> Conformer<
     conformer
 }
 
-/// The residue name of the chosen letter, or of the first atom.
-fn name_of(atoms: &[&Atom], letter: Option<char>) -> Arc<str> {
-    for atom in atoms {
+/// The residue name of the chosen letter, or of the first atom. Of several names for the fragments of
+/// one residue, that of an amino acid.
+fn name_of(group: &AtomGroup, letter: Option<char>) -> Arc<str> {
+    let mut names = group.atoms.iter().map(|atom| &atom.residue_name);
+    if !group.fragments.is_empty() {
+        let name = names
+            .clone()
+            .find(|name| AminoAcid::of_residue(name).is_some());
+        let name = name.or_else(|| names.clone().find(|name| parent_amino_acid(name).is_some()));
+        return name.or_else(|| names.next()).cloned().unwrap_or_default();
+    }
+    for atom in &group.atoms {
         if letter.is_some() && atom.alternate == letter {
             return atom.residue_name.clone();
         }
     }
-    match atoms.first() {
-        Some(atom) => atom.residue_name.clone(),
-        None => Arc::from(""),
-    }
+    names.next().cloned().unwrap_or_default()
 }
 
 /// Whether one record of an atom is preferred to another: chosen letter before no letter before another

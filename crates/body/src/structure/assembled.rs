@@ -23,7 +23,10 @@ pub(crate) fn apply_assembly(
     let mut times: Vec<usize> = vec![0; residues.len()];
     let mut atoms = 0;
     for part in &assembly.parts {
-        let members = members(part, &of_chain);
+        let members = match part.chains.is_empty() {
+            true => (0..residues.len()).collect(),
+            false => members(part, &of_chain),
+        };
         for operator in &part.operators {
             let pose = operator.pose()?;
             for &index in &members {

@@ -2,7 +2,8 @@
 
 use super::cif_syntax::Row;
 use super::contents::{Atom, Model, Structure};
-use super::element;
+use super::corrections::{Correction, describe};
+use super::element::{self, Statement};
 use super::messages::{parse_error, quoted};
 use super::names::Names;
 use crate::{BodyError, Result};
@@ -182,10 +183,15 @@ impl AtomSites {
             columns: &columns,
         };
         let model = cells.whole_number("model number", cells.get(Item::Model), 1)?;
-        let (atom, is_odd) = self.atom(&cells, names)?;
+        let (atom, is_odd, has_odd_element) = self.atom(&cells, names)?;
         if is_odd {
             let message = "occupancy or B factor is not a number; 1 and 0 are used";
             structure.warnings.add(row.line, message);
+        }
+        if has_odd_element {
+            structure
+                .corrections
+                .add(Correction::Element, row.line, || describe(&atom));
         }
         self.columns = Some(columns);
         self.model(model, structure).atoms.push(atom);
@@ -204,8 +210,9 @@ impl AtomSites {
         &mut models[index]
     }
 
-    /// The atom of a row, and whether its occupancy or B factor could not be read.
-    fn atom(&mut self, cells: &Cells, names: &mut Names) -> Result<(Atom, bool)> {
+    /// The atom of a row, whether its occupancy or B factor could not be read, and whether it is
+    /// stated to be of another element than its name.
+    fn atom(&mut self, cells: &Cells, names: &mut Names) -> Result<(Atom, bool, bool)> {
         let position = cells.position()?;
         let Some(name) = cells.either(Item::AuthorAtom, Item::LabelAtom) else {
             return Err(cells.error("the atom has no name".into()));
@@ -217,10 +224,13 @@ impl AtomSites {
         let (occupancy, is_occupancy_read) = cells.number_or(Item::Occupancy, 1.0);
         let (b_factor_angstrom2, is_b_factor_read) = cells.number_or(Item::BFactor, 0.0);
         let hetero = cells.get(Item::Group) == Some("HETATM");
-        let element = match cells.get(Item::Symbol).and_then(element::known) {
-            Some(element) => element,
-            None => element::from_name(name),
-        };
+        let residue_name = residue_name.unwrap_or("UNK");
+        let (element, has_odd_element) = element::of_atom(&Statement {
+            symbol: cells.get(Item::Symbol).unwrap_or(""),
+            name: &format!(" {name}"),
+            residue_name,
+            hetero,
+        });
         let serial = cells.get(Item::Id).and_then(|id| id.parse().ok());
         self.serial = serial.unwrap_or(self.serial.saturating_add(1));
         let alternate = cells.get(Item::Alternate).unwrap_or("");
@@ -229,9 +239,11 @@ impl AtomSites {
             serial: self.serial,
             name: names.share(name),
             alternate: alternate.chars().next(),
-            residue_name: names.share(residue_name.unwrap_or("UNK")),
+            residue_name: names.share(residue_name),
             chain: names.share(chain.unwrap_or("")),
             label_chain: names.share(label_chain.unwrap_or("")),
+            segment: names.share(""),
+            polymer: 0,
             residue_number: cells.whole_number("residue number", number, 0)?,
             insertion_code: names.share(cells.get(Item::InsertionCode).unwrap_or("")),
             element: names.share(element),
@@ -242,6 +254,7 @@ impl AtomSites {
             hetero,
             outside_polymer: hetero && cells.lacks_sequence_number(),
         };
-        Ok((atom, !(is_occupancy_read && is_b_factor_read)))
+        let is_odd = !(is_occupancy_read && is_b_factor_read);
+        Ok((atom, is_odd, has_odd_element))
     }
 }

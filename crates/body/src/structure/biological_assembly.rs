@@ -20,7 +20,7 @@ pub struct BiologicalAssembly {
 /// Some chains and the operators that copy them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AssemblyPart {
-    /// Chains, by [`super::contents::Atom::label_chain`].
+    /// Chains, by [`super::contents::Atom::label_chain`]; empty for all.
     pub chains: Vec<Arc<str>>,
     /// Motions; each gives one copy of the chains.
     pub operators: Vec<Operator>,

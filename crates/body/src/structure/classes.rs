@@ -67,6 +67,10 @@ impl ResidueClass {
         }
         if let Some(amino_acid) = AminoAcid::of_residue(name) {
             ResidueClass::AminoAcid(amino_acid)
+        } else if let Some(amino_acid) = amino_acid_of_force_field(name, atoms) {
+            ResidueClass::AminoAcid(amino_acid)
+        } else if let Some(class) = contradicted(name, atoms) {
+            class
         } else if let Some(modified) = residue_names::modified_residue(name) {
             ResidueClass::Modified(modified)
         } else if residue_names::is_cap(name) {
@@ -93,6 +97,24 @@ impl ResidueClass {
             ResidueClass::UnknownAminoAcid
         }
     }
+}
+
+/// The amino acid of a name of a force field, if the residue is one: glycerol is GLYC in CHARMM.
+fn amino_acid_of_force_field(name: &str, atoms: &[&Atom]) -> Option<AminoAcid> {
+    let amino_acid = residue_names::force_field_amino_acid(name)?;
+    (has(atoms, "CA") && (has(atoms, "N") || has(atoms, "C"))).then_some(amino_acid)
+}
+
+/// The class of a residue whose name means a cap or a modified residue, but whose atoms are those of
+/// an amino acid: AMBER calls the first Met of a chain NMET, of which three columns hold NME.
+fn contradicted(name: &str, atoms: &[&Atom]) -> Option<ResidueClass> {
+    let modified = residue_names::modified_residue(name);
+    if modified.is_none() && !residue_names::is_cap(name) {
+        return None;
+    }
+    let amino_acid = amino_acid_of_atoms(atoms)?;
+    let is_parent = modified.is_some_and(|modified| modified.parent == Some(amino_acid));
+    (!is_parent).then_some(ResidueClass::LikeAminoAcid(amino_acid))
 }
 
 /// The furanose ring of a nucleotide, in both spellings.

@@ -2,6 +2,14 @@
 
 use super::messages::{parse_error, quoted};
 use crate::{BodyError, Result};
+use protomer_kernel::Vec3;
+
+/// Columns of the serial number.
+const SERIAL: (usize, usize) = (7, 11);
+/// Columns of the residue number.
+const RESIDUE_NUMBER: (usize, usize) = (23, 26);
+/// Name and columns of each coordinate.
+const COORDINATES: [(&str, usize, usize); 3] = [("x", 31, 38), ("y", 39, 46), ("z", 47, 54)];
 
 /// One line of a fixed-column file.
 #[derive(Clone, Copy)]
@@ -9,12 +17,116 @@ pub(crate) struct Line<'a> {
     pub(crate) source: &'a str,
     pub(crate) number: usize,
     pub(crate) text: &'a str,
+    shift: Shift,
+}
+
+/// Columns beyond `after` that an overlong number before them has moved to the right.
+#[derive(Clone, Copy, Default, PartialEq, Eq)]
+struct Shift {
+    after: usize,
+    by: usize,
 }
 
 impl<'a> Line<'a> {
+    /// A line in its standard columns.
+    pub(crate) fn new(source: &'a str, number: usize, text: &'a str) -> Self {
+        Self {
+            source,
+            number,
+            text: text.trim_end(),
+            shift: Shift::default(),
+        }
+    }
+
+    /// A coordinate record. A serial number of more than five digits, or a residue number of more
+    /// than four, may have moved the columns after it.
+    pub(crate) fn of_atom(source: &'a str, number: usize, text: &'a str) -> Self {
+        let line = Self::new(source, number, text);
+        if line.coordinates_fit() {
+            return line;
+        }
+        let shifts = [
+            (line.end_of_digits(SERIAL), SERIAL.1),
+            (line.end_of_digits(RESIDUE_NUMBER), RESIDUE_NUMBER.1),
+        ];
+        for (end, after) in shifts {
+            let shift = Shift {
+                after,
+                by: end.saturating_sub(after),
+            };
+            let moved = Self { shift, ..line };
+            if shift.by > 0 && moved.coordinates_fit() {
+                return moved;
+            }
+        }
+        line
+    }
+
+    /// The last column of the run of digits that continues from the given columns to the right.
+    fn end_of_digits(&self, (_, last): (usize, usize)) -> usize {
+        let bytes = self.text.as_bytes();
+        let is_digit = |column: usize| {
+            let byte = bytes.get(column + self.shift_at(column) - 1);
+            byte.is_some_and(u8::is_ascii_digit)
+        };
+        let mut end = last;
+        while is_digit(end) && is_digit(end + 1) {
+            end += 1;
+        }
+        end
+    }
+
+    /// Whether an overlong number has moved columns.
+    pub(crate) fn is_shifted(&self) -> bool {
+        self.shift != Shift::default()
+    }
+
+    /// Whether columns 31-54 hold three numbers with decimal points.
+    pub(crate) fn coordinates_fit(&self) -> bool {
+        COORDINATES.iter().all(|(_, first, last)| {
+            let field = self.field(*first, *last);
+            field.contains('.') && field.parse::<f64>().is_ok_and(f64::is_finite)
+        })
+    }
+
+    /// The serial number: columns 7-11 by the standard. Numbers of more than five digits begin in
+    /// column 6, or end in column 12 or beyond.
+    pub(crate) fn serial_field(&self) -> &'a str {
+        let first = if self.text.starts_with("ATOM") { 5 } else { 7 };
+        let standard = self.unshifted();
+        standard.field(first, standard.end_of_digits(SERIAL))
+    }
+
+    /// The residue number: columns 23-26 by the standard, and further digits after them.
+    pub(crate) fn residue_number_field(&self) -> &'a str {
+        let (first, last) = RESIDUE_NUMBER;
+        let line = match self.shift.after == last {
+            true => self.unshifted(),
+            false => *self,
+        };
+        line.field(first, line.end_of_digits(RESIDUE_NUMBER))
+    }
+
+    fn unshifted(&self) -> Self {
+        Self {
+            shift: Shift::default(),
+            ..*self
+        }
+    }
+
+    /// How far a column has been moved to the right.
+    fn shift_at(&self, column: usize) -> usize {
+        match column > self.shift.after {
+            true => self.shift.by,
+            false => 0,
+        }
+    }
+
     /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line
     /// ends early.
     pub(crate) fn columns(&self, first: usize, last: usize) -> &'a str {
+        let by = self.shift_at(first);
+        let (first, last) = (first + by, last + by);
         let length = self.text.len();
         let (from, to) = if self.text.is_ascii() {
             (first - 1, last.min(length))
@@ -40,8 +152,17 @@ impl<'a> Line<'a> {
         parse_error(self.source, self.number, cause, remedy)
     }
 
+    /// The position in columns 31-54.
+    pub(crate) fn position(&self) -> Result<Vec3> {
+        let mut position = Vec3::zeros();
+        for ((name, first, last), component) in COORDINATES.into_iter().zip(position.iter_mut()) {
+            *component = self.coordinate(name, first, last)?;
+        }
+        Ok(position)
+    }
+
     /// A coordinate: a finite number within the size of a molecule.
-    pub(crate) fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
+    fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
         /// No structure is larger, although eight columns can hold larger numbers.
         const LARGEST_ANGSTROM: f64 = 1e6;
         let field = self.field(first, last);
@@ -55,6 +176,16 @@ impl<'a> Line<'a> {
                 Err(self.error(cause, "correct or delete the line; columns may be shifted"))
             }
         }
+    }
+}
+
+/// A serial number in decimal or hybrid-36 notation, or in hexadecimal as VMD and NAMD write those
+/// beyond 99999: `186a0` is 100000.
+pub(crate) fn serial_number(field: &str) -> Option<i64> {
+    let is_hexadecimal = field.len() == 5 && field.starts_with(|c: char| c.is_ascii_digit());
+    match hybrid36(field, 5) {
+        None if is_hexadecimal => i64::from_str_radix(field, 16).ok(),
+        number => number,
     }
 }
 
@@ -113,11 +244,7 @@ mod tests {
 
     #[test]
     fn columns_survive_short_lines_and_wide_characters() {
-        let line = Line {
-            source: "x",
-            number: 1,
-            text: "ABé Z",
-        };
+        let line = Line::new("x", 1, "ABé Z");
         assert_eq!(
             (
                 line.columns(1, 2),
@@ -127,5 +254,69 @@ mod tests {
             ),
             ("AB", "é", "Z", "")
         );
+    }
+    #[test]
+    fn a_long_number_may_move_the_columns_after_it() {
+        for (text, serial, residue) in [
+            (
+                "ATOM  99999  CA  GLY A   7      11.104   6.134  -6.504",
+                99_999,
+                "7",
+            ),
+            (
+                "ATOM 100000  CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+            (
+                "ATOM  100000 CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+            (
+                "ATOM  100000  CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+            (
+                "HETATM100000  CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+            (
+                "HETATM1000000  CA  GLY A   7      11.104   6.134  -6.504",
+                1_000_000,
+                "7",
+            ),
+            (
+                "ATOM  186a0  CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+            (
+                "ATOM  A0000  CA  GLY A   7      11.104   6.134  -6.504",
+                100_000,
+                "7",
+            ),
+        ] {
+            let line = Line::of_atom("x", 1, text);
+            assert_eq!(serial_number(line.serial_field()), Some(serial), "{text}");
+            assert_eq!(
+                (line.field(13, 16), line.field(23, 26)),
+                ("CA", residue),
+                "{text}"
+            );
+            assert_eq!(
+                line.position().unwrap(),
+                Vec3::new(11.104, 6.134, -6.504),
+                "{text}"
+            );
+        }
+        let text = "ATOM      1  CA  GLY A1234567      11.104   6.134  -6.504";
+        let line = Line::of_atom("x", 1, text);
+        assert!(line.is_shifted() && line.position().unwrap().x == 11.104);
+        // What no number explains stays an error.
+        let text = "ATOM      1  CA  GLY A   7  x     11.104   6.134  -6.504";
+        assert!(Line::of_atom("x", 1, text).position().is_err());
     }
 }

@@ -43,7 +43,7 @@ pub(crate) fn missing_atoms(residue: &SelectedResidue) -> Vec<&'static str> {
     missing
 }
 
-/// Breaks between consecutive protein residues of a chain.
+/// Breaks between consecutive protein residues of a strand.
 pub(crate) fn chain_breaks(residues: &[SelectedResidue]) -> Vec<ChainBreak> {
     let mut breaks = Vec::new();
     let mut last: Option<&SelectedResidue> = None;
@@ -53,6 +53,7 @@ pub(crate) fn chain_breaks(residues: &[SelectedResidue]) -> Vec<ChainBreak> {
         }
         if let Some(before) = last
             && before.key.chain == residue.key.chain
+            && before.strand == residue.strand
         {
             breaks.extend(chain_break(before, residue));
         }

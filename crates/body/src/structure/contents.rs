@@ -1,6 +1,7 @@
 //! The content of a structure file, the same for both formats.
 
 use super::biological_assembly::BiologicalAssembly;
+use super::corrections::Corrections;
 use super::ending::Ending;
 use super::messages::Warnings;
 use super::residue_key::ResidueKey;
@@ -20,8 +21,10 @@ pub struct Structure {
     pub assemblies: Vec<BiologicalAssembly>,
     /// Disulfide bonds the file records.
     pub disulfides: Vec<RecordedDisulfide>,
-    /// What the reader corrected or ignored, each with its line.
+    /// What the reader ignored or doubts, each with its line.
     pub warnings: Warnings,
+    /// What the reader took otherwise than the file says, by kind.
+    pub corrections: Corrections,
     /// Whether the file is complete; a file that was cut off also has a warning.
     pub ending: Ending,
 }
@@ -126,7 +129,12 @@ pub struct Atom {
     pub chain: Arc<str>,
     /// Chain identifier of the archive (`label_asym_id`); the author's where there is none.
     pub label_chain: Arc<str>,
-    /// Residue number (author's).
+    /// Segment identifier of PDB files (columns 73-76), by which CHARMM and X-PLOR name chains;
+    /// empty for none.
+    pub segment: Arc<str>,
+    /// Number of TER records that have ended a polymer of this chain before the atom.
+    pub polymer: u32,
+    /// Residue number (author's); zero where the file has none.
     pub residue_number: i32,
     /// Insertion code; empty for none.
     pub insertion_code: Arc<str>,

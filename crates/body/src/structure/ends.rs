@@ -1,6 +1,7 @@
 //! Which residues carry a free amine or carboxylate.
 //!
-//! The first and the last protein residue of each chain do, and so does every residue with an OXT,
+//! The first and the last protein residue of each strand do ([`super::strands`]), and so does every
+//! residue with an OXT,
 //! unless
 //!
 //! * the file lists unobserved residues beyond them;
@@ -14,12 +15,13 @@
 use super::classes::ResidueClass;
 use super::completeness::peptide_distance;
 use super::contents::{Atom, UnobservedResidue};
+use super::corrections::describe;
 use super::report::ListedResidue;
 use super::residues::is_of;
 use super::selected::SelectedResidue;
 use crate::chemistry::residue_names::{has_blocked_amine, is_water};
 use protomer_kernel::Vec3;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Atoms other than metals that are closer than this are bonded: the longest such bond of a
@@ -34,7 +36,7 @@ const COVALENT: [&str; 8] = ["B", "C", "N", "O", "P", "S", "SE", "SI"];
 pub(crate) fn mark_chain_ends(
     residues: &mut [SelectedResidue],
     unobserved: &[UnobservedResidue],
-    atoms: &[Atom],
+    atoms: &[&Atom],
 ) -> Vec<ListedResidue> {
     let hidden = HiddenEnds::of(unobserved);
     for chain in protein_chains(residues) {
@@ -62,22 +64,15 @@ pub(crate) fn mark_chain_ends(
     blocked
 }
 
-/// Indices of the protein residues of each chain, in file order.
+/// Indices of the protein residues of each strand, in their order.
 fn protein_chains(residues: &[SelectedResidue]) -> Vec<Vec<usize>> {
-    let mut chains: Vec<Vec<usize>> = Vec::new();
-    let mut last: Option<&Arc<str>> = None;
+    let mut chains: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (index, residue) in residues.iter().enumerate() {
-        if !residue.class.is_protein() {
-            continue;
+        if let (Some(strand), true) = (residue.strand, residue.class.is_protein()) {
+            chains.entry(strand).or_default().push(index);
         }
-        let name = &residue.key.chain;
-        match chains.last_mut() {
-            Some(chain) if last == Some(name) => chain.push(index),
-            _ => chains.push(vec![index]),
-        }
-        last = Some(name);
     }
-    chains
+    chains.into_values().collect()
 }
 
 fn mark_first_and_last(residues: &mut [SelectedResidue], chain: &[usize], hidden: &HiddenEnds) {
@@ -195,11 +190,11 @@ struct End {
 
 /// The ends bonded to an atom of another residue, each with that atom. A carboxylate with an OXT is
 /// free and is not searched.
-fn bonded_partners(residues: &[SelectedResidue], atoms: &[Atom]) -> Vec<(End, String)> {
+fn bonded_partners(residues: &[SelectedResidue], atoms: &[&Atom]) -> Vec<(End, String)> {
     let ends = ends(residues);
     let cells = cells_around(&ends);
     let mut partners: Vec<Option<String>> = vec![None; ends.len()];
-    for atom in atoms {
+    for &atom in atoms {
         let Some(near) = cells.get(&cell_of(&atom.position)) else {
             continue;
         };
@@ -208,7 +203,8 @@ fn bonded_partners(residues: &[SelectedResidue], atoms: &[Atom]) -> Vec<(End, St
         }
         for &index in near {
             let end = &ends[index];
-            let is_own = is_of(atom, &residues[end.residue].source_key());
+            let residue = &residues[end.residue];
+            let is_own = is_of(atom, &residue.source_key()) || has_place(residue, atom);
             let is_bonded = (atom.position - end.position).norm() < BONDED_ANGSTROM;
             if !is_own && is_bonded && partners[index].is_none() {
                 partners[index] = Some(describe(atom));
@@ -222,6 +218,14 @@ fn bonded_partners(residues: &[SelectedResidue], atoms: &[Atom]) -> Vec<(End, St
         }
     }
     bonded
+}
+
+/// Whether one of the residue's atoms is exactly where the atom is.
+fn has_place(residue: &SelectedResidue, atom: &Atom) -> bool {
+    residue
+        .atoms
+        .iter()
+        .any(|own| own.position == atom.position)
 }
 
 fn ends(residues: &[SelectedResidue]) -> Vec<End> {
@@ -265,12 +269,4 @@ fn cells_around(ends: &[End]) -> HashMap<[i64; 3], Vec<usize>> {
 
 fn cell_of(position: &Vec3) -> [i64; 3] {
     [position.x, position.y, position.z].map(|x| (x / BONDED_ANGSTROM).floor() as i64)
-}
-
-/// `C1 of 34H J:1`.
-fn describe(atom: &Atom) -> String {
-    format!(
-        "{} of {} {}:{}{}",
-        atom.name, atom.residue_name, atom.chain, atom.residue_number, atom.insertion_code
-    )
 }

@@ -21,33 +21,50 @@
 //! # Ok::<(), protomer_body::BodyError>(())
 //! ```
 //!
-//! | module | one idea |
-//! |---|---|
-//! | `contents` | the content of a structure file, the same for both formats |
-//! | `read` | from the bytes of a file to its content |
-//! | [`mod@format`] | the format of a file |
-//! | `columns` | fixed-column fields: numbers, hybrid-36, errors with line and column |
-//! | `pdb` | PDB coordinate records |
-//! | `pdb_header` | PDB title records and remarks |
-//! | `cif_syntax` | the grammar of CIF: tokens, loops, rows |
-//! | `mmcif` | mmCIF categories |
-//! | `atom_site` | the rows of mmCIF's `_atom_site` |
-//! | [`biological_assembly`] | assemblies, their operators, and operator expressions |
-//! | [`mod@ending`] | whether a file is complete |
-//! | `element` | elements, and how to guess them from atom names |
-//! | `residue_key` | what identifies a residue |
-//! | `residues` | atoms grouped into residues, and which groups form a chain |
-//! | [`classes`] | what kind of residue each is |
-//! | `alternates` | one conformer per residue |
-//! | [`selected`] | the selected residues |
-//! | [`report`] | what was selected, what was left out, and how residues were treated |
-//! | `completeness` | missing atoms and chain breaks |
-//! | `ends` | free amines and carboxylates at the ends of chains |
-//! | `disulfides` | disulfide bonds, from records first and by distance second |
-//! | `assembled` | selected residues copied by an assembly's operators |
-//! | [`selection`] | the part of a structure that becomes a body |
-//! | [`mod@write`] | placed bodies as PDB and mmCIF text |
-//! | `messages`, `names` | messages of the readers; shared strings |
+//! A file becomes residues in five steps, each of which counts what it leaves out or takes otherwise
+//! than the file says:
+//!
+//! 1. *text*: bytes in any encoding and with any line ends (`protomer_kernel::plain_text`), and the
+//!    format that the content shows;
+//! 2. *records*: what the lines or rows state, with the file's own names and numbers;
+//! 3. *atoms*: the records that are atoms, and not pseudoatoms, placeholders or repetitions;
+//! 4. *residues*: which atoms belong together, which residues are bonded to chains, and where one
+//!    chain ends and the next begins;
+//! 5. *selection*: one conformer, the class of each residue, what is kept.
+//!
+//! | module | step | one idea |
+//! |---|---|---|
+//! | [`mod@format`] | 1 | the format of a file, by its content |
+//! | `read` | 1 | from the bytes of a file to its content |
+//! | [`mod@ending`] | 1 | whether a file is complete |
+//! | `contents` | 2 | the content of a structure file, the same for both formats |
+//! | `columns` | 2 | fixed-column fields: numbers, hybrid-36, shifts, errors with line and column |
+//! | `pdb` | 2 | PDB coordinate records |
+//! | `pdb_names` | 2 | names of residues and chains in the columns of PDB |
+//! | `pdb_header` | 2 | PDB title records and remarks |
+//! | `cif_syntax` | 2 | the grammar of CIF: tokens, loops, rows |
+//! | `mmcif` | 2 | mmCIF categories |
+//! | `atom_site` | 2 | the rows of mmCIF's `_atom_site` |
+//! | [`biological_assembly`] | 2 | assemblies, their operators, and operator expressions |
+//! | `element` | 2 | elements: what is stated, and what follows from names |
+//! | `corrections` | 2 | what the reader takes otherwise than the file says |
+//! | `records` | 3 | which records are atoms |
+//! | `residue_key` | 4 | what identifies a residue |
+//! | `residues` | 4 | atoms grouped into residues |
+//! | `links` | 4 | bonds between residues, and their order in chains |
+//! | `strands` | 4 | separate polymers, and names that tell them apart |
+//! | `alternates` | 5 | one conformer per residue |
+//! | [`classes`] | 5 | what kind of residue each is |
+//! | [`selected`] | 5 | the selected residues |
+//! | `scale` | 5 | coordinates in another unit than Å |
+//! | [`report`] | 5 | what was selected, what was left out, and how residues were treated |
+//! | `completeness` | 5 | missing atoms and chain breaks |
+//! | `ends` | 5 | free amines and carboxylates at the ends of chains |
+//! | `disulfides` | 5 | disulfide bonds, from records first and by distance second |
+//! | `assembled` | 5 | selected residues copied by an assembly's operators |
+//! | [`selection`] | 5 | the part of a structure that becomes a body |
+//! | [`mod@write`] | | placed bodies as PDB and mmCIF text |
+//! | `messages`, `names` | | messages of the readers; shared strings |
 
 mod alternates;
 mod assembled;
@@ -58,22 +75,28 @@ pub mod classes;
 mod columns;
 mod completeness;
 mod contents;
+mod corrections;
 mod disulfides;
 mod element;
 pub mod ending;
 mod ends;
 pub mod format;
+mod links;
 pub(crate) mod messages;
 mod mmcif;
 mod names;
 mod pdb;
 mod pdb_header;
+mod pdb_names;
 mod read;
+pub(crate) mod records;
 pub mod report;
 mod residue_key;
 mod residues;
+pub(crate) mod scale;
 pub mod selected;
 pub mod selection;
+mod strands;
 pub mod write;
 
 pub use biological_assembly::{BiologicalAssembly, Operator};
@@ -81,6 +104,7 @@ pub use classes::ResidueClass;
 pub use contents::{
     Atom, Header, Model, RecordedDisulfide, Structure, UnitCell, UnobservedResidue,
 };
+pub use corrections::{Correction, Corrections};
 pub use ending::Ending;
 pub use format::Format;
 pub use messages::Warnings;

@@ -1,27 +1,32 @@
 //! PDB coordinate records (wwPDB format 3.3, section 9), read as files in practice write them.
 //!
-//! Tolerated: lines that end early; missing occupancy, B or element; hybrid-36 and overflowing
-//! serial numbers; five-digit residue numbers; two-letter chains (columns 21-22); four-letter
-//! residue names; atoms outside MODEL ... ENDMDL.
+//! Tolerated: lines that end early; missing occupancy, B or element; hybrid-36, hexadecimal and
+//! overflowing serial numbers; five-digit residue numbers; two-letter chains (columns 21-22);
+//! atoms outside MODEL ... ENDMDL.
+//!
+//! Corrected and counted ([`super::corrections`]): columns shifted by a long number, residues without
+//! a number, names in small letters, four-letter residue names, elements that contradict names.
 //!
 //! Accepted with a warning, and noted as the [`Ending`]: a deposited entry (one with HEADER or
 //! SEQRES) without END or MASTER, probably cut off between two lines; a model that is not closed;
 //! a last line that stops in a word. Files of other origin often have none of these records, so
 //! nothing is known about them.
 //!
-//! Refused: a coordinate or residue number that cannot be read, because the atom would be lost
-//! silently.
+//! Refused: a coordinate or residue number that cannot be read, and an atom under a record of another
+//! name (`ATAM`), because the atom would be lost silently.
 
-use super::columns::{Line, hybrid36, whole_number};
+use super::columns::{Line, serial_number, whole_number};
 use super::contents::{Atom, Model, Structure};
+use super::corrections::Correction;
+use super::element::Statement;
 use super::ending::{Ending, cut_in_last_line};
 use super::messages::quoted;
 use super::names::Names;
+use super::pdb_names::ResidueNames;
 use super::{element, pdb_header};
 use crate::Result;
 use crate::chemistry::residue_names;
-use protomer_kernel::Vec3;
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Records of deposited entries, which end with MASTER and END.
@@ -29,32 +34,83 @@ const DEPOSITED: [&str; 2] = ["HEADER", "SEQRES"];
 
 /// Reads a PDB file.
 pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
-    let mut reader = Reader::new(source);
+    let mut reader = Reader::new(source, ResidueNames::of_file(text));
     let mut header = pdb_header::HeaderReader::default();
     for (index, text) in text.lines().enumerate() {
-        let line = Line {
-            source,
-            number: index + 1,
-            text: text.trim_end(),
-        };
-        match line.field(1, 6) {
-            "ATOM" | "HETATM" => reader.atom(&line)?,
-            "MASTER" => reader.has_end = true,
-            "MODEL" => reader.open_model(&line),
-            "ENDMDL" => reader.close_model(),
-            "END" => {
+        let line = Line::new(source, index + 1, text);
+        match Record::of(&line) {
+            Record::Atom => reader.atom(&Line::of_atom(source, index + 1, text))?,
+            Record::Master => reader.has_end = true,
+            Record::Model => reader.open_model(&line),
+            Record::EndOfModel => reader.close_model(),
+            Record::End => {
                 reader.has_end = true;
                 reader.close_model();
             }
-            "TER" => reader.end_of_polymer(),
-            record if record.starts_with("HETAT") => reader.atom(&line)?,
-            record => {
+            Record::EndOfChain => reader.end_of_polymer(),
+            Record::Other(record) => {
+                refuse_unknown_atom(record, &line)?;
                 reader.note_deposited(record);
                 header.read(record, &line, &mut reader.names)?;
             }
         }
     }
     reader.finish(header, text)
+}
+
+/// What a line is, by its first six columns.
+enum Record<'a> {
+    Atom,
+    Master,
+    Model,
+    EndOfModel,
+    End,
+    EndOfChain,
+    Other(&'a str),
+}
+
+impl<'a> Record<'a> {
+    fn of(line: &Line<'a>) -> Self {
+        match line.field(1, 6) {
+            record if is_atom(record) => Record::Atom,
+            "MASTER" => Record::Master,
+            "MODEL" => Record::Model,
+            "ENDMDL" => Record::EndOfModel,
+            "END" => Record::End,
+            "TER" => Record::EndOfChain,
+            record => Record::Other(record),
+        }
+    }
+}
+
+/// Whether the first six columns begin an atom: long serial numbers run into the record's name.
+fn is_atom(record: &str) -> bool {
+    let serial = record.strip_prefix("ATOM").map(str::trim_start);
+    let is_number = |text: &str| text.bytes().all(|byte| byte.is_ascii_alphanumeric());
+    match serial {
+        Some(serial) => {
+            serial.is_empty()
+                || serial.starts_with(|c: char| c.is_ascii_digit()) && is_number(serial)
+        }
+        None => record.starts_with("HETAT"),
+    }
+}
+
+/// Records of the format that may have numbers in the columns of coordinates.
+const RECORDS_WITH_NUMBERS: [&str; 9] = [
+    "REMARK", "SIGATM", "ANISOU", "SIGUIJ", "MTRIX1", "MTRIX2", "MTRIX3", "TVECT", "CRYST1",
+];
+
+/// Refuses an atom under a record that is in no version of the format.
+fn refuse_unknown_atom(record: &str, line: &Line) -> Result<()> {
+    if RECORDS_WITH_NUMBERS.contains(&record) || !line.coordinates_fit() {
+        return Ok(());
+    }
+    let cause = format!(
+        "{} is no record of a PDB file, but has coordinates",
+        quoted(record)
+    );
+    Err(line.error(cause, "write ATOM or HETATM, or delete the line"))
 }
 
 /// The state between one line and the next.
@@ -66,8 +122,9 @@ struct Reader {
     model_is_open: bool,
     /// Whether a MODEL record has no ENDMDL yet.
     awaits_endmdl: bool,
-    /// Chains of this model in which a TER record has ended a polymer.
-    ended_chains: HashSet<Arc<str>>,
+    /// Number of TER records that have ended a polymer of each chain and segment of this model.
+    ended_polymers: HashMap<[Arc<str>; 2], u32>,
+    residue_names: ResidueNames,
     serial: i64,
     /// The record that identifies a deposited entry.
     deposited: Option<&'static str>,
@@ -76,8 +133,9 @@ struct Reader {
 }
 
 impl Reader {
-    fn new(source: &str) -> Self {
+    fn new(source: &str, residue_names: ResidueNames) -> Self {
         Self {
+            residue_names,
             structure: Structure {
                 source: source.to_string(),
                 ..Structure::default()
@@ -114,7 +172,7 @@ impl Reader {
             atoms: Vec::new(),
         });
         self.model_is_open = true;
-        self.ended_chains.clear();
+        self.ended_polymers.clear();
     }
 
     fn close_model(&mut self) {
@@ -126,7 +184,8 @@ impl Reader {
         if let Some(model) = self.structure.models.last()
             && let Some(atom) = model.atoms.last()
         {
-            self.ended_chains.insert(atom.chain.clone());
+            let chain = [atom.chain.clone(), atom.segment.clone()];
+            *self.ended_polymers.entry(chain).or_default() += 1;
         }
     }
 
@@ -148,43 +207,75 @@ impl Reader {
 
     fn parse_atom(&mut self, line: &Line) -> Result<Atom> {
         let hetero = line.text.starts_with('H');
-        let (residue_name, chain) = residue_and_chain(line);
-        let (residue_number, insertion_code) = residue_number(line)?;
-        let position = Vec3::new(
-            line.coordinate("x", 31, 38)?,
-            line.coordinate("y", 39, 46)?,
-            line.coordinate("z", 47, 54)?,
-        );
+        let position = line.position()?;
         let name = line.field(13, 16);
         if name.is_empty() {
             let cause = "no atom name in columns 13-16".into();
             return Err(line.error(cause, "correct or delete the line"));
         }
-        let occupancy = self.number_or(line, "occupancy", 55, 60, 1.0);
-        let b_factor_angstrom2 = self.number_or(line, "B factor", 61, 66, 0.0);
-        let chain = self.names.share(chain);
-        let is_ligand = hetero && !residue_names::is_polymer(residue_name);
-        let element = match element::known(line.field(77, 78)) {
-            Some(element) => element,
-            None => element::from_pdb_name(line.columns(13, 16), is_ligand),
-        };
+        let residue = self.residue(line)?;
+        let (element, is_corrected) = element::of_atom(&Statement {
+            symbol: line.field(77, 78),
+            name: line.columns(13, 16),
+            residue_name: &residue.name,
+            hetero,
+        });
+        let segment = self.names.share(line.field(73, 76));
+        let ended = [residue.chain.clone(), segment.clone()];
+        let polymer = self.ended_polymers.get(&ended).copied().unwrap_or(0);
         let next_serial = self.serial.saturating_add(1);
-        Ok(Atom {
-            serial: hybrid36(line.field(7, 11), 5).unwrap_or(next_serial),
+        let atom = Atom {
+            serial: serial_number(line.serial_field()).unwrap_or(next_serial),
             name: self.names.share(name),
             alternate: line.character(17),
-            residue_name: self.names.share(residue_name),
-            label_chain: chain.clone(),
-            outside_polymer: hetero && self.ended_chains.contains(&chain),
-            chain,
-            residue_number,
-            insertion_code: self.names.share(insertion_code),
+            residue_name: residue.name,
+            label_chain: residue.chain.clone(),
+            segment,
+            polymer,
+            outside_polymer: hetero && polymer > 0,
+            chain: residue.chain,
+            residue_number: residue.number,
+            insertion_code: residue.insertion_code,
             element: self.names.share(element),
-            occupancy,
-            b_factor_angstrom2,
+            occupancy: self.number_or(line, "occupancy", 55, 60, 1.0),
+            b_factor_angstrom2: self.number_or(line, "B factor", 61, 66, 0.0),
             formal_charge_e: formal_charge(line.field(79, 80)),
             position,
             hetero,
+        };
+        let corrections = &mut self.structure.corrections;
+        for (is_case, correction) in [
+            (is_corrected, Correction::Element),
+            (line.is_shifted(), Correction::ShiftedColumns),
+        ] {
+            if is_case {
+                corrections.add(correction, line.number, || quoted(line.text));
+            }
+        }
+        Ok(atom)
+    }
+
+    /// Name, chain and number of the residue, with what had to be corrected.
+    fn residue(&mut self, line: &Line) -> Result<ResiduePlace> {
+        let (name, chain, is_four_letters) = self.residue_names.of_line(line);
+        let (number, insertion_code) = residue_number(line)?;
+        let capitals = name.to_ascii_uppercase();
+        let is_small = capitals != name && residue_names::is_polymer(&capitals);
+        let corrections = &mut self.structure.corrections;
+        for (is_case, correction) in [
+            (number.is_none(), Correction::NoResidueNumber),
+            (is_four_letters, Correction::FourLetterName),
+            (is_small, Correction::LowerCase),
+        ] {
+            if is_case {
+                corrections.add(correction, line.number, || quoted(line.columns(13, 27)));
+            }
+        }
+        Ok(ResiduePlace {
+            name: self.names.share(if is_small { &capitals } else { name }),
+            chain: self.names.share(chain),
+            number: number.unwrap_or(0),
+            insertion_code: self.names.share(insertion_code),
         })
     }
 
@@ -243,34 +334,29 @@ impl Reader {
     }
 }
 
-/// Residue name and chain. Columns 18-20 and 22 by the standard; column 21 belongs to a two-letter
-/// chain if the three columns before it name a residue by themselves, and otherwise to a
-/// four-letter residue name.
-fn residue_and_chain<'a>(line: &Line<'a>) -> (&'a str, &'a str) {
-    let (three, four) = (line.field(18, 20), line.field(18, 21));
-    if line.character(21).is_none() {
-        (three, line.field(22, 22))
-    } else if is_residue_name(three) && !is_residue_name(four) {
-        (three, line.field(21, 22))
+/// The residue of an atom record.
+struct ResiduePlace {
+    name: Arc<str>,
+    chain: Arc<str>,
+    number: i32,
+    insertion_code: Arc<str>,
+}
+
+/// Residue number and insertion code; no number where its columns are blank or hold the stars of a
+/// number that did not fit. Further digits may follow in the columns after it.
+fn residue_number<'a>(line: &Line<'a>) -> Result<(Option<i32>, &'a str)> {
+    let field = line.residue_number_field();
+    let code = line.field(27, 27);
+    let code = if code.starts_with(|c: char| c.is_ascii_digit()) {
+        ""
     } else {
-        (four, line.field(22, 22))
-    }
-}
-
-fn is_residue_name(name: &str) -> bool {
-    residue_names::is_polymer(name) || residue_names::is_water(name)
-}
-
-/// Residue number and insertion code; a digit in the insertion code's column is the fifth digit of
-/// the number.
-fn residue_number<'a>(line: &Line<'a>) -> Result<(i32, &'a str)> {
-    let mut field = line.field(23, 26);
-    let mut code = line.field(27, 27);
-    if code.as_bytes().first().is_some_and(u8::is_ascii_digit) {
-        (field, code) = (line.field(23, 27), "");
+        code
+    };
+    if field.bytes().all(|byte| byte == b'*') {
+        return Ok((None, code.trim_matches('*')));
     }
     match whole_number(field) {
-        Some(number) => Ok((number, code)),
+        Some(number) => Ok((Some(number), code)),
         None => {
             let cause = format!("residue number in columns 23-26 is {}", quoted(field));
             Err(line.error(cause, "number the residue; columns may be shifted"))

@@ -47,6 +47,14 @@ impl HeaderReader {
         structure.assemblies = self.assemblies;
         for assembly in &mut structure.assemblies {
             assembly.parts.retain(|part| !part.operators.is_empty());
+            if assembly.parts.iter().any(|part| part.chains.is_empty()) {
+                let message = format!(
+                    "REMARK 350 names no chains for assembly {}: it applies to all",
+                    assembly.id
+                );
+                structure.warnings.messages.push(message);
+                structure.warnings.count += 1;
+            }
         }
         structure
             .assemblies
@@ -137,27 +145,33 @@ impl HeaderReader {
     }
 
     /// A list of chains; lists that follow each other without operators between belong together.
+    /// `NULL`, of entries whose chains have no name, and no list at all stand for all chains.
     fn chains(&mut self, list: &str, names: &mut Names) {
+        let begins = self.part_has_operators;
+        let Some(part) = self.part(begins) else {
+            return;
+        };
+        for chain in list.split([',', ' ']).map(str::trim) {
+            if !(chain.is_empty() || chain == "NULL") {
+                part.chains.push(names.share(chain));
+            }
+        }
+        self.part_has_operators = false;
+    }
+
+    /// The part of the assembly to which lines belong: a new one if it `begins`, or there is none yet.
+    fn part(&mut self, begins: bool) -> Option<&mut AssemblyPart> {
         if self.assemblies.is_empty() {
             self.begin_assembly("1");
         }
-        let Some(assembly) = self.assemblies.last_mut() else {
-            return;
-        };
-        if self.part_has_operators || assembly.parts.is_empty() {
-            assembly.parts.push(AssemblyPart {
+        let parts = &mut self.assemblies.last_mut()?.parts;
+        if begins || parts.is_empty() {
+            parts.push(AssemblyPart {
                 chains: Vec::new(),
                 operators: Vec::new(),
             });
-            self.part_has_operators = false;
         }
-        if let Some(part) = assembly.parts.last_mut() {
-            for chain in list.split([',', ' ']) {
-                if !chain.trim().is_empty() {
-                    part.chains.push(names.share(chain.trim()));
-                }
-            }
-        }
+        parts.last_mut()
     }
 
     /// `BIOMTn  serial  r1 r2 r3  t`, n = 1, 2, 3.
@@ -180,17 +194,14 @@ impl HeaderReader {
 
     /// Adds the operator of three rows to the current part of the current assembly.
     fn end_operator(&mut self, name: &str) {
-        let Some(assembly) = self.assemblies.last_mut() else {
-            return;
-        };
-        if let ([r1, r2, r3], Some(part)) = (self.rows.as_slice(), assembly.parts.last_mut()) {
+        let rows = std::mem::take(&mut self.rows);
+        if let ([r1, r2, r3], Some(part)) = (rows.as_slice(), self.part(false)) {
             part.operators.push(Operator {
                 name: name.to_string(),
                 rotation: Matrix3::from_fn(|i, j| [r1, r2, r3][i][j]),
                 translation: Vec3::new(r1[3], r2[3], r3[3]),
             });
             self.part_has_operators = true;
-            self.rows.clear();
         }
     }
 }
@@ -249,11 +260,7 @@ mod tests {
     use super::*;
 
     fn bond(text: &str) -> Option<RecordedDisulfide> {
-        let line = Line {
-            source: "x.pdb",
-            number: 1,
-            text,
-        };
+        let line = Line::new("x.pdb", 1, text);
         disulfide(&line, &mut Names::default())
     }
 

@@ -1,10 +1,11 @@
 //! From the bytes of a file to a [`Structure`].
 
 use super::contents::Structure;
+use super::ending::Ending;
 use super::format::{Format, as_text};
 use super::messages::parse_error;
 use super::{mmcif, pdb};
-use crate::Result;
+use crate::{BodyError, Result};
 
 impl Structure {
     /// Reads PDB or mmCIF text; the format follows from the content ([`Format::detect`]). `source`
@@ -23,20 +24,33 @@ impl Structure {
     /// is not a readable structure.
     pub fn read(source: &str, bytes: &[u8]) -> Result<Self> {
         let text = as_text(source, bytes)?;
-        let structure = match Format::detect(source, &text)? {
+        let format = Format::detect(source, &text)?;
+        let mut structure = match format {
             Format::Pdb => pdb::read(source, &text)?,
             Format::Mmcif => mmcif::read(source, &text)?,
             Format::Pqr => {
-                let cause = "a PQR file where PDB or mmCIF was expected";
-                let remedy = "read it as PQR, which brings its own charges and radii";
+                let cause = "this is PQR, and PDB or mmCIF was expected";
+                let remedy = "give PDB or mmCIF; 'protomer ingest' makes a body of PQR, which has \
+                              charges and radii of its own";
                 return Err(parse_error(source, 0, cause, remedy));
             }
         };
         if structure.models.iter().all(|model| model.atoms.is_empty()) {
-            let remedy =
-                "give a PDB or mmCIF file with coordinates; the download may have been cut short";
-            return Err(parse_error(source, 0, "no atoms", remedy));
+            return Err(no_atoms(&structure, &text));
+        }
+        if let Some(warning) = format.contradiction(source) {
+            structure.warnings.add(1, &warning);
         }
         Ok(structure)
     }
+}
+
+/// The error for a file without atoms: whether it was cut off, or holds something else.
+fn no_atoms(structure: &Structure, text: &str) -> BodyError {
+    let cause = format!("no atoms in {} lines of text", text.lines().count());
+    let remedy = match structure.ending {
+        Ending::CutOff(_) => "the file was cut off before its coordinates; fetch it again",
+        _ => "give a PDB file with ATOM records, or an mmCIF file with _atom_site",
+    };
+    parse_error(&structure.source, 0, cause, remedy)
 }

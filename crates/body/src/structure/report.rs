@@ -1,5 +1,6 @@
 //! The report of a selection.
 
+use super::contents::Atom;
 use super::residue_key::ResidueKey;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -12,6 +13,9 @@ pub struct SelectionReport {
     pub model: i32,
     /// Models in the file.
     pub models: usize,
+    /// Whether the user chose the model.
+    #[serde(skip)]
+    pub is_model_chosen: bool,
     /// Biological assembly used.
     pub assembly: Option<String>,
     /// Atom records of the model.
@@ -21,6 +25,10 @@ pub struct SelectionReport {
     /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly
     /// is applied.
     pub skipped: BTreeMap<&'static str, usize>,
+    /// Names of the records that are no atoms, or no atoms of their own, by reason.
+    pub left_out: BTreeMap<&'static str, BTreeMap<String, usize>>,
+    /// What was read otherwise than the file says: names and numbers of chains and residues.
+    pub corrections: Vec<String>,
     /// Residues left out, by name.
     pub skipped_residues: BTreeMap<String, usize>,
     /// Modified residues: what each is and what it counts as.
@@ -56,6 +64,13 @@ impl SelectionReport {
             *self.skipped.entry(why).or_default() += atoms;
         }
     }
+
+    /// Counts a record that is no atom, or no atom of its own.
+    pub(crate) fn leave_out(&mut self, why: &'static str, atom: &Atom) {
+        self.skip(why, 1);
+        let names = self.left_out.entry(why).or_default();
+        *names.entry(atom.name.to_string()).or_default() += 1;
+    }
 }
 
 /// Reasons in [`SelectionReport::skipped`].
@@ -64,8 +79,16 @@ pub mod reason {
     pub const CHAIN: &str = "other chain";
     /// Another conformer of the residue.
     pub const ALTERNATE: &str = "alternate location";
-    /// The same atom again.
+    /// The same atom of the residue again, elsewhere.
     pub const DUPLICATE: &str = "duplicate atom";
+    /// The same atom again, in the same place.
+    pub const REPEATED: &str = "repeated atom";
+    /// An atom exactly where another one is.
+    pub const COINCIDENT: &str = "atom in the place of another";
+    /// An atom without a position: nines, or several at the origin.
+    pub const UNBUILT: &str = "unbuilt atom";
+    /// A pseudoatom, a lone pair or a virtual site.
+    pub const PSEUDOATOM: &str = "pseudoatom";
     /// Water.
     pub const WATER: &str = "water";
     /// Ligands, ions, sugars.

@@ -34,16 +34,22 @@ impl Selection {
 /// One residue in one conformer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelectedResidue {
-    /// Chain, number, insertion code. The second copy of chain A in an assembly is chain `A-2`.
+    /// Chain, number, insertion code. The second copy of chain A in an assembly is chain `A-2`. Chains
+    /// to which the file gives no name, or the same, have names that tell them apart.
     pub key: ResidueKey,
-    /// Residue name; after a mutation that of the new residue.
+    /// Residue name; after a mutation that of the new residue. Where the file has a name that the atoms
+    /// contradict, that of the amino acid whose atoms they are.
     pub name: Arc<str>,
     /// What it is; after a mutation the new residue.
     pub class: ResidueClass,
     /// Its atoms.
     pub atoms: Vec<Atom>,
-    /// Author's chain in the file.
+    /// Author's chain in the file, which may give several chains the same name or none.
     pub source_chain: Arc<str>,
+    /// Residue number in the file, which may give all residues the same.
+    pub source_number: i32,
+    /// The separate polymer to which it belongs, counted from zero; `None` for what is no polymer.
+    pub strand: Option<usize>,
     /// Whether it has a free amine as the beginning of a chain.
     pub n_terminus: bool,
     /// Whether it has a free carboxylate as the end of a chain.
@@ -60,10 +66,11 @@ impl SelectedResidue {
         self.atoms.iter().find(|atom| &*atom.name == name)
     }
 
-    /// The key of the residue in the file, without the number of its copy in an assembly.
+    /// The key of the residue in the file.
     pub(crate) fn source_key(&self) -> ResidueKey {
         ResidueKey {
             chain: self.source_chain.clone(),
+            number: self.source_number,
             ..self.key.clone()
         }
     }

@@ -8,12 +8,17 @@ use super::completeness;
 use super::contents::{Atom, Model, Structure, UnobservedResidue};
 use super::disulfides::mark_disulfides;
 use super::ends::mark_chain_ends;
+use super::links::Links;
 use super::messages::listed;
+use super::records::{Sifted, exact, sift};
 use super::report::{ListedResidue, SelectionReport, reason};
-use super::residues::{AtomGroup, group, in_chain};
+use super::residue_key::ResidueKey;
+use super::residues::{AtomGroup, group};
+use super::scale;
 use super::selected::{SelectedResidue, Selection, atom_count};
+use super::strands::{Placed, Strands};
 use crate::chemistry::AminoAcid;
-use crate::chemistry::treatment;
+use crate::chemistry::{residue_names, treatment};
 use crate::{BodyError, Result};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
@@ -88,20 +93,23 @@ impl Structure {
     /// # Errors
     /// [`BodyError::Invalid`] for a model, chain or assembly that the file does not have, an
     /// improper operator, nothing selected, and with [`MissingAtoms::Fail`] for the first
-    /// incomplete residues.
+    /// incomplete residues; [`BodyError::Parse`] for coordinates in another unit than Å.
     pub fn select(&self, settings: &SelectionSettings) -> Result<Selection> {
         let model = self.model(settings.model)?;
-        check_chains(model, &settings.chains)?;
         let mut report = SelectionReport {
             model: model.number,
             models: self.models.len(),
+            is_model_chosen: settings.model.is_some(),
             records: model.atoms.len(),
             assembly: settings.assembly.clone(),
             ..SelectionReport::default()
         };
-        let mut residues = select_residues(model, settings, &mut report);
+        let sifted = sift(&model.atoms, &mut report);
+        let mut residues = select_residues(&sifted, settings, &mut report)?;
+        scale::check(&self.source, &residues)?;
         // Ends are those of the chains in the file, before anything is left out or copied.
-        report.blocked_ends = mark_chain_ends(&mut residues, &self.header.unobserved, &model.atoms);
+        let unobserved = &self.header.unobserved;
+        report.blocked_ends = mark_chain_ends(&mut residues, unobserved, &sifted.atoms);
         if let Some(id) = &settings.assembly {
             residues = apply_assembly(residues, self.assembly(id)?, &mut report)?;
         }
@@ -151,58 +159,144 @@ impl Structure {
     }
 }
 
-fn check_chains(model: &Model, wanted: &[String]) -> Result<()> {
-    if wanted.is_empty() {
-        return Ok(());
-    }
-    let chains: BTreeSet<&str> = model.atoms.iter().map(|atom| &*atom.chain).collect();
-    for chain in wanted {
-        if !chains.contains(chain.as_str()) {
+/// The chains that the user named, by their names in the file or by those given to them here.
+struct WantedChains<'s>(HashSet<&'s str>);
+
+impl<'s> WantedChains<'s> {
+    fn new(
+        names: &'s [String],
+        model: i32,
+        drafts: &[Placed],
+        keys: &[ResidueKey],
+    ) -> Result<Self> {
+        let mut chains: BTreeSet<&str> = keys.iter().map(|key| &*key.chain).collect();
+        let of_file = drafts.iter().map(|draft| &*draft.group.key.chain);
+        let is_known = |name: &str| {
+            chains.contains(name) || drafts.iter().any(|draft| *draft.group.key.chain == *name)
+        };
+        let absent = names.iter().find(|name| !is_known(name));
+        if let Some(chain) = absent {
+            chains.extend(of_file);
             let known: Vec<String> = chains.iter().map(|chain| format!("`{chain}`")).collect();
             return Err(BodyError::Invalid {
-                cause: format!("no chain {chain} in model {}", model.number),
+                cause: format!("no chain {chain} in model {model}"),
                 remedy: format!("the model has chains {}", listed(&known)),
             });
         }
+        Ok(Self(names.iter().map(String::as_str).collect()))
     }
-    Ok(())
+
+    fn has(&self, key: &ResidueKey, in_file: &ResidueKey) -> bool {
+        let has = |chain: &str| self.0.contains(chain);
+        self.0.is_empty() || has(&key.chain) || has(&in_file.chain)
+    }
 }
 
-/// Conformers, classes and filters, residue by residue.
+/// From the atoms of a model to its residues: what belongs together, in which chain, in which
+/// conformer, of which class, and whether it is kept.
 fn select_residues(
-    model: &Model,
+    sifted: &Sifted,
     settings: &SelectionSettings,
     report: &mut SelectionReport,
-) -> Vec<SelectedResidue> {
-    let wanted: HashSet<&str> = settings.chains.iter().map(String::as_str).collect();
-    let groups = group(&model.atoms);
-    let in_chain = in_chain(&groups);
-    let mut residues = Vec::new();
-    for (group, is_in_chain) in groups.iter().zip(in_chain) {
-        if !wanted.is_empty() && !wanted.contains(&*group.key.chain) {
-            report.skip(reason::CHAIN, group.atoms.len());
-            continue;
-        }
-        let conformer = alternates::choose(&group.atoms, settings.alternate);
+) -> Result<Vec<SelectedResidue>> {
+    let groups = group(&sifted.atoms);
+    let links = Links::of(&groups);
+    let mut conformers: Vec<Conformer> = groups
+        .iter()
+        .map(|group| alternates::choose(group, settings.alternate))
+        .collect();
+    if sifted.has_coincidences {
+        leave_out_coincident(&mut conformers, report);
+    }
+    let mut drafts = Vec::with_capacity(groups.len());
+    let mut drafted = Vec::with_capacity(groups.len());
+    for &index in &links.order {
+        let conformer = &conformers[index];
         report.skip(reason::ALTERNATE, conformer.alternates);
         report.skip(reason::DUPLICATE, conformer.duplicates);
-        let class = ResidueClass::of(&conformer.name, &conformer.atoms, is_in_chain);
-        if let Some(why_not) = why_not(class, settings) {
-            report.skip(why_not, conformer.atoms.len());
-            let name = conformer.name.to_string();
-            *report.skipped_residues.entry(name).or_default() += 1;
+        if conformer.atoms.is_empty() {
             continue;
         }
-        let atoms = kept_atoms(&conformer, class, settings.keep_hydrogens);
-        report.skip(reason::HYDROGEN, conformer.atoms.len() - atoms.len());
-        let residue = selected(group, &conformer, class, atoms);
-        list(report, &residue, &conformer);
-        if !residue.atoms.is_empty() {
-            report.repeated_numbers += usize::from(group.is_repeated);
-            residues.push(residue);
-        }
+        let is_in_chain = links.in_chain[index];
+        drafts.push(Placed {
+            group: &groups[index],
+            class: ResidueClass::of(&conformer.name, &conformer.atoms, is_in_chain),
+            host: links.host[index].map(|host| &groups[host]),
+        });
+        drafted.push(conformer);
     }
-    residues
+    let strands = Strands::of(&drafts);
+    let wanted = WantedChains::new(&settings.chains, report.model, &drafts, &strands.keys)?;
+    report.corrections.extend(strands.notes);
+    let mut residues = Vec::new();
+    for (place, (draft, key)) in drafts.iter().zip(strands.keys).enumerate() {
+        let conformer = drafted[place];
+        if !wanted.has(&key, &draft.group.key) {
+            report.skip(reason::CHAIN, conformer.atoms.len());
+            continue;
+        }
+        let identity = Identity {
+            key,
+            strand: strands.strand[place],
+        };
+        residues.extend(select_residue(draft, conformer, identity, settings, report));
+    }
+    Ok(residues)
+}
+
+/// Leaves out atoms that are exactly where an earlier one is, in whatever residue.
+fn leave_out_coincident(conformers: &mut [Conformer], report: &mut SelectionReport) {
+    let mut taken = HashSet::new();
+    for conformer in conformers {
+        conformer.atoms.retain(|atom| {
+            let is_free = taken.insert(exact(&atom.position));
+            if !is_free {
+                report.leave_out(reason::COINCIDENT, atom);
+            }
+            is_free
+        });
+    }
+}
+
+/// Which residue it is.
+struct Identity {
+    key: ResidueKey,
+    strand: Option<usize>,
+}
+
+/// One residue, with everything that is left out of it counted; `None` if it is left out.
+fn select_residue(
+    draft: &Placed,
+    conformer: &Conformer,
+    identity: Identity,
+    settings: &SelectionSettings,
+    report: &mut SelectionReport,
+) -> Option<SelectedResidue> {
+    if let Some(why_not) = why_not(draft.class, settings) {
+        report.skip(why_not, conformer.atoms.len());
+        let name = conformer.name.to_string();
+        *report.skipped_residues.entry(name).or_default() += 1;
+        return None;
+    }
+    let atoms = kept_atoms(conformer, draft.class, settings.keep_hydrogens);
+    report.skip(reason::HYDROGEN, conformer.atoms.len() - atoms.len());
+    let mut residue = selected(draft, conformer, identity, atoms);
+    list(report, &residue, conformer, draft.group);
+    if residue.atoms.is_empty() {
+        return None;
+    }
+    if let Some(name) = name_by_atoms(&residue) {
+        residue.name = name;
+    }
+    Some(residue)
+}
+
+/// The name of a residue whose own name its atoms contradict.
+fn name_by_atoms(residue: &SelectedResidue) -> Option<Arc<str>> {
+    let ResidueClass::LikeAminoAcid(amino_acid) = residue.class else {
+        return None;
+    };
+    residue_names::is_polymer(&residue.name).then(|| Arc::from(amino_acid.name()))
 }
 
 /// Why residues of this class are left out; `None` if they are kept.
@@ -242,16 +336,19 @@ fn use_standard_name(atom: &mut Atom, amino_acid: Option<AminoAcid>) {
 }
 
 fn selected(
-    group: &AtomGroup,
+    draft: &Placed,
     conformer: &Conformer,
-    class: ResidueClass,
+    identity: Identity,
     atoms: Vec<Atom>,
 ) -> SelectedResidue {
+    let in_file = &draft.group.key;
     SelectedResidue {
-        key: group.key.clone(),
-        source_chain: group.key.chain.clone(),
+        key: identity.key,
+        source_chain: in_file.chain.clone(),
+        source_number: in_file.number,
+        strand: identity.strand,
         name: conformer.name.clone(),
-        class,
+        class: draft.class,
         atoms,
         n_terminus: false,
         c_terminus: false,
@@ -261,7 +358,12 @@ fn selected(
 }
 
 /// Lists a residue that is not one of the twenty, or that shares its place with another.
-fn list(report: &mut SelectionReport, residue: &SelectedResidue, conformer: &Conformer) {
+fn list(
+    report: &mut SelectionReport,
+    residue: &SelectedResidue,
+    conformer: &Conformer,
+    group: &AtomGroup,
+) {
     let entry = |note: String| ListedResidue {
         residue: residue.key.clone(),
         name: residue.name.clone(),
@@ -271,11 +373,25 @@ fn list(report: &mut SelectionReport, residue: &SelectedResidue, conformer: &Con
     let treatment = entry(treatment::describe(residue));
     match residue.class {
         ResidueClass::Modified(_) => report.modified.push(treatment),
+        ResidueClass::AminoAcid(amino_acid) if *residue.name != *amino_acid.name() => {
+            report.modified.push(treatment);
+        }
         ResidueClass::LikeAminoAcid(_) | ResidueClass::UnknownAminoAcid => {
             report.unknown.push(treatment);
         }
         ResidueClass::Ligand => report.ligands.push(treatment),
         _ => {}
+    }
+    if !group.fragments.is_empty() {
+        let names: Vec<String> = group
+            .fragments
+            .iter()
+            .map(|name| name.to_string())
+            .collect();
+        let (name, key, names) = (&residue.name, &residue.key, names.join(", "));
+        report.corrections.push(format!(
+            "{name} {key}: the file has a part of its atoms under the name {names}; they are one residue"
+        ));
     }
     if !conformer.other_names.is_empty() && residue.class.is_protein() {
         let others: Vec<&str> = conformer.other_names.iter().map(|name| &**name).collect();
@@ -332,8 +448,10 @@ fn count_rest(
     report: &mut SelectionReport,
 ) {
     let mut chains: HashSet<&str> = HashSet::new();
+    let mut keys: HashSet<&ResidueKey> = HashSet::with_capacity(residues.len());
     for residue in residues {
         chains.insert(&residue.source_chain);
+        report.repeated_numbers += usize::from(!keys.insert(&residue.key));
         for atom in &residue.atoms {
             report.zero_occupancy += usize::from(atom.occupancy <= 0.0);
         }

@@ -5,16 +5,14 @@ use crate::bodies::body_file;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, SelectionReport};
-use protomer_body::{
-    Body, BodyError, BodySettings, BuiltBody, Source, build_body, build_body_of_points,
-};
+use protomer_body::{Body, BodyError, BodySettings, BuiltBody, Draft, Source, build_body};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::{InputFile, stem};
 use protomer_common::output_file::write_once;
 use protomer_common::remedy;
 use protomer_io::mesh::{MeshFormat, write_mesh};
-use protomer_io::points::{PointRecord, read_points};
-use protomer_io::pqr::write_pqr;
+use protomer_io::points::PointRecord;
+use protomer_io::pqr::{read_pqr_file, write_pqr};
 use protomer_results::{Progress, ResultKind};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -325,15 +323,66 @@ pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Resul
         file: &input.name,
         sha256: &input.sha256,
     };
-    match Format::of_name(&input.name) {
-        Some(Format::Pqr) => {
-            let points = read_points(&input.name, &input.bytes)?;
-            build_body_of_points(name, source, &points, &settings.surface)
-                .with_context(|| input.name.clone())
-        }
-        _ => build_body(name, source, &input.bytes, settings)
-            .map_err(|error| named(&input.name, error)),
+    let format = Format::of_file(&input.name, &input.bytes)?;
+    if format != Format::Pqr {
+        return build_body(name, source, &input.bytes, settings)
+            .map_err(|error| named(&input.name, error));
     }
+    build_of_pqr(name, &input, settings).with_context(|| input.name.clone())
+}
+
+/// Makes a body of a PQR file, whose atoms, charges and radii are taken as they are.
+fn build_of_pqr(name: &str, input: &InputFile, settings: &BodySettings) -> Result<BuiltBody> {
+    refuse_settings_of_structures(settings)?;
+    let source = Source {
+        file: &input.name,
+        sha256: &input.sha256,
+    };
+    let file = read_pqr_file(&input.name, &input.bytes)?;
+    let mut draft = Draft::of_points(name, source, &file.atoms, &settings.surface)?;
+    if let Some(warning) = Format::Pqr.contradiction(&input.name) {
+        draft = draft.with_warning(warning);
+    }
+    if file.models > 1 {
+        let models = file.models;
+        draft = draft.with_warning(format!("the first of {models} models is used"));
+    }
+    Ok(draft.build()?)
+}
+
+/// Refuses settings that select or charge the atoms of a structure, and would do nothing to those of
+/// a PQR file.
+fn refuse_settings_of_structures(settings: &BodySettings) -> Result<()> {
+    let default = BodySettings::default();
+    let (selection, sites) = (&settings.selection, &settings.sites);
+    let (plain, plain_sites) = (&default.selection, &default.sites);
+    let mut without_effect = Vec::new();
+    for (flag, is_set) in [
+        ("--chain", selection.chains != plain.chains),
+        ("--model", selection.model != plain.model),
+        ("--assembly", selection.assembly != plain.assembly),
+        ("--altloc", selection.alternate != plain.alternate),
+        ("--keep-ligands", selection.keep_ligands),
+        ("--keep-waters", selection.keep_waters),
+        ("--keep-hydrogens", selection.keep_hydrogens),
+        ("--keep-nucleic-acids", selection.keep_nucleic_acids),
+        ("--missing", selection.missing != plain.missing),
+        ("--ph", sites.ph != plain_sites.ph),
+        ("--charges", sites.charges != plain_sites.charges),
+        ("--mutate", settings.mutations != default.mutations),
+    ] {
+        if is_set {
+            without_effect.push(flag);
+        }
+    }
+    if without_effect.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "a PQR file has its own atoms and charges, which {} would not change; leave it out, or give \
+         the structure as PDB or mmCIF",
+        without_effect.join(", ")
+    )
 }
 
 /// Prefixes the error with the file name, unless it already contains it.
@@ -396,5 +445,91 @@ impl FileOutcome {
             selection: None,
             error: Some(remedy::message(error)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_body::chemistry::parse_mutations;
+    use protomer_body::structure::SelectionSettings;
+
+    const PQR: &str = "ATOM 1 N ARG A 1 32.231 15.281 -13.143 -0.1500 1.5500\n";
+    const PDB: &str =
+        "ATOM      1  N   ARG A   1      32.231  15.281 -13.143  1.00 10.00           N\n";
+
+    fn build(name: &str, text: &str, settings: &BodySettings) -> Result<BuiltBody> {
+        let folder = tempfile::tempdir()?;
+        let file = folder.path().join(name);
+        std::fs::write(&file, text)?;
+        read_and_build(&file, "x", settings)
+    }
+
+    #[test]
+    fn content_decides_over_the_name_with_a_warning() {
+        let plain = BodySettings::default();
+        for (name, text, format) in [
+            ("x.pdb", PQR, "PQR"),
+            ("x.cif", PQR, "PQR"),
+            ("x.pqr", PDB, "PDB"),
+            ("x.cif", PDB, "PDB"),
+        ] {
+            let built = build(name, text, &plain).unwrap();
+            let warning = format!("this is {format} by its content");
+            let has_warning = built.warnings.iter().any(|line| line.contains(&warning));
+            assert!(has_warning, "{name}: {:?}", built.warnings);
+            let radius = built.body.sites[0].radius_angstrom;
+            assert!((radius - 1.55).abs() < 1e-12, "{name}: {radius}");
+        }
+        assert!(build("x.pqr", PQR, &plain).unwrap().warnings.is_empty());
+    }
+
+    #[test]
+    fn what_would_do_nothing_to_a_pqr_file_is_refused() {
+        let plain = BodySettings::default;
+        let selection = |selection| BodySettings {
+            selection,
+            ..plain()
+        };
+        let mut at_ph_4 = plain();
+        at_ph_4.sites.ph = 4.0;
+        let mutated = BodySettings {
+            mutations: parse_mutations("A:R1E").unwrap(),
+            ..plain()
+        };
+        let of_chain = selection(SelectionSettings {
+            chains: vec!["B".into()],
+            ..SelectionSettings::default()
+        });
+        let of_model = selection(SelectionSettings {
+            model: Some(3),
+            ..SelectionSettings::default()
+        });
+        let assembly = selection(SelectionSettings {
+            assembly: Some("1".into()),
+            ..SelectionSettings::default()
+        });
+        for (flag, settings) in [
+            ("--ph", at_ph_4),
+            ("--mutate", mutated),
+            ("--chain", of_chain),
+            ("--model", of_model),
+            ("--assembly", assembly),
+        ] {
+            let error = build("x.pqr", PQR, &settings).unwrap_err();
+            let message = remedy::message(&error);
+            assert!(
+                message.contains(flag) && message.contains("x.pqr"),
+                "{message}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_first_of_several_models_of_a_pqr_file_is_used_with_a_warning() {
+        let text = format!("MODEL 1\n{PQR}ENDMDL\nMODEL 2\n{PQR}ENDMDL\n");
+        let built = build("x.pqr", &text, &BodySettings::default()).unwrap();
+        assert_eq!(built.body.sites.len(), 1);
+        assert!(built.warnings[0].contains("first of 2 models"));
     }
 }

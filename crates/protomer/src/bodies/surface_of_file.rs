@@ -10,7 +10,8 @@ use protomer_common::answer::Answer;
 use protomer_common::input::InputFile;
 use protomer_common::output_file::write_once;
 use protomer_io::mesh::{MeshFormat, write_mesh};
-use protomer_io::points::{read_points, read_xyzr};
+use protomer_io::points::read_xyzr;
+use protomer_io::pqr::read_pqr;
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::Serialize;
 use std::path::Path;
@@ -153,6 +154,12 @@ pub fn surface_of_file(
     Ok((mesh.map_vertices(|vertex| vertex + origin), report))
 }
 
+/// Whether the content is PQR.
+fn is_pqr(file: &InputFile) -> Result<bool> {
+    FileKind::Structure.require(Path::new(&file.name))?;
+    Ok(Format::of_file(&file.name, &file.bytes)? == Format::Pqr)
+}
+
 /// Reads the sites of a structure, PQR, `.xyzr` or body file relative to an origin, and that
 /// origin in the coordinates of the file (for a body: of the file it was made from).
 pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
@@ -163,10 +170,9 @@ pub(crate) fn read_sites(file: &InputFile) -> Result<(Vec<Site>, Vec3)> {
     }
     let charged = if plain.ends_with(".xyzr") {
         sites_of_points(&read_xyzr(&file.name, &file.bytes)?)
-    } else if Format::of_name(&file.name) == Some(Format::Pqr) {
-        sites_of_points(&read_points(&file.name, &file.bytes)?)
+    } else if is_pqr(file)? {
+        sites_of_points(&read_pqr(&file.name, &file.bytes)?)
     } else {
-        FileKind::Structure.require(Path::new(&file.name))?;
         let selection =
             Structure::read(&file.name, &file.bytes)?.select(&SelectionSettings::default());
         selection.and_then(|selection| build_sites(&selection, &SiteSettings::default()))

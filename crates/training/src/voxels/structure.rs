@@ -4,7 +4,7 @@ use super::body_store::BodyStore;
 use super::manifest::Entry;
 use super::settings::{Spacing, VoxelizeSettings};
 use anyhow::{Result, anyhow, bail};
-use protomer_body::chemistry::residue_names::modified_residue;
+use protomer_body::chemistry::residue_names::parent_amino_acid;
 use protomer_body::chemistry::{AminoAcid, ChargedSites, SiteSettings};
 use protomer_body::structure::{Ending, Format, SelectionSettings, Structure};
 use protomer_body::surface::{ExactSurface, Placed};
@@ -17,7 +17,7 @@ use protomer_field::voxels::orientation::principal_axes;
 use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise_within};
 use protomer_field::{ChargedSphere, FieldError};
 use protomer_io::digest::Digest;
-use protomer_io::points::read_points;
+use protomer_io::pqr::read_pqr;
 use protomer_io::zarr::as_stored;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_results::FileRecord;
@@ -256,7 +256,7 @@ fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec
     let residues = &content.draft.sites().residues;
     let mut amino_acids = Vec::with_capacity(residues.len());
     for residue in residues {
-        amino_acids.extend(amino_acid(&residue.name));
+        amino_acids.extend(parent_amino_acid(&residue.name));
     }
     if amino_acids.is_empty() {
         let error = anyhow!("none of the {} residues is an amino acid", residues.len());
@@ -338,10 +338,11 @@ fn read(
         density_per_angstrom2,
         ..SurfaceSettings::default()
     };
-    if Format::of_name(&file.name) == Some(Format::Pqr) {
-        let points = read_points(&file.name, &file.bytes).map_err(unreadable)?;
+    if Format::of_file(&file.name, &file.bytes).map_err(unreadable)? == Format::Pqr {
+        let points = read_pqr(&file.name, &file.bytes).map_err(unreadable)?;
         let draft = Draft::of_points(&entry.name, source, &points, &surface).map_err(unreadable)?;
-        let warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
+        let mut warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
+        warnings.extend(Format::Pqr.contradiction(&file.name));
         return Ok(Content {
             draft,
             incomplete: 0,
@@ -397,10 +398,6 @@ pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
         warnings.push(format!("and {more} more"));
     }
     warnings
-}
-
-fn amino_acid(name: &str) -> Option<AminoAcid> {
-    AminoAcid::of_residue(name).or_else(|| modified_residue(name)?.parent)
 }
 
 /// A number derived from the name.

@@ -5,8 +5,8 @@
 //! 1. In a polymer and in water the first letter of the name is the element (CA is carbon, HG
 //!    hydrogen, ND1 nitrogen), except for a selenium, which is named SE. Where the letter is no
 //!    element, the first two are (AS of an arsenic).
-//! 2. In a residue of one atom whose name holds the letters of the atom, they are the element: CA of
-//!    a residue CA is calcium, FE of FE2 is iron.
+//! 2. An ion is of its element, whatever the program that named it: SOD is sodium. In another residue of
+//!    one atom whose name holds the letters of the atom, they are the element.
 //! 3. Elsewhere the radius decides between the first letter and the first two: radii were given by
 //!    the elements of the source ([`crate::chemistry::radii`]), so CL with 1.75 Å is chlorine, and NA
 //!    of a haem with 1.55 Å is nitrogen. If both elements have the same radius or neither has it, the
@@ -15,6 +15,7 @@
 //! A name in which nothing is an element gives `X`, the symbol of an unknown one.
 
 use super::super::element::{from_name, known};
+use crate::chemistry::ions::ion;
 use crate::chemistry::radii::radius_angstrom;
 
 const UNKNOWN: &str = "X";
@@ -45,6 +46,11 @@ pub(super) fn symbol(atom: &NamedAtom) -> &'static str {
             (Some(one), _) => one,
             (None, two) => two.unwrap_or(UNKNOWN),
         };
+    }
+    if let Some(ion) = ion(atom.residue_name)
+        && atom.is_alone
+    {
+        return ion.element;
     }
     let whole = known(letters);
     if let Some(whole) = whole

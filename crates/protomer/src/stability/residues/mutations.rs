@@ -9,6 +9,7 @@ use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::Result;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::chemistry::protonation::side_chain_groups;
+use protomer_body::chemistry::residue_names::force_field_amino_acid;
 use protomer_body::{Body, Residue};
 use protomer_mc::System;
 use protomer_mc::contributions::{
@@ -327,7 +328,8 @@ fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAcid, f64)> {
         let groups = side_chain_groups(amino_acid).iter();
         groups.map(|group| group.charge_e(ph)).sum()
     };
-    let Some(from) = AminoAcid::of_residue(name) else {
+    let from = AminoAcid::of_residue(name).or_else(|| force_field_amino_acid(name));
+    let Some(from) = from else {
         return Vec::new();
     };
     let (positive, negative) = (AminoAcid::Lys, AminoAcid::Glu);
