@@ -1,7 +1,7 @@
 //! The rigid body: mesh, charges, hydropathy, mass. Immutable; simulations share it behind an
 //! `Arc`.
 
-use crate::chemistry::AminoAcid;
+use crate::chemistry::residue_names::mass_in_chain_g_per_mol;
 use protomer_kernel::mesh::MassProperties;
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
@@ -86,23 +86,38 @@ impl Body {
         net_charge_e(&self.sites)
     }
 
-    /// Molar mass of the chains of amino acids in this body, g/mol: the residues, and a water for
-    /// each chain. `None` without residues, or if one of them is of unknown mass; selenomethionine
-    /// counts as methionine does in the sequence.
+    /// Molar mass of the chains of amino acids in this body, g/mol: the residues, each with its own
+    /// modification, the caps, and a water for each chain. `None` without residues, or if one of them
+    /// is of unknown mass ([`Self::residues_of_unknown_mass`]).
+    ///
+    /// ```
+    /// # use protomer_body::{BodySettings, Source, build_body};
+    /// # let text = "ATOM      1  CA  SEP A   7      11.104   6.134  -6.504  1.00 10.00           C";
+    /// # let source = Source { file: "phosphoserine.pdb", sha256: "" };
+    /// let body = build_body("sep", source, text.as_bytes(), &BodySettings::default())?.body;
+    /// let mass = body.molar_mass_g_per_mol().unwrap_or(f64::NAN);
+    /// assert!((mass - 185.07).abs() < 0.01); // C3 H8 N O6 P
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn molar_mass_g_per_mol(&self) -> Option<f64> {
         const WATER_G_PER_MOL: f64 = 18.015;
         let mut chains = BTreeSet::new();
         let mut sum = 0.0;
         for residue in &self.residues {
-            let name = match residue.name.as_str() {
-                "MSE" => "MET",
-                name => name,
-            };
-            sum += AminoAcid::of_residue(name)?.residue_mass_g_per_mol();
+            sum += mass_in_chain_g_per_mol(&residue.name)?;
             chains.insert(&residue.chain);
         }
         let waters = chains.len() as f64;
         (waters > 0.0).then_some(sum + waters * WATER_G_PER_MOL)
+    }
+
+    /// Names of the residues whose mass is not known, each once: ligands, nucleotides, ions, and
+    /// modified residues in no table.
+    pub fn residues_of_unknown_mass(&self) -> BTreeSet<&str> {
+        let names = self.residues.iter().map(|residue| residue.name.as_str());
+        names
+            .filter(|name| mass_in_chain_g_per_mol(name).is_none())
+            .collect()
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.

@@ -38,6 +38,19 @@ pub(super) struct Prepared {
     pub kind: Arc<BodyType>,
 }
 
+/// The warning for a body without a molar mass, whose B22 is only known as a volume. A body without
+/// residues has none by its nature.
+fn unknown_mass(body: &Body) -> Option<String> {
+    let names: Vec<&str> = body.residues_of_unknown_mass().into_iter().collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "{}: there is no B22 in mol mL/g², because the molar mass of {} is not known",
+            body.name,
+            names.join(", ")
+        )
+    })
+}
+
 impl PairBodies {
     /// Reads two files; two copies of the first body if the second is `None`. Structure files are
     /// made into bodies at each pH, with the default settings of `protomer ingest` otherwise.
@@ -68,6 +81,9 @@ impl PairBodies {
                 false => prepare(files[1], *ph, &mut warnings)?,
             };
             pairs.push([first, second]);
+        }
+        for pair in &pairs {
+            warnings.extend(pair.iter().filter_map(|of| unknown_mass(&of.body)));
         }
         warnings.dedup();
         let hashes = format!("{}{}", sha256(files[0])?, sha256(files[1])?);
