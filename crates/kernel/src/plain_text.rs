@@ -49,7 +49,7 @@ impl NotText {
     /// What to do.
     pub fn remedy(&self) -> String {
         match self {
-            NotText::Empty => "fetch it again".into(),
+            NotText::Empty => "give a file with content, or fetch it again".into(),
             NotText::Compressed { command, .. } => {
                 format!("decompress the file with '{command}' and give the result")
             }

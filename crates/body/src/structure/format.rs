@@ -151,7 +151,7 @@ fn is_pqr_atom(text: &str) -> bool {
         return false;
     };
     let is_number = |word: &&str| word.parse::<f64>().is_ok_and(f64::is_finite);
-    values >= WORDS_BEFORE && words[values..].iter().all(|word| is_number(word))
+    values >= WORDS_BEFORE && words[values..].iter().all(is_number)
 }
 
 /// Whether columns 55-66 hold an occupancy and a B factor with two decimals each, as only PDB has

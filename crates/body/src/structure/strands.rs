@@ -35,10 +35,10 @@ impl<'a> Placed<'_, 'a> {
         group.atoms.first().copied()
     }
 
-    /// Chain, segment, number of TER records, chain of the archive.
-    fn strand_of_file(&self) -> Option<(&'a Arc<str>, &'a Arc<str>, u32, &'a Arc<str>)> {
+    /// Segment, chain of the archive, and number of TER records before the residue.
+    fn strand_of_file(&self) -> Option<([&'a str; 2], u32)> {
         let atom = self.first_atom()?;
-        Some((&atom.chain, &atom.segment, atom.polymer, &atom.label_chain))
+        Some(([&atom.segment, &atom.label_chain], atom.polymer))
     }
 }
 
@@ -71,25 +71,39 @@ impl Strands {
     }
 }
 
+/// The last strand of a chain.
+#[derive(Default)]
+struct LastStrand<'a> {
+    number: usize,
+    /// Index of its last residue.
+    residue: usize,
+    /// Number and insertion code of each of its residues.
+    numbers: HashSet<(i32, &'a str)>,
+}
+
 /// The number of the strand of each polymer residue.
 fn strands(residues: &[Placed]) -> Vec<Option<usize>> {
     let mut strand = vec![None; residues.len()];
     let mut count = 0;
-    // The last polymer residue of each chain, and the numbers of its strand.
-    let mut last: HashMap<&str, (usize, HashSet<(i32, &str)>)> = HashMap::new();
+    let mut last: HashMap<&str, LastStrand> = HashMap::new();
     for (index, residue) in residues.iter().enumerate() {
         if !residue.is_polymer() {
             continue;
         }
         let key = &residue.group.key;
         let number = (key.number, &*key.insertion_code);
-        let (before, numbers) = last.entry(&key.chain).or_default();
+        let LastStrand {
+            number: of_chain,
+            residue: before,
+            numbers,
+        } = last.entry(&key.chain).or_default();
         let is_first = numbers.is_empty();
         if is_first || ends_between(&residues[*before], residue, numbers.contains(&number)) {
+            *of_chain = count;
             count += 1;
             numbers.clear();
         }
-        strand[index] = Some(count - 1);
+        strand[index] = Some(*of_chain);
         numbers.insert(number);
         *before = index;
     }

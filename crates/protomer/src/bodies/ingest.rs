@@ -328,18 +328,19 @@ pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Resul
         return build_body(name, source, &input.bytes, settings)
             .map_err(|error| named(&input.name, error));
     }
-    build_of_pqr(name, &input, settings).with_context(|| input.name.clone())
+    build_of_pqr(name, &input, settings)
 }
 
 /// Makes a body of a PQR file, whose atoms, charges and radii are taken as they are.
 fn build_of_pqr(name: &str, input: &InputFile, settings: &BodySettings) -> Result<BuiltBody> {
-    refuse_settings_of_structures(settings)?;
+    refuse_settings_of_structures(settings).with_context(|| input.name.clone())?;
     let source = Source {
         file: &input.name,
         sha256: &input.sha256,
     };
     let file = read_pqr_file(&input.name, &input.bytes)?;
-    let mut draft = Draft::of_points(name, source, &file.atoms, &settings.surface)?;
+    let draft = Draft::of_points(name, source, &file.atoms, &settings.surface);
+    let mut draft = draft.map_err(|error| named(&input.name, error))?;
     if let Some(warning) = Format::Pqr.contradiction(&input.name) {
         draft = draft.with_warning(warning);
     }
@@ -347,7 +348,7 @@ fn build_of_pqr(name: &str, input: &InputFile, settings: &BodySettings) -> Resul
         let models = file.models;
         draft = draft.with_warning(format!("the first of {models} models is used"));
     }
-    Ok(draft.build()?)
+    draft.build().map_err(|error| named(&input.name, error))
 }
 
 /// Refuses settings that select or charge the atoms of a structure, and would do nothing to those of
