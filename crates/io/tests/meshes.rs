@@ -216,7 +216,7 @@ fn errors_say_where_and_what() {
         ),
         ("m.ply", vec![], "m.ply: the header has no end"),
         ("m.obj", vec![], "m.obj: the file is empty"),
-        ("m.obj", b"v 1 2 3\0".to_vec(), "binary where text"),
+        ("m.obj", b"v 1 2 3\0".to_vec(), "binary data, not text"),
         (
             "m.obj",
             b"v 1 2\n".to_vec(),
