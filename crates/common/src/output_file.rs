@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use protomer_io::atomic::write_atomically;
+use protomer_io::destination::is_stream_at;
 use std::path::Path;
 
 /// Writes a file. One that holds exactly these bytes is left alone, so that the same command may be
@@ -60,8 +61,9 @@ pub fn write_folder(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Re
 /// # Errors
 /// If the file exists with other content and `force` is not set.
 pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
-    let is_same =
-        path.is_file() && protomer_io::input::read(path).is_ok_and(|present| present == bytes);
+    let is_same = path.is_file()
+        && !is_stream_at(path)
+        && protomer_io::input::read(path).is_ok_and(|present| present == bytes);
     match is_same {
         true => Ok(()),
         false => refuse_to_overwrite(path, force),
@@ -73,7 +75,8 @@ pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
 /// # Errors
 /// If the file exists and `force` is not set.
 pub fn refuse_to_overwrite(path: &Path, force: bool) -> Result<()> {
-    if path.exists() && !force {
+    // Nothing of a device or a pipe is lost.
+    if path.exists() && !force && !is_stream_at(path) {
         bail!(
             "{} already exists; choose another name, or overwrite it with --force",
             path.display()

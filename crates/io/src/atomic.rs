@@ -1,5 +1,9 @@
 //! Files that appear under their name only when they are complete.
+//!
+//! Only regular files are replaced. A link stays, and the file that it leads to is replaced. A device, a
+//! pipe or an open file of a process (`/dev/null`, `/dev/stdout`) gets the content and stays what it is.
 
+use crate::destination::Destination;
 use crate::digest::Digest;
 use crate::{IoError, Result};
 use std::fs::{self, File, OpenOptions};
@@ -10,7 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Writes a file atomically: its name always refers to a complete file, the old or the new one. The
 /// content goes to a temporary file in the same folder, which is flushed, synced to disk and
 /// renamed; then the folder is synced. If anything fails, the temporary file is removed and the old
-/// file is unchanged.
+/// file is unchanged. What [`Destination`] does not call replaceable is written into instead.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -27,6 +31,11 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<()> {
+    let path = match Destination::find(path)? {
+        Destination::Replaceable(file) => file,
+        Destination::Stream(stream) => return write_into(path, stream, write),
+    };
+    let path = path.as_path();
     let (mut temporary, file) = Temporary::create(path)?;
     let mut writer = BufWriter::new(file);
     write(&mut writer).map_err(IoError::at(path, "write"))?;
@@ -37,6 +46,17 @@ pub fn write_atomically(
     fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
     temporary.renamed = true;
     sync_folder(path)
+}
+
+/// Writes into what cannot be replaced. It cannot be synced either.
+fn write_into(
+    path: &Path,
+    stream: File,
+    write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
+    let mut writer = BufWriter::new(stream);
+    let written = write(&mut writer).and_then(|()| writer.flush());
+    written.map_err(IoError::at(path, "write"))
 }
 
 /// Removes the temporary files that [`write_atomically`] left in a folder when its process was
@@ -233,5 +253,69 @@ mod tests {
             .to_string();
         assert!(message.contains("/no/such/folder/x"), "{message}");
         assert!(write_atomically(Path::new("/"), |_| Ok(())).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_stays_and_leads_to_the_new_content() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("far")).unwrap();
+        for (link, target) in [("link", "far/link"), ("far/link", "file")] {
+            std::os::unix::fs::symlink(target, path(link)).unwrap();
+        }
+        for content in ["first", "second"] {
+            write_atomically(&path("link"), |file| file.write_all(content.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(path("far/file")).unwrap(), content);
+        }
+        for link in ["link", "far/link"] {
+            assert!(path(link).symlink_metadata().unwrap().is_symlink());
+        }
+        assert_eq!(entries(&path("far")).len(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_pipe_gets_the_content_and_stays_a_pipe() {
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let content = vec![7; 100_000];
+        let nobody = write_atomically(&pipe, |file| file.write_all(&content)).unwrap_err();
+        assert!(nobody.to_string().contains("nobody reads"), "{nobody}");
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        // The reader opens the pipe when its thread gets to it.
+        while write_atomically(&pipe, |file| file.write_all(&content)).is_err() {
+            std::thread::yield_now();
+        }
+        assert!(reader.join().unwrap() == content);
+        assert!(pipe.metadata().unwrap().file_type().is_fifo());
+        assert_eq!(entries(folder.path()), ["pipe"]);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn devices_and_open_files_are_written_into() {
+        use std::os::fd::AsRawFd;
+        let device = fs::metadata("/dev/null").unwrap();
+        write_atomically(Path::new("/dev/null"), |file| file.write_all(b"x")).unwrap();
+        assert_eq!(
+            fs::metadata("/dev/null").unwrap().file_type(),
+            device.file_type()
+        );
+        let full = write_atomically(Path::new("/dev/full"), |file| file.write_all(b"x"));
+        assert!(full.unwrap_err().to_string().contains("/dev/full"));
+        // As /dev/stdout is, if it goes into a file.
+        let mut open = tempfile::tempfile().unwrap();
+        open.write_all(b"first ").unwrap();
+        let path = format!("/dev/fd/{}", open.as_raw_fd());
+        write_atomically(Path::new(&path), |file| file.write_all(b"second")).unwrap();
+        let content = fs::read_to_string(&path).unwrap();
+        assert_eq!(content, "first second");
     }
 }

@@ -1,5 +1,5 @@
 //! File formats and nothing else: readers take bytes and a name for error messages and return
-//! values, writers do the reverse. Only [`gzip`], [`atomic`], [`zarr`] and the trajectory in
+//! values, writers do the reverse. Only [`gzip`], [`atomic`], [`destination`], [`zarr`] and the trajectory in
 //! [`gsd`] touch the file system.
 //!
 //! | module | one idea |
@@ -16,12 +16,14 @@
 //! | [`input`] | files as they are opened: regular ones only |
 //! | [`gzip`] | reading files that may be compressed, within a limit |
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
+//! | [`destination`] | what a path to be written leads to: a file, a device, a pipe |
 //! | [`digest`] | SHA-256, of text as it is written too |
 
 pub mod atomic;
 mod bytes;
 pub mod container;
 pub mod csv;
+pub mod destination;
 pub mod digest;
 mod error;
 pub mod gsd;
