@@ -57,6 +57,6 @@ pub use kind::ResultKind;
 pub use lock::Hold;
 pub use log::{Log, LogMark, Row};
 pub use record::{Exit, Record, Work};
-pub use run::{Run, Turn, drive, proceed};
+pub use run::{Run, Turn, drive, extend, proceed};
 pub use settings::Settings;
 pub use shard::Shard;

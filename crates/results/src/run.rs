@@ -1,7 +1,7 @@
 //! One driver for everything that can be started, advanced, saved, continued and recorded.
 
 use crate::checkpoint::{self, CHECKPOINT, Checkpoint};
-use crate::{End, Error, Execution, Exit, Record, Work};
+use crate::{End, Error, Execution, Exit, Interrupt, Record, Work};
 use protomer_io::atomic::remove_abandoned;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -162,6 +162,7 @@ pub fn drive<R: Run>(
         if let Some(saved) = read()? {
             run.check(directory, &saved)?;
         }
+        record_as_done(run, directory, record)?;
         execution.progress.advance(run.length());
         return Ok(End::Finished(answer));
     }
@@ -193,6 +194,58 @@ pub fn drive<R: Run>(
         work,
     }
     .live(&mut state, execution)
+}
+
+/// Records a finished run as done, if the process that finished it was killed before it could.
+fn record_as_done<R: Run>(
+    run: &R,
+    directory: &Path,
+    record: Option<Record>,
+) -> Result<(), R::Error> {
+    if record
+        .as_ref()
+        .is_some_and(|record| record.is_done_at(run.length()))
+    {
+        return Ok(());
+    }
+    let done = Record {
+        done: Some(run.length()),
+        details: record.map_or(Value::Null, |record| record.details),
+        ..Record::new(&run.work(), Exit::Done)
+    };
+    Ok(done.write(directory)?)
+}
+
+/// Does more work in the directory of a finished run, such as the further trainings of an ablation:
+/// its record says that it is running until that work is done too. The caller holds the lock of the
+/// directory.
+///
+/// # Errors
+/// The errors of the work; also if the record cannot be read or written.
+pub fn extend<T, E: From<Error> + Display>(
+    directory: &Path,
+    interrupt: &Interrupt,
+    more: impl FnOnce() -> Result<End<T>, E>,
+) -> Result<End<T>, E> {
+    let Some(finished) = Record::read(directory)? else {
+        return more();
+    };
+    let record = |exit| {
+        let record = Record {
+            exit,
+            ..finished.clone()
+        };
+        record.write(directory)
+    };
+    record(Exit::Running)?;
+    let end = more();
+    match &end {
+        Ok(End::Finished(_)) => record(Exit::Done)?,
+        Ok(End::Stopped) => record(Exit::stopped_by(interrupt))?,
+        // The error of the work takes precedence over a failure to record it.
+        Err(error) => drop(record(Exit::failed(error))),
+    }
+    end
 }
 
 /// Opens the run; refuses a state beyond its length.
@@ -246,8 +299,11 @@ pub fn proceed<R: Run>(
         }
         execution.progress.advance(run.done(state) - before);
         if turn.is_save_due() {
-            write(&run.save(state)?)?;
-            saved_at = run.done(state);
+            // A run that was asked to stop within its first unit has nothing to save.
+            if run.done(state) > saved_at {
+                write(&run.save(state)?)?;
+                saved_at = run.done(state);
+            }
             turn = begin_turn();
         }
     }

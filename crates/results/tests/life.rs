@@ -6,9 +6,10 @@
 mod walk;
 
 use protomer_results::{
-    Campaign, End, Execution, Exit, Interrupt, Progress, Record, ResultsDirectory, Shard, conduct,
-    conduct_shard,
+    Campaign, End, Error, Execution, Exit, Interrupt, Progress, Record, Result, ResultsDirectory,
+    Run, Shard, Turn, Work, conduct, conduct_shard, drive, extend,
 };
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use walk::{LAYOUT, Walk, Walks, contents, walk};
@@ -172,4 +173,161 @@ fn other_work_and_changed_files_are_refused() {
     };
     walk(&plan, folder.path(), &anew).unwrap();
     walk(&plan, folder.path(), &Execution::default()).unwrap();
+}
+
+/// A walk whose steps are long: one that is asked to stop within its first step has nothing to save.
+struct LongSteps {
+    walk: Walk,
+    interrupt: Interrupt,
+}
+
+impl Run for LongSteps {
+    type State = <Walk as Run>::State;
+    type Checkpoint = <Walk as Run>::Checkpoint;
+    type Answer = <Walk as Run>::Answer;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        self.walk.work()
+    }
+
+    fn length(&self) -> u64 {
+        self.walk.length()
+    }
+
+    fn open(&self, directory: &Path, saved: Option<Self::Checkpoint>) -> Result<Self::State> {
+        self.walk.open(directory, saved)
+    }
+
+    fn done(&self, state: &Self::State) -> u64 {
+        self.walk.done(state)
+    }
+
+    fn advance(&self, _state: &mut Self::State, _turn: &Turn) -> Result<()> {
+        self.interrupt.request();
+        Ok(())
+    }
+
+    fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint> {
+        assert!(self.done(state) > 0, "nothing has been done yet");
+        self.walk.save(state)
+    }
+
+    fn answer(&self, state: &mut Self::State, directory: &Path) -> Result<Self::Answer> {
+        self.walk.answer(state, directory)
+    }
+}
+
+#[test]
+fn a_run_stopped_within_its_first_step_is_stopped_and_not_failed() {
+    let folder = tempfile::tempdir().unwrap();
+    let interrupt = Interrupt::default();
+    let execution = Execution {
+        interrupt: interrupt.clone(),
+        // A checkpoint is always due.
+        checkpoint_interval: std::time::Duration::ZERO,
+        ..Execution::default()
+    };
+    let walk = Walk { seed: 1, steps: 9 };
+    let run = LongSteps { walk, interrupt };
+    assert_eq!(
+        drive(&run, folder.path(), &execution).unwrap(),
+        End::Stopped
+    );
+    let record = Record::read(folder.path()).unwrap().unwrap();
+    assert_eq!(record.exit.word(), "stopped");
+    assert!(!folder.path().join("checkpoint.bin").exists());
+}
+
+/// A walk that knows by a file of its own that it is finished, whatever its record says.
+struct Marked(Walk);
+
+impl Run for Marked {
+    type State = <Walk as Run>::State;
+    type Checkpoint = <Walk as Run>::Checkpoint;
+    type Answer = <Walk as Run>::Answer;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        self.0.work()
+    }
+
+    fn length(&self) -> u64 {
+        self.0.length()
+    }
+
+    fn open(&self, directory: &Path, saved: Option<Self::Checkpoint>) -> Result<Self::State> {
+        self.0.open(directory, saved)
+    }
+
+    fn done(&self, state: &Self::State) -> u64 {
+        self.0.done(state)
+    }
+
+    fn advance(&self, state: &mut Self::State, turn: &Turn) -> Result<()> {
+        self.0.advance(state, turn)
+    }
+
+    fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint> {
+        self.0.save(state)
+    }
+
+    fn answer(&self, state: &mut Self::State, directory: &Path) -> Result<Self::Answer> {
+        let place = self.0.answer(state, directory)?;
+        std::fs::write(directory.join("place.txt"), place.position.to_string()).unwrap();
+        Ok(place)
+    }
+
+    fn details(&self, _: &mut Self::State, _: &Path) -> Result<serde_json::Value> {
+        Ok(serde_json::Value::Null)
+    }
+
+    fn finished(&self, directory: &Path, _: Option<&Record>) -> Result<Option<Self::Answer>> {
+        let text = std::fs::read_to_string(directory.join("place.txt"));
+        Ok(text.ok().map(|text| walk::Place {
+            step: self.0.steps,
+            position: text.parse().unwrap(),
+        }))
+    }
+}
+
+#[test]
+fn a_run_killed_before_its_last_record_is_recorded_as_done_by_the_next() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = Marked(Walk { seed: 2, steps: 9 });
+    let whole = drive(&run, folder.path(), &Execution::default()).unwrap();
+    let files = contents(folder.path());
+    let done = Record::read(folder.path()).unwrap().unwrap();
+    let killed = Record {
+        exit: Exit::Running,
+        done: Some(0),
+        ..done.clone()
+    };
+    killed.write(folder.path()).unwrap();
+    assert_eq!(
+        drive(&run, folder.path(), &Execution::default()).unwrap(),
+        whole
+    );
+    assert_eq!(contents(folder.path()), files);
+}
+
+#[test]
+fn further_work_in_the_directory_of_a_finished_run_is_recorded() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = Walk { seed: 4, steps: 9 };
+    walk(&plan, folder.path(), &Execution::default()).unwrap();
+    let files = contents(folder.path());
+    let exit = || Record::read(folder.path()).unwrap().unwrap().exit;
+    let interrupt = Interrupt::default();
+    let end = extend(folder.path(), &interrupt, || {
+        assert_eq!(exit(), Exit::Running);
+        Ok::<_, Error>(End::<()>::Stopped)
+    });
+    assert_eq!((end.unwrap(), exit().word()), (End::Stopped, "stopped"));
+    extend(folder.path(), &interrupt, || {
+        Ok::<_, Error>(End::Finished(()))
+    })
+    .unwrap();
+    // Equal to what it was, but for the reason of the earlier stop.
+    assert_eq!(contents(folder.path()), files);
 }

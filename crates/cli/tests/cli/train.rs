@@ -80,6 +80,37 @@ fn killed_and_continued_it_ends_with_the_same_weights() {
     assert!(String::from_utf8_lossy(&other.stderr).contains("--force"));
 }
 
+/// As a process leaves it that was killed between its last file and its last record.
+#[test]
+fn killed_before_its_last_record_it_says_so_and_the_same_command_mends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run");
+    let name = path.display().to_string();
+    let train = || program(SOME).args(["-o", &name]).output().unwrap();
+    let status = || {
+        is_ok(
+            &program(["report", &name, "-q", "--force"])
+                .output()
+                .unwrap(),
+        );
+        std::fs::read_to_string(path.join("report.html")).unwrap()
+    };
+    is_ok(&train());
+    let record = std::fs::read_to_string(path.join("run.json")).unwrap();
+    assert!(status().contains("nothing failed and nothing is missing"));
+    let mut killed: Value = serde_json::from_str(&record).unwrap();
+    killed["exit_reason"] = "running".into();
+    killed["done"] = 0.into();
+    std::fs::write(path.join("run.json"), killed.to_string()).unwrap();
+    assert!(status().contains("According to its record it is still running"));
+    is_ok(&train());
+    assert_eq!(
+        std::fs::read_to_string(path.join("run.json")).unwrap(),
+        record
+    );
+    assert!(status().contains("nothing failed and nothing is missing"));
+}
+
 #[test]
 fn a_time_limit_stops_it_resumably() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,6 +7,7 @@ use crate::{data, figures, provenance};
 use anyhow::Result;
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::number_scores::NumberScores;
+use protomer_results::Record;
 use protomer_training::learning::train::{
     Metrics, NumberMetrics, PREDICTED_NUMBERS, Source, TrainSettings,
 };
@@ -23,6 +24,7 @@ const MOST_NAMED: usize = 20;
 /// If a file is damaged.
 pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
     let metrics = Metrics::read(directory)?;
+    let record = Record::read(directory)?;
     let mut sections = Vec::new();
     let curve = data::of_file(directory, "history.csv")?;
     match &metrics {
@@ -53,11 +55,14 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
         }
     }
     sections.push(conditions(settings, metrics.as_ref()));
-    let mut more = vec![("seed", settings.training.seed.to_string())];
-    if let Some(metrics) = &metrics {
-        more.insert(0, ("program", format!("protomer {}", metrics.version)));
-    }
-    sections.push(provenance::section(directory, "settings.toml", None, more)?);
+    let more = vec![("seed", settings.training.seed.to_string())];
+    let record = record.as_ref();
+    sections.push(provenance::section(
+        directory,
+        "settings.toml",
+        record,
+        more,
+    )?);
     Ok(Page {
         title: format!("Training: {}", provenance::name(directory)),
         subtitle: format!(
@@ -65,7 +70,7 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
             settings.training.channels.join(", ")
         ),
         verdict: metrics.as_ref().and_then(passed),
-        problems: problems(metrics.as_ref()),
+        problems: problems(metrics.as_ref(), record),
         sections,
     })
 }
@@ -81,11 +86,15 @@ fn passed(metrics: &Metrics) -> Option<Verdict> {
     Some(Verdict::control_passed(control.reached, &reason))
 }
 
-fn problems(metrics: Option<&Metrics>) -> Vec<String> {
+fn problems(metrics: Option<&Metrics>, record: Option<&Record>) -> Vec<String> {
+    // The scores are there before the experiments of a control and the trainings of an ablation.
+    let mut problems = Vec::from_iter(provenance::unfinished(record));
     let Some(metrics) = metrics else {
-        return vec!["The training is not finished; the same command continues it.".into()];
+        if problems.is_empty() {
+            problems.push("The training is not finished; the same command continues it.".into());
+        }
+        return problems;
     };
-    let mut problems = Vec::new();
     if !metrics.quarantined.is_empty() {
         problems.push(format!(
             "{} samples were left out (see Conditions).",

@@ -8,6 +8,7 @@ use crate::page::{Page, Section};
 use crate::{data, figures, provenance};
 use anyhow::{Context, Result};
 use protomer_io::csv::cells;
+use protomer_results::Record;
 use protomer_training::learning::train::TrainSettings;
 use protomer_training::learning::tune::TuneSettings;
 use std::path::Path;
@@ -49,10 +50,11 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
     };
     sections.push(Section::new("Trials", html));
     sections.push(conditions(settings)?);
+    let record = Record::read(directory)?;
     let mut provenance = provenance::section(
         directory,
         "settings.toml",
-        None,
+        record.as_ref(),
         vec![("seed", settings.seed.to_string())],
     )?;
     if best.is_some() {
@@ -61,8 +63,8 @@ pub fn page(directory: &Path, settings: &TuneSettings) -> Result<Page> {
         provenance.html += &folded_text("best.toml", &text);
     }
     sections.push(provenance);
-    let mut problems = Vec::new();
-    if best.is_none() {
+    let mut problems = Vec::from_iter(provenance::unfinished(record.as_ref()));
+    if best.is_none() && problems.is_empty() {
         problems.push("The search is not finished; the same command continues it.".into());
     }
     problems.extend(trials.as_ref().and_then(Trials::diverged));

@@ -3,14 +3,14 @@
 use super::ablation;
 use super::control_report::{ControlReport, ExperimentReport};
 use super::metrics::Metrics;
-use super::run::train_in;
+use super::run::{train_holding, train_in};
 use super::settings::{Source, TrainSettings};
 use anyhow::{Result, bail};
 use protomer_learn::Device;
 use protomer_learn::ablation::{Ablation, plan};
 use protomer_learn::controls::{Control, Experiment, Form};
-use protomer_learn::sample::SampleSource;
-use protomer_results::{End, Execution};
+use protomer_learn::sample::{InMemory, SampleSource};
+use protomer_results::{End, Execution, ResultsDirectory, extend};
 use std::path::Path;
 
 /// A training, optionally with an ablation.
@@ -77,25 +77,44 @@ pub fn run_job(
     execution: &Execution,
 ) -> Result<End<Metrics>> {
     execution.progress.begin(job.epochs(), "epochs");
-    train_and_ablate(job, set, path, device, execution)
+    Ok(train_and_ablate(job, set, path, device, execution)?.0)
 }
 
+/// Also returns the directory, held for further work in it.
 fn train_and_ablate(
     job: &Job,
     set: &dyn SampleSource,
     path: &Path,
     device: &Device,
     execution: &Execution,
-) -> Result<End<Metrics>> {
+) -> Result<(End<Metrics>, ResultsDirectory)> {
     let trainings = job.ablation()?;
-    let End::Finished(mut metrics) = train_in(&job.settings, set, path, device, execution)? else {
-        return Ok(End::Stopped);
+    let (main, held) = train_holding(&job.settings, set, path, device, execution)?;
+    let End::Finished(metrics) = main else {
+        return Ok((End::Stopped, held));
     };
     if trainings.is_empty() {
-        return Ok(End::Finished(metrics));
+        return Ok((End::Finished(metrics), held));
     }
+    let end = extend(path, &execution.interrupt, || {
+        ablate(job, metrics, &trainings, set, path, device, execution)
+    })?;
+    Ok((end, held))
+}
+
+/// Runs or continues the further trainings of an ablation, and adds their table to the metrics of the
+/// main one.
+fn ablate(
+    job: &Job,
+    mut metrics: Metrics,
+    trainings: &[(String, TrainSettings)],
+    set: &dyn SampleSource,
+    path: &Path,
+    device: &Device,
+    execution: &Execution,
+) -> Result<End<Metrics>> {
     let mut runs = vec![metrics.ablation_run(job.settings.training.seed)];
-    for (folder, settings) in &trainings {
+    for (folder, settings) in trainings {
         let folder = path.join(folder);
         let End::Finished(of_subset) = train_in(settings, set, &folder, device, execution)? else {
             return Ok(End::Stopped);
@@ -171,36 +190,42 @@ pub fn run_control(
     execution: &Execution,
 ) -> Result<End<Metrics>> {
     execution.progress.begin(run.epochs(), "epochs");
-    let mut main = None;
-    let mut reports = Vec::new();
-    for (number, (experiment, job)) in run.experiments.iter().enumerate() {
-        let Source::Control {
-            name,
-            variant,
-            samples,
-            size,
-            seed,
-        } = job.settings.source
-        else {
-            bail!("a control makes its own samples");
-        };
-        let set = name.samples(variant, samples, size, seed);
-        let folder = if number == 0 {
-            path.to_owned()
-        } else {
-            path.join(experiment.name)
-        };
-        let end = train_and_ablate(job, &set, &folder, device, execution)?;
-        let End::Finished(metrics) = end else {
-            return Ok(End::Stopped);
-        };
-        reports.push(ExperimentReport::of(experiment, &metrics));
-        main.get_or_insert(metrics);
-    }
-    let Some(mut metrics) = main else {
+    let [(experiment, main), others @ ..] = run.experiments.as_slice() else {
         bail!("the control {} has no experiment", run.control.name())
     };
-    metrics.control = Some(ControlReport::of(run.control, run.form, reports));
-    metrics.write(path)?;
-    Ok(End::Finished(metrics))
+    let set = samples_of_control(&main.settings)?;
+    let (end, _held) = train_and_ablate(main, &set, path, device, execution)?;
+    let End::Finished(mut metrics) = end else {
+        return Ok(End::Stopped);
+    };
+    extend(path, &execution.interrupt, || {
+        let mut reports = vec![ExperimentReport::of(experiment, &metrics)];
+        for (experiment, job) in others {
+            let set = samples_of_control(&job.settings)?;
+            let folder = path.join(experiment.name);
+            let (end, _held) = train_and_ablate(job, &set, &folder, device, execution)?;
+            let End::Finished(metrics) = end else {
+                return Ok(End::Stopped);
+            };
+            reports.push(ExperimentReport::of(experiment, &metrics));
+        }
+        metrics.control = Some(ControlReport::of(run.control, run.form, reports));
+        metrics.write(path)?;
+        Ok(End::Finished(metrics))
+    })
+}
+
+/// The samples that a control makes for itself.
+fn samples_of_control(settings: &TrainSettings) -> Result<InMemory> {
+    let Source::Control {
+        name,
+        variant,
+        samples,
+        size,
+        seed,
+    } = settings.source
+    else {
+        bail!("a control makes its own samples");
+    };
+    Ok(name.samples(variant, samples, size, seed))
 }

@@ -323,16 +323,28 @@ pub fn train_in(
     device: &Device,
     execution: &Execution,
 ) -> Result<End<Metrics>> {
+    let (end, _held) = train_holding(settings, set, path, device, execution)?;
+    Ok(end)
+}
+
+/// As [`train_in`]; the directory stays ours for further work in it.
+pub(super) fn train_holding(
+    settings: &TrainSettings,
+    set: &dyn SampleSource,
+    path: &Path,
+    device: &Device,
+    execution: &Execution,
+) -> Result<(End<Metrics>, ResultsDirectory)> {
     let prepared = Prepared::new(settings, set)?;
     check(settings, &prepared)?;
     let run = TrainingRun::new(settings, &prepared, device.clone())?;
-    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    let held = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     let end = drive(&run, path, execution)?;
     // Earlier versions did not write this file.
     if matches!(end, End::Finished(_)) && TrainedOn::read(path)?.is_none() {
         note_samples(settings, &prepared, path)?;
     }
-    Ok(end)
+    Ok((end, held))
 }
 
 /// Records the structures that the network has seen. A control has none.
