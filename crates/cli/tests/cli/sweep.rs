@@ -902,3 +902,26 @@ fn the_figure_tells_starts_apart_and_marks_the_half_salt() {
     let alike = drawn(Starts::Assembly, |_, _| 0.9);
     assert_eq!(names(&alike), vec![vec!["mean of the replicas"]; 3]);
 }
+
+#[test]
+fn frames_of_an_assembly_without_contacts_are_reweighted() {
+    let place = TemporaryFolder::new();
+    let ring = std::fs::read_to_string(place.path("ring.json")).unwrap();
+    std::fs::write(place.path("far.json"), ring.replace("12", "30")).unwrap();
+    is_ok(&place.run(
+        "sweep far.json --salt 50mM,300mM --energy direct --replicas 2 --sweeps 60 --equilibration 10 \
+         --trajectory-every 10 -q -o run",
+    ));
+    let output = place.run("reweight run -o curves");
+    is_ok(&output);
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.contains("no two bodies touch"), "{text}");
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(place.path("curves/reweighting.json")).unwrap())
+            .unwrap();
+    let point = &json["concentrations"][0]["points"][0];
+    assert!(point["contacts_left"].is_null() && point["bound_fraction"]["mean"].is_number());
+    let csv = std::fs::read_to_string(place.path("curves/reweighting.csv")).unwrap();
+    assert!(!csv.contains("NaN"), "{csv}");
+    is_ok(&place.run("report run"));
+}

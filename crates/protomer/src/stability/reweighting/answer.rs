@@ -63,8 +63,8 @@ pub struct CurvePoint {
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: f64,
-    /// Contacts over those of the assembly.
-    pub contacts_left: Estimate,
+    /// Contacts over those of the assembly; null if the assembly has none.
+    pub contacts_left: Option<Estimate>,
     /// Fraction of the bodies that touch another.
     pub bound_fraction: Estimate,
     /// How many frames of equal weight would be as good.
@@ -136,8 +136,8 @@ impl ReweightingResult {
                 table.push(vec![
                     Cell::from(curve.concentration_molar),
                     point.salt_molar.into(),
-                    point.contacts_left.mean.into(),
-                    Cell::from(point.contacts_left.error),
+                    Cell::from(point.contacts_left.map(|left| left.mean)),
+                    Cell::from(point.contacts_left.and_then(|left| left.error)),
                     point.bound_fraction.mean.into(),
                     Cell::from(point.bound_fraction.error),
                     point.effective_frames.into(),
@@ -157,6 +157,19 @@ impl ReweightingResult {
                 .map(|curve| series(curve, value, half(curve)))
                 .collect(),
         };
+        let mut panels = vec![panel(
+            "bodies that touch another",
+            |point| Some(point.bound_fraction),
+            |curve| curve.half_bound_salt,
+        )];
+        if self.has_contacts() {
+            let left = panel(
+                "contacts left",
+                |point| point.contacts_left,
+                |curve| curve.half_salt,
+            );
+            panels.insert(0, left);
+        }
         Figure {
             title: "Stability against salt, from all frames".into(),
             caption: format!(
@@ -167,23 +180,25 @@ impl ReweightingResult {
                 true => Axis::log("salt (mM)"),
                 false => Axis::linear("salt (mM)"),
             },
-            panels: vec![
-                panel(
-                    "contacts left",
-                    |point| point.contacts_left,
-                    |curve| curve.half_salt,
-                ),
-                panel(
-                    "bodies that touch another",
-                    |point| point.bound_fraction,
-                    |curve| curve.half_bound_salt,
-                ),
-            ],
+            panels,
         }
+    }
+
+    /// Whether the assembly has contacts, of which a share can be left.
+    fn has_contacts(&self) -> bool {
+        let mut points = self.concentrations.iter().flat_map(|curve| &curve.points);
+        points.any(|point| point.contacts_left.is_some())
     }
 
     fn notes(&self) -> Vec<String> {
         let mut notes = Vec::new();
+        if !self.has_contacts() {
+            notes.push(
+                "in the assembly no two bodies touch, so there are no contacts of which a share could \
+                 be left; the share of bodies that touch another is known"
+                    .into(),
+            );
+        }
         match self.equilibrated {
             Some(false) => notes.push(
                 "not equilibrated: runs from the assembly and from the fluid disagree, so weights \
@@ -269,17 +284,20 @@ impl ConcentrationCurve {
             "±",
             "effective frames",
         ])];
-        let error = |estimate: Estimate| {
-            let error = estimate.error;
+        let mean = |estimate: Option<Estimate>| {
+            estimate.map_or("-".into(), |estimate| format!("{:.3}", estimate.mean))
+        };
+        let error = |estimate: Option<Estimate>| {
+            let error = estimate.and_then(|estimate| estimate.error);
             error.map_or("-".into(), |error| format!("{error:.3}"))
         };
         for point in &self.points {
             rows.push(vec![
                 format!("{:.4}", point.salt_molar),
-                format!("{:.3}", point.contacts_left.mean),
+                mean(point.contacts_left),
                 error(point.contacts_left),
-                format!("{:.3}", point.bound_fraction.mean),
-                error(point.bound_fraction),
+                mean(Some(point.bound_fraction)),
+                error(Some(point.bound_fraction)),
                 format!("{:.0}", point.effective_frames),
             ]);
         }
@@ -287,10 +305,14 @@ impl ConcentrationCurve {
     }
 
     fn halves(&self) -> Vec<String> {
-        let of = [
-            ("half of the contacts are left", self.half_salt),
-            ("half of the bodies touch another", self.half_bound_salt),
-        ];
+        let mut of = vec![("half of the bodies touch another", self.half_bound_salt)];
+        if self
+            .points
+            .iter()
+            .any(|point| point.contacts_left.is_some())
+        {
+            of.insert(0, ("half of the contacts are left", self.half_salt));
+        }
         let in_words = |(what, half): (&str, Option<HalfSaltEstimate>)| match half {
             Some(half) => {
                 let interval = half.interval_molar.map(|ends| ends.map(Some));
@@ -303,7 +325,7 @@ impl ConcentrationCurve {
     }
 }
 
-type ValueOfPoint = fn(&CurvePoint) -> Estimate;
+type ValueOfPoint = fn(&CurvePoint) -> Option<Estimate>;
 type HalfOfCurve = fn(&ConcentrationCurve) -> Option<HalfSaltEstimate>;
 
 /// A curve, and where it is one half with its interval.
@@ -314,8 +336,7 @@ fn series(
 ) -> Series {
     let mut points = Vec::new();
     for point in &curve.points {
-        let estimate = value(point);
-        if estimate.mean.is_finite() {
+        if let Some(estimate) = value(point) {
             points.push(Point {
                 x: 1e3 * point.salt_molar,
                 y: estimate.mean,

@@ -116,7 +116,7 @@ impl<'a> Curves<'a> {
             };
             points.push(CurvePoint {
                 salt_molar: *salt_molar,
-                contacts_left: estimate(CONTACTS),
+                contacts_left: Some(estimate(CONTACTS)).filter(|left| left.mean.is_finite()),
                 bound_fraction: estimate(BOUND),
                 effective_frames: averages.bound_fraction[place].effective_frames,
             });

@@ -36,7 +36,7 @@ pub(super) struct Frame {
     /// Frames of a replica that follow each other are of one block, at all salts: states that are
     /// exchanged are not independent.
     pub(super) block: usize,
-    /// Contacts over those of the assembly.
+    /// Contacts over those of the assembly; not a number if that has none.
     pub(super) contacts_left: f64,
     pub(super) bound_fraction: f64,
     pub(super) clusters: usize,
@@ -149,7 +149,7 @@ impl Samples {
                 self.simulated_molar[frame.salt].into(),
                 frame.replica.into(),
                 frame.block.into(),
-                frame.contacts_left.into(),
+                Cell::from(Some(frame.contacts_left).filter(|left| left.is_finite())),
                 frame.bound_fraction.into(),
                 frame.clusters.into(),
             ];
