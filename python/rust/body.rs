@@ -45,6 +45,7 @@ impl Body {
         charges: PyReadonlyArray1<'_, f64>,
     ) -> PyResult<Self> {
         let build = || -> Result<protomer_body::Body> {
+            protomer_body::check_name(&name)?;
             let vertices = places(&vertices, "vertices_angstrom")?;
             let triangles = corners(&triangles, vertices.len())?;
             let mesh = TriangleMesh {

@@ -54,6 +54,8 @@ def test_meshes_that_bound_nothing_are_refused():
         pm.Body.from_arrays(vertices_angstrom=TETRAHEDRON, triangles=FACES[:3])
     with pytest.raises(pm.ProtomerError, match="vertex 9 of 4"):
         pm.Body.from_arrays(vertices_angstrom=TETRAHEDRON, triangles=[[0, 1, 9]])
+    with pytest.raises(pm.ProtomerError, match=r"U\+000A"):
+        pm.Body.from_arrays(name="a\nopen x", vertices_angstrom=TETRAHEDRON, triangles=FACES)
     with pytest.raises(pm.ProtomerError, match="2 charges at 1 positions"):
         pm.Body.from_arrays(
             vertices_angstrom=TETRAHEDRON, triangles=FACES, charge_positions_angstrom=[[1, 1, 1]], charges_e=[1, 2]

@@ -10,6 +10,7 @@ use crate::surface::{Deviation, ExactSurface, MeshSettings, Surface};
 use crate::warnings::{cavity_warnings, reader_warnings, selection_warnings};
 use crate::{BodyError, Result};
 use protomer_kernel::PointRecord;
+use protomer_kernel::name::{first_forbidden, printable};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::RangeInclusive;
 
@@ -339,17 +340,29 @@ impl Draft {
 /// Refuses an empty name of a body.
 ///
 /// # Errors
-/// [`BodyError::Invalid`] for a name without a visible character.
+/// [`BodyError::Invalid`] for a name without a visible character, and for one with a control
+/// character or another that a name may not hold ([`protomer_kernel::name`]).
 ///
 /// ```
 /// assert!(protomer_body::check_name("lysozyme").is_ok());
 /// assert!(protomer_body::check_name(" ").is_err());
+/// assert!(protomer_body::check_name("a\nopen x").is_err());
 /// ```
 pub fn check_name(name: &str) -> Result<()> {
     if name.trim().is_empty() {
         return Err(BodyError::Invalid {
             cause: "the name of the body is empty".into(),
             remedy: "give it a name, by which assemblies and tables refer to it".into(),
+        });
+    }
+    if let Some(character) = first_forbidden(name) {
+        return Err(BodyError::Invalid {
+            cause: format!(
+                "the name '{}' of the body holds the character U+{:04X}",
+                printable(name),
+                u32::from(character)
+            ),
+            remedy: "give it a name of visible characters".into(),
         });
     }
     Ok(())

@@ -1,7 +1,7 @@
 //! The reply of a verb, and the only place that prints: data on stdout, notes on stderr.
 
 use crate::global::Global;
-use crate::stderr::note;
+use crate::stderr::{for_terminal, note};
 use anyhow::{Error, Result};
 use protomer_common::answer::{Answer, AnyAnswer};
 use protomer_results::End;
@@ -232,7 +232,11 @@ impl Reply {
         if flags.quiet && !self.is_data {
             return Ok(None);
         }
-        let own_text = || self.answer.as_ref().map(|answer| answer.text());
+        let own_text = || {
+            self.answer
+                .as_ref()
+                .map(|answer| for_terminal(&answer.text()))
+        };
         Ok(self.text.clone().or_else(own_text))
     }
 }

@@ -18,6 +18,7 @@
 //! | [`atomic`] | files that appear only when complete; SHA-256 |
 //! | [`destination`] | what a path to be written leads to: a file, a device, a pipe |
 //! | [`digest`] | SHA-256, of text as it is written too |
+//! | [`written`] | names as tables, pages, scripts and folders want them written |
 
 pub mod atomic;
 mod bytes;
@@ -36,6 +37,7 @@ pub mod points;
 pub mod pqr;
 mod text;
 pub mod volume;
+pub mod written;
 #[cfg(feature = "zarr")]
 pub mod zarr;
 

@@ -130,9 +130,9 @@ fn read_fields(line: &Line, fields: &[&str]) -> Result<Option<PointRecord>> {
         position: line.position(&mut values, "the atom")?,
         charge_e: line.charge(values.next())?,
         radius_angstrom: line.radius(values.next())?,
-        atom_name: fields[1].to_owned(),
-        residue_name: fields[2].to_owned(),
-        chain: chain.to_owned(),
+        atom_name: line.name(fields[1], "the atom")?,
+        residue_name: line.name(fields[2], "the residue")?,
+        chain: line.name(chain, "the chain")?,
         residue_number,
         insertion_code: insertion_code.to_owned(),
     }))

@@ -1,6 +1,7 @@
 //! Shared code of the readers of text formats: numbered lines, numbers, and the refusal of
 //! binary input.
 
+use crate::written::refused_name;
 use crate::{IoError, Result};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::point_record::LARGEST_CHARGE_E;
@@ -62,6 +63,14 @@ impl<'a> Line<'a> {
         match token {
             Some(token) => Ok(token),
             None => Err(self.error(format!("{what} is missing"), "complete the line")),
+        }
+    }
+
+    /// A name, without what a name may not hold.
+    pub fn name(&self, token: &str, what: &str) -> Result<String> {
+        match refused_name(what, token) {
+            None => Ok(token.to_owned()),
+            Some(cause) => Err(self.error(cause, "write a name of visible characters")),
         }
     }
 

@@ -8,6 +8,7 @@
 //! | [`boundary`] | the space that bodies live in: open, periodic, or inside a spherical wall |
 //! | [`periodic_box`] | periodic boxes of any shape in one, two and three dimensions |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
+//! | [`name`] | names that users and files choose: what they may hold |
 //! | [`plain_text`] | bytes of a file as text: encodings, line ends, what is not text |
 //! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
@@ -30,6 +31,7 @@ mod error;
 pub mod exponential;
 pub mod fused;
 pub mod mesh;
+pub mod name;
 pub mod overlap;
 pub mod periodic_box;
 pub mod plain_text;

@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Direction, Rgb, Shape, TextStyle};
 use super::typeface::FAMILY;
+use protomer_io::written::printable;
 use std::fmt::Write;
 
 /// Characters with a meaning in SVG, and what stands for them. `&` comes first.
@@ -81,10 +82,11 @@ impl Canvas for Svg {
     }
 }
 
+/// Text of an element; XML has no control characters.
 pub(crate) fn escaped(text: &str) -> String {
     ESCAPES
         .iter()
-        .fold(text.to_owned(), |text, (sign, written)| {
+        .fold(printable(text).into_owned(), |text, (sign, written)| {
             text.replace(sign, written)
         })
 }

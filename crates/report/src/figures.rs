@@ -112,28 +112,53 @@ fn around(html: &str, title: &str, below: &str) -> String {
     )
 }
 
-/// Whether the text is one picture that runs no scripts and loads nothing.
+/// Whether the text is one picture that runs no scripts and loads nothing. Names in its texts may hold
+/// anything.
 fn stands_by_itself(svg: &str) -> bool {
     let plain = svg.replace("xmlns=\"http://www.w3.org/2000/svg\"", "");
-    let lower = plain.to_lowercase();
+    let tags = tags(&plain.to_lowercase());
     let picture = svg.trim_start().starts_with("<svg") && svg.trim_end().ends_with("</svg>");
-    let acts = ["<script", "<foreignobject", "<iframe", "javascript:", "://"]
-        .iter()
-        .any(|word| lower.contains(word));
-    picture && !acts && !has_handler(&lower)
+    let acts = |tag: &str| {
+        let element = tag.trim_start_matches(['<', '/']);
+        ["script", "foreignobject", "iframe"]
+            .iter()
+            .any(|name| element.starts_with(name))
+    };
+    let loads = |tag: &str| tag.contains("javascript:") || tag.contains("://");
+    let is_harmless = |tag: &String| !acts(tag) && !loads(tag) && !has_handler(tag);
+    picture && tags.iter().all(is_harmless)
+}
+
+/// The tags of a text, without the texts between them. A `>` in quotes ends no tag.
+fn tags(text: &str) -> Vec<String> {
+    let mut tags: Vec<String> = Vec::new();
+    let (mut is_inside, mut quote) = (false, None);
+    for character in text.chars() {
+        match (is_inside, quote) {
+            (false, _) if character == '<' => {
+                is_inside = true;
+                tags.push(String::new());
+            }
+            (false, _) => continue,
+            (true, Some(open)) if character == open => quote = None,
+            (true, None) if character == '"' || character == '\'' => quote = Some(character),
+            (true, None) if character == '>' => is_inside = false,
+            (true, _) => {}
+        }
+        if let Some(tag) = tags.last_mut() {
+            tag.push(character);
+        }
+    }
+    tags
 }
 
 /// Whether a tag has an attribute such as `onload=`.
-fn has_handler(lower: &str) -> bool {
-    lower
-        .split('<')
-        .filter_map(|part| part.split('>').next())
-        .any(|tag| {
-            tag.split_whitespace().any(|word| {
-                let name = word.split('=').next().unwrap_or_default();
-                word.contains('=') && name.len() > 2 && name.starts_with("on")
-            })
-        })
+fn has_handler(tag: &str) -> bool {
+    let mut words = tag.split(|character: char| character.is_whitespace() || character == '/');
+    words.any(|word| {
+        let name = word.split('=').next().unwrap_or_default();
+        word.contains('=') && name.len() > 2 && name.starts_with("on")
+    })
 }
 
 #[cfg(test)]
@@ -148,10 +173,15 @@ mod tests {
         assert!(stands_by_itself(&svg(
             "<text x=\"1\">based on = this</text>"
         )));
+        assert!(stands_by_itself(&svg(
+            "<text>http://x &lt;script&gt; javascript: onload=1 it's</text>"
+        )));
         for bad in [
+            "<image title=\">\" href=\"https://example.org/a\"/>",
             "<script>1</script>",
             "<image href=\"https://example.org/a\"/>",
             "<g onload=\"x\"/>",
+            "<g/onload=x>",
         ] {
             assert!(!stands_by_itself(&svg(bad)), "{bad}");
         }

@@ -1,19 +1,6 @@
 //! Small pieces of HTML.
 
-/// Text that is safe in an element and in a quoted attribute.
-pub fn escape(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            _ => safe.push(character),
-        }
-    }
-    safe
-}
+pub use protomer_io::written::html as escape;
 
 /// A paragraph.
 pub fn paragraph(text: &str) -> String {

@@ -2,6 +2,7 @@
 
 use super::page::Section;
 use base64::prelude::*;
+use protomer_io::written::json_in_html;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use serde_json::{Value, json};
 
@@ -67,7 +68,7 @@ pub struct Shown {
 
 /// The section with the viewer, followed by the HTML `below` it.
 pub fn section(shown: &Shown, below: &str) -> Section {
-    let data = to_json(shown).to_string().replace("</", "<\\/");
+    let data = json_in_html(&to_json(shown).to_string());
     Section {
         title: "Bodies".into(),
         html: include_str!("mesh_view.html").to_owned() + below,

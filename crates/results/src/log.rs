@@ -122,7 +122,7 @@ impl Log {
         })
     }
 
-    fn write(&mut self, cells: &[impl AsRef<[u8]>]) -> Result<()> {
+    fn write(&mut self, cells: &[impl AsRef<str>]) -> Result<()> {
         let line = csv::line(cells)?;
         self.hash.update(&line);
         self.length += line.len() as u64;

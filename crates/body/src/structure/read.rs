@@ -3,9 +3,10 @@
 use super::contents::Structure;
 use super::ending::Ending;
 use super::format::{Format, as_text};
-use super::messages::parse_error;
+use super::messages::{parse_error, quoted};
 use super::{mmcif, pdb};
 use crate::{BodyError, Result};
+use protomer_kernel::name::first_forbidden;
 
 impl Structure {
     /// Reads PDB or mmCIF text; the format follows from the content ([`Format::detect`]). `source`
@@ -41,6 +42,7 @@ impl Structure {
         if let Some(warning) = format.contradiction(source) {
             structure.warnings.add(1, &warning);
         }
+        refuse_names(source, &structure)?;
         Ok(structure)
     }
 }
@@ -53,4 +55,31 @@ fn no_atoms(structure: &Structure, text: &str) -> BodyError {
         _ => "give a PDB file with ATOM records, or an mmCIF file with _atom_site",
     };
     parse_error(&structure.source, 0, cause, remedy)
+}
+
+/// Refuses names that could become something else where they are written ([`protomer_kernel::name`]).
+fn refuse_names(source: &str, structure: &Structure) -> Result<()> {
+    for atom in structure.models.iter().flat_map(|model| &model.atoms) {
+        let names = [
+            ("atom", &atom.name),
+            ("residue", &atom.residue_name),
+            ("chain", &atom.chain),
+            ("chain", &atom.label_chain),
+            ("insertion code", &atom.insertion_code),
+            ("element", &atom.element),
+        ];
+        for (what, name) in names {
+            if let Some(character) = first_forbidden(name) {
+                let cause = format!(
+                    "atom {}: the {what} {} holds the character U+{:04X}",
+                    atom.serial,
+                    quoted(name),
+                    u32::from(character)
+                );
+                let remedy = "write names of visible characters";
+                return Err(parse_error(source, 0, cause, remedy));
+            }
+        }
+    }
+    Ok(())
 }

@@ -6,6 +6,7 @@
 
 use super::{Chunk, ChunkData, FrameWriter, GsdFile};
 use crate::{IoError, Result};
+use protomer_kernel::name::printable;
 use protomer_kernel::{Pose, TriangleMesh};
 use std::path::Path;
 
@@ -206,7 +207,7 @@ fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
 fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for kind in &header.types {
-        names.push(kind.name.clone());
+        names.push(printable(&kind.name).into_owned());
         shapes.push(shape_json(kind.mesh.as_ref()));
     }
     let types = ChunkData::U32(header.type_ids.clone());

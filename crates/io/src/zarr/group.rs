@@ -2,6 +2,7 @@
 //! of its samples there.
 
 use super::layout::LAYOUT_VERSION;
+use super::write::is_identifier;
 use crate::atomic::write_atomically;
 use crate::{IoError, Result};
 use serde::de::DeserializeOwned;
@@ -96,7 +97,12 @@ impl Head {
     }
 
     pub(super) fn channels(&self, path: &Path) -> Result<Vec<String>> {
-        list(path, "channels", &self.channels)
+        let channels = list(path, "channels", &self.channels)?;
+        // Folders are named after them.
+        match channels.iter().all(|name| is_identifier(name)) {
+            true => Ok(channels),
+            false => Err(not_a_set(path, "a channel has a name that none can have")),
+        }
     }
 
     pub(super) fn implied(&self, path: &Path) -> Result<Vec<String>> {

@@ -303,7 +303,8 @@ fn check_names(channels: &[String], implied: &[String]) -> Result<()> {
     Ok(())
 }
 
-fn is_identifier(name: &str) -> bool {
+/// Whether a channel can have this name: it names an array and, in an ablation, folders.
+pub(super) fn is_identifier(name: &str) -> bool {
     let is_allowed = |c: char| c.is_ascii_alphanumeric() || c == '_';
     !name.is_empty() && name.chars().all(is_allowed)
 }

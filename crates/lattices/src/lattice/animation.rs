@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
 use protomer_crystal::lattice::{Network, Rod};
+use protomer_io::written::{html, json_in_html};
 use protomer_results::ResultKind;
 use serde::Serialize;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -170,7 +171,7 @@ impl Animation {
         PAGE.replace("{{STYLE}}", PLAYER_STYLE.trim_end())
             .replace("{{PLAYER}}", PLAYER.trim_end())
             .replace("{{SCRIPT}}", PLAYER_SCRIPT.trim_end())
-            .replace("{{TITLE}}", &self.title)
+            .replace("{{TITLE}}", &html(&self.title))
             .replace("{{DATA}}", &self.to_json())
     }
 
@@ -200,8 +201,7 @@ impl Animation {
             "title": self.title, "bounds": self.bounds(), "size": half_diagonals, "rods": rods, "times": times,
             "frames": frames,
         });
-        // No text may look like the end of the script element.
-        data.to_string().replace("</", "<\\/")
+        json_in_html(&data.to_string())
     }
 
     /// One frame as an SVG file.

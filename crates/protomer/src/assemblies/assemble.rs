@@ -8,6 +8,7 @@ use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_unti
 use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::output_file::{refuse_to_replace, write_once};
+use protomer_io::written::FileNames;
 use protomer_kernel::{Pose, Vec3};
 use protomer_results::ResultKind;
 use serde::Serialize;
@@ -330,13 +331,10 @@ pub fn assemble_structure(
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     let (mut paths, mut bodies, mut placements, mut chains) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut described = Vec::new();
+    let (mut described, mut names) = (Vec::new(), FileNames::default());
     for (kind, body_type) in types.into_iter().enumerate() {
-        let name = format!(
-            "{}_{}",
-            protomer_common::input::stem(input),
-            body_type.reference
-        );
+        let stem = protomer_common::input::stem(input);
+        let name = names.add(&format!("{stem}_{}", body_type.reference));
         let source = Source {
             file: &file.name,
             sha256: &file.sha256,

@@ -12,7 +12,7 @@
 use crate::bodies::body_file;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
-use protomer_body::Body;
+use protomer_body::{Body, check_name};
 use protomer_common::input::path_from;
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
@@ -149,6 +149,7 @@ impl Assembly {
             bail!("the assembly contains no bodies; add entries to 'placements'");
         }
         for (index, entry) in file.bodies.iter().enumerate() {
+            check_name(&entry.name).with_context(|| format!("entry {index} of 'bodies'"))?;
             if file.bodies[..index]
                 .iter()
                 .any(|earlier| earlier.name == entry.name)

@@ -2,11 +2,12 @@
 
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
-use protomer_body::{Body, Provenance, Residue, Site};
+use protomer_body::{Body, Provenance, Residue, Site, check_name};
 use protomer_common::output_file;
 use protomer_io::atomic::{sha256_hex, write_atomically};
 use protomer_io::container::{Array, Container};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
+use protomer_kernel::name::{first_forbidden, printable};
 use protomer_kernel::point_record::LARGEST_CHARGE_E;
 use protomer_kernel::{Number, TriangleMesh, Vec3};
 use serde::{Deserialize, Serialize};
@@ -149,6 +150,8 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     require_at_most("radii_angstrom", radii, LARGEST_COORDINATE_ANGSTROM, "Å")?;
     let residue_of = container.u32(file, "residues", &[None])?;
     let header: BodyHeader = serde_json::from_value(container.header.clone())?;
+    check_name(&header.name)?;
+    refuse_names_of(&header)?;
     let count = positions.len();
     if [
         charges.len(),
@@ -189,6 +192,26 @@ fn decode(file: &str, container: Container) -> Result<Body> {
         mass_properties,
         provenance: header.provenance,
     })
+}
+
+/// Refuses names that could become something else where they are written.
+fn refuse_names_of(header: &BodyHeader) -> Result<()> {
+    let residues = header.residues.iter();
+    let of_residues = residues.flat_map(|residue| {
+        [&residue.name, &residue.chain, &residue.insertion_code].map(String::as_str)
+    });
+    let mut names = header
+        .atom_names
+        .iter()
+        .map(String::as_str)
+        .chain(of_residues);
+    match names.find(|name| first_forbidden(name).is_some()) {
+        Some(name) => bail!(
+            "the name '{}' of an atom, a residue or a chain holds a control character",
+            printable(name)
+        ),
+        None => Ok(()),
+    }
 }
 
 fn numbers<'a>(

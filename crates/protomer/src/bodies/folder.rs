@@ -1,6 +1,6 @@
 //! A folder of bodies that are made on the way to something else, with the tables of `ingest`.
 
-use super::ingest::{FileOutcome, IngestSettings, keep};
+use super::ingest::{FileOutcome, IngestSettings, keep, refuse_path};
 use super::tables::{Paths, Tables, record_of};
 use anyhow::{Context, Result, bail};
 use protomer_body::Draft;
@@ -24,8 +24,8 @@ impl BodyFolder {
     /// # Errors
     /// If a name is a path, or the folder cannot be made, holds other results or is in use.
     pub fn open(folder: &Path, names: &[String], shard: Shard, force: bool) -> Result<Self> {
-        if let Some(name) = names.iter().find(|name| name.contains(['/', '\\'])) {
-            bail!("the name '{name}' cannot be that of a body file; give one without / and \\");
+        for name in names {
+            refuse_path(name)?;
         }
         let (paths, held) = Paths::claim(folder, shard)?;
         if paths.done.exists() && !force {

@@ -13,6 +13,7 @@ use protomer_common::remedy;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::PointRecord;
 use protomer_io::pqr::{read_pqr_file, write_pqr};
+use protomer_kernel::name::printable;
 use protomer_results::{Progress, ResultKind};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -220,6 +221,7 @@ pub(super) fn ingest_one(
 /// to remain distinct.
 pub(super) fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result<Vec<String>> {
     if let Some(name) = &settings.name {
+        refuse_path(name)?;
         return Ok(vec![name.clone()]);
     }
     let stems: Vec<String> = files.iter().map(|file| stem(file)).collect();
@@ -244,6 +246,17 @@ fn repeated(names: &[String]) -> BTreeSet<String> {
     sorted.sort_unstable();
     let equal = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
     equal.map(|pair| pair[0].clone()).collect()
+}
+
+/// Refuses a name that leads out of the folder of its body file.
+pub(super) fn refuse_path(name: &str) -> Result<()> {
+    if name.contains(['/', '\\', '\0']) {
+        bail!(
+            "the name '{}' cannot be that of a body file; give one without / and \\",
+            printable(name)
+        );
+    }
+    Ok(())
 }
 
 fn full_name(file: &Path) -> String {

@@ -95,8 +95,7 @@ pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
 
 impl WarningRow {
     fn of(file: &str, kind: &str, message: &str) -> Self {
-        // A row is a line.
-        Self([file, kind, message].map(|cell| cell.replace(['\n', '\r'], " ")))
+        Self([file, kind, message].map(str::to_owned))
     }
 }
 

@@ -139,7 +139,7 @@ pub fn export(settings: &ExportSettings) -> Result<ExportReport> {
     let mut files = vec![(&settings.output, text)];
     if let Some((viewer, path)) = &script {
         let limit = settings.values.map(ResidueValues::limit);
-        let text = viewer.script(&settings.output, &placed, &chains, limit);
+        let text = viewer.script(&settings.output, &placed, &chains, limit)?;
         files.push((path, text));
     }
     for (path, text) in &files {

@@ -1,6 +1,9 @@
 //! Scripts that open a structure file in a viewer, show a surface of each copy, and colour it.
 
+use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, WrittenChain};
+use protomer_io::written::script_words;
+use protomer_kernel::name::printable;
 use std::path::{Path, PathBuf};
 
 /// A program that shows molecules.
@@ -15,7 +18,7 @@ pub enum Viewer {
 /// A copy of a body in the file.
 struct Copy<'a> {
     number: usize,
-    body: &'a str,
+    body: String,
     chains: Vec<&'a str>,
     colour: [u8; 3],
 }
@@ -32,19 +35,22 @@ impl Viewer {
     /// The script for a structure file in the same folder. Copies have a colour each; with a
     /// limit, surfaces have those of their residues' B factors, from red (-limit) over white to
     /// blue.
+    ///
+    /// # Errors
+    /// If the name of the structure file would be something else in a script.
     pub fn script(
         self,
         structure: &Path,
         placed: &PlacedBodies,
         chains: &[WrittenChain],
         limit: Option<f64>,
-    ) -> String {
-        let file = structure.file_name().unwrap_or_default().to_string_lossy();
+    ) -> Result<String> {
+        let file = name_in_script(structure)?;
         let mut copies = Vec::with_capacity(placed.copies.len());
         for (number, copy) in placed.copies.iter().enumerate() {
             copies.push(Copy {
                 number,
-                body: &copy.body.name,
+                body: script_words(&copy.body.name),
                 chains: Vec::new(),
                 colour: colour(number),
             });
@@ -55,11 +61,25 @@ impl Viewer {
             }
         }
         copies.retain(|copy| !copy.chains.is_empty());
-        match self {
+        Ok(match self {
             Self::Chimerax => chimerax(&file, &copies, limit),
             Self::Pymol => pymol(&file, &copies, limit),
-        }
+        })
     }
+}
+
+/// The name of a file as a script names it: viewers read commas, quotes, semicolons and brackets in it
+/// as parts of the command.
+fn name_in_script(structure: &Path) -> Result<String> {
+    let file = structure.file_name().unwrap_or_default().to_string_lossy();
+    let is_harmless = |character: char| character.is_alphanumeric() || "._-+ ".contains(character);
+    if !file.chars().all(is_harmless) {
+        bail!(
+            "a script cannot name the file '{}'; choose a name of letters, digits, blanks and . _ - +",
+            printable(&file)
+        );
+    }
+    Ok(file.into_owned())
 }
 
 fn chimerax(file: &str, copies: &[Copy], limit: Option<f64>) -> String {
@@ -165,7 +185,7 @@ mod tests {
     fn every_chain_of_a_copy_has_its_colour() {
         let copies = [Copy {
             number: 0,
-            body: "dimer",
+            body: "dimer".into(),
             chains: vec!["A", "B"],
             colour: [255, 0, 10],
         }];

@@ -5,6 +5,7 @@ use anyhow::{Result, bail};
 use protomer_common::input::{InputFile, stem};
 use protomer_io::csv::cells;
 use protomer_io::digest::Digest;
+use protomer_kernel::name::{first_forbidden, printable};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -149,7 +150,9 @@ impl Manifest {
     }
 
     fn entry_of(&self, number: usize, line: &Line) -> Result<Entry> {
-        let [file, label, cluster, family, name] = self.columns.cells_of(&self.file, line)?;
+        let cells = self.columns.cells_of(&self.file, line)?;
+        self.refuse_characters(line, &cells)?;
+        let [file, label, cluster, family, name] = cells;
         let name = if name.is_empty() {
             stem(Path::new(&file))
         } else {
@@ -169,6 +172,25 @@ impl Manifest {
             cluster,
             family,
         })
+    }
+}
+
+impl Manifest {
+    /// Refuses names that could become something else where they are written.
+    fn refuse_characters(&self, line: &Line, cells: &[String; KNOWN.len()]) -> Result<()> {
+        for (column, cell) in KNOWN.iter().zip(cells) {
+            if let Some(character) = first_forbidden(cell) {
+                bail!(
+                    "{}:{}, column {column}: '{}' holds the character U+{:04X}; write visible \
+                     characters",
+                    self.file,
+                    line.number,
+                    printable(cell),
+                    u32::from(character)
+                );
+            }
+        }
+        Ok(())
     }
 }
 

@@ -4,6 +4,7 @@ use super::result::PoseResult;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, Residue};
 use protomer_io::csv::{Cell, Table, cells};
+use protomer_io::written::csv_cell;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Pose, Vec3};
 use protomer_mc::contributions::ResiduePlaces;
@@ -139,11 +140,12 @@ impl ResidueTable {
                 "2" => 1,
                 _ => bail!("{} names body {of_body:?}; there are 1 and 2", at()),
             };
+            // As a table has them.
             let is_named = |residue: &Residue| {
-                residue.chain.trim() == chain
+                csv_cell(residue.chain.trim()) == chain
                     && in_chain.parse() == Ok(residue.number)
-                    && residue.insertion_code.trim() == insertion_code
-                    && residue.name == name
+                    && csv_cell(residue.insertion_code.trim()) == insertion_code
+                    && csv_cell(&residue.name) == name
             };
             let mut left = bodies[body].residues.iter().skip(next[body]);
             let Some(further) = left.position(is_named) else {

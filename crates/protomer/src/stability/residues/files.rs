@@ -141,7 +141,7 @@ fn structure(
     if let Some(viewer) = settings.script {
         let script = viewer.path_beside(&path);
         let limit = limit_kt(&values);
-        let text = viewer.script(&path, &placed, &chains, Some(limit));
+        let text = viewer.script(&path, &placed, &chains, Some(limit))?;
         let name = script.file_name().unwrap_or_default().to_string_lossy();
         written.push(write_text(folder, &name, &text)?);
     }
