@@ -23,3 +23,4 @@ mod sweep;
 mod train;
 mod tune;
 mod voxelize;
+mod writing;

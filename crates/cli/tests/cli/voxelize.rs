@@ -964,15 +964,15 @@ impl BodyStore for Counting {
         0.3
     }
 
-    fn keep(&self, file: &Path, _: Draft, _: ExactSurface) -> FileRecord {
+    fn keep(&self, file: &Path, _: Draft, _: ExactSurface) -> anyhow::Result<FileRecord> {
         let file = file.file_name().unwrap().to_string_lossy().into_owned();
         self.kept.lock().unwrap().push(file.clone());
-        FileRecord {
+        Ok(FileRecord {
             row: vec!["ok".into()],
             file,
             warnings: Vec::new(),
             error: None,
-        }
+        })
     }
 
     fn failed(&self, file: &Path, error: &anyhow::Error) -> FileRecord {

@@ -49,15 +49,20 @@ impl BodyFolder {
     }
 
     /// Makes the body of a file and keeps it in the folder; returns what the tables say of it.
-    pub fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> FileRecord {
+    ///
+    /// # Errors
+    /// If the body cannot be written, which says nothing of the file.
+    pub fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> Result<FileRecord> {
         let name = draft.name().to_owned();
         let built = draft
             .finish(surface)
             .with_context(|| file.display().to_string());
-        let kept = built.and_then(|built| keep(file, &name, built, &self.folder, &self.settings));
-        match kept {
-            Ok(outcome) => record_of(&outcome),
-            Err(error) => self.failed(file, &error),
+        match built {
+            Ok(built) => {
+                let kept = keep(file, &name, built, &self.folder, &self.settings)?;
+                Ok(record_of(&kept))
+            }
+            Err(error) => Ok(self.failed(file, &error)),
         }
     }
 

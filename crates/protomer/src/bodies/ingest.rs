@@ -38,6 +38,9 @@ pub struct IngestSettings {
 pub struct FileOutcome {
     /// The input file.
     pub file: String,
+    /// SHA-256 of the file as stored; empty if it cannot be read.
+    #[serde(skip)]
+    pub sha256: String,
     /// `ok` or `failed`.
     pub status: &'static str,
     /// The body file.
@@ -199,22 +202,27 @@ pub fn ingest_files(
     let one = |(file, name): (&PathBuf, String)| {
         let outcome = ingest_one(file, &name, folder, settings);
         progress.advance(1);
-        outcome
+        outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
     };
     Ok(Ingested {
         files: jobs.into_par_iter().map(one).collect(),
     })
 }
 
-/// Converts one file; an error is its outcome.
+/// Converts one file. An error in the file is its outcome.
+///
+/// # Errors
+/// If the body cannot be written, which says nothing of the file.
 pub(super) fn ingest_one(
     file: &Path,
     name: &str,
     folder: &Path,
     settings: &IngestSettings,
-) -> FileOutcome {
-    let outcome = ingest_file(file, name, folder, settings);
-    outcome.unwrap_or_else(|error| FileOutcome::failed(file, &error))
+) -> Result<FileOutcome> {
+    match read_and_build(file, name, &settings.body) {
+        Ok(built) => keep(file, name, built, folder, settings),
+        Err(error) => Ok(FileOutcome::failed(file, &error)),
+    }
 }
 
 /// One name per file. Files with the same stem (1crn.pdb and 1crn.cif) keep their extensions
@@ -240,14 +248,6 @@ pub(super) fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result
     Ok(names)
 }
 
-/// The names that are there more than once.
-fn repeated(names: &[String]) -> BTreeSet<String> {
-    let mut sorted: Vec<&String> = names.iter().collect();
-    sorted.sort_unstable();
-    let equal = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
-    equal.map(|pair| pair[0].clone()).collect()
-}
-
 /// Refuses a name that leads out of the folder of its body file.
 pub(super) fn refuse_path(name: &str) -> Result<()> {
     if name.contains(['/', '\\', '\0']) {
@@ -259,6 +259,14 @@ pub(super) fn refuse_path(name: &str) -> Result<()> {
     Ok(())
 }
 
+/// The names that are there more than once.
+fn repeated(names: &[String]) -> BTreeSet<String> {
+    let mut sorted: Vec<&String> = names.iter().collect();
+    sorted.sort_unstable();
+    let equal = sorted.windows(2).filter(|pair| pair[0] == pair[1]);
+    equal.map(|pair| pair[0].clone()).collect()
+}
+
 fn full_name(file: &Path) -> String {
     let name = file
         .file_name()
@@ -268,17 +276,10 @@ fn full_name(file: &Path) -> String {
     name.strip_suffix(".gz").unwrap_or(&name).replace('.', "_")
 }
 
-fn ingest_file(
-    file: &Path,
-    name: &str,
-    folder: &Path,
-    settings: &IngestSettings,
-) -> Result<FileOutcome> {
-    let built = read_and_build(file, name, &settings.body)?;
-    keep(file, name, built, folder, settings)
-}
-
-/// Keeps a body in a folder.
+/// Keeps a body in a folder. A body that has no file of a further format is a failure of its input.
+///
+/// # Errors
+/// If a file holds something else or cannot be written.
 pub(super) fn keep(
     file: &Path,
     name: &str,
@@ -286,11 +287,17 @@ pub(super) fn keep(
     folder: &Path,
     settings: &IngestSettings,
 ) -> Result<FileOutcome> {
+    let exports = match exports(&built.body, folder, name, settings) {
+        Ok(exports) => exports,
+        Err(error) => return Ok(FileOutcome::failed(file, &error)),
+    };
     let path = folder.join(format!("{name}.body"));
     let force = settings.force;
     body_file::refuse_another(&path, &built.body, force)
         .with_context(|| file.display().to_string())?;
-    write_exports(&built.body, folder, name, settings)?;
+    for (path, bytes) in &exports {
+        write_once(path, bytes, force)?;
+    }
     body_file::write_once(&path, &built.body, force)?;
     let skipped = match &built.selection {
         Some(report) => report.skipped.clone(),
@@ -298,6 +305,7 @@ pub(super) fn keep(
     };
     Ok(FileOutcome {
         file: file.display().to_string(),
+        sha256: built.body.provenance.source_sha256.clone(),
         status: "ok",
         body: Some(path),
         measures: Some(BodyMeasures::of(&built.body)),
@@ -407,7 +415,14 @@ fn named(file: &str, error: BodyError) -> anyhow::Error {
     }
 }
 
-fn write_exports(body: &Body, folder: &Path, name: &str, settings: &IngestSettings) -> Result<()> {
+/// The files of further formats, with their contents.
+fn exports(
+    body: &Body,
+    folder: &Path,
+    name: &str,
+    settings: &IngestSettings,
+) -> Result<Vec<(PathBuf, Vec<u8>)>> {
+    let mut files = Vec::with_capacity(settings.exports.len());
     for ending in &settings.exports {
         let path = folder.join(format!("{name}.{ending}"));
         let bytes = match *ending {
@@ -417,9 +432,9 @@ fn write_exports(body: &Body, folder: &Path, name: &str, settings: &IngestSettin
                 &body.mesh,
             ),
         };
-        write_once(&path, &bytes, settings.force)?;
+        files.push((path, bytes));
     }
-    Ok(())
+    Ok(files)
 }
 
 /// Converts the sites of a body to records of a PQR file.
@@ -450,6 +465,7 @@ impl FileOutcome {
     pub(super) fn failed(file: &Path, error: &anyhow::Error) -> Self {
         Self {
             file: file.display().to_string(),
+            sha256: InputFile::sha256_of(file).unwrap_or_default(),
             status: "failed",
             body: None,
             measures: None,

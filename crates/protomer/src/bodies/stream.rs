@@ -1,26 +1,34 @@
 //! Converts very many structure files to body files: in bounded memory, with tables instead of an
 //! answer per file, in parts, and with continuation.
 //!
-//! Files are converted in blocks. After each block its rows are appended to two tables in the folder
+//! Files are converted in blocks. After each block the rows of its files are appended to two tables in the folder
 //! of the bodies, `ingest.csv` (a row per file) and `warnings.csv` (a row per warning or error), and
 //! `ingest.json` vouches for their lengths. A run that was killed anywhere cuts the tables back to that,
 //! removes files that were not finished and converts the rest; a body that is already there is
 //! recognised by its bytes. So the folder equals that of an uninterrupted run byte for byte.
+//!
+//! An error in a file is a row. An error of writing, such as a full disk, says nothing of the file: it ends
+//! the stream, and the same command continues there. The table holds the SHA-256 of
+//! every file, so files that have changed since are noticed.
 
 use super::ingest::{FileOutcome, IngestSettings, body_names, ingest_one};
-use super::tables::{Paths, Tables, record_of};
+use super::tables::{FileRow, Paths, Tables, record_of};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_common::input::InputFile;
 use protomer_io::atomic::write_atomically;
 use protomer_io::digest::Digest;
-use protomer_results::{Execution, LogMark, Shard};
+use protomer_results::{End, Execution, Interrupt, LogMark, Shard, log};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Files of a block per thread: enough that threads rarely wait for the slowest.
 const FILES_PER_THREAD: usize = 16;
+/// Version of the tables. Increase it with every change of their columns.
+const FORMAT: u32 = 2;
 
 /// How a stream ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -87,12 +95,29 @@ struct Done {
     warnings_table: LogMark,
 }
 
+impl Done {
+    /// Appends the rows of a file and counts it.
+    fn add(&mut self, outcome: &FileOutcome, tables: &mut Tables) -> Result<()> {
+        tables.append(&record_of(outcome))?;
+        self.warnings += outcome.warnings.len();
+        match outcome.error {
+            None => self.ok += 1,
+            Some(_) => self.failed += 1,
+        }
+        Ok(())
+    }
+}
+
+fn resumable(error: anyhow::Error) -> anyhow::Error {
+    error.context("the stream has ended early; once this is mended, the same command continues it")
+}
+
 /// Ingests every file of a part into `folder`. With `execution.start_anew` the tables begin anew.
 ///
 /// # Errors
-/// If the folder cannot be written, is in use by another process or holds the tables of other files
-/// or settings, or two files would give the same body. An error in a single file is a row of the
-/// tables.
+/// If the folder or a body cannot be written, the folder is in use by another process or holds the
+/// tables of other files or settings, a file has changed since it was converted, or two files would
+/// give the same body. An error in a single file is a row of the tables.
 ///
 /// ```no_run
 /// use protomer::bodies::ingest::IngestSettings;
@@ -136,7 +161,10 @@ fn identity(files: &[PathBuf], settings: &IngestSettings, shard: Shard) -> Resul
     let (body, exports) = (&settings.body, &settings.exports);
     let version = env!("CARGO_PKG_VERSION");
     let digest = Digest::of_written(|writer| {
-        write!(writer, "{version}\n{body:?}\n{exports:?}\n{shard:?}\n")?;
+        write!(
+            writer,
+            "{FORMAT}\n{version}\n{body:?}\n{exports:?}\n{shard:?}\n"
+        )?;
         for file in files {
             writeln!(writer, "{}", file.display())?;
         }
@@ -164,6 +192,9 @@ impl Stream<'_> {
         let taken_over = done.ok + done.failed;
         let progress = execution.progress.as_ref();
         progress.begin(self.jobs.len() as u64, "structures");
+        if self.check_inputs(taken_over, &execution.interrupt)? == End::Stopped {
+            return Ok(self.report(StreamState::Stopped, taken_over, &done, start));
+        }
         progress.advance(taken_over as u64);
         let block = FILES_PER_THREAD * rayon::current_num_threads();
         let mut state = StreamState::Finished;
@@ -172,24 +203,87 @@ impl Stream<'_> {
                 state = StreamState::Stopped;
                 break;
             }
-            let convert = |(file, name): &(&PathBuf, String)| {
-                let outcome = ingest_one(file, name, self.folder, self.settings);
-                progress.advance(1);
-                outcome
-            };
-            let outcomes: Vec<FileOutcome> = jobs.par_iter().map(convert).collect();
-            for outcome in &outcomes {
-                tables.append(&record_of(outcome))?;
-                done.warnings += outcome.warnings.len();
-                match outcome.error {
-                    None => done.ok += 1,
-                    Some(_) => done.failed += 1,
-                }
-            }
+            let end = self.convert(jobs, execution, &mut done, &mut tables);
             (done.table, done.warnings_table) = tables.sync()?;
             self.save(&done)?;
+            if end? == End::Stopped {
+                state = StreamState::Stopped;
+                break;
+            }
         }
-        Ok(StreamReport {
+        Ok(self.report(state, taken_over, &done, start))
+    }
+
+    /// Converts the files of a block and appends the rows of those at its beginning that are done, up to
+    /// one that was not begun or whose body could not be written.
+    fn convert(
+        &self,
+        jobs: &[(&PathBuf, String)],
+        execution: &Execution,
+        done: &mut Done,
+        tables: &mut Tables,
+    ) -> Result<End<()>> {
+        let cannot_go_on = AtomicBool::new(false);
+        let one = |(file, name): &(&PathBuf, String)| {
+            if execution.interrupt.is_requested() || cannot_go_on.load(Ordering::Relaxed) {
+                return Ok(End::Stopped);
+            }
+            let outcome = ingest_one(file, name, self.folder, self.settings);
+            let outcome = outcome.inspect_err(|_| cannot_go_on.store(true, Ordering::Relaxed))?;
+            execution.progress.advance(1);
+            Ok(End::Finished(outcome))
+        };
+        let ends: Vec<Result<End<FileOutcome>>> = jobs.par_iter().map(one).collect();
+        let mut ends = ends.into_iter();
+        for end in ends.by_ref() {
+            match end {
+                Ok(End::Finished(outcome)) => done.add(&outcome, tables)?,
+                // An error takes precedence over the stops it has caused.
+                Ok(End::Stopped) => {
+                    let error = ends.find_map(Result::err);
+                    return error.map_or(Ok(End::Stopped), |error| Err(resumable(error)));
+                }
+                Err(error) => return Err(resumable(error)),
+            }
+        }
+        Ok(End::Finished(()))
+    }
+
+    /// Refuses to continue if a file is no longer what it was when it was converted.
+    fn check_inputs(&self, converted: usize, interrupt: &Interrupt) -> Result<End<()>> {
+        if converted == 0 {
+            return Ok(End::Finished(()));
+        }
+        let rows: Vec<FileRow> = log::read(&self.paths.table)?;
+        let converted: Vec<_> = self.jobs[..converted].iter().zip(&rows).collect();
+        let one = |((file, _), row): &(&(&PathBuf, String), &FileRow)| {
+            if interrupt.is_requested() {
+                return Ok(End::Stopped);
+            }
+            let now = InputFile::sha256_of(file).unwrap_or_default();
+            if now != row.sha256() {
+                bail!(
+                    "{} has changed since {} was made of it; choose another folder, or begin anew \
+                     with --force",
+                    file.display(),
+                    self.paths.table.display()
+                );
+            }
+            Ok(End::Finished(()))
+        };
+        let ends: Result<Vec<End<()>>> = converted.par_iter().map(one).collect();
+        let end: End<Vec<()>> = ends?.into_iter().collect();
+        Ok(end.map(drop))
+    }
+
+    fn report(
+        &self,
+        state: StreamState,
+        taken_over: usize,
+        done: &Done,
+        start: Instant,
+    ) -> StreamReport {
+        StreamReport {
             table: self.paths.table.clone(),
             warnings_table: self.paths.warnings_table.clone(),
             state,
@@ -199,7 +293,7 @@ impl Stream<'_> {
             failed: done.failed,
             warnings: done.warnings,
             seconds: start.elapsed().as_secs_f64(),
-        })
+        }
     }
 
     /// What earlier runs have done.
@@ -240,7 +334,7 @@ impl Stream<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::tables::{FileRow, WarningRow};
+    use super::super::tables::WarningRow;
     use super::*;
     use std::collections::BTreeMap;
 
@@ -315,7 +409,7 @@ mod tests {
         stop.interrupt.request();
         let stopped = run(&folder, &stop).unwrap();
         assert_eq!((stopped.state, stopped.ok), (StreamState::Stopped, 0));
-        ingest_one(&files[0], "s00000", &folder, &settings());
+        ingest_one(&files[0], "s00000", &folder, &settings()).unwrap();
         std::fs::write(folder.join("ingest.csv"), "file,status\ns0000").unwrap();
         let unfinished = [".s00001.body.12-3.partial", ".ingest.json.12-4.partial"];
         let of_others = folder.join(".s00099.body.13-3.partial");

@@ -18,6 +18,13 @@ pub(super) struct FileRow(pub Vec<String>);
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct WarningRow([String; 3]);
 
+impl FileRow {
+    /// SHA-256 of the file when it was read; empty if it could not be read.
+    pub fn sha256(&self) -> &str {
+        self.0.last().map_or("", String::as_str)
+    }
+}
+
 impl Row for FileRow {
     fn columns() -> Vec<&'static str> {
         vec![
@@ -33,6 +40,7 @@ impl Row for FileRow {
             "mesh_largest_distance_angstrom",
             "radius_angstrom",
             "warnings",
+            "sha256",
         ]
     }
 
@@ -84,6 +92,7 @@ pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
         distance(|mesh| mesh.mesh_largest_distance_angstrom),
         measures(|body| body.radius_angstrom.to_string()),
         outcome.warnings.len().to_string(),
+        outcome.sha256.clone(),
     ];
     FileRecord {
         file: outcome.file.clone(),

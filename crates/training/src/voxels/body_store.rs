@@ -16,7 +16,10 @@ pub trait BodyStore: Sync {
     fn density_per_angstrom2(&self) -> f64;
 
     /// Makes the body of a file and keeps it.
-    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> FileRecord;
+    ///
+    /// # Errors
+    /// If it cannot be written. An error in the file is in the record.
+    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> Result<FileRecord>;
 
     /// The record of a file without a body.
     fn failed(&self, file: &Path, error: &anyhow::Error) -> FileRecord;

@@ -81,7 +81,8 @@ pub fn merge(inputs: &[PathBuf], output: &Path, force: bool) -> Result<MergeRepo
         set::OnDisk::Same(_) => true,
         set::OnDisk::Other if !force => {
             bail!(
-                "{} holds another set; overwrite it with --force or name another output",
+                "{} holds another set: other parts, or parts that have changed since; overwrite it \
+                 with --force or name another output",
                 output.display()
             )
         }

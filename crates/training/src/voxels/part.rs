@@ -4,11 +4,12 @@ use super::identity::{Keys, identity};
 use super::manifest::{Entry, Manifest};
 use super::row::Row;
 use super::settings::VoxelizeSettings;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use protomer_common::input::InputFile;
 use protomer_io::digest::Digest;
 use protomer_results::Shard;
 use rayon::prelude::*;
+use std::path::Path;
 
 /// The structures, numbered from zero. Only the hash of each file is kept; everything else about a
 /// structure is made when it is asked for.
@@ -40,10 +41,7 @@ impl<'a> Part<'a> {
             keys: Keys::new(settings, body_density)?,
             identity: String::new(),
         };
-        let hash = |structure| {
-            let path = part.entry(structure).ok()?.path;
-            Digest::from_hex(&InputFile::sha256_of(&path).ok()?)
-        };
+        let hash = |structure| hash_of(&part.entry(structure).ok()?.path);
         part.hashes = (0..count).into_par_iter().map(hash).collect();
         let rows = || (0..count).map(|structure| part.row(structure));
         part.identity = identity(settings, rows)?;
@@ -68,9 +66,27 @@ impl<'a> Part<'a> {
         Ok(Row::new(self.entry(structure)?, self.hash(structure)))
     }
 
+    /// Refuses a structure whose file is not what it was when this process began: its record would
+    /// stand under the hash of other content.
+    pub(super) fn require_unchanged(&self, structure: usize) -> Result<()> {
+        let path = self.entry(structure)?.path;
+        if hash_of(&path) == self.hash(structure) {
+            return Ok(());
+        }
+        bail!(
+            "{} has changed while it was voxelized; run the same command again",
+            path.display()
+        )
+    }
+
     /// The key of its record in the work file.
     pub(super) fn key(&self, structure: usize) -> Result<Digest> {
         let name = self.entry(structure)?.name;
         self.keys.of(&name, self.hash(structure))
     }
+}
+
+/// The hash of a file; `None` if it cannot be read.
+fn hash_of(path: &Path) -> Option<Digest> {
+    Digest::from_hex(&InputFile::sha256_of(path).ok()?)
 }

@@ -170,11 +170,19 @@ pub fn read_back(folder: &Path) -> Result<f64> {
     Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
 }
 
-/// Creates a folder atomically: `fill` fills a temporary one beside it, which is then renamed.
+/// Creates a folder atomically: `fill` fills a temporary one beside it, which is then renamed. A link
+/// stays, and the folder that it leads to is replaced.
 ///
 /// # Errors
 /// Names the folder.
 pub fn replace(output: &Path, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+    let folder = match output.is_symlink() {
+        true => output
+            .canonicalize()
+            .with_context(|| format!("cannot follow the link {}", output.display()))?,
+        false => output.to_owned(),
+    };
+    let output = folder.as_path();
     let mut name = output.file_name().unwrap_or_default().to_owned();
     name.push(".partial");
     let partial = output.with_file_name(name);

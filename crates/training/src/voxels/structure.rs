@@ -114,28 +114,50 @@ impl From<Excluded> for Outcome {
 
 type Checked<T> = std::result::Result<T, Excluded>;
 
-/// Voxelises a structure, and makes its body if there is a store for bodies. An error is its outcome.
+/// Voxelises a structure, and makes its body if there is a store for bodies. An error in the structure
+/// is its outcome.
+///
+/// # Errors
+/// If the body cannot be written.
 pub fn voxelize_structure(
     entry: &Entry,
     settings: &VoxelizeSettings,
     bodies: Option<&dyn BodyStore>,
-) -> Done {
-    match sample_and_body(entry, settings, bodies) {
-        Ok(done) => done,
-        Err(excluded) => Done {
-            body: bodies.map(|bodies| bodies.failed(&entry.path, &excluded.1)),
+) -> Result<Done> {
+    let path = &entry.path;
+    match sample_and_draft(entry, settings, bodies) {
+        Ok(Drawn {
+            outcome,
+            draft,
+            surface,
+        }) => {
+            let kept = bodies.map(|bodies| bodies.keep(path, draft, surface));
+            Ok(Done {
+                outcome,
+                body: kept.transpose()?,
+            })
+        }
+        Err(excluded) => Ok(Done {
+            body: bodies.map(|bodies| bodies.failed(path, &excluded.1)),
             outcome: excluded.into(),
-        },
+        }),
     }
+}
+
+/// A structure before its body is written.
+struct Drawn {
+    outcome: Outcome,
+    draft: Draft,
+    surface: ExactSurface,
 }
 
 /// The sample and the body. A structure that cannot become a sample may still become a body: then the
 /// reason is the outcome, not an error.
-fn sample_and_body(
+fn sample_and_draft(
     entry: &Entry,
     settings: &VoxelizeSettings,
     bodies: Option<&dyn BodyStore>,
-) -> Checked<Done> {
+) -> Checked<Drawn> {
     let (content, amino_acids) = usable(entry, settings, density_of(bodies))?;
     let posed = Posed::new(entry, content.draft.sites(), settings);
     let lattice = lattice(&posed.atoms, settings);
@@ -149,10 +171,10 @@ fn sample_and_body(
     let outcome = lattice
         .and_then(|lattice| sample(&content, &posed, &lattice, &surface, &amino_acids, settings))
         .map_or_else(Outcome::from, |sample| Outcome::Sample(Box::new(sample)));
-    let draft = content.draft;
-    Ok(Done {
+    Ok(Drawn {
         outcome,
-        body: bodies.map(|bodies| bodies.keep(&entry.path, draft, surface)),
+        draft: content.draft,
+        surface,
     })
 }
 

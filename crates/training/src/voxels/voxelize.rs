@@ -93,7 +93,7 @@ impl Answer for VoxelizeReport {
 ///
 /// # Errors
 /// For invalid settings or manifest, an output that holds something else or is in use by another
-/// process, or a file that cannot be written. An error in a structure only excludes it, and is
+/// process, a structure file that changes meanwhile, or a file that cannot be written. An error in a structure only excludes it, and is
 /// reported.
 ///
 /// ```no_run
@@ -122,10 +122,14 @@ pub fn voxelize(
     let part = Part::new(manifest, shard, settings, body_density)?;
     let mut report = part.report(output)?;
     match set::state_of(output, &part.identity)? {
-        set::OnDisk::Same(reader) => report.describe_present(&reader)?,
+        set::OnDisk::Same(reader) => {
+            report.describe_present(&reader)?;
+            part.remove_work_file(output)?;
+        }
         set::OnDisk::Other if !execution.start_anew => {
             bail!(
-                "{} holds another set; overwrite it with --force or name another output",
+                "{} holds another set: a setting differs, or an input file has changed since; \
+                 overwrite it with --force or name another output",
                 output.display()
             )
         }
@@ -194,6 +198,16 @@ impl Part<'_> {
         Ok(())
     }
 
+    /// Removes the work file of a finished set, which a process killed at its end has left.
+    fn remove_work_file(&self, output: &Path) -> Result<()> {
+        let path = work_path(output);
+        if !path.is_file() {
+            return Ok(());
+        }
+        let keys = (0..self.len()).map(|structure| self.key(structure));
+        WorkFile::open(&path, keys)?.remove()
+    }
+
     fn voxelize_missing(
         &self,
         missing: &[usize],
@@ -208,7 +222,8 @@ impl Part<'_> {
                 return Ok(End::Stopped);
             }
             let entry = self.entry(*structure)?;
-            let done = structure::voxelize_structure(&entry, self.settings, bodies);
+            let done = structure::voxelize_structure(&entry, self.settings, bodies)?;
+            self.require_unchanged(*structure)?;
             work.keep(*structure, self.key(*structure)?, &done)?;
             progress.advance(1);
             Ok(End::Finished(()))

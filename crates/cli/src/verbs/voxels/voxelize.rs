@@ -215,7 +215,7 @@ impl BodyStore for Bodies {
         self.density_per_angstrom2
     }
 
-    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> FileRecord {
+    fn keep(&self, file: &Path, draft: Draft, surface: ExactSurface) -> Result<FileRecord> {
         self.folder.keep(file, draft, surface)
     }
 
