@@ -7,7 +7,17 @@ use anyhow::{Context, Result, anyhow};
 use protomer_results::{Execution, Interrupt, Progress};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// How long a step that does not ask for signals may go on after one. Then the process ends: results
+/// appear only when they are complete, so the same command continues from what was saved.
+const DEAF_FOR: Duration = Duration::from_millis(1500);
+/// The same for work that has heard the signal, and finishes a structure or writes what it has done.
+const SILENT_FOR: Duration = Duration::from_secs(6);
+/// How often the process looks whether the signal has been heard.
+const LOOKS_EVERY: Duration = Duration::from_millis(100);
+/// Exit code of work that was stopped early and can be continued.
+const STOPPED: i32 = 3;
 
 /// The caller of a verb: a person at a terminal, or a program.
 pub struct Front {
@@ -141,6 +151,60 @@ fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
         }
         note(&format!("{what} (repeat to stop immediately)"));
         on_signal.request();
+        // The signal handler has a thread of its own, which must be free for a second signal.
+        let watched = on_signal.clone();
+        std::thread::spawn(move || {
+            let mut silence = Silence::from(Instant::now());
+            while !silence.is_too_long(watched.times_heard(), Instant::now()) {
+                std::thread::sleep(LOOKS_EVERY);
+            }
+            note("stopped in the middle of a step; the same command continues from what was saved");
+            std::process::exit(STOPPED);
+        });
     })
     .context("cannot listen for Ctrl-C")
+}
+
+/// How long nobody has asked whether to stop, after a signal.
+struct Silence {
+    heard: u64,
+    since: Instant,
+}
+
+impl Silence {
+    fn from(signal: Instant) -> Self {
+        Self {
+            heard: 0,
+            since: signal,
+        }
+    }
+
+    /// Whether it is time to end the process, if the signal has been heard so often by now.
+    fn is_too_long(&mut self, heard: u64, now: Instant) -> bool {
+        if heard != self.heard {
+            (self.heard, self.since) = (heard, now);
+        }
+        let patience = if heard == 0 { DEAF_FOR } else { SILENT_FOR };
+        now.duration_since(self.since) >= patience
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_that_hears_a_signal_is_given_more_time_than_work_that_does_not() {
+        let signal = Instant::now();
+        let mut silence = Silence::from(signal);
+        assert!(!silence.is_too_long(0, signal + DEAF_FOR / 2));
+        assert!(silence.is_too_long(0, signal + DEAF_FOR));
+        let heard = signal + DEAF_FOR / 2;
+        assert!(!silence.is_too_long(1, heard));
+        assert!(!silence.is_too_long(1, heard + DEAF_FOR));
+        // Whoever goes on asking is at work.
+        assert!(!silence.is_too_long(2, heard + SILENT_FOR));
+        assert!(!silence.is_too_long(2, heard + SILENT_FOR + DEAF_FOR));
+        assert!(silence.is_too_long(2, heard + 2 * SILENT_FOR));
+    }
 }

@@ -1,7 +1,7 @@
 //! Stopping long work on request: a signal or a time limit, noticed between steps.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// A request to stop, shared by all threads of a piece of work; cheap to check.
@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 pub struct Interrupt {
     requested: Arc<AtomicBool>,
     after_failure: Arc<AtomicBool>,
+    /// Questions that were answered by yes.
+    times_heard: Arc<AtomicU64>,
     deadline: Option<Instant>,
 }
 
@@ -60,9 +62,27 @@ impl Interrupt {
 
     /// Whether the work should stop now.
     pub fn is_requested(&self) -> bool {
-        self.requested.load(Ordering::Relaxed)
+        let is_requested = self.requested.load(Ordering::Relaxed)
             || self
                 .deadline
-                .is_some_and(|deadline| Instant::now() >= deadline)
+                .is_some_and(|deadline| Instant::now() >= deadline);
+        if is_requested {
+            self.times_heard.fetch_add(1, Ordering::Relaxed);
+        }
+        is_requested
+    }
+
+    /// How often the work has heard that it should stop. As long as the number grows, the work is on its
+    /// way to its end; if it stays, the work is in the middle of a step that asks nobody.
+    ///
+    /// ```
+    /// use protomer_results::Interrupt;
+    /// let interrupt = Interrupt::default();
+    /// assert!(!interrupt.is_requested() && interrupt.times_heard() == 0);
+    /// interrupt.request();
+    /// assert!(interrupt.is_requested() && interrupt.times_heard() == 1);
+    /// ```
+    pub fn times_heard(&self) -> u64 {
+        self.times_heard.load(Ordering::Relaxed)
     }
 }
