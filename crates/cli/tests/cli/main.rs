@@ -14,6 +14,7 @@ mod energies;
 mod fluid;
 mod framework;
 mod inputs;
+mod killed;
 mod names;
 mod numbers;
 mod predict;

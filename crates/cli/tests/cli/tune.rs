@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// One protein in two classes under many names: there is nothing to learn, but something to search.
-fn place() -> TemporaryFolder {
+pub fn place() -> TemporaryFolder {
     let place = TemporaryFolder::new();
     let data = std::path::Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../data")
