@@ -346,10 +346,10 @@ fn a_hundred_megabytes_are_read_or_refused() {
         let result = Structure::read("big", text.as_bytes());
         let outcome = match result {
             Ok(structure) => match structure.select(&SelectionSettings::default()) {
-                Ok(selection) => {
-                    build_sites(&selection, &SiteSettings::default()).unwrap();
-                    format!("{} atoms", selection.report.atoms)
-                }
+                Ok(selection) => match build_sites(&selection, &SiteSettings::default()) {
+                    Ok(_) => format!("{} atoms", selection.report.atoms),
+                    Err(error) => error.to_string(),
+                },
                 Err(error) => error.to_string(),
             },
             Err(error) => error.to_string(),
