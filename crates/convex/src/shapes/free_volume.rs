@@ -75,7 +75,7 @@ pub fn scaled_particles(
                 );
             }
             let excess = -bodies.ln_free_volume_fraction(packing_fraction, depletant_radius);
-            if !excess.is_finite() {
+            if !excess.is_finite() || (-excess).exp() == 0.0 {
                 bail!(
                     "depletants of radius {depletant_radius} do not fit between these bodies at a packing fraction \
                      of {packing_fraction}; give smaller ones"
