@@ -149,8 +149,8 @@ def strains():
         axis.set_ylabel("$-10^3\\,\\varepsilon_{yy}$")
     save(figure, "strains")
     figure, axis = plt.subplots(figsize=(4.6, 3))
-    for column, marker, name in [("nu_xy", "o", "$\\nu_{xy}$"), ("nu_yx", "^", "$\\nu_{yx}$"), ("r_squared", "s", "$r^2$")]:
-        axis.errorbar(fits["r0"], fits[column], fits[f"{column}_error"], marker=marker, ms=4, lw=1, capsize=2, label=name)
+    axis.errorbar(fits["r0"], fits["nu_xy"], fits["nu_xy_error"], marker="o", ms=4, lw=1, capsize=2, label="$\\nu_{xy}$")
+    axis.errorbar(fits["r0"], fits["r_squared"], fits["r_squared_error"], marker="s", ms=4, lw=1, capsize=2, label="$r^2$")
     axis.axhline(-1, color="grey", lw=0.7)
     axis.set(xscale="log", xlabel="$r_0/l$", ylim=(-1.2, 1.05))
     axis.legend(fontsize=7)

@@ -257,8 +257,6 @@ pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
     Ok(vec![
         all.xy,
         all.xy_error,
-        all.yx,
-        all.yx_error,
         all.r_squared,
         r,
         r_error,
@@ -268,7 +266,7 @@ pub fn strain_row(records: &[Record]) -> Result<Vec<f64>, Failure> {
 }
 
 /// Head of the columns of [`strain_row`].
-pub const STRAIN_HEAD: &str = "nu_xy,nu_xy_error,nu_yx,nu_yx_error,r_squared_together,r_squared,r_squared_error,\
+pub const STRAIN_HEAD: &str = "nu_xy,nu_xy_error,r_squared_together,r_squared,r_squared_error,\
     smallest_single,largest_single";
 
 /// Differences per tenth frame: mean over trajectories and its error, staggered and as they are.
