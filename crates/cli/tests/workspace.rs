@@ -561,3 +561,38 @@ fn files_are_opened_for_reading_in_one_place() {
         found.join("\n")
     );
 }
+
+/// Scripts that run the program and build it first, build the crate with the binary: `protomer` is a
+/// library.
+#[test]
+fn scripts_build_the_crate_with_the_binary() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut scripts = vec![root.join("demo.sh"), root.join("test.sh")];
+    for folder in ["tests/validation", "docs", "docs/cluster"] {
+        for entry in std::fs::read_dir(root.join(folder)).unwrap() {
+            scripts.push(entry.unwrap().path());
+        }
+    }
+    let mut builds = 0;
+    for script in scripts {
+        let is_script = script.extension().is_some_and(|e| e == "sh" || e == "py");
+        let text = if is_script {
+            std::fs::read_to_string(&script).unwrap()
+        } else {
+            String::new()
+        };
+        if !text.contains("target/release/protomer") {
+            continue;
+        }
+        for line in text.lines().filter(|line| line.contains("cargo build")) {
+            let builds_all = !line.contains(" -p ");
+            assert!(
+                builds_all || line.contains(" -p protomer-cli"),
+                "{}: {line}",
+                script.display()
+            );
+            builds += 1;
+        }
+    }
+    assert!(builds > 2);
+}
