@@ -150,7 +150,7 @@ fn random_rotation<const D: usize>(rng: &mut CounterRng) -> Rotation {
 
 impl Triples {
     /// Counts a triple.
-    pub fn add(mut self, triple: Triple) -> Self {
+    pub fn with(mut self, triple: Triple) -> Self {
         self.count += 1;
         self.draws += triple.draws;
         self.overlapping += u64::from(triple.overlaps);
@@ -173,7 +173,7 @@ impl Triples {
     /// let ball = HardBody::<3>::ball(0.5)?;
     /// let mut triples = Triples::default();
     /// for number in 0..4000 {
-    ///     triples = triples.add(draw_triple(&ball, 1, number)?);
+    ///     triples = triples.with(draw_triple(&ball, 1, number)?);
     /// }
     /// let found = triples.virials(&ball).b3_over_b2_squared;
     /// assert!((found.mean - 0.625).abs() < 4.0 * found.error);

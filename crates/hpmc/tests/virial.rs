@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 fn sampled<const D: usize>(body: &HardBody<D>, count: u64) -> SampledVirials {
     let mut triples = Triples::default();
     for number in 0..count {
-        triples = triples.add(draw_triple(body, 3, number).unwrap());
+        triples = triples.with(draw_triple(body, 3, number).unwrap());
     }
     triples.virials(body)
 }

@@ -382,7 +382,7 @@ fn sample<const D: usize>(body: &HardBody<D>, count: u64, seed: u64) -> Result<S
         .into_par_iter()
         .map(|number| draw_triple(body, seed, number))
         .try_fold(Triples::default, |triples, triple| {
-            triple.map(|triple| triples.add(triple))
+            triple.map(|triple| triples.with(triple))
         })
         .try_reduce(Triples::default, |a, b| Ok(a.merge(b)))?;
     let found = triples.virials(body);

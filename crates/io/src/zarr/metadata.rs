@@ -35,7 +35,7 @@ impl Metadata {
         if length > LONGEST_METADATA_BYTES {
             return Err(format!("it has {length} bytes"));
         }
-        let bytes = std::fs::read(file).map_err(|cause| cause.to_string())?;
+        let bytes = crate::input::read(file).map_err(|cause| cause.to_string())?;
         let value = serde_json::from_slice(&bytes).map_err(|cause| cause.to_string())?;
         Ok(Self(value))
     }

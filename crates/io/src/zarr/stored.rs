@@ -5,7 +5,6 @@ use super::metadata::{Metadata, require_sizes};
 use crate::{IoError, Result};
 use serde_json::{Map, Value};
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -233,7 +232,7 @@ struct ChunkList {
 
 /// The list at the end of a file: two numbers of 8 bytes for each chunk and a checksum of 4 bytes.
 fn chunk_list(path: &Path, chunks: u64) -> std::io::Result<ChunkList> {
-    let mut file = File::open(path)?;
+    let mut file = crate::input::open(path)?;
     let length = 16 * chunks + 4;
     let start = file.metadata()?.len().checked_sub(length);
     let start = start.ok_or(std::io::ErrorKind::UnexpectedEof)?;
