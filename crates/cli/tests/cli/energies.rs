@@ -59,7 +59,7 @@ fn a_tolerance_without_approximate_energies_is_refused() {
             "{verb} ring.json --debye 3A --tolerance -1e-3 --energy approximate"
         ));
         assert!(
-            message(&output).contains("positive"),
+            message(&output).contains("--tolerance") && message(&output).contains("give 1e-12 to"),
             "{}",
             message(&output)
         );

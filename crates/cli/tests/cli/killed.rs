@@ -193,10 +193,6 @@ fn is_killed_everywhere(kind: &str, command: &str, library: &Path) {
         assert!(results(&place, "bodies") == bodies, "{kind} {number}");
         assert!(!place.path("work.work").exists(), "{kind} {number}");
     }
-    eprintln!(
-        "{kind}: killed before {} of {count} changes",
-        kills(count).len()
-    );
 }
 
 /// A page calls finished only what the record does.

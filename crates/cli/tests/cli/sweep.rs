@@ -223,9 +223,9 @@ fn calibrated_energies_make_the_trajectories_of_the_direct_sum() {
 fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     let place = TemporaryFolder::new();
     let short = sweep_of(16, 6);
-    let refused = |command: &str, words: &[&str]| {
+    let refused = |command: &str, code: i32, words: &[&str]| {
         let output = place.run(command);
-        assert_eq!(output.status.code(), Some(1), "{command}");
+        assert_eq!(output.status.code(), Some(code), "{command}");
         assert!(
             words.iter().all(|word| message(&output).contains(word)),
             "{command}: {}",
@@ -234,12 +234,14 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     };
     refused(
         &format!("{short} --tolerance 1e-3 -o run"),
+        1,
         &["--energy approximate", "direct"],
     );
     for senseless in ["0", "-1e-3", "inf", "NaN"] {
         refused(
             &format!("{short} --energy approximate --tolerance {senseless} -o run"),
-            &["positive"],
+            2,
+            &["--tolerance", "give 1e-12 to"],
         );
     }
     // The usual tolerance is written down; it can be stated, another one is another run.
@@ -254,6 +256,7 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     )));
     refused(
         &format!("{short} --energy approximate --tolerance 1e-4 -o run"),
+        1,
         &["other settings"],
     );
     is_ok(&place.run("sweep ring.json --config run/run.toml -o again --quiet"));
@@ -269,10 +272,12 @@ fn a_tolerance_belongs_to_approximate_energies_and_to_the_run() {
     std::fs::write(place.path("misspelt.toml"), text).unwrap();
     refused(
         "sweep ring.json --config misspelt.toml -o misspelt --quiet",
+        1,
         &["tolerance"],
     );
     refused(
         &format!("{short} --energy calibrated --memory-limit 1kB -o small"),
+        1,
         &["--memory-limit", "salt 0.05 M"],
     );
 }
