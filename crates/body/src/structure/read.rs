@@ -9,7 +9,7 @@ use crate::{BodyError, Result};
 use protomer_kernel::name::first_forbidden;
 
 impl Structure {
-    /// Reads PDB or mmCIF text; the format follows from the content ([`Format::detect`]). `source`
+    /// Reads PDB or mmCIF text; the format follows from the content, whatever its name. `source`
     /// names the file in errors.
     ///
     /// ```

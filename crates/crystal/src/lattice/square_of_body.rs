@@ -10,7 +10,7 @@
 //!   holds the outline, or that of the square of equal area.
 //! * The inertia about the axis is that of a solid of uniform density, in units of m l²; it is 1/3
 //!   for a square.
-//! * The charges are those of the body on the sites of a square grid, see [`Sites`].
+//! * The charges are those of the body on the sites of a square grid, see `Sites` below.
 
 use super::pair::SquareCharge;
 use crate::plane::{Vector, direction, dot};
