@@ -53,6 +53,8 @@ pub const STEPS: Count = Count::new(0, 1_000_000_000_000);
 pub const OBJECTS: Count = Count::new(0, 1_000_000);
 /// Rows of a table, each of which costs a measurement.
 pub const TABLE_ROWS: Count = Count::new(1, 1000);
+/// Directions that an average runs over.
+pub const DIRECTIONS: Count = Count::new(1, 1_000_000);
 /// Trial moves of a measurement that has no checkpoints.
 pub const MOVES: Count = Count::new(1, 1_000_000_000);
 /// The same, or none.

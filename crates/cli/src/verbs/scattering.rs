@@ -37,7 +37,7 @@ pub struct ScatteringArgs {
     #[arg(long, default_value_t = 60, value_parser = range::TABLE_ROWS.number::<usize>())]
     q_points: usize,
     /// Directions of the wave vector for each wave number and frame, at most.
-    #[arg(long, default_value_t = 24, value_parser = range::TABLE_ROWS.number::<usize>())]
+    #[arg(long, default_value_t = 24, value_parser = range::DIRECTIONS.number::<usize>())]
     directions: usize,
     /// Wave number of the dynamic light scattering, Å⁻¹ [default: 0.00264, red light at 173° in water].
     #[arg(long, value_parser = range::WAVE_NUMBER.number())]
