@@ -19,7 +19,7 @@ mod overlap_support;
 
 use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};
 use overlap_support::*;
-use protomer_kernel::overlap::{CarriedBound, distance, overlaps, separation_bound};
+use protomer_kernel::overlap::{CarriedBound, comes_within, distance, overlaps, separation_bound};
 use protomer_kernel::{Boundary, CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
 use rand::RngExt;
 use rand::rngs::SmallRng;
@@ -39,6 +39,7 @@ fn main() {
         trial_moves(name, &shape);
         bound_quality(name, &shape, &mesh);
         single_queries(name, &shape, &mesh);
+        nearness(name, &shape);
     }
 }
 
@@ -140,6 +141,16 @@ fn single_queries(name: &str, shape: &CollisionShape, mesh: &TriangleMesh) {
             "{name}: gap {gap} Å: overlaps {decision:.2} µs, separation_bound {bound:.2} µs, \
              naive descent {naive:.2} µs, parry {parry:.2} µs"
         );
+    }
+}
+
+/// Microseconds of the decision whether surfaces are nearer than the contact gap of 5 Å.
+fn nearness(name: &str, shape: &CollisionShape) {
+    let contacts = contacts(shape, 100);
+    for gap in [0.1, 3.0, 4.9, 5.1, 7.0, 15.0] {
+        let poses: Vec<RelativePose> = contacts.iter().map(|pose| pushed(pose, gap)).collect();
+        let decision = microseconds(&poses, |pose| comes_within(shape, shape, pose, 5.0));
+        println!("{name}: pushed {gap} Å from contact: comes_within {decision:.2} µs");
     }
 }
 

@@ -5,7 +5,7 @@
 mod overlap_support;
 
 use overlap_support::*;
-use protomer_kernel::overlap::{CarriedBound, distance, overlaps, separation_bound};
+use protomer_kernel::overlap::{CarriedBound, comes_within, distance, overlaps, separation_bound};
 use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
 use rand::RngExt;
 
@@ -143,6 +143,63 @@ fn the_distance_is_that_of_an_independent_library() {
         let ours = distance(&shapes[i], &shapes[j], &pose);
         assert!((ours - theirs).abs() < 1e-6, "{ours} {theirs}");
     }
+}
+
+#[test]
+fn nearness_is_that_of_all_pairs_of_triangles() {
+    // Coarse and fine meshes, and one whose faces are far wider than the gap.
+    let mut meshes: Vec<TriangleMesh> = (0..4).map(|level| bumpy_mesh(level, 60)).collect();
+    meshes.push(star_mesh(0, |_| 20.0));
+    let shapes = shapes_of(&meshes);
+    let mut random = generator(8);
+    let (mut near, cases) = (0, 200);
+    for _ in 0..cases {
+        let (i, j) = (random.random_range(0..5), random.random_range(0..5));
+        let pose = random_pose(&mut random, 30.0);
+        let contact = brought_to_contact(&pose, |pose| overlaps(&shapes[i], &shapes[j], pose));
+        let pose = pushed(&contact, random.random_range(-1.0..6.0));
+        let is_overlap = overlaps(&shapes[i], &shapes[j], &pose);
+        let truth = distance(&shapes[i], &shapes[j], &pose);
+        let within = |gap| comes_within(&shapes[i], &shapes[j], &pose, gap);
+        for gap in [0.0, 1.0, 3.0, 5.0, 100.0] {
+            assert_eq!(within(gap), is_overlap || truth < gap, "{truth} {gap}");
+        }
+        if !is_overlap {
+            assert!(within(truth + 1e-9) && !within(truth - 1e-9), "{truth}");
+        }
+        near += usize::from(within(3.0));
+    }
+    assert!((40..160).contains(&near), "{near} of {cases}");
+}
+
+#[test]
+fn a_body_inside_another_is_near_it_and_one_in_a_cavity_only_by_its_surface() {
+    let sphere = |radius: f64| star_mesh(3, move |_| radius);
+    let inner = CollisionShape::new(&sphere(2.0)).unwrap();
+    let solid = CollisionShape::new(&sphere(20.0)).unwrap();
+    let pose = RelativePose::new(&Pose::identity(), &Pose::identity(), &Vec3::zeros());
+    assert!(comes_within(&solid, &inner, &pose, 1.0));
+    assert!(comes_within(&inner, &solid, &pose, 1.0));
+    // A shell of 10 Å about the inner body, which lies free within it.
+    let mut hollow = sphere(20.0);
+    let cavity = sphere(12.0);
+    let offset = hollow.vertices.len() as u32;
+    let inwards = |[a, b, c]: &[u32; 3]| [a + offset, c + offset, b + offset];
+    hollow
+        .triangles
+        .extend(cavity.triangles.iter().map(inwards));
+    hollow.vertices.extend(&cavity.vertices);
+    let hollow = CollisionShape::new(&hollow).unwrap();
+    let gap = distance(&hollow, &inner, &pose);
+    assert!((9.5..10.0).contains(&gap), "{gap}");
+    assert!(!comes_within(&hollow, &inner, &pose, gap - 0.01));
+    assert!(comes_within(&hollow, &inner, &pose, gap + 0.01));
+}
+
+#[test]
+fn the_least_radius_is_that_of_faces_and_not_of_corners() {
+    let octahedron = CollisionShape::new(&star_mesh(0, |_| 3.0)).unwrap();
+    assert!((octahedron.least_radius_angstrom() - 3.0_f64.sqrt()).abs() < 1e-12);
 }
 
 #[test]

@@ -11,6 +11,7 @@
 //! | `tree` | eight-way tree of discs over the triangles of a body |
 //! | `shape` | a body prepared for overlap tests |
 //! | `traversal` | simultaneous descent of two trees: what discs cannot separate, triangles decide |
+//! | `proximity` | simultaneous descent that asks whether surfaces come nearer than a distance |
 //! | `triangle` | exact intersection of two triangles |
 //! | `triangle_distance` | how far two triangles are apart |
 //! | `containment` | which points lie inside a solid |
@@ -63,6 +64,7 @@ mod containment;
 mod disc;
 mod embedding;
 mod lanes;
+mod proximity;
 mod shape;
 mod traversal;
 mod tree;
@@ -74,6 +76,7 @@ pub use embedding::check_embedding;
 pub use shape::CollisionShape;
 
 use crate::pose::RelativePose;
+use proximity::surfaces_come_within;
 use traversal::{SurfaceRelation, relate_surfaces};
 use triangle::triangles_intersect;
 use triangle_distance::triangle_distance;
@@ -143,6 +146,40 @@ pub fn separation_bound(
         }
         SurfaceRelation::Apart(bound) => Some(bound.max(between_spheres).min(ceiling_angstrom)),
     }
+}
+
+/// Whether two bodies are closer than `distance_angstrom`: a point of one surface is nearer than that
+/// to a point of the other, or the bodies overlap, as [`overlaps`] decides. A body inside another is
+/// near it at any distance; one inside a cavity only if the surfaces are.
+///
+/// Distances of triangles decide, in double precision, so the answer does not depend on how finely a
+/// surface is meshed. Brute force is [`distance`].
+///
+/// ```
+/// use protomer_kernel::overlap::comes_within;
+/// use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+/// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+/// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
+/// let second = Pose { position: Vec3::new(1.5, 0.0, 0.0), ..Pose::identity() };
+/// let pose = RelativePose::new(&Pose::identity(), &second, &second.position);
+/// assert!(comes_within(&shape, &shape, &pose, 0.51));
+/// assert!(!comes_within(&shape, &shape, &pose, 0.49));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+pub fn comes_within(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    second_in_first: &RelativePose,
+    distance_angstrom: f64,
+) -> bool {
+    let between_spheres = second_in_first.translation.norm() - first.radius - second.radius;
+    if between_spheres > distance_angstrom.max(1e-9 * (first.radius + second.radius)) {
+        return false;
+    }
+    surfaces_come_within(first, second, second_in_first, distance_angstrom)
+        || first.holds_a_shell_of(second, second_in_first)
+        || second.holds_a_shell_of(first, &second_in_first.inverse())
 }
 
 /// Distance between two surfaces, Å; zero if they intersect. It is exact and slow (every pair of

@@ -2,6 +2,7 @@
 
 use super::containment::{Shell, solid_contains};
 use super::tree::DiscTree;
+use super::triangle_distance::triangle_distance;
 use crate::pose::RelativePose;
 use crate::{KernelError, Result, TriangleMesh, Vec3};
 
@@ -13,6 +14,7 @@ use crate::{KernelError, Result, TriangleMesh, Vec3};
 /// let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 /// let shape = CollisionShape::new(&TriangleMesh { vertices, triangles })?;
 /// assert_eq!(shape.bounding_radius_angstrom(), 1.0);
+/// assert_eq!(shape.least_radius_angstrom(), 0.0);
 /// assert!(shape.contains_point(&Vec3::repeat(0.1)));
 /// assert!(!shape.contains_point(&Vec3::repeat(0.5)));
 /// # Ok::<(), protomer_kernel::KernelError>(())
@@ -47,6 +49,16 @@ impl CollisionShape {
     /// Radius of the smallest sphere about the body's origin that holds it, Å.
     pub fn bounding_radius_angstrom(&self) -> f64 {
         self.radius
+    }
+
+    /// Distance of the surface from the body's origin, Å: no point of it is nearer.
+    pub fn least_radius_angstrom(&self) -> f64 {
+        let origin = [Vec3::zeros(); 3];
+        let mut least = f64::INFINITY;
+        for triangle in 0..self.mesh.triangles.len() {
+            least = least.min(triangle_distance(&self.mesh.corners(triangle), &origin));
+        }
+        least
     }
 
     /// The surface.

@@ -13,6 +13,15 @@ use std::cell::RefCell;
 /// operations, each within 2⁻²⁴.
 pub(super) const ROUNDING: f64 = 64.0 * (f32::EPSILON as f64 / 2.0);
 
+/// The allowance for rounding in every disc test of two bodies, Å.
+pub(super) fn rounding_angstrom(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    pose: &RelativePose,
+) -> f32 {
+    ((first.radius + second.radius + pose.translation.norm()) * ROUNDING) as f32
+}
+
 /// What a descent finds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum SurfaceRelation {
@@ -114,13 +123,12 @@ impl<'a> Descent<'a> {
         pose: &'a RelativePose,
         ceiling: f32,
     ) -> Self {
-        let size = first.radius + second.radius + pose.translation.norm();
         Descent {
             first,
             second,
             pose,
             motion: Motion::new(pose),
-            rounding: (size * ROUNDING) as f32,
+            rounding: rounding_angstrom(first, second, pose),
             bound: [ceiling; WIDTH],
             threshold: threshold_for(ceiling),
         }

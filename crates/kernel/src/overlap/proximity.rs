@@ -1,0 +1,199 @@
+//! Whether two surfaces come nearer than a distance.
+//!
+//! The two trees are descended together. Discs at least the distance apart are dropped; triangles
+//! decide what is left, and the first pair that is near enough ends the descent. The pair of nodes
+//! whose discs are nearest is always visited next, so that surfaces in contact are found on the way
+//! to the first few triangles.
+
+use super::lanes::{Bits, Lanes, Motion, negative_lanes, separations};
+use super::shape::CollisionShape;
+use super::traversal::rounding_angstrom;
+use super::triangle::{Triangle, triangles_intersect};
+use super::triangle_distance::triangle_distance;
+use crate::pose::RelativePose;
+
+/// Whether points of two surfaces are closer than `distance_angstrom`, or the surfaces meet.
+pub(super) fn surfaces_come_within(
+    first: &CollisionShape,
+    second: &CollisionShape,
+    pose: &RelativePose,
+    distance_angstrom: f64,
+) -> bool {
+    Search::new(first, second, pose, distance_angstrom).run()
+}
+
+struct Search<'a> {
+    first: &'a CollisionShape,
+    second: &'a CollisionShape,
+    pose: &'a RelativePose,
+    motion: Motion,
+    /// Allowance for rounding in every disc test, Å.
+    rounding: f32,
+    distance_angstrom: f64,
+    /// The same, rounded up: discs at least this far apart are dropped.
+    threshold: f32,
+    /// Pairs of nodes that are still to be visited.
+    stack: Vec<(u32, u32)>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        first: &'a CollisionShape,
+        second: &'a CollisionShape,
+        pose: &'a RelativePose,
+        distance_angstrom: f64,
+    ) -> Self {
+        Self {
+            first,
+            second,
+            pose,
+            motion: Motion::new(pose),
+            rounding: rounding_angstrom(first, second, pose),
+            distance_angstrom,
+            threshold: (distance_angstrom as f32).next_up(),
+            stack: vec![(first.tree.root(), second.tree.root())],
+        }
+    }
+
+    fn run(mut self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
+        {
+            // SAFETY: the processor has both features that the function is compiled for.
+            return unsafe { self.visit_all_avx2() };
+        }
+        self.visit_all()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2,fma")]
+    fn visit_all_avx2(&mut self) -> bool {
+        self.visit_all()
+    }
+
+    #[inline(always)]
+    fn visit_all(&mut self) -> bool {
+        while let Some((a, b)) = self.stack.pop() {
+            if self.visit(a, b) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Tests the children of two nodes against each other. Near nodes go on the stack, the nearest
+    /// last; near triangles are decided.
+    #[inline(always)]
+    fn visit(&mut self, index_a: u32, index_b: u32) -> bool {
+        let (a, b) = (
+            &self.first.tree.nodes[index_a as usize],
+            &self.second.tree.nodes[index_b as usize],
+        );
+        if a.is_leaf != b.is_leaf {
+            self.expand_one(index_a, index_b);
+            return false;
+        }
+        let mut nearest = f32::INFINITY;
+        let moved = self.motion.block(&b.discs);
+        let rows = separations(&self.motion.disc(&b.bound), &a.discs, self.rounding);
+        // One disc of a against the eight of b at a time, so that the loop over lanes is vectorised;
+        // discs of a that are far from b as a whole are dropped first, which spares most rows.
+        for row in Bits(self.near(&rows)) {
+            let separations = separations(&a.discs.disc(row), &moved, self.rounding);
+            for lane in Bits(self.near(&separations)) {
+                let (child_a, child_b) = (a.children[row], b.children[lane]);
+                if !a.is_leaf {
+                    self.push(child_a, child_b, separations[lane], &mut nearest);
+                } else if self.triangles_come_within(child_a, child_b) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Tests a leaf against the children of a node that is not one.
+    #[inline(always)]
+    fn expand_one(&mut self, index_a: u32, index_b: u32) {
+        let (a, b) = (
+            &self.first.tree.nodes[index_a as usize],
+            &self.second.tree.nodes[index_b as usize],
+        );
+        let mut nearest = f32::INFINITY;
+        let separations = if a.is_leaf {
+            separations(&a.bound, &self.motion.block(&b.discs), self.rounding)
+        } else {
+            separations(&self.motion.disc(&b.bound), &a.discs, self.rounding)
+        };
+        for lane in Bits(self.near(&separations)) {
+            let (child_a, child_b) = if a.is_leaf {
+                (index_a, b.children[lane])
+            } else {
+                (a.children[lane], index_b)
+            };
+            self.push(child_a, child_b, separations[lane], &mut nearest);
+        }
+    }
+
+    /// Puts two nodes on the stack; the nearest of those that a visit pushes stays on top.
+    #[inline(always)]
+    fn push(&mut self, a: u32, b: u32, separation: f32, nearest: &mut f32) {
+        self.stack.push((a, b));
+        let top = self.stack.len() - 1;
+        if separation < *nearest {
+            *nearest = separation;
+        } else if top > 0 {
+            self.stack.swap(top - 1, top);
+        }
+    }
+
+    /// A bit for each lane nearer than the threshold.
+    #[inline(always)]
+    fn near(&self, separations: &Lanes) -> u32 {
+        negative_lanes(separations.map(|separation| separation - self.threshold))
+    }
+
+    fn triangles_come_within(&self, first: u32, second: u32) -> bool {
+        let first: Triangle = self.first.mesh.corners(first as usize);
+        let second: Triangle = self
+            .second
+            .mesh
+            .corners(second as usize)
+            .map(|corner| self.pose.transform_point(&corner));
+        triangle_distance(&first, &second) < self.distance_angstrom
+            || triangles_intersect(&first, &second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::CounterRng;
+    use crate::{Pose, TriangleMesh, Vec3};
+
+    #[test]
+    fn both_compilations_find_the_same() {
+        let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
+        let mesh = TriangleMesh {
+            vertices: corners
+                .map(|corner| Vec3::from(corner.map(f64::from)) * 8.0)
+                .to_vec(),
+            triangles: vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]],
+        };
+        let shape = CollisionShape::new(&mesh).unwrap();
+        let mut near = 0;
+        for case in 0..400 {
+            let mut rng = CounterRng::new(11, 0, case);
+            let pose = Pose {
+                position: rng.unit_vector() * 24.0,
+                rotation: rng.rotation(),
+            };
+            let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
+            let search = || Search::new(&shape, &shape, &relative, 5.0);
+            let found = search().run();
+            assert_eq!(found, search().visit_all());
+            near += usize::from(found);
+        }
+        assert!((40..360).contains(&near), "{near}");
+    }
+}
