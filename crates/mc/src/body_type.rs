@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::beads::BeadCloud;
 use crate::charges::ChargeCloud;
-use crate::contact::SurfacePoints;
+use crate::surface_points::SurfacePoints;
 use protomer_body::Body;
 use protomer_body::residue_contacts::beads_of;
 use protomer_kernel::overlap::CollisionShape;
@@ -30,8 +30,10 @@ pub struct BodyType {
     pub name: String,
     /// The hard surface, ready for overlap tests.
     pub shape: CollisionShape,
-    /// The vertices of the surface, for contacts.
+    /// The vertices of the surface, about which bodies turn.
     pub surface_points: SurfacePoints,
+    /// Distance of the surface from the body's origin, Å: no point of it is nearer.
+    pub least_radius_angstrom: f64,
     /// The point charges.
     pub charges: ChargeCloud,
     /// The residues, for contact terms; none for a body made of a mesh and charges.
@@ -50,9 +52,11 @@ impl BodyType {
         mesh: &TriangleMesh,
         charges: &[(Vec3, f64)],
     ) -> Result<Self> {
+        let shape = CollisionShape::new(mesh)?;
         Ok(Self {
             name: name.into(),
-            shape: CollisionShape::new(mesh)?,
+            least_radius_angstrom: shape.least_radius_angstrom(),
+            shape,
             surface_points: SurfacePoints::new(mesh),
             charges: ChargeCloud::new(charges),
             beads: BeadCloud::default(),

@@ -17,8 +17,8 @@
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
 //! | [`hard`] | hard-body overlap, cheapest test first |
 //! | [`moves`] | trial moves of one body, geometric cluster moves, moves that form and dissolve contacts, step sizes |
-//! | [`contact`] | contacts between surfaces |
-//! | [`observables`] | radius of gyration, native contacts, clusters |
+//! | [`surface_points`] | the vertices of a surface, about which bodies turn |
+//! | [`observables`] | radius of gyration, contacts between surfaces, clusters |
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
@@ -58,7 +58,6 @@ pub mod beads;
 pub mod body_type;
 pub mod charges;
 pub mod checkpoint;
-pub mod contact;
 pub mod contributions;
 pub mod desolvation;
 pub mod energy;
@@ -76,6 +75,7 @@ pub mod settings;
 pub mod simulation;
 mod sparse_rows;
 pub mod statistics;
+pub mod surface_points;
 pub mod system;
 #[cfg(test)]
 mod test_support;

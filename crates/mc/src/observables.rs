@@ -1,6 +1,7 @@
-//! Observables: radius of gyration, native contacts, clusters.
+//! Observables: radius of gyration, contacts between surfaces, clusters.
 
 use crate::system::{Pair, System};
+use protomer_kernel::overlap::comes_within;
 use serde::{Deserialize, Serialize};
 
 /// The observables of one state.
@@ -48,8 +49,8 @@ pub fn r_g_angstrom(system: &System, weight: impl Fn(usize) -> f64) -> f64 {
     sum.sqrt() / (0..poses.len()).map(weight).sum::<f64>()
 }
 
-/// The pairs of bodies whose surfaces are closer than `gap_angstrom`, vertex to vertex; the
-/// smaller index first, ascending.
+/// The pairs of bodies whose surfaces are closer than `gap_angstrom`; the smaller index first,
+/// ascending.
 pub fn contacts(system: &System, gap_angstrom: f64) -> Vec<(usize, usize)> {
     let pairs = (0..system.len())
         .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
@@ -62,9 +63,7 @@ pub(crate) fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
     let (first, second) = pair.types();
     let reach = first.hard_radius_angstrom() + second.hard_radius_angstrom() + gap_angstrom;
     pair.displacement.norm_squared() < reach * reach
-        && first
-            .surface_points
-            .comes_within(&second.surface_points, &pair.relative(), gap_angstrom)
+        && comes_within(&first.shape, &second.shape, &pair.relative(), gap_angstrom)
 }
 
 /// Fraction of the native contacts (ascending) that are among the present ones (ascending); `None`

@@ -76,6 +76,49 @@ fn hard_convex_bodies_have_the_coefficient_of_isihara() {
     assert!(energetic.abs() < 1e-4 * expected, "{energetic}");
 }
 
+/// A cube of 10 Å: eight vertices, so that faces in contact have none near each other.
+fn cube() -> Arc<BodyType> {
+    let corner = |number: u32| {
+        let side = |bit: u32| if number >> bit & 1 == 1 { 5.0 } else { -5.0 };
+        Vec3::new(side(0), side(1), side(2))
+    };
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    let mesh = TriangleMesh {
+        vertices: (0..8).map(corner).collect(),
+        triangles: faces.into_iter().flat_map(halves).collect(),
+    };
+    Arc::new(BodyType::new("cube", &mesh, &[]).unwrap())
+}
+
+/// The poses in which the surfaces of two hard convex bodies are nearer than g: what is excluded if
+/// one of them is grown by g, less what is excluded as it is. With V_ex = V₁ + V₂ + S₁R₂ + S₂R₁
+/// (Isihara) and Steiner's formulae of the grown body.
+#[test]
+fn the_contact_volume_of_cubes_is_that_of_their_surfaces() {
+    let (edge, gap): (f64, f64) = (10.0, 5.0);
+    let (area, radius) = (6.0 * edge * edge, 0.75 * edge);
+    let grown_volume = area * gap + 4.0 * PI * radius * gap * gap + 4.0 / 3.0 * PI * gap.powi(3);
+    let grown_area = 8.0 * PI * radius * gap + 4.0 * PI * gap * gap;
+    let expected = grown_volume + area * gap + grown_area * radius;
+    let body = cube();
+    let found = estimate(&pair_of(body.clone(), body, None), PairSettings::default());
+    let (volume, error) = (
+        found.association_volume_angstrom3,
+        found.association_volume_error_angstrom3,
+    );
+    assert!(error < 0.02 * expected, "{error}");
+    let deviation = (volume - expected).abs();
+    assert!(deviation < 3.0 * error, "{volume} ± {error}, {expected}");
+}
+
 /// -½ ∫ (exp(-U) - 1) 4π r² dr beyond a distance, for central charges.
 fn soft_part(from: f64, product: f64, yukawa: &Yukawa) -> f64 {
     let (steps, end) = (400_000, 400.0);

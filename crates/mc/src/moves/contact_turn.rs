@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 const SMALLEST_ANGLE_RAD: f64 = 0.05;
 
 /// Turns a random body i about one of its vertices that touch: a vertex of its surface closer than
-/// the gap to a vertex of another body.
+/// the gap to a vertex of another body. Surfaces may be nearer than their vertices; bodies that only
+/// touch so are left to other moves.
 ///
 /// **Why this is exact.** The vertex stays where it is, and so do the other bodies, so it still touches
 /// after the turn: the way back is always there. Of the n vertices that touch, each is drawn with

@@ -57,7 +57,7 @@ impl Shell {
     /// `None` in a space without a volume.
     fn of(system: &System, body: usize, target: usize, gap_angstrom: f64) -> Option<Self> {
         let kinds = [body, target].map(|body| system.body_type(body));
-        let least = kinds.map(|kind| kind.surface_points.least_radius_angstrom());
+        let least = kinds.map(|kind| kind.least_radius_angstrom);
         let largest = kinds.map(|kind| kind.hard_radius_angstrom());
         let half_box = 0.5 * system.boundary().smallest_length_angstrom();
         let space_angstrom3 = system.boundary().volume_angstrom3();

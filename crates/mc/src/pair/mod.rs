@@ -48,7 +48,7 @@ pub use potential::{Charged, Contacts};
 pub use wells::BoundPose;
 
 use crate::BodyType;
-use protomer_kernel::overlap::{overlaps, separation_bound};
+use protomer_kernel::overlap::{comes_within, overlaps};
 use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
 
@@ -89,16 +89,10 @@ impl BodyPair {
         }
     }
 
-    /// Whether vertices of the two surfaces are closer than the contact gap.
+    /// Whether the two surfaces are closer than the contact gap.
     fn is_in_contact(&self, second_in_first: &RelativePose) -> bool {
-        let (first, second) = (&self.first, &self.second);
-        let gap = self.contact_gap_angstrom;
-        // Vertices are no closer than surfaces, whose bound costs less.
-        let bound = separation_bound(&first.shape, &second.shape, second_in_first, gap);
-        bound.is_none_or(|bound| bound < gap)
-            && first
-                .surface_points
-                .comes_within(&second.surface_points, second_in_first, gap)
+        let (first, second) = (&self.first.shape, &self.second.shape);
+        comes_within(first, second, second_in_first, self.contact_gap_angstrom)
     }
 
     /// The distance of the origins beyond which nothing overlaps, Å.
