@@ -62,6 +62,24 @@ pub struct EffectiveCharges {
     pub condition: f64,
 }
 
+/// The charge from afar is stated up to this multiple of the body's own charge, or of one elementary
+/// charge if that is more.
+const LARGEST_RATIO_FROM_AFAR: f64 = 10.0;
+
+impl EffectiveCharges {
+    /// The charge seen from far away, e; `None` where it exceeds ten times the charge of the body (or
+    /// ten elementary charges, for a body of less than one).
+    ///
+    /// A charge at a depth a counts exp(κa)/(1 + κa) times from afar. At high salt that factor reaches
+    /// hundreds, the charges of the fit cancel to a small part of themselves, and their weighted sum is
+    /// an extrapolation of its errors.
+    pub fn charge_from_afar_e(&self) -> Option<f64> {
+        let largest_e = LARGEST_RATIO_FROM_AFAR * self.net_charge_e.abs().max(1.0);
+        let charge_e = self.net_effective_charge_e;
+        (charge_e.abs() <= largest_e).then_some(charge_e)
+    }
+}
+
 /// The distance from the faces of the grid to the spheres, Å: room for the layers.
 const MARGIN_ANGSTROM: f64 = 13.5;
 /// Points of a grid whose spacing is chosen.
@@ -149,4 +167,28 @@ fn affordable_spacing(spheres: &[ChargedSphere], margin_angstrom: f64) -> f64 {
 /// sinh(x)/x.
 fn seen_from_afar(x: f64) -> f64 {
     if x < 1e-4 { 1.0 } else { x.sinh() / x }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Chymotrypsin at 1 M and at 100 mM: +2954.56 e is no charge of a body of +3.01 e.
+    #[test]
+    fn a_charge_from_afar_that_is_an_extrapolation_is_not_stated() {
+        let seen = |net_charge_e: f64, net_effective_charge_e: f64| {
+            let charges = EffectiveCharges {
+                charges: Vec::new(),
+                net_charge_e,
+                net_effective_charge_e,
+                relative_residual: 0.01,
+                condition: 1.0,
+            };
+            charges.charge_from_afar_e()
+        };
+        assert_eq!(seen(3.01, 2954.56), None);
+        assert_eq!(seen(-3.01, -267.0), None);
+        assert_eq!(seen(3.01, 9.7), Some(9.7));
+        assert_eq!(seen(0.02, 3.0), Some(3.0));
+    }
 }

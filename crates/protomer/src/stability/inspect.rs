@@ -1,6 +1,6 @@
 //! The state of an assembly: overlaps, pair energies, radius of gyration.
 
-use crate::stability::effective::EffectiveBody;
+use crate::stability::effective::{self, EffectiveBody};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
@@ -40,6 +40,9 @@ pub struct Inspection {
     /// Each kind of body, where its effective charges interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
+    /// What a user should know of these energies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Inspects the present state of an assembly. Without a medium there are no energies.
@@ -77,6 +80,8 @@ pub fn inspect(
     model.reset(&system)?;
     let pairs = model.pairs(&system);
     let energy_kt = model.total_kt(&system);
+    let mut warnings = effective::warnings(engine.effective_bodies().into_iter().flatten());
+    warnings.extend(effective::near_contact_warning(&system, settings));
     let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
     Ok(Inspection {
         bodies: system.len(),
@@ -93,6 +98,7 @@ pub fn inspect(
         concentration_molar: engine.assembly().concentration_molar(),
         interaction: Some(interaction),
         effective_bodies: engine.effective_bodies().map(<[_]>::to_vec),
+        warnings,
     })
 }
 
@@ -111,6 +117,7 @@ fn without_energies(engine: &Engine, settings: &RunSettings) -> Result<Inspectio
         concentration_molar: engine.assembly().concentration_molar(),
         interaction: None,
         effective_bodies: None,
+        warnings: Vec::new(),
     })
 }
 

@@ -12,7 +12,6 @@ use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::contacts::ContactCore;
-use protomer::stability::effective;
 use protomer::stability::inspect::{inspect, inspection_settings};
 use protomer::stability::run::RunSettings;
 use protomer_common::{quantity, range};
@@ -71,7 +70,7 @@ impl InspectArgs {
             ..inspection_settings(energy, self.tolerance.tolerance, self.contact_gap)
         };
         let found = inspect(&engine, &settings, interaction)?;
-        let warnings = effective::warnings(found.effective_bodies.iter().flatten());
+        let warnings = found.warnings.clone();
         Ok(Reply::data(found).with_notes(warnings))
     }
 }

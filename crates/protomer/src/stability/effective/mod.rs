@@ -3,11 +3,14 @@
 //! | module | one idea |
 //! |---|---|
 //! | `problem` | one body in one medium: what shapes its effective charges, and their fit |
+//! | `range` | where effective charges hold, and what is said where they do not |
 //! | `store` | each fit once, shared by whoever asks, kept on the disk for the next run |
 
 mod problem;
+pub(crate) mod range;
 mod store;
 
+pub use range::{LEAST_GAP_ANGSTROM, contacts_warning, near_contact_warning};
 pub use store::EffectiveStore;
 
 use crate::stability::interaction::ScreenedCoulomb;
@@ -105,8 +108,9 @@ pub struct EffectiveBody {
     pub name: String,
     /// Sum of the charges of the body, e.
     pub net_charge_e: f64,
-    /// The charge it looks like from afar, on average over directions, e.
-    pub net_effective_charge_e: f64,
+    /// The charge it looks like from afar, on average over directions, e; null where that is an
+    /// extrapolation too far ([`EffectiveCharges::charge_from_afar_e`]).
+    pub net_effective_charge_e: Option<f64>,
     /// Number of effective charges.
     pub effective_charges: usize,
     /// Root mean square error of the fitted potential, each layer of points relative to its own
@@ -125,7 +129,7 @@ impl EffectiveBody {
         Self {
             name: body.name.clone(),
             net_charge_e: charges.net_charge_e,
-            net_effective_charge_e: charges.net_effective_charge_e,
+            net_effective_charge_e: charges.charge_from_afar_e(),
             effective_charges: charges.charges.len(),
             relative_residual: charges.relative_residual,
             condition: charges.condition,
@@ -135,13 +139,18 @@ impl EffectiveBody {
 
     /// One line that says what stands for the body.
     pub fn describe(&self) -> String {
+        let from_afar = match self.net_effective_charge_e {
+            Some(charge_e) => format!("which looks like {charge_e:+.2} e from afar"),
+            None => {
+                "whose size from afar cannot be told: the salt screens the body too strongly".into()
+            }
+        };
         format!(
-            "effective charges of '{}': {} for a net charge of {:+.2} e, which looks like {:+.2} e \
-             from afar; potential fitted to {:.2} %",
+            "effective charges of '{}': {} for a net charge of {:+.2} e, {from_afar}; potential \
+             fitted to {:.2} %",
             self.name,
             self.effective_charges,
             self.net_charge_e,
-            self.net_effective_charge_e,
             100.0 * self.relative_residual
         )
     }

@@ -1,0 +1,46 @@
+//! Where effective charges hold, and what is said where they do not.
+//!
+//! Charges are fitted to the potential in layers that begin 1.5 Å beyond the region which ions enter,
+//! that is 3.5 Å beyond the atoms with ions of 2 Å. Nearer than that nothing ties them to the
+//! potential, and the charges of a body in contact lie nearer. Desolvation of first order was compared
+//! with solved fields of bodies at gaps of 3 Å and more.
+
+use crate::stability::run::RunSettings;
+use protomer_mc::System;
+use protomer_mc::observables::contacts;
+
+/// Surfaces that are nearer than this are outside the range of effective charges, Å.
+pub const LEAST_GAP_ANGSTROM: f64 = 3.0;
+
+/// A warning if bodies with effective charges are too near for them.
+pub fn near_contact_warning(system: &System, run: &RunSettings) -> Option<String> {
+    run.effective_charges?;
+    let near = contacts(system, LEAST_GAP_ANGSTROM);
+    let (first, second) = near.first()?;
+    let others = match near.len() - 1 {
+        0 => String::new(),
+        1 => ", and those of one more pair,".to_owned(),
+        more => format!(", and those of {more} more pairs,"),
+    };
+    let bodies = format!("the surfaces of bodies {first} and {second}{others}");
+    Some(out_of_range(&bodies, run.desolvation))
+}
+
+/// The same for a run in which this many pairs of bodies are in contact on average.
+pub fn contacts_warning(mean_contacts: f64, run: &RunSettings) -> Option<String> {
+    run.effective_charges?;
+    let bodies = "the surfaces of bodies in contact";
+    (mean_contacts > 0.0).then(|| out_of_range(bodies, run.desolvation))
+}
+
+/// What is wrong with energies of surfaces that are too near.
+pub(crate) fn out_of_range(surfaces: &str, has_desolvation: bool) -> String {
+    let terms = match has_desolvation {
+        true => "effective charges and desolvation",
+        false => "effective charges",
+    };
+    format!(
+        "warning: {surfaces} are nearer than {LEAST_GAP_ANGSTROM} Å: {terms} describe the field farther \
+         out, and their energies at contact may be wrong by many kT; compare with --interaction bare"
+    )
+}
