@@ -766,6 +766,58 @@ fn the_answer_names_the_half_salt_or_says_why_not() {
     }
 }
 
+/// Open space has no equilibrium: that is said before the run, answers that need one are refused at
+/// once, and the box that is advised works.
+#[test]
+fn open_space_is_said_before_the_run_and_the_advice_works() {
+    let place = TemporaryFolder::new();
+    let ring = std::fs::read_to_string(place.path("ring.json")).unwrap();
+    let mut assembly: serde_json::Value = serde_json::from_str(&ring).unwrap();
+    assembly["box_angstrom"] = serde_json::Value::Null;
+    std::fs::write(place.path("open.json"), assembly.to_string()).unwrap();
+    let short = "--salt 50mM,300mM --replicas 2 --sweeps 20 --equilibration 0";
+    let open = place.run(&format!("sweep open.json {short} -o open"));
+    is_ok(&open);
+    let words = message(&open);
+    let (said, done) = (
+        words.find("no box").unwrap(),
+        words.find("figure:").unwrap(),
+    );
+    assert!(said < done, "{words}");
+    let result = std::fs::read(place.path("open/sweep.json")).unwrap();
+    let result: serde_json::Value = serde_json::from_slice(&result).unwrap();
+    assert_eq!(result["equilibrated"], false);
+    assert!(result["half_salt_molar"].is_null());
+    assert!(result["equilibration"].as_str().unwrap().contains("no box"));
+    // Before any simulation, and before any fit.
+    for options in ["--starts both", "--exchange-every 5"] {
+        let refused = place.run(&format!("sweep open.json {short} {options} -o refused"));
+        assert_eq!(refused.status.code(), Some(1));
+        assert!(message(&refused).contains("\"box_angstrom\": ["));
+        assert!(!place.path("refused").exists());
+    }
+    let edge = words.split("\"box_angstrom\": [").nth(1).unwrap();
+    let edge: f64 = edge.split(',').next().unwrap().parse().unwrap();
+    assembly["box_angstrom"] = serde_json::json!([edge, edge, edge]);
+    std::fs::write(place.path("boxed.json"), assembly.to_string()).unwrap();
+    let advised = format!("sweep boxed.json {short} --starts both --exchange-every 5 -o boxed");
+    is_ok(&place.run(&advised));
+}
+
+/// `--starts both` is advised with as many replicas as it needs.
+#[test]
+fn the_advice_to_one_replica_works_when_followed() {
+    let place = TemporaryFolder::new();
+    let short = "sweep ring.json --salt 50mM,300mM --sweeps 20 --equilibration 0";
+    let output = place.run(&format!("{short} --replicas 1 -o one --json"));
+    is_ok(&output);
+    let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let words = result["equilibration"].as_str().unwrap();
+    let advice = "--starts both --replicas 4";
+    assert!(words.contains(advice), "{words}");
+    is_ok(&place.run(&format!("{short} {advice} -o both")));
+}
+
 #[test]
 fn the_settings_file_of_a_run_is_a_configuration_that_continues_it() {
     let place = TemporaryFolder::new();

@@ -107,14 +107,32 @@ impl RunArgs {
     }
 }
 
-/// Says that effective charges come first.
-pub fn say_effective_charges(front: &Front, settings: &RunSettings) {
+/// Says, before anything takes long, what the run cannot answer, and that effective charges come
+/// first.
+pub fn say_limits(front: &Front, engine: &Engine, settings: &RunSettings) -> Result<()> {
+    front.warn(engine.open_space_warning());
     if settings.effective_charges.is_some() {
+        front.warn(effective::near_contact_warning(&engine.system()?, settings));
         front.say(
             "effective charges are fitted for each kind of body and salt concentration, unless they \
              are in the cache",
         );
     }
+    Ok(())
+}
+
+/// The warning of a run whose bodies came into contact, if its start did not give it.
+pub fn late_contact_warning(
+    engine: &Engine,
+    settings: &RunSettings,
+    mean_contacts: impl Iterator<Item = f64>,
+) -> Result<Option<String>> {
+    let said = effective::near_contact_warning(&engine.system()?, settings);
+    let most = mean_contacts.fold(0.0, f64::max);
+    Ok(match said {
+        Some(_) => None,
+        None => effective::contacts_warning(most, settings),
+    })
 }
 
 /// Says how energies are computed and, where tables are made first, how long that takes.
@@ -158,7 +176,7 @@ impl SimulateArgs {
         let execution = self.run.execution.execution(front)?;
         let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
-        say_effective_charges(front, &settings);
+        say_limits(front, &engine, &settings)?;
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;
         let end = simulate(&engine, &settings, directory, &execution)?;
@@ -166,6 +184,8 @@ impl SimulateArgs {
         if let End::Finished(result) = &end {
             let bodies = result.effective_bodies.iter().flatten();
             notes = effective::warnings(bodies);
+            let contacts = result.contacts.iter().map(|contacts| contacts.mean);
+            notes.extend(late_contact_warning(&engine, &settings, contacts)?);
             let figure = figure_of(directory, &settings);
             notes.push(format!("figure: {}", figure.display()));
         }

@@ -1,6 +1,6 @@
 //! `protomer sweep`: stability against salt.
 
-use super::simulate::{RunArgs, figure_of, say_effective_charges, say_energies};
+use super::simulate::{RunArgs, figure_of, late_contact_warning, say_energies, say_limits};
 use crate::flags::choices::ReplicaStarts;
 use crate::flags::medium::MediumArgs;
 use crate::flags::override_with;
@@ -67,7 +67,7 @@ impl SweepArgs {
         let execution = self.run.execution.execution(front)?;
         let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
-        say_effective_charges(front, &settings);
+        say_limits(front, &engine, &settings)?;
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;
         if !self.shard.is_whole() {
@@ -82,7 +82,11 @@ impl SweepArgs {
                 End::Finished(result) => {
                     let figure = figure_of(directory, &settings);
                     let bodies = result.salts.iter().flat_map(|row| &row.effective_bodies);
-                    let warnings = effective::warnings(bodies.flatten());
+                    let mut warnings = effective::warnings(bodies.flatten());
+                    let replicas = result.replicas.iter().flatten();
+                    let contacts = replicas.filter_map(|replica| replica.contacts);
+                    let means = contacts.map(|contacts| contacts.mean);
+                    warnings.extend(late_contact_warning(&engine, &settings, means)?);
                     let reply = Reply::of(result).with_notes(warnings);
                     reply.with_note(format!("figure: {}", figure.display()))
                 }

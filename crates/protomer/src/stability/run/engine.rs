@@ -5,11 +5,13 @@ use crate::assemblies::assembly_file::Assembly;
 use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
 use crate::stability::interaction::{Definition, ScreenedCoulomb};
-use crate::stability::run::{DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings};
+use crate::stability::run::{
+    DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings, Starts,
+};
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
-use protomer_kernel::{Boundary, Pose};
+use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
@@ -253,6 +255,60 @@ impl Engine {
         let reach = DirectSum::new(interaction.yukawa()?).range_angstrom(&system);
         let ball = 4.0 / 3.0 * PI * reach.powi(3);
         Ok((ball / system.boundary().volume_angstrom3()).max(1.0))
+    }
+
+    /// What a run in open space can answer and what it cannot; `None` with a box or a wall.
+    pub fn open_space_warning(&self) -> Option<String> {
+        let edge_angstrom = self.suggested_box_angstrom()?;
+        Some(format!(
+            "warning: the assembly has no box: bodies that come apart drift away for ever. The run shows \
+             whether contacts last as many sweeps as it has, and no equilibrium: no half salt, no K_D; \
+             R_g measures how far the bodies have drifted. For an equilibrium give the assembly a box: \
+             \"box_angstrom\": [{edge_angstrom}, {edge_angstrom}, {edge_angstrom}] in its file"
+        ))
+    }
+
+    /// An edge for a box, Å, in which an assembly in open space has as much space as matter about it;
+    /// `None` if it has a box or a wall.
+    fn suggested_box_angstrom(&self) -> Option<f64> {
+        if !matches!(self.assembly.boundary, Boundary::Open) {
+            return None;
+        }
+        const WIDTHS: f64 = 2.0;
+        const STEP_ANGSTROM: f64 = 50.0;
+        let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
+        for (kind, pose) in self.assembly.kinds.iter().zip(&self.assembly.poses) {
+            let radius = self.types[*kind].hard_radius_angstrom();
+            low = low.inf(&pose.position.add_scalar(-radius));
+            high = high.sup(&pose.position.add_scalar(radius));
+        }
+        let width_angstrom = (high - low).max().max(0.0);
+        Some(STEP_ANGSTROM * (WIDTHS * width_angstrom / STEP_ANGSTROM).ceil().max(1.0))
+    }
+
+    /// Refuses what open space has not: a fluid to start from, and an equilibrium that exchanges
+    /// between salts would sample.
+    ///
+    /// # Errors
+    /// Says what to give.
+    pub fn require_space_for(&self, run: &RunSettings) -> Result<()> {
+        let Some(edge_angstrom) = self.suggested_box_angstrom() else {
+            return Ok(());
+        };
+        let wanted = match (run.starts, run.exchange_every) {
+            (Starts::Both | Starts::Fluid, _) => {
+                "a fluid to start from needs a box: in open space bodies cannot be scattered"
+            }
+            (Starts::Assembly, 1..) => {
+                "exchanges between salts sample an equilibrium, and open space has none: bodies that \
+                 come apart drift away for ever"
+            }
+            (Starts::Assembly, 0) => return Ok(()),
+        };
+        bail!(
+            "{wanted}; give the assembly a box, \"box_angstrom\": [{edge_angstrom}, {edge_angstrom}, \
+             {edge_angstrom}] in its file, or leave out --starts and --exchange-every"
+        )
     }
 
     /// Checks what would stop every simulation at its start: an overlap, or a box too small for an

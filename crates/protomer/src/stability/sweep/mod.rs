@@ -23,6 +23,7 @@ use crate::stability::run::{
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::atomic::write_atomically;
+use protomer_kernel::Boundary;
 use protomer_mc::observables::contacts;
 use protomer_plot::Figure;
 use protomer_results::{
@@ -229,6 +230,7 @@ pub fn resolved(
     execution: &Execution,
 ) -> Result<RunSettings> {
     settings.check()?;
+    engine.require_space_for(settings)?;
     let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
     let kept = begun.filter(|_| !execution.start_anew);
     engine.resolved(settings, kept.and_then(|begun| begun.energy))
@@ -465,8 +467,9 @@ impl Campaign for Sweep<'_> {
         let assembly = self.engine.assembly();
         let gap_angstrom = self.settings.contact_gap_angstrom;
         let native = contacts(&self.engine.system()?, gap_angstrom).len();
+        let is_open = matches!(assembly.boundary, Boundary::Open);
         let result = SweepResult {
-            stability: Stability::new(self.settings, &replicas, native),
+            stability: Stability::new(self.settings, &replicas, native, is_open),
             exchanges,
             version: env!("CARGO_PKG_VERSION").into(),
             input_sha256: assembly.sha256.clone(),

@@ -15,6 +15,10 @@ const LEAST_FRACTION: f64 = 0.05;
 const LEAST_BODIES: f64 = 0.5;
 const LEAST_KT: f64 = 1.0;
 
+/// Why a run without a box has no half salt.
+const OPEN_SPACE: &str = "no equilibrium: the assembly has no box, and bodies that come apart drift away for ever; contacts \
+                          are those that lasted as many sweeps, and R_g measures how far the bodies have drifted";
+
 /// Where an assembly falls apart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stability {
@@ -62,9 +66,18 @@ impl CountedContacts {
 }
 
 impl Stability {
-    /// From the replicas at each salt concentration. `native`: contacts of the assembly.
-    pub fn new(settings: &RunSettings, replicas: &[Vec<ReplicaResult>], native: usize) -> Self {
-        let (equilibrated, equilibration) = equilibration(settings, replicas, native);
+    /// From the replicas at each salt concentration. `native`: contacts of the assembly; `is_open`:
+    /// whether it has neither box nor wall.
+    pub fn new(
+        settings: &RunSettings,
+        replicas: &[Vec<ReplicaResult>],
+        native: usize,
+        is_open: bool,
+    ) -> Self {
+        let (equilibrated, equilibration) = match is_open {
+            true => (Some(false), OPEN_SPACE.into()),
+            false => equilibration(settings, replicas, native),
+        };
         // At equilibrium bodies change places.
         let counted = match settings.exchange_every == 0 && settings.is_from_assembly() {
             true => CountedContacts::Native,
@@ -288,9 +301,16 @@ fn equilibration(
         }
     }
     if by_start.is_empty() {
-        let words = "whether this is an equilibrium is not known: all runs start alike; --starts \
-                     both begins half of them from a fluid";
-        return (None, words.into());
+        // One replica cannot start from both.
+        let replicas = match settings.replicas {
+            1 => " --replicas 4",
+            _ => "",
+        };
+        let words = format!(
+            "whether this is an equilibrium is not known: all runs start alike; --starts both{replicas}, \
+             in another directory, begins half of them from a fluid"
+        );
+        return (None, words);
     }
     for observable in observables(native) {
         let differences = by_start.iter().filter_map(|(salt_molar, assembly, fluid)| {
