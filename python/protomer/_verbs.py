@@ -3723,6 +3723,7 @@ def residues(
     *,
     output: Path | str | None = None,
     mutations: bool = False,
+    include_touching: bool = False,
     touching: float | str | None = None,
     frames: int | str | None = None,
     script: Literal["chimerax", "pymol"] | None = None,
@@ -3747,7 +3748,9 @@ def residues(
 ) -> Result:
     """Share out the energy of an assembly by residues and pairs of residues, averaged over the frames of a sweep
     or a simulation: which residues hold it together, which touch, and what single exchanges of charge would
-    change.
+    change. Where effective charges interact, energies are shared out by the plain charges of the bodies.
+    Where runs from the assembly and from a fluid disagree, only frames count in which more than half of the
+    contacts are left.
 
     Parameters
     ----------
@@ -3758,6 +3761,9 @@ def residues(
         run; none for an assembly]
     mutations
         Also scan exchanges of single charges on the surfaces, and the half salt they lead to
+    include_touching
+        With --mutations: also list exchanges of residues that touch another body. Their energy changes by
+        more than their charge does, which the scan does not know
     touching
         Residues touch where heavy atoms of them are closer than this [default: 5A]
     frames
@@ -3833,6 +3839,7 @@ def residues(
         {
             "--output": output,
             "--mutations": mutations,
+            "--include-touching": include_touching,
             "--touching": touching,
             "--frames": frames,
             "--script": script,

@@ -104,7 +104,8 @@ impl Residues {
         html += &data::of_file(&self.folder, "residue_pairs.csv")?;
         if !self.rows("mutations").is_empty() {
             html += &paragraph(
-                "Exchanges of one charge in every copy, those that lower the energy most and least:",
+                "Exchanges of one charge in every copy, those that lower the energy most and least. \
+                 Residues that touch another body are in the file only, unless they were requested:",
             );
             html += &self.mutation_table();
             html += &data::of_file(&self.folder, "mutations.csv")?;
@@ -184,6 +185,7 @@ impl Residues {
         let head = [
             "body",
             "exchange",
+            "touching",
             "energy (kT)",
             "shift of the half salt (mM)",
             "effective frames",
@@ -193,6 +195,7 @@ impl Residues {
             vec![
                 row["body"].as_str().unwrap_or_default().to_owned(),
                 row["mutation"].as_str().unwrap_or_default().to_owned(),
+                significant_or_dash(row["touching"].as_f64(), 2),
                 with_error(&row["energy_change_kt"], 1.0, 3),
                 match shift.is_null() {
                     true => "–".into(),
@@ -201,10 +204,16 @@ impl Residues {
                 significant_or_dash(row["effective_frames"].as_f64(), 3),
             ]
         };
-        let rows = self.rows("mutations");
+        let lists_all = self.result["recommends_touching"] == true;
+        let is_listed = |row: &&Value| lists_all || row["recommended"] != false;
+        let rows: Vec<&Value> = self.rows("mutations").iter().filter(is_listed).collect();
         let half = MOST_ROWS.div_ceil(2).min(rows.len());
         let last = rows.len().saturating_sub(half).max(half);
-        let lines: Vec<Vec<String>> = rows[..half].iter().chain(&rows[last..]).map(line).collect();
+        let lines: Vec<Vec<String>> = rows[..half]
+            .iter()
+            .chain(&rows[last..])
+            .map(|row| line(row))
+            .collect();
         table(&head.map(str::to_owned), &lines)
     }
 }

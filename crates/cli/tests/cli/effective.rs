@@ -65,7 +65,10 @@ fn all_verbs_use_the_same_charges_from_the_cache() {
         assert!(body["relative_residual"].as_f64().unwrap() < 0.05);
         assert!(body.get("warning").is_none(), "{body}");
     }
-    let bare = json(&run(&place, "inspect pair.json --salt 100mM --json"));
+    let plain = run(&place, "inspect pair.json --salt 100mM --json");
+    assert_eq!(message(&plain), "");
+    let bare = json(&plain);
+    assert!(bare.get("warnings").is_none());
     // Charges at the centres: the energy goes as the product of what both look like.
     let factor = kappa_a.exp() / (1.0 + kappa_a);
     let ratio = energy_kt / bare["energy_kT"].as_f64().unwrap();
@@ -77,7 +80,10 @@ fn all_verbs_use_the_same_charges_from_the_cache() {
     assert_eq!(kept.len(), 2);
     let warm = run(&place, &inspect);
     assert_eq!(warm.stdout, cold.stdout);
-    assert_eq!(message(&warm), "");
+    // The surfaces are 0.1 Å apart, nearer than the charges were fitted.
+    let warned = "the surfaces of bodies 0 and 1 are nearer than 3 Å";
+    assert!(message(&warm).contains(warned), "{}", message(&warm));
+    assert_eq!(inspected["warnings"].as_array().map(Vec::len), Some(1));
     assert!(contents(&place.path("cache")) == kept);
 
     // A simulation that rejects its only moves stays at its start.
@@ -106,7 +112,10 @@ fn all_verbs_use_the_same_charges_from_the_cache() {
     let pair = format!(
         "pair plus.body minus.body {EFFECTIVE} --relative-error 0.5 --most-directions 2048 --json"
     );
-    let of_pair = json(&run(&place, &pair));
+    let pair = run(&place, &pair);
+    let nearer = message(&pair).contains("bound poses are nearer than 3 Å");
+    assert!(nearer, "{}", message(&pair));
+    let of_pair = json(&pair);
     for number in 0..2 {
         assert_eq!(
             of_pair["conditions"][0]["net_effective_charge_e"][number],

@@ -30,6 +30,179 @@ fn read(path: &Path) -> Value {
     json(&std::fs::read(path).unwrap())
 }
 
+/// Two residues of one kind, at coordinates of a chain that is drawn out.
+fn dipeptide(residue: &str, ends: [&str; 2]) -> String {
+    let backbone = [
+        ("N", [0.0, 0.0, 0.0]),
+        ("CA", [1.46, 0.0, 0.0]),
+        ("C", [2.0, 1.4, 0.0]),
+        ("O", [1.2, 2.4, 0.0]),
+        ("CB", [2.0, -0.8, 1.2]),
+        ("CG", [3.5, -0.9, 1.3]),
+        ("CD", [4.1, -1.7, 2.5]),
+    ];
+    let end_of_chain = [[5.2, -2.4, 2.3], [3.6, -1.7, 3.7]];
+    let mut text = String::new();
+    let mut serial = 0;
+    for number in 1..=2 {
+        let atoms = backbone
+            .into_iter()
+            .chain(ends.into_iter().zip(end_of_chain));
+        for (name, [x, y, z]) in atoms {
+            serial += 1;
+            let (x, y) = (
+                x + 3.3 * f64::from(number - 1),
+                y + 1.6 * f64::from(number - 1),
+            );
+            let element = &name[..1];
+            text += &format!(
+                "ATOM  {serial:5}  {name:<3} {residue} A{number:4}    {x:8.3}{y:8.3}{z:8.3}  1.00  0.00          {element:>2}\n"
+            );
+        }
+    }
+    text
+}
+
+/// Two glutamates straight above two lysines.
+const FACING: [f64; 3] = [0.0, 0.0, 8.5];
+
+/// Two lysines and, at this place, two glutamates in a box of 200 Å; the surfaces are in contact.
+fn two_peptides(second_angstrom: [f64; 3]) -> TemporaryFolder {
+    let place = TemporaryFolder::new();
+    for (name, text) in [
+        ("plus", dipeptide("LYS", ["CE", "NZ"])),
+        ("minus", dipeptide("GLU", ["OE1", "OE2"])),
+    ] {
+        std::fs::write(place.path(&format!("{name}.pdb")), text).unwrap();
+        is_ok(&place.run(&format!("ingest -q {name}.pdb -o . --charges formal")));
+    }
+    let placed = |body: &str, position: [f64; 3]| {
+        let turned = [1, 0, 0, 0];
+        serde_json::json!({"body": body, "position_angstrom": position, "orientation_wxyz": turned})
+    };
+    let assembly = serde_json::json!({
+        "box_angstrom": [200, 200, 200],
+        "bodies": [{"name": "plus", "file": "plus.body"}, {"name": "minus", "file": "minus.body"}],
+        "placements": [placed("plus", [0.0; 3]), placed("minus", second_angstrom)],
+    });
+    std::fs::write(place.path("two.json"), assembly.to_string()).unwrap();
+    place
+}
+
+/// Fitted charges next to each other may be hundreds of e: a share of them says nothing of a residue.
+#[test]
+fn effective_charges_are_not_shared_out_among_residues() {
+    let place = two_peptides(FACING);
+    let plain = place.run("residues two.json --salt 100mM --json");
+    is_ok(&plain);
+    let plain = json(&plain.stdout);
+    assert_eq!(plain["shared_by"], "charges");
+    assert!(plain["effective_energy_kt"].is_null() && plain["charges_note"].is_null());
+    let effective = "two.json --salt 100mM --interaction effective --inner-permittivity 4";
+    let output = place.run(&format!("residues {effective} --json"));
+    is_ok(&output);
+    let found = json(&output.stdout);
+    for key in ["energy", "residues", "pairs"] {
+        assert_eq!(found[key], plain[key], "{key}");
+    }
+    assert_eq!(found["shared_by"], "plain_charges");
+    let note = found["charges_note"].as_str().unwrap();
+    assert!(note.contains("shared out by the plain charges"), "{note}");
+    // The energy of the model itself is that of `inspect`.
+    let inspected = json(&place.run(&format!("inspect {effective} --json")).stdout);
+    let model_kt = inspected["energy_kT"].as_f64().unwrap();
+    let stated_kt = found["effective_energy_kt"].as_f64().unwrap();
+    assert!(
+        (stated_kt - model_kt).abs() < 1e-9,
+        "{stated_kt} {model_kt}"
+    );
+    assert!((model_kt - plain["energy"]["total_kt"]["mean"].as_f64().unwrap()).abs() > 0.1);
+}
+
+/// Half of the replicas of a sweep that is not equilibrated never met: they do not halve the energies.
+#[test]
+fn where_starts_disagree_only_bound_frames_count() {
+    let place = two_peptides(FACING);
+    is_ok(&place.run(
+        "sweep two.json --salt 10mM,50mM --replicas 2 --starts both --sweeps 20 --equilibration 0 \
+         --cluster-moves 0 --log-every 1 --trajectory-every 1 --energy direct -q -o run",
+    ));
+    let sweep = read(&place.path("run/sweep.json"));
+    assert_eq!(sweep["equilibrated"], false, "{}", sweep["equilibration"]);
+    let output = place.run("residues run --json -q");
+    is_ok(&output);
+    let found = json(&output.stdout);
+    let why = found["salt_chosen"].as_str().unwrap();
+    assert!(why.contains("not equilibrated"), "{why}");
+    assert_eq!(found["salt_M"].as_f64(), Some(0.01));
+    // The rows of the log are those of the frames.
+    let (mut bound, mut rows) = (Vec::new(), 0);
+    for replica in 0..2 {
+        let log = place.path(&format!("run/salt_0.010000M/replica_{replica}/log.csv"));
+        let log = std::fs::read_to_string(log).unwrap();
+        let mut lines = log.lines().map(|line| line.split(',').collect::<Vec<_>>());
+        let heading = lines.next().unwrap();
+        let column = |name| heading.iter().position(|cell| *cell == name).unwrap();
+        let (contacts, energy) = (column("contacts"), column("energy_kT"));
+        for line in lines {
+            rows += 1;
+            if line[contacts].parse::<f64>().unwrap() > 0.5 {
+                bound.push(line[energy].parse::<f64>().unwrap());
+            }
+        }
+    }
+    assert!(!bound.is_empty() && bound.len() <= rows / 2, "{bound:?}");
+    assert_eq!(found["bound_frames_only"], true);
+    assert_eq!(found["frames"], bound.len());
+    assert_eq!(found["frames_read"], rows);
+    let expected = bound.iter().sum::<f64>() / bound.len() as f64;
+    let mean = found["energy"]["total_kt"]["mean"].as_f64().unwrap();
+    assert!((mean - expected).abs() < 0.01, "{mean} {expected}");
+    let text = place.run("residues run -q --force");
+    let text = String::from_utf8(text.stdout).unwrap();
+    let frames = format!("{} of {rows} frames", bound.len());
+    assert!(text.contains(&frames), "{text}");
+}
+
+/// The scan knows the charge of a residue, and nothing of a contact that it is buried in.
+#[test]
+fn exchanges_in_a_contact_are_marked_and_not_recommended() {
+    let place = two_peptides([4.0, 2.0, 8.5]);
+    let scan = "residues two.json --salt 100mM --mutations --touching 6A";
+    let result = json(&place.run(&format!("{scan} --json")).stdout);
+    let rows = result["mutations"].as_array().unwrap();
+    let touches = |row: &&Value| row["touching"].as_f64().unwrap() > 0.1;
+    let in_contact: Vec<&Value> = rows.iter().filter(touches).collect();
+    assert!(
+        !in_contact.is_empty() && in_contact.len() < rows.len(),
+        "{rows:?}"
+    );
+    for row in rows {
+        assert_eq!(row["recommended"], !touches(&row), "{row}");
+    }
+    let listed = |options: &str| {
+        let output = place.run(&format!("{scan} {options}"));
+        is_ok(&output);
+        let text = String::from_utf8(output.stdout).unwrap();
+        let exchanges = text
+            .split("exchanges of one charge")
+            .nth(1)
+            .unwrap()
+            .to_owned();
+        let is_listed = |row: &&&Value| exchanges.contains(row["mutation"].as_str().unwrap());
+        (in_contact.iter().filter(is_listed).count(), text)
+    };
+    let (none, text) = listed("");
+    assert_eq!(none, 0, "{text}");
+    let left_out = format!(
+        "{} of {} exchanges are left out",
+        in_contact.len(),
+        rows.len()
+    );
+    assert!(text.contains(&left_out), "{text}");
+    assert_eq!(listed("--include-touching").0, in_contact.len());
+}
+
 /// The energy of the run's log is that of the shares; files and report are there.
 #[test]
 fn a_run_is_shared_out_and_shown() {

@@ -17,7 +17,9 @@ use std::path::PathBuf;
 
 /// Share out the energy of an assembly by residues and pairs of residues, averaged over the frames
 /// of a sweep or a simulation: which residues hold it together, which touch, and what single
-/// exchanges of charge would change.
+/// exchanges of charge would change. Where effective charges interact, energies are shared out by
+/// the plain charges of the bodies. Where runs from the assembly and from a fluid disagree, only
+/// frames count in which more than half of the contacts are left.
 #[derive(Debug, Args)]
 pub struct ResiduesArgs {
     /// Directory of a sweep or a simulation, or an assembly file.
@@ -29,6 +31,10 @@ pub struct ResiduesArgs {
     /// Also scan exchanges of single charges on the surfaces, and the half salt they lead to.
     #[arg(long)]
     mutations: bool,
+    /// With --mutations: also list exchanges of residues that touch another body. Their energy
+    /// changes by more than their charge does, which the scan does not know.
+    #[arg(long, requires = "mutations")]
+    include_touching: bool,
     /// Residues touch where heavy atoms of them are closer than this.
     #[arg(long, value_name = "LENGTH", default_value = "5A", allow_hyphen_values = true, value_parser = range::TOUCHING.read(quantity::length_angstrom))]
     touching: f64,
@@ -77,6 +83,7 @@ impl ResiduesArgs {
             touching_angstrom: self.touching,
             most_frames: self.frames,
             mutations: self.mutations,
+            recommends_touching: self.include_touching,
             script: self.script.map(Into::into),
             force: front.force(),
         };
@@ -86,6 +93,7 @@ impl ResiduesArgs {
         let notes: Vec<String> = files
             .map(|file| format!("written: {}", file.display()))
             .collect();
-        Ok(Reply::data(found).with_repeated(notes))
+        let warnings = found.warnings.clone();
+        Ok(Reply::data(found).with_notes(warnings).with_repeated(notes))
     }
 }

@@ -5,14 +5,17 @@ use super::pose_files;
 use super::residues::{self, RESIDUES, residue_energies};
 use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings, label};
+use crate::stability::effective::range::out_of_range;
 use crate::stability::effective::{self, EffectiveStore};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Error, Result, bail};
 use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
+use protomer_kernel::overlap::comes_within;
+use protomer_kernel::{Pose, RelativePose};
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::pair::wells::bound_poses;
-use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, PairSettings, Terms};
+use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, PairSettings, Term, Terms};
 use protomer_results::{ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -143,6 +146,21 @@ impl<'a> Condition<'a> {
         })
     }
 
+    /// The bodies with their plain charges and the other terms of this condition, by which residues
+    /// share energies where effective charges interact; `None` where plain ones do. Effective charges
+    /// stand for the field around a body and not for its residues.
+    fn with_plain_charges(&self, state: &State) -> Result<Option<BodyPair>> {
+        if state.effective.is_none() {
+            return Ok(None);
+        }
+        let mut pair = state.pair.clone();
+        pair.potential.0.retain(|term| term.term() != Term::Charges);
+        let (first, second) = (&pair.first.charges, &pair.second.charges);
+        let charged = Charged::new(self.interaction.yukawa()?, first, second)?;
+        pair.potential.0.insert(0, Arc::new(charged));
+        Ok(Some(pair))
+    }
+
     /// A warning if the search for bound poses went far below what the sampling has met: such a well
     /// is not in B₂, nor in its error.
     fn deep_well(&self, estimator: &Estimator, poses: &[BoundPose]) -> Option<String> {
@@ -161,6 +179,22 @@ impl<'a> Condition<'a> {
         })
     }
 
+    /// A warning if the surfaces of a bound pose are too near for effective charges.
+    fn poses_too_near(&self, pair: &BodyPair, poses: &[BoundPose]) -> Option<String> {
+        if self.settings.energies != Energies::Effective {
+            return None;
+        }
+        let (first, second) = (&pair.first.shape, &pair.second.shape);
+        let is_near = |pose: &BoundPose| {
+            let pose = &pose.pose;
+            let relative = RelativePose::new(&Pose::identity(), pose, &pose.position);
+            comes_within(first, second, &relative, effective::LEAST_GAP_ANGSTROM)
+        };
+        let near = poses.iter().filter(|pose| is_near(pose)).count();
+        let surfaces = format!("the surfaces of {near} of {} bound poses", poses.len());
+        (near > 0).then(|| out_of_range(&surfaces, self.settings.desolvation))
+    }
+
     fn result(&self, state: &State) -> ConditionResult {
         let State {
             estimator, pair, ..
@@ -173,13 +207,14 @@ impl<'a> Condition<'a> {
         let net_effective = state
             .effective
             .as_ref()
-            .map(|of| of.each_ref().map(|charges| charges.net_effective_charge_e));
+            .map(|of| of.each_ref().map(|charges| charges.charge_from_afar_e()));
         let mut warnings = Vec::new();
         for (charges, of) in state.effective.iter().flatten().zip(self.bodies) {
             warnings.extend(effective::warning(&of.body, charges));
         }
         warnings.dedup();
         warnings.extend(self.deep_well(estimator, &poses));
+        warnings.extend(self.poses_too_near(pair, &poses));
         ConditionResult {
             net_effective_charge_e: net_effective,
             warnings,
@@ -254,7 +289,10 @@ impl Run for Condition<'_> {
     fn answer(&self, state: &mut State, directory: &Path) -> Result<ConditionResult> {
         let mut result = self.result(state);
         let bodies = self.bodies.each_ref().map(|of| &*of.body);
-        let of_pose = |pose: &PoseResult| residue_energies(bodies, &state.pair, pose);
+        let by_plain_charges = self.with_plain_charges(state)?;
+        result.residues_by_plain_charges = by_plain_charges.is_some();
+        let pair = by_plain_charges.as_ref().unwrap_or(&state.pair);
+        let of_pose = |pose: &PoseResult| residue_energies(bodies, pair, pose);
         let residues: Option<Vec<_>> = result.poses.iter().map(of_pose).collect();
         let residues = residues.unwrap_or_default();
         let csv = residues::to_csv(bodies, &residues)?;

@@ -250,6 +250,7 @@ mod tests {
             net_charge_e: [1.0; 2],
             net_effective_charge_e: None,
             poses: Vec::new(),
+            residues_by_plain_charges: false,
             warnings: Vec::new(),
             directions: 1,
             mean_force: Vec::new(),

@@ -68,10 +68,15 @@ pub struct ConditionResult {
     pub contact_volume_angstrom3: f64,
     /// Net charges of the bodies, e.
     pub net_charge_e: [f64; 2],
-    /// Net effective charges of the bodies, e; null for bare charges.
-    pub net_effective_charge_e: Option<[f64; 2]>,
+    /// Net effective charges of the bodies, e; null for bare charges, and in the place of a charge
+    /// that is an extrapolation too far.
+    pub net_effective_charge_e: Option<[Option<f64>; 2]>,
     /// Bound poses, the lowest energy first.
     pub poses: Vec<PoseResult>,
+    /// Whether the energies of residues are those of plain charges in the place of the effective ones
+    /// that interact.
+    #[serde(default)]
+    pub residues_by_plain_charges: bool,
     /// Warnings.
     pub warnings: Vec<String>,
     /// Directions that were sampled with energies.
@@ -143,6 +148,7 @@ impl ConditionResult {
             net_charge_e: bodies.map(Body::net_charge_e),
             net_effective_charge_e: None,
             poses,
+            residues_by_plain_charges: false,
             warnings: Vec::new(),
             directions: found.directions,
             mean_force: found.mean_force,

@@ -3,7 +3,8 @@
 use super::frames::AtSalt;
 use super::mutations::{Scan, ScannedSalt};
 use super::settings::ResiduesSettings;
-use anyhow::{Context, Result};
+use crate::stability::run::Engine;
+use anyhow::{Context, Result, bail};
 use protomer_kernel::Pose;
 use protomer_mc::System;
 use protomer_mc::contributions::{
@@ -18,11 +19,15 @@ const TOGETHER: usize = 16;
 /// What one frame gives.
 struct Found {
     system: System,
+    counts: bool,
     state: Option<StateEnergies>,
     responses: Vec<Response>,
 }
 
 /// The averages at one salt, if they are wanted, and the frames of a scan.
+///
+/// # Errors
+/// If no frame counts: says at which salt to look.
 pub fn analyse(
     settings: &ResiduesSettings,
     at: &AtSalt,
@@ -30,9 +35,10 @@ pub fn analyse(
     with_averages: bool,
     progress: &dyn Progress,
 ) -> Result<(Averages, Option<ScannedSalt>)> {
-    let contributions = contributions(settings, at)?;
+    let shared_out = contributions(settings, at, at.plain.as_ref().unwrap_or(&at.engine))?;
+    let contributions = contributions(settings, at, &at.engine)?;
     let start = at.engine.system()?;
-    let mut averages = Averages::new(&contributions, &start);
+    let mut averages = Averages::new(&shared_out, &start);
     let mut scanned = scan.map(|scan| scan.at(at, &contributions));
     let of_frame = |poses: &Vec<Pose>| -> Result<Found> {
         let system = at.engine.system_at(poses)?;
@@ -40,10 +46,12 @@ pub fn analyse(
             Some(scan) => contributions.responses(&system, scan.sites())?,
             None => Vec::new(),
         };
-        let state = with_averages.then(|| contributions.of(&system));
+        let counts = at.counts(&system);
+        let state = (with_averages && counts).then(|| shared_out.of(&system));
         progress.advance(1);
         Ok(Found {
             system,
+            counts,
             state,
             responses,
         })
@@ -56,17 +64,31 @@ pub fn analyse(
                     averages.push(state, &frame.system);
                 }
                 if let (Some(scan), Some(scanned)) = (scan, &mut scanned) {
-                    scanned.push(block, scan.contacts_left(&frame.system), frame.responses);
+                    let left = scan.contacts_left(&frame.system);
+                    scanned.push(block, frame.counts, left, frame.responses);
                 }
             }
         }
         averages.end_block();
     }
+    if with_averages && averages.frames() == 0 {
+        bail!(
+            "in none of the {} frames at {} does the assembly hold (more than half of its contacts), and \
+             only such frames count where runs disagree; choose another salt with --salt, or run longer",
+            at.frames_read(),
+            at.salt_in_words()
+        );
+    }
     Ok((averages, scanned))
 }
 
-fn contributions(settings: &ResiduesSettings, at: &AtSalt) -> Result<Contributions> {
-    let system = at.engine.system()?;
+/// What residues contribute with the charges of these bodies, and the terms of the medium.
+fn contributions(
+    settings: &ResiduesSettings,
+    at: &AtSalt,
+    charges: &Engine,
+) -> Result<Contributions> {
+    let system = charges.system()?;
     let mut kinds = Vec::new();
     for (body, kind) in at.engine.assembly().bodies.iter().zip(system.types()) {
         let of_kind = ResiduesOfKind::new(body, kind);

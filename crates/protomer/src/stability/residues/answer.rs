@@ -22,7 +22,7 @@ impl Answer for ResiduesResult {
         lines.extend(self.charges_note.map(str::to_owned));
         if let Some(mutations) = &self.mutations {
             lines.push(String::new());
-            lines.extend(mutation_lines(mutations));
+            lines.extend(self.mutation_lines(mutations));
             lines.extend(self.mutations_note.map(str::to_owned));
         }
         lines.join("\n")
@@ -73,7 +73,13 @@ impl ResiduesResult {
             ),
         };
         match self.frames {
-            1 => format!("{salt}, one pose"),
+            1 if self.frames_read == 1 => format!("{salt}, one pose"),
+            frames if self.bound_frames_only => format!(
+                "{salt}, {frames} of {} frames of {}: those in which more than half of the contacts are \
+                 left, because the sweep is not equilibrated",
+                self.frames_read,
+                counted(self.replicas, "replica")
+            ),
             frames => format!(
                 "{salt}, {frames} frames of {}",
                 counted(self.replicas, "replica")
@@ -90,7 +96,14 @@ impl ResiduesResult {
     }
 
     fn energy_line(&self) -> String {
-        let mut line = format!("energy: {} kT", with_error(&self.energy.total_kt, 2));
+        let mut line = match self.effective_energy_kt {
+            None => "energy: ".to_owned(),
+            Some(energy_kt) => format!(
+                "energy with effective charges: {energy_kt:.2} kT\nenergy with the plain charges, which is shared \
+                 out: "
+            ),
+        };
+        line += &format!("{} kT", with_error(&self.energy.total_kt, 2));
         let [contacts, desolvation] = self.has_terms();
         if contacts || desolvation {
             line += &format!(": charges {}", with_error(&self.energy.charges_kt, 2));
@@ -177,6 +190,29 @@ impl ResiduesResult {
         }
     }
 
+    fn mutation_lines(&self, mutations: &[MutationRow]) -> Vec<String> {
+        if mutations.is_empty() {
+            return vec!["no residue on the surface can be exchanged".into()];
+        }
+        let mut listed: Vec<&MutationRow> = mutations.iter().collect();
+        if !self.recommends_touching {
+            listed.retain(|row| row.recommended);
+        }
+        let mut lines = match listed.is_empty() {
+            true => Vec::new(),
+            false => mutation_tables(&listed),
+        };
+        let left_out = mutations.len() - listed.len();
+        if left_out > 0 {
+            lines.push(format!(
+                "{left_out} of {} exchanges are left out, because their residues touch another body: the scan \
+                 knows the change of the charge and not that of the contact; --include-touching lists them",
+                mutations.len()
+            ));
+        }
+        lines
+    }
+
     fn outside_line(&self) -> String {
         let untouched = percent(&self.residues_outside_contacts);
         let distance = self.touching_angstrom;
@@ -195,19 +231,16 @@ impl ResiduesResult {
     }
 }
 
-fn mutation_lines(mutations: &[MutationRow]) -> Vec<String> {
-    if mutations.is_empty() {
-        return vec!["no residue on the surface can be exchanged".into()];
-    }
-    let mut lines = Vec::new();
+fn mutation_tables(mutations: &[&MutationRow]) -> Vec<String> {
     let (raising, lowering) = (
         mutations.iter().take(MUTATIONS),
         mutations.iter().rev().take(MUTATIONS),
     );
+    let mut lines = Vec::new();
     lines.push("exchanges of one charge in every copy that hold the bodies together most:".into());
-    lines.push(mutation_table(raising));
+    lines.push(mutation_table(raising.copied()));
     lines.push("and least:".into());
-    lines.push(mutation_table(lowering));
+    lines.push(mutation_table(lowering.copied()));
     let has_salts = mutations.iter().any(|row| row.half_salt_molar.is_some());
     let unknown = mutations.iter().filter(|row| row.half_salt_molar.is_none());
     if has_salts && unknown.clone().count() > 0 {
@@ -227,6 +260,7 @@ fn mutation_table<'a>(mutations: impl Iterator<Item = &'a MutationRow>) -> Strin
             "body",
             "exchange",
             "charge (e)",
+            "touching",
             "energy (kT)",
             "first order (mM)",
             "half salt (mM)",
@@ -248,6 +282,7 @@ fn mutation_table<'a>(mutations: impl Iterator<Item = &'a MutationRow>) -> Strin
             row.name.body.clone(),
             row.mutation.clone(),
             format!("{:+.2}", row.charge_change_e),
+            format!("{:.2}", row.touching),
             signed(&row.energy_change_kt),
             row.first_order_half_salt_molar
                 .map_or_else(|| "-".into(), |salt| rounded(1e3 * salt)),

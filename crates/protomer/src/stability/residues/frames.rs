@@ -1,10 +1,11 @@
 //! The bodies and the frames of a run, or the one pose of an assembly.
 
+use super::bound::AssemblyContacts;
 use super::settings::ResiduesSettings;
 use crate::assemblies::assembly_file::Assembly;
 use crate::export::assembly_of;
 use crate::file_kind::FileKind;
-use crate::stability::effective::EffectiveStore;
+use crate::stability::effective::{EffectiveStore, near_contact_warning};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::replica_directory;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
@@ -39,12 +40,19 @@ pub struct ShownSalt {
 pub struct SweepAnswer {
     pub half_salt_molar: Option<f64>,
     pub is_equilibrated: bool,
+    /// Whether runs are known to disagree, so that no mean over them is that of one state.
+    pub is_not_equilibrated: bool,
 }
 
 /// The frames at one salt concentration.
 pub struct AtSalt {
     /// With the charges and the terms of this medium.
     pub engine: Engine,
+    /// With the charges of the bodies themselves, where effective ones interact: energies of residues
+    /// are shared out by these.
+    pub plain: Option<Engine>,
+    /// The frames that count; all if `None`.
+    bound: Option<AssemblyContacts>,
     pub interaction: ScreenedCoulomb,
     /// Blocks of frames that follow each other.
     pub blocks: Vec<Vec<Vec<Pose>>>,
@@ -196,6 +204,15 @@ impl Run {
                 why: None,
             });
         };
+        if self.answer()?.is_not_equilibrated {
+            return Ok(ShownSalt {
+                salt_molar: *lowest,
+                why: Some(
+                    "the lowest salt of the sweep: it is not equilibrated, so no salt is known up to \
+                     which the contacts are left",
+                ),
+            });
+        }
         match self.highest_that_holds()? {
             Some(salt_molar) => Ok(ShownSalt {
                 salt_molar,
@@ -242,6 +259,7 @@ impl Run {
             result.map_or_else(SweepAnswer::default, |result| SweepAnswer {
                 half_salt_molar: result["half_salt_molar"].as_f64(),
                 is_equilibrated: result["equilibrated"].as_bool() == Some(true),
+                is_not_equilibrated: result["equilibrated"].as_bool() == Some(false),
             }),
         )
     }
@@ -266,8 +284,8 @@ impl Run {
         Ok(Some((high_kt? - low_kt?) / (high / low).ln()))
     }
 
-    /// The mean energy of frames at another salt, kT.
-    fn mean_energy_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<f64> {
+    /// The mean energy of the frames that count at another salt, kT.
+    pub fn mean_energy_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<f64> {
         let interaction = self.settings.medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
         let direct = RunSettings {
@@ -279,6 +297,9 @@ impl Run {
         let (mut sum, mut frames) = (0.0, 0.0);
         for poses in at.blocks.iter().flatten() {
             let system = engine.system_at(poses)?;
+            if !at.counts(&system) {
+                continue;
+            }
             model.reset(&system)?;
             sum += model.total_kt(&system);
             frames += 1.0;
@@ -291,11 +312,15 @@ impl Run {
         let medium = &self.settings.medium;
         let interaction = medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
+        let is_effective = engine.effective_bodies().is_some();
+        let plain = is_effective.then(|| self.engine.clone());
         let Some(directory) = &self.directory else {
             engine.check(&self.settings, &[interaction])?;
             let pose = self.assembly().poses.clone();
             return Ok(AtSalt {
                 engine,
+                plain,
+                bound: None,
                 interaction,
                 blocks: vec![vec![pose]],
                 replicas: 1,
@@ -329,8 +354,15 @@ impl Run {
                 blocks.push(block);
             }
         }
+        let disagree = self.answer()?.is_not_equilibrated;
+        let bound = match disagree {
+            true => Some(AssemblyContacts::new(&self.system()?, &self.settings)),
+            false => None,
+        };
         Ok(AtSalt {
             engine,
+            plain,
+            bound,
             interaction,
             blocks,
             replicas: readers.len(),
@@ -368,6 +400,45 @@ fn evenly(count: usize, most: usize) -> Vec<usize> {
 }
 
 impl AtSalt {
+    /// Whether a frame counts: always, unless the runs disagree and the assembly does not hold in it.
+    pub fn counts(&self, system: &System) -> bool {
+        self.bound.as_ref().is_none_or(|bound| bound.holds(system))
+    }
+
+    /// Whether only frames count in which the assembly holds.
+    pub fn counts_bound_only(&self) -> bool {
+        self.bound.is_some()
+    }
+
+    /// The salt, or the Debye length, in words.
+    pub fn salt_in_words(&self) -> String {
+        let electrolyte = &self.interaction.electrolyte;
+        match electrolyte.salt_molar() {
+            Some(salt_molar) => format!("{} mM salt", 1e3 * salt_molar),
+            None => format!(
+                "a Debye length of {} Å",
+                electrolyte.debye_length_angstrom()
+            ),
+        }
+    }
+
+    /// A warning if bodies of a frame that counts are too near for effective charges.
+    pub fn near_contact_warning(&self, run: &RunSettings) -> Result<Option<String>> {
+        for poses in self.blocks.iter().flatten() {
+            let system = self.engine.system_at(poses)?;
+            let warning = near_contact_warning(&system, run);
+            if warning.is_some() && self.counts(&system) {
+                return Ok(warning);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Frames that were read.
+    pub fn frames_read(&self) -> usize {
+        self.blocks.iter().map(Vec::len).sum()
+    }
+
     /// The last frame of the first replica, or the pose.
     pub fn last_of_first(&self) -> Option<&Vec<Pose>> {
         let of_first = self.blocks.len() / self.replicas.max(1);

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | `settings` | what is asked |
 //! | `frames` | the bodies and the frames of a run, or the one pose of an assembly |
+//! | `bound` | frames in which the assembly holds |
 //! | `analysis` | from frames to averages |
 //! | `mutations` | exchanges of single charges, and the half salt they lead to |
 //! | `result` | the answer, as JSON has it |
@@ -15,6 +16,7 @@
 
 mod analysis;
 mod answer;
+mod bound;
 mod files;
 mod frames;
 mod maps;
@@ -85,13 +87,19 @@ pub fn residues(
         anyhow::bail!("no salt concentration was chosen; give --salt 100mM");
     };
     let mut result = ResiduesResult::new(settings, &run, &shown, &at_salt, &averages);
+    if at_salt.plain.is_some() {
+        result.effective_energy_kt = Some(run.mean_energy_kt(&at_salt, shown.salt_molar)?);
+    }
     if let Some(scan) = &scan {
         let sweep = run.answer()?;
         let rise_kt = run.rise_with_salt_kt(&at_salt, shown.salt_molar)?;
-        let rows = scan.rows(&scanned, shown.salt_molar, &sweep, rise_kt);
+        let rows = scan.rows(&scanned, shown.salt_molar, &sweep, rise_kt, &averages);
         result.mutations_note = mutations::note(&run, &sweep);
         result.mutations = Some(rows);
     }
+    result
+        .warnings
+        .extend(at_salt.near_contact_warning(&run.settings)?);
     files::write(&mut result, settings, &run, &at_salt)?;
     Ok(result)
 }

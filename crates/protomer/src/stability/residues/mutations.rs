@@ -3,6 +3,7 @@
 //! The frames of a run stand for those of the changed bodies with weights exp(-ΔU). Where few frames
 //! carry the weight, they do not, and no number is given.
 
+use super::bound::AssemblyContacts;
 use super::frames::{AtSalt, Run, SweepAnswer};
 use super::result::{Change, MutationAtSalt, MutationRow, ResidueName};
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
@@ -13,21 +14,24 @@ use protomer_body::chemistry::residue_names::force_field_amino_acid;
 use protomer_body::{Body, Residue};
 use protomer_mc::System;
 use protomer_mc::contributions::{
-    ChargeSites, Contributions, Mean, ResiduePlaces, Response, charge_sites, mean_of_blocks,
-    reweighted,
+    Averages, ChargeSites, Contributions, Mean, ResiduePlaces, Response, charge_sites,
+    mean_of_blocks, reweighted,
 };
-use protomer_mc::observables::{contacts, survival};
 
 /// With fewer effective frames there is no number.
 pub const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
 /// A residue with less surface is inside, Å².
 const LEAST_AREA_ANGSTROM2: f64 = 10.0;
+/// Exchanges of residues that touch another body in more than this share of frames and copies are
+/// not recommended.
+const MOST_TOUCHING: f64 = 0.1;
 /// The pH of bodies that do not state theirs.
 const USUAL_PH: f64 = 7.4;
 
 /// One exchange.
 struct Exchange {
     site: usize,
+    residue: usize,
     name: ResidueName,
     mutation: String,
     change: Change,
@@ -38,9 +42,7 @@ struct Exchange {
 pub struct Scan {
     sites: Vec<ChargeSites>,
     exchanges: Vec<Exchange>,
-    native: Vec<(usize, usize)>,
-    counts_native: bool,
-    gap_angstrom: f64,
+    contacts: AssemblyContacts,
 }
 
 /// The frames at one salt concentration.
@@ -53,6 +55,8 @@ pub struct ScannedSalt {
 
 struct ScannedFrame {
     block: usize,
+    /// Whether its energies count.
+    counts: bool,
     contacts_left: f64,
     responses: Vec<Response>,
 }
@@ -79,6 +83,7 @@ impl Scan {
                     let name = ResidueName::of(body, residue);
                     exchanges.push(Exchange {
                         site: sites.len(),
+                        residue,
                         mutation: format!("{}{}", name.short(), to.letter()),
                         name,
                         change,
@@ -88,15 +93,10 @@ impl Scan {
                 sites.push(ChargeSites { kind, places });
             }
         }
-        let settings = &run.settings;
-        let gap_angstrom = settings.contact_gap_angstrom;
         Ok(Self {
             sites,
             exchanges,
-            native: contacts(&run.system()?, gap_angstrom),
-            // As in the answer of the sweep: at equilibrium bodies change places.
-            counts_native: settings.exchange_every == 0 && settings.is_from_assembly(),
-            gap_angstrom,
+            contacts: AssemblyContacts::new(&run.system()?, &run.settings),
         })
     }
 
@@ -107,11 +107,7 @@ impl Scan {
 
     /// The fraction of the contacts of the assembly that are left; NaN if it has none.
     pub fn contacts_left(&self, system: &System) -> f64 {
-        let present = contacts(system, self.gap_angstrom);
-        match self.counts_native {
-            true => survival(&self.native, &present).unwrap_or(f64::NAN),
-            false => present.len() as f64 / self.native.len() as f64,
-        }
+        self.contacts.left(system)
     }
 
     /// No frames yet.
@@ -140,6 +136,7 @@ impl Scan {
         shown_molar: f64,
         sweep: &SweepAnswer,
         rise_kt: Option<f64>,
+        averages: &Averages,
     ) -> Vec<MutationRow> {
         let unchanged = self.half(scanned, None, None);
         let is_shown = |salt: &&ScannedSalt| salt.salt_molar == shown_molar;
@@ -166,11 +163,15 @@ impl Scan {
                 }),
                 _ => None,
             };
+            let kind = self.sites[exchange.site].kind;
+            let touching = averages.residue(kind, exchange.residue).touching;
             rows.push(MutationRow {
                 name: exchange.name.clone(),
                 mutation: exchange.mutation.clone(),
                 change: exchange.change,
                 charge_change_e: exchange.charge_change_e,
+                touching,
+                recommended: touching <= MOST_TOUCHING,
                 energy_change_kt,
                 effective_frames,
                 half_salt_molar: known.map(|half| half.salt_molar),
@@ -194,15 +195,19 @@ impl Scan {
         frame.responses[exchange.site].energy_change_kt(charge_e)
     }
 
-    /// The mean change of the energy over the frames as they are.
+    /// The mean change of the energy over the frames that count, as they are.
     fn energy_change(&self, salt: &ScannedSalt, exchange: &Exchange) -> Mean {
         let blocks = salt.frames.last().map_or(0, |frame| frame.block + 1);
         let mut means = Vec::with_capacity(blocks);
         for block in 0..blocks {
             let frames = salt.frames.iter().filter(|frame| frame.block == block);
             let changes: Vec<f64> = frames
+                .filter(|frame| frame.counts)
                 .map(|frame| self.change_kt(salt, frame, exchange))
                 .collect();
+            if changes.is_empty() {
+                continue;
+            }
             means.push(changes.iter().sum::<f64>() / changes.len() as f64);
         }
         mean_of_blocks(&means)
@@ -310,9 +315,16 @@ const NOT_KNOWN: Mean = Mean {
 
 impl ScannedSalt {
     /// Adds a frame.
-    pub fn push(&mut self, block: usize, contacts_left: f64, responses: Vec<Response>) {
+    pub fn push(
+        &mut self,
+        block: usize,
+        counts: bool,
+        contacts_left: f64,
+        responses: Vec<Response>,
+    ) {
         self.frames.push(ScannedFrame {
             block,
+            counts,
             contacts_left,
             responses,
         });

@@ -27,15 +27,28 @@ pub struct ResiduesResult {
     pub bodies: usize,
     /// Frames that were averaged over; one for an assembly.
     pub frames: usize,
+    /// Frames that were read.
+    pub frames_read: usize,
+    /// Whether only frames count in which more than half of the contacts of the assembly are left:
+    /// where the sweep is not equilibrated.
+    pub bound_frames_only: bool,
     /// Blocks of frames, from whose spread the errors come.
     pub blocks: usize,
     /// Replicas that the frames come from.
     pub replicas: usize,
     /// Residues touch where heavy atoms of them are closer than this, Å.
     pub touching_angstrom: f64,
-    /// What stands against the energies of residues, in words; null for the charges of the bodies.
+    /// The charges by which energies are shared out.
+    pub shared_by: SharedBy,
+    /// What stands against the energies of residues, in words; null where the charges of the bodies
+    /// interact.
     pub charges_note: Option<&'static str>,
-    /// The interaction energy of the whole assembly.
+    /// The mean energy of the run itself, with effective charges, kT; null where those of the bodies
+    /// interact.
+    pub effective_energy_kt: Option<f64>,
+    /// What a user should know of the energies.
+    pub warnings: Vec<String>,
+    /// The energy that is shared out: that of the whole assembly.
     pub energy: WholeEnergy,
     /// Share of the residues that touch no residue of another body.
     pub residues_outside_contacts: Mean,
@@ -55,8 +68,20 @@ pub struct ResiduesResult {
     /// Exchanges of single charges, the one that lowers the energy most first; null unless
     /// asked for.
     pub mutations: Option<Vec<MutationRow>>,
+    /// Whether exchanges of residues that touch another body are recommended, too.
+    pub recommends_touching: bool,
     /// The files that were written.
     pub files: Vec<PathBuf>,
+}
+
+/// The charges by which energies are shared out among residues.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SharedBy {
+    /// Those of the bodies, which are those that interact.
+    Charges,
+    /// Those of the bodies, in the place of the effective ones that interact.
+    PlainCharges,
 }
 
 /// An energy by terms, kT.
@@ -158,6 +183,11 @@ pub struct MutationRow {
     pub change: Change,
     /// By how much the charge of the residue changes, e.
     pub charge_change_e: f64,
+    /// Share of frames and copies in which the residue touches a residue of another body.
+    pub touching: f64,
+    /// Whether it is listed without being asked for: false for a residue that touches in more than a
+    /// tenth of frames and copies. The scan knows the change of the charge and nothing of the contact.
+    pub recommended: bool,
     /// By how much the energy of the assembly changes while the bodies stay as they are, kT.
     pub energy_change_kt: Mean,
     /// Effective frames at the salts between which the half salt lies, the fewer; at the salt that is
@@ -187,9 +217,8 @@ pub struct MutationAtSalt {
     pub effective_frames: f64,
 }
 
-const EFFECTIVE: &str = "effective charges stand for the field around a body and not for its residues: charges next to each \
-                         other may be large and of opposite sign, so read sums over a patch, and shares by residue with \
-                         --interaction bare";
+const EFFECTIVE: &str = "the run interacts by effective charges, which stand for the field around a body and not for its \
+                         residues; energies are shared out by the plain charges of the bodies";
 
 /// Pairs with less energy that never touch are left out, kT.
 pub const LEAST_KT: f64 = 0.01;
@@ -250,10 +279,18 @@ impl ResiduesResult {
             interaction: at.interaction,
             bodies: run.assembly().len(),
             frames: averages.frames(),
+            frames_read: at.frames_read(),
+            bound_frames_only: at.counts_bound_only(),
             blocks: averages.blocks(),
             replicas: at.replicas,
             touching_angstrom: settings.touching_angstrom,
-            charges_note: at.engine.effective_bodies().map(|_| EFFECTIVE),
+            shared_by: match at.plain {
+                Some(_) => SharedBy::PlainCharges,
+                None => SharedBy::Charges,
+            },
+            charges_note: at.plain.as_ref().map(|_| EFFECTIVE),
+            effective_energy_kt: None,
+            warnings: Vec::new(),
             energy: WholeEnergy {
                 total_kt: averages.total_kt(),
                 charges_kt,
@@ -268,6 +305,7 @@ impl ResiduesResult {
             pairs,
             mutations_note: None,
             mutations: None,
+            recommends_touching: settings.recommends_touching,
             files: Vec::new(),
         }
     }

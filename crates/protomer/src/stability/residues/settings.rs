@@ -25,6 +25,8 @@ pub struct ResiduesSettings {
     pub most_frames: usize,
     /// Whether exchanges of single charges are scanned.
     pub mutations: bool,
+    /// Whether exchanges of residues that touch another body are recommended, too.
+    pub recommends_touching: bool,
     /// The viewer that a script is written for.
     pub script: Option<Viewer>,
     /// Whether existing files are replaced.
@@ -51,6 +53,7 @@ impl Default for ResiduesSettings {
             touching_angstrom: 5.0,
             most_frames: 200,
             mutations: false,
+            recommends_touching: false,
             script: None,
             force: false,
         }
