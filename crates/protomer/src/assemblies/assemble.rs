@@ -2,16 +2,21 @@
 
 use crate::assemblies::assembly_file::{AssemblyFile, BodyEntry, Placement};
 use crate::bodies::body_file;
+use crate::bodies::ingest::BodyMeasures;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
-use protomer_body::{Body, BodySettings, Source, build_body_of_selection};
+use protomer_body::structure::SelectionReport;
+use protomer_body::{
+    Body, BodySettings, Source, build_body_of_selection, structure_warnings as warnings_about,
+};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::output_file::{refuse_to_replace, write_once};
 use protomer_io::written::FileNames;
 use protomer_kernel::{Pose, Vec3};
 use protomer_results::ResultKind;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
 /// The neighbouring cells of a periodic box, one of each opposite pair.
@@ -215,12 +220,30 @@ pub struct StructureAssembly {
     pub expansion_factor: f64,
     /// The largest displacement of a body by the expansion, Å.
     pub largest_displacement_angstrom: f64,
+    /// Atoms left out of all chains, by reason.
+    pub skipped: BTreeMap<&'static str, usize>,
+    /// Warnings about the file and its chains, as `ingest` gives them.
+    pub structure_warnings: Vec<String>,
+    /// The full report on the selection of atoms.
+    pub selection: SelectionReport,
+    /// By how much the surfaces were shrunk, Å.
+    #[serde(skip)]
+    inward_offset_angstrom: f64,
 }
 
 impl StructureAssembly {
     /// What a user should know before simulating it.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        for warning in &self.structure_warnings {
+            warnings.push(format!("warning: {warning}"));
+        }
+        for body in &self.bodies {
+            for warning in &body.warnings {
+                let file = body.file.display();
+                warnings.push(format!("warning: {file}: {warning}"));
+            }
+        }
         if self
             .bodies
             .iter()
@@ -236,28 +259,62 @@ impl StructureAssembly {
         }
         let moved_angstrom = self.largest_displacement_angstrom;
         if moved_angstrom > LARGE_EXPANSION_ANGSTROM {
+            let instead = match larger_offset_angstrom(self.inward_offset_angstrom) {
+                Some(offset) if self.inward_offset_angstrom > 0.0 => {
+                    format!("shrink the surfaces more: --offset {offset} --relax")
+                }
+                Some(offset) => format!("shrink the surfaces instead: --offset {offset} --relax"),
+                None => {
+                    "surfaces cannot be shrunk much further; chains that interlock are one body in \
+                         truth, so assemble fewer of them"
+                        .into()
+                }
+            };
             warnings.push(format!(
                 "warning: the expansion moved a body by {moved_angstrom:.1} Å, so that contacts of the \
-                 structure are open; shrink the surfaces instead: --offset 0.5 --relax"
+                 structure are open; {instead}"
             ));
         }
         warnings
+    }
+
+    /// Atoms that were left out, such as `43 water`; `None` if none were.
+    fn skipped_in_words(&self) -> Option<String> {
+        let counts = self.skipped.iter();
+        let words: Vec<String> = counts
+            .map(|(reason, count)| format!("{count} {reason}"))
+            .collect();
+        (!words.is_empty()).then(|| words.join(", "))
     }
 }
 
 impl Answer for StructureAssembly {
     fn text(&self) -> String {
-        let mut rows = vec![heading(["body", "copies", "largest RMSD (Å)"])];
+        let mut rows = vec![heading([
+            "body",
+            "atoms",
+            "residues",
+            "net charge (e)",
+            "copies",
+            "largest RMSD (Å)",
+        ])];
         for body in &self.bodies {
             let largest = body.rmsd_angstrom.iter().copied().fold(0.0, f64::max);
             rows.push(vec![
                 body.file.display().to_string(),
+                body.measures.atoms.to_string(),
+                body.measures.residues.to_string(),
+                format!("{:+.2}", body.measures.net_charge_e),
                 body.chains.join(" "),
                 format!("{largest:.3}"),
             ]);
         }
+        let left_out = match self.skipped_in_words() {
+            Some(skipped) => format!("\nleft out: {skipped}"),
+            None => String::new(),
+        };
         format!(
-            "{}\n{} pairs of chains overlapped; expanded by a factor {:.6} (at most {:.3} Å)\n{}",
+            "{}{left_out}\n{} pairs of chains overlapped; expanded by a factor {:.6} (at most {:.3} Å)\n{}",
             columns(&rows),
             self.overlaps.len(),
             self.expansion_factor,
@@ -278,6 +335,11 @@ pub struct StructureBody {
     pub chains: Vec<String>,
     /// Root mean square distance of each copy from the reference, Å.
     pub rmsd_angstrom: Vec<f64>,
+    /// Its size and charge.
+    #[serde(flatten)]
+    pub measures: BodyMeasures,
+    /// Warnings about its surface.
+    pub warnings: Vec<String>,
 }
 
 /// How a structure is decomposed into bodies.
@@ -326,6 +388,7 @@ pub fn assemble_structure(
     let selection = structure
         .select(&settings.body.selection)
         .with_context(|| file.name.clone())?;
+    let structure_warnings = warnings_about(&structure, &selection.report);
     let types = assembly::body_types(&selection).with_context(|| file.name.clone())?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
@@ -339,14 +402,20 @@ pub fn assemble_structure(
             file: &file.name,
             sha256: &file.sha256,
         };
-        let built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
+        let mut built = build_body_of_selection(&name, source, body_type.selection, &settings.body)
             .with_context(|| format!("{}: chain {}", file.name, body_type.reference))?;
+        // Those about atoms and residues are said once, for all chains of the file.
+        built
+            .warnings
+            .retain(|warning| !structure_warnings.contains(warning));
         let path = folder.join(format!("{name}.body"));
         let mut of_body = StructureBody {
             file: path.clone(),
             reference: body_type.reference,
             chains: Vec::new(),
             rmsd_angstrom: Vec::new(),
+            measures: BodyMeasures::of(&built.body),
+            warnings: built.warnings,
         };
         for copy in body_type.copies {
             placements.push((kind, copy.pose));
@@ -384,7 +453,19 @@ pub fn assemble_structure(
         overlaps,
         expansion_factor: expansion.factor,
         largest_displacement_angstrom: expansion.largest_displacement_angstrom,
+        skipped: selection.report.skipped.clone(),
+        structure_warnings,
+        selection: selection.report,
+        inward_offset_angstrom: settings.body.surface.inward_offset_angstrom,
     })
+}
+
+/// The next larger offset to be tried, Å; `None` if surfaces are shrunk as far as makes sense: the
+/// smallest heavy atom has a radius of 1.5 Å.
+fn larger_offset_angstrom(offset_angstrom: f64) -> Option<f64> {
+    [0.5, 0.8, 1.1]
+        .into_iter()
+        .find(|larger| *larger > offset_angstrom)
 }
 
 /// Placements without overlaps: the given ones, or expanded ones if `relax` is set and they
@@ -406,9 +487,12 @@ fn relax(
         for (i, j) in overlaps {
             pairs.push(format!("{}-{}", chains[*i], chains[*j]));
         }
+        let shrink = larger_offset_angstrom(settings.body.surface.inward_offset_angstrom)
+            .map_or_else(String::new, |offset| {
+                format!(", or shrink the surfaces with --offset {offset}")
+            });
         bail!(
-            "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax, or shrink the \
-             surfaces with --offset 0.5",
+            "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax{shrink}",
             pairs.len(),
             pairs.join(", ")
         );
@@ -418,4 +502,107 @@ fn relax(
         largest_displacement_angstrom: 0.0,
         placements,
     })
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// A lysine (without the end of its side chain where `is_whole` is false), then a gap, then an
+    /// alanine, in a chain at a height z.
+    fn chain(chain: char, z: f64, is_whole: bool) -> String {
+        let lysine = [
+            ("N", 0.0, 0.0),
+            ("CA", 1.46, 0.0),
+            ("C", 2.0, 1.4),
+            ("O", 1.2, 2.4),
+            ("CB", 2.0, -1.4),
+            ("CG", 3.5, -1.4),
+            ("CD", 4.0, -2.8),
+            ("CE", 5.5, -2.8),
+            ("NZ", 6.0, -4.2),
+        ];
+        let atoms = if is_whole { 9 } else { 6 };
+        let alanine = lysine[..5]
+            .iter()
+            .map(|(name, x, y)| ("ALA", 5, *name, x + 9.0, *y));
+        let lysine = lysine[..atoms]
+            .iter()
+            .map(|(name, x, y)| ("LYS", 1, *name, *x, *y));
+        let mut text = String::new();
+        for (residue, number, name, x, y) in lysine.chain(alanine) {
+            let element = &name[..1];
+            text += &format!(
+                "ATOM      1  {name:<3} {residue} {chain}{number:4}    {x:8.3}{y:8.3}{z:8.3}  1.00  0.00          {element:>2}\n"
+            );
+        }
+        text
+    }
+
+    /// Everything that `ingest` says of the file is said, and what each body is like.
+    #[test]
+    fn a_structure_is_taken_apart_with_all_that_ingest_says_of_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let input = folder.path().join("two.pdb");
+        let water =
+            "HETATM    1  O   HOH A 101      30.000  30.000  30.000  1.00  0.00           O\n";
+        let haem =
+            "HETATM    1 FE   HEM A 100      20.000  20.000  20.000  1.00  0.00          FE\n";
+        let text = chain('A', 0.0, true) + &chain('B', 15.0, false) + haem + water;
+        std::fs::write(&input, text).unwrap();
+        let settings = StructureSettings {
+            body: BodySettings::default(),
+            relax: true,
+            box_angstrom: None,
+            force: false,
+        };
+        let made = assemble_structure(&input, &folder.path().join("out"), &settings).unwrap();
+        let said = made.warnings().join("\n");
+        let body = crate::bodies::ingest::read_and_build(&input, "two", &settings.body).unwrap();
+        let of_surface = |warning: &&String| warning.contains("surface");
+        for warning in body.warnings.iter().filter(|warning| !of_surface(warning)) {
+            assert!(said.contains(warning), "{warning}\n{said}");
+        }
+        for wanted in ["chain break between A:1", "lacks CD, CE, NZ"] {
+            assert_eq!(said.matches(wanted).count().min(1), 1, "{wanted}\n{said}");
+        }
+        let json = serde_json::to_value(&made).unwrap();
+        assert_eq!(
+            json["skipped"],
+            serde_json::to_value(&made.skipped).unwrap()
+        );
+        assert!(
+            made.skipped.values().sum::<usize>() == 2,
+            "{:?}",
+            made.skipped
+        );
+        assert!(made.text().contains("left out: "), "{}", made.text());
+        let charge = json["bodies"][0]["net_charge_e"].as_f64().unwrap();
+        assert!(charge.abs() < 3.0 && charge != 0.0, "{charge}");
+        assert!(!json["structure_warnings"].as_array().unwrap().is_empty());
+    }
+
+    /// What moved far is answered with an offset that was not given yet, or with another way.
+    #[test]
+    fn advice_never_repeats_the_offset_that_was_given() {
+        let warning = |inward_offset_angstrom: f64| {
+            let made = StructureAssembly {
+                assembly: "assembly.json".into(),
+                bodies: Vec::new(),
+                overlaps: vec![(0, 1)],
+                expansion_factor: 1.9,
+                largest_displacement_angstrom: 10.2,
+                skipped: BTreeMap::new(),
+                structure_warnings: Vec::new(),
+                selection: SelectionReport::default(),
+                inward_offset_angstrom,
+            };
+            made.warnings().pop().unwrap()
+        };
+        assert!(warning(0.0).contains("--offset 0.5 --relax"));
+        assert!(warning(0.5).contains("--offset 0.8 --relax"));
+        assert!(warning(0.8).contains("--offset 1.1 --relax"));
+        assert!(!warning(1.1).contains("--offset"), "{}", warning(1.1));
+    }
 }
