@@ -77,10 +77,7 @@ fn scattering(folder: &Path, result: &Value) -> Result<Section> {
 fn reweighting(folder: &Path, result: &Value) -> Result<Section> {
     let is_equilibrated = result["equilibrated"].as_bool();
     let mut html = paragraph(match is_equilibrated {
-        Some(false) => {
-            "Not equilibrated: runs from the assembly and from the fluid disagree, so there is no half \
-             salt."
-        }
+        Some(false) => "Not equilibrated, as the sweep says, so there is no half salt.",
         _ => {
             "All frames of the sweep together, weighted to every salt, and to other concentrations of \
              bodies by mass action."

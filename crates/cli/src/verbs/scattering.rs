@@ -76,7 +76,8 @@ impl ScatteringArgs {
             force: front.force(),
         };
         let report = scattering(&settings, front.progress().as_ref())?;
-        let reply = Reply::of(report);
+        let warnings = report.warnings.clone();
+        let reply = Reply::of(report).with_notes(warnings);
         Ok(match &self.output {
             Some(directory) => {
                 let figure = directory.join("scattering.png");

@@ -28,6 +28,9 @@ pub struct ScatteringReport {
     pub kinds: Vec<BodyRow>,
     /// Each salt concentration, or the assembly.
     pub states: Vec<StateRow>,
+    /// What stands against these means.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// A kind of body.

@@ -16,13 +16,15 @@ pub use average::Estimate;
 pub use protomer_mc::scattering::experiment::Settings as ExperimentSettings;
 pub(crate) use source::Source;
 
+use crate::stability::compare::NOT_ONE_STATE;
 use anyhow::{Context, Result, bail};
 use average::{estimate, ratio};
 use protomer_common::output_file::write_folder;
 use protomer_mc::scattering::experiment::{self, ClusterMeasure, Experiment, Measured};
 use protomer_mc::{BodyType, System};
-use protomer_results::Progress;
+use protomer_results::{Progress, keys};
 use rayon::prelude::*;
+use serde_json::Value;
 use source::Series;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -153,11 +155,23 @@ pub fn scattering(
         settings: settings_of_experiment,
         kinds: bodies.collect(),
         states: rows.collect(),
+        warnings: warnings(&settings.input)?,
     };
     if let Some(directory) = &settings.output {
         write(&report, directory, settings.force)?;
     }
     Ok(report)
+}
+
+/// A warning for a sweep whose replicas are not in one state.
+fn warnings(input: &Path) -> Result<Vec<String>> {
+    let answer: Option<Value> = match input.is_dir() {
+        true => keys::read_json_if_present(&input.join("sweep.json"))?,
+        false => None,
+    };
+    let disagree = answer.is_some_and(|answer| answer["equilibrated"] == false);
+    let warning = disagree.then(|| format!("warning: {NOT_ONE_STATE}"));
+    Ok(warning.into_iter().collect())
 }
 
 /// The bodies as the engine knows them.

@@ -10,6 +10,10 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
+/// What means of a sweep are that is not equilibrated.
+pub(crate) const NOT_ONE_STATE: &str =
+    "the sweep is not equilibrated, so its means are over replicas in different states";
+
 /// The result of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CompareReport {
@@ -23,7 +27,13 @@ pub struct CompareReport {
 
 impl Answer for CompareReport {
     fn text(&self) -> String {
-        format!("figure: {}", self.figure.display())
+        let mut lines = vec![format!("figure: {}", self.figure.display())];
+        for sweep in &self.sweeps {
+            if sweep.equilibrated == Some(false) {
+                lines.push(format!("{}: {NOT_ONE_STATE}", sweep.name));
+            }
+        }
+        lines.join("\n")
     }
 
     fn figure(&self) -> Option<Figure> {
@@ -61,6 +71,8 @@ impl Answer for CompareReport {
 pub struct ComparedSweep {
     /// Name in the legend.
     pub name: String,
+    /// Whether its runs from the assembly and from the fluid agree; `None` if that is not known.
+    pub equilibrated: Option<bool>,
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: Vec<f64>,
@@ -148,6 +160,7 @@ fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
     let name = absolute.file_name().unwrap_or_default().to_string_lossy();
     Ok(ComparedSweep {
         name: name.replace('_', " "),
+        equilibrated: sweep["equilibrated"].as_bool(),
         salt_molar: column(salts, "salt_M"),
         r_g_mean_angstrom: column(salts, "r_g_mean_angstrom"),
         r_g_sd_angstrom: column(salts, "r_g_sd_angstrom"),

@@ -201,8 +201,8 @@ impl ReweightingResult {
         }
         match self.equilibrated {
             Some(false) => notes.push(
-                "not equilibrated: runs from the assembly and from the fluid disagree, so weights \
-                 say nothing of the half salt; run longer"
+                "not equilibrated: the answer of the sweep says why and what to do; weights say nothing of the \
+                 half salt"
                     .into(),
             ),
             None => notes.push(
