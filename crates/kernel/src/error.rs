@@ -22,6 +22,23 @@ impl fmt::Display for Number {
     }
 }
 
+/// A positive number in advice such as "give at most": four digits that are never more than the number itself.
+///
+/// ```
+/// use protomer_kernel::AtMost;
+/// assert_eq!(format!("{} {}", AtMost(0.74048), AtMost(0.000123456)), "0.7404 0.0001234");
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AtMost(pub f64);
+
+impl fmt::Display for AtMost {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = (3.0 - self.0.log10().floor()).clamp(0.0, 12.0) as usize;
+        let unit = 10.0_f64.powi(decimals as i32);
+        write!(formatter, "{:.decimals$}", (self.0 * unit).floor() / unit)
+    }
+}
+
 /// What can go wrong in the kernels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

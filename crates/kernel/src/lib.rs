@@ -47,7 +47,7 @@ pub mod vectorised;
 
 pub use boundary::Boundary;
 pub use electrolyte::Electrolyte;
-pub use error::{KernelError, Number, Result};
+pub use error::{AtMost, KernelError, Number, Result};
 pub use mesh::TriangleMesh;
 pub use overlap::CollisionShape;
 pub use point_record::PointRecord;

@@ -272,6 +272,57 @@ impl<const D: usize> PeriodicBox<D> {
         nearest
     }
 
+    /// Calls `visit` with every image of a displacement that is shorter than a range, and perhaps with some longer
+    /// ones, until it returns `true`; whether it did. Ranges beyond half of the
+    /// [smallest length](Self::smallest_length) can meet several images.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::rectangular([2.0, 10.0])?;
+    /// let mut images = Vec::new();
+    /// space.any_image_within(&[0.5, 9.0], 1.8, |image| {
+    ///     images.push(image);
+    ///     false
+    /// });
+    /// assert_eq!(images, [[-1.5, -1.0], [0.5, -1.0]]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    #[inline]
+    pub fn any_image_within(
+        &self,
+        displacement: &[f64; D],
+        range: f64,
+        mut visit: impl FnMut([f64; D]) -> bool,
+    ) -> bool {
+        self.any_image_along(D, displacement, range, &mut visit)
+    }
+
+    /// The same for images by the first `axes` edges. Edges have no part along later axes, so the last of these
+    /// edges alone decides how far an image is along its axis.
+    fn any_image_along(
+        &self,
+        axes: usize,
+        displacement: &[f64; D],
+        range: f64,
+        visit: &mut impl FnMut([f64; D]) -> bool,
+    ) -> bool {
+        let Some(axis) = axes.checked_sub(1) else {
+            return visit(*displacement);
+        };
+        let (x, length) = (displacement[axis], self.lengths[axis]);
+        let mut times = ((-range - x) / length).ceil();
+        let last = ((range - x) / length).floor();
+        while times <= last {
+            let mut image = *displacement;
+            self.add_edges(&mut image, axis, times);
+            if self.any_image_along(axis, &image, range, visit) {
+                return true;
+            }
+            times += 1.0;
+        }
+        false
+    }
+
     /// The box after the space has been deformed: x → E x with an upper triangular E, row by row, whose diagonal
     /// is positive.
     pub fn deformed(&self, by: &[[f64; D]; D]) -> Self {
@@ -412,6 +463,42 @@ mod tests {
             assert!(squared(&off) < 1e-18, "{space:?}");
         }
         assert!(short > 30, "{short}");
+    }
+
+    /// Ranges from less than half of the smallest length to twice the longest.
+    fn images_within_a_range_are_those_of_all<const D: usize>() {
+        let (mut one, mut several) = (0, 0);
+        for number in 0..300 {
+            let mut rng = CounterRng::new(2, D as u32, number);
+            let space = random_box::<D>(&mut rng).reduced();
+            let range = rng.uniform_in(0.3, 2.0) * space.smallest_length();
+            let displacement = space.nearest_image(&random_place(&mut rng, 8.0));
+            let is_within = |image: &[f64; D]| squared(image) < range * range;
+            let mut expected = images(&space, &displacement, 5);
+            expected.retain(is_within);
+            let mut found = Vec::new();
+            space.any_image_within(&displacement, range, |image| {
+                found.extend(Some(image).filter(is_within));
+                false
+            });
+            let order = |a: &[f64; D], b: &[f64; D]| squared(a).total_cmp(&squared(b));
+            expected.sort_by(order);
+            found.sort_by(order);
+            assert_eq!(found.len(), expected.len(), "{space:?} {range}");
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!((squared(found) - squared(expected)).abs() < 1e-9);
+            }
+            one += usize::from(found.len() == 1);
+            several += usize::from(found.len() > 1);
+        }
+        assert!(one > 30 && several > 30, "{one} {several}");
+    }
+
+    #[test]
+    fn images_within_a_range_are_found_in_boxes_of_any_shape() {
+        images_within_a_range_are_those_of_all::<1>();
+        images_within_a_range_are_those_of_all::<2>();
+        images_within_a_range_are_those_of_all::<3>();
     }
 
     #[test]
