@@ -1049,6 +1049,7 @@ class _Hpmc:
         pressure: float | str | None = None,
         anisotropic: bool = False,
         triclinic: bool = False,
+        box_moves: int | str | None = None,
         seed: int | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
@@ -1106,6 +1107,8 @@ class _Hpmc:
             At constant pressure, change each edge of the box on its own; for crystals
         triclinic
             At constant pressure, change the lengths and the angles of the box; for crystals
+        box_moves
+            At constant pressure, trial changes of the box in a sweep [default: 4; 8 if triclinic]
         seed
             Seed of the random numbers [default: 1]
         time_limit
@@ -1166,6 +1169,7 @@ class _Hpmc:
                 "--pressure": pressure,
                 "--anisotropic": anisotropic,
                 "--triclinic": triclinic,
+                "--box-moves": box_moves,
                 "--seed": seed,
                 "--time-limit": time_limit,
                 "--checkpoint-every": checkpoint_every,
@@ -1198,6 +1202,7 @@ class _Hpmc:
         packing_fraction: float | str | None = None,
         anisotropic: bool = False,
         triclinic: bool = False,
+        box_moves: int | str | None = None,
         seeds: int | str | None = None,
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
@@ -1256,6 +1261,8 @@ class _Hpmc:
             With --pressures, change each edge of the box on its own; for crystals
         triclinic
             With --pressures, change the lengths and the angles of the box; for crystals
+        box_moves
+            At constant pressure, trial changes of the box in a sweep [default: 4; 8 if triclinic]
         seeds
             Runs at each condition: seeds 1, 2, ... [default: 1]
         time_limit
@@ -1312,6 +1319,7 @@ class _Hpmc:
                 "--packing-fraction": packing_fraction,
                 "--anisotropic": anisotropic,
                 "--triclinic": triclinic,
+                "--box-moves": box_moves,
                 "--seeds": seeds,
                 "--time-limit": time_limit,
                 "--checkpoint-every": checkpoint_every,

@@ -69,10 +69,10 @@ fn measure<const D: usize>(
         &Start::fluid(bodies, packing_fraction),
     )
     .unwrap();
-    simulation.run(settings.equilibration_sweeps);
+    simulation.run(settings.equilibration_sweeps).unwrap();
     let begin = cpu_seconds();
     while cpu_seconds() - begin < 2.0 {
-        simulation.run(20);
+        simulation.run(20).unwrap();
     }
     let counts = simulation.counts().total();
     let rate = counts.trials as f64 / (cpu_seconds() - begin);

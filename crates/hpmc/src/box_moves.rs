@@ -34,11 +34,16 @@
 //! **Other edges.** E acts from the left, a change of edges h → h M with a matrix M of integers from the right, so
 //! it does not matter whether it comes before or after: edges that overhang far may be reduced at any time.
 //!
-//! **Bounds.** In a fluid no shape is better than another, so shapes would wander off. A stretch is refused
-//! if a length, at equal volume, would become more than twice or less than half of what it was at the start. With
-//! tilt, the same lattice of images can occur within these bounds with several sets of edges.
+//! **Bounds.** In a fluid no shape is better than another, so shapes would wander off. A stretch or a change of one
+//! length is refused if a length, at equal volume, would become more than twice or less than half of what it was at the
+//! start. With tilt, the same lattice of images can occur within these bounds with several sets of edges.
+//!
+//! **Small boxes.** Two bodies may meet at several images, but none may meet an image of itself. A change that only
+//! this forbids is an error: a run that refused it would measure the smallest box instead of the pressure.
 
-use crate::system::{Counts, System};
+use crate::body::HardBody;
+use crate::system::{Counts, Deformation, System, least_edge};
+use crate::{Error, Result};
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
@@ -75,6 +80,20 @@ pub struct Pressure {
     /// What of the box changes.
     #[serde(default)]
     pub freedom: Freedom,
+    /// Trial changes of the box in a sweep; `None` for as many as suit the freedom.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub changes_per_sweep: Option<u32>,
+}
+
+impl Pressure {
+    /// Trial changes of the box in a sweep. By default four, or eight where the shape changes: most end at the
+    /// first overlap, after a small part of a sweep.
+    pub fn changes(&self) -> u32 {
+        self.changes_per_sweep.unwrap_or(match self.freedom {
+            Freedom::Volume | Freedom::Lengths => 4,
+            Freedom::Shape => 8,
+        })
+    }
 }
 
 /// A largest step and how changes with it were accepted since it was tuned last.
@@ -85,16 +104,6 @@ pub struct BoxStep {
     pub largest: f64,
     /// Changes since the last tuning.
     pub counts: Counts,
-}
-
-impl Freedom {
-    /// Trial changes in a sweep. Most end at the first overlap, after a small part of a sweep.
-    pub(crate) fn trials(self) -> u32 {
-        match self {
-            Self::Volume | Self::Lengths => 4,
-            Self::Shape => 8,
-        }
-    }
 }
 
 impl Default for BoxStep {
@@ -168,14 +177,17 @@ impl BoxMoves {
         }
     }
 
-    /// One trial change, with the numbers of a stream; `number` says which of a sweep.
+    /// One trial change, with the numbers of a stream; `number` says which of the run.
+    ///
+    /// # Errors
+    /// If nothing but the size of the box forbids it.
     pub(crate) fn change<const D: usize>(
         &mut self,
         system: &mut System<D>,
         pressure: &Pressure,
-        number: u32,
+        number: u64,
         rng: &mut CounterRng,
-    ) {
+    ) -> Result<()> {
         let change = self.propose::<D>(pressure.freedom, number, rng);
         let by = change.deformation::<D>();
         let is_likely = rng.uniform() < change.weight(system, pressure).exp();
@@ -185,18 +197,31 @@ impl BoxMoves {
             Change::Shear(..) => &mut self.shear,
         };
         let is_allowed = match change {
-            Change::Stretch(..) => is_within(&self.first_shape, &system.space().deformed(&by)),
-            _ => true,
+            Change::Stretch(..) | Change::Length(..) => {
+                is_within(&self.first_shape, &system.space().deformed(&by))
+            }
+            Change::Volume(_) | Change::Shear(..) => true,
         };
-        let is_accepted = is_likely && is_allowed && system.try_deform(&by);
-        step.counts.note(is_accepted);
+        let end = match is_likely && is_allowed {
+            true => system.try_deform(&by),
+            false => Deformation::Blocked,
+        };
+        step.counts.note(end == Deformation::Done);
+        match end {
+            Deformation::TooSmall => Err(Error::BoxShrinks {
+                edge: system.space().deformed(&by).smallest_length(),
+                least: least_edge(system.body(), &[]),
+                bodies: fewest_bodies(&self.first_shape, pressure.freedom, system.body()),
+            }),
+            Deformation::Done | Deformation::Blocked => Ok(()),
+        }
     }
 
     /// Of eight changes of a shape, one is of the volume, three are stretches and four shears.
     fn propose<const D: usize>(
         &self,
         freedom: Freedom,
-        number: u32,
+        number: u64,
         rng: &mut CounterRng,
     ) -> Change {
         let part = rng.uniform_in(-1.0, 1.0);
@@ -216,6 +241,22 @@ fn is_within<const D: usize>(first_shape: &[f64], space: &PeriodicBox<D>) -> boo
     let lengths = shape(space).into_iter().zip(first_shape);
     let mut factors = lengths.map(|(length, first)| length / first);
     factors.all(|factor| (WIDEST.recip()..=WIDEST).contains(&factor))
+}
+
+/// A number of bodies whose box cannot become too small, even if they fill it: its shortest length at a volume of
+/// one, which shrinks where the shape changes, is known.
+fn fewest_bodies<const D: usize>(
+    first_shape: &[f64],
+    freedom: Freedom,
+    body: &HardBody<D>,
+) -> usize {
+    let shortest = first_shape.iter().copied().fold(f64::INFINITY, f64::min);
+    let shortest = match freedom {
+        Freedom::Volume => shortest,
+        Freedom::Lengths | Freedom::Shape => shortest / WIDEST,
+    };
+    let volume = (least_edge(body, &[]) / shortest).powi(D as i32);
+    (volume / body.volume).ceil() as usize
 }
 
 /// Two axes, the lower first.

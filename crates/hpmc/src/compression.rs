@@ -32,8 +32,8 @@ pub struct Compression {
 impl Compression {
     /// For a compressibility factor of about this size.
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
-        // In a small box a pair must not meet two images of each other.
-        let room = 1.0 - 4.0 * system.body.outer_radius / system.space.smallest_length();
+        // In a small box no body may meet an image of itself.
+        let room = 1.0 - 2.0 * system.body.outer_radius / system.space.smallest_length();
         let largest = (RANGE / factor.max(1.0))
             .min(LARGEST)
             .min(room)

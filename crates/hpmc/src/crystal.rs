@@ -1,10 +1,11 @@
 //! Crystals: unit cells of any shape, repeated until they hold all bodies.
 
 use crate::body::{HardBody, norm};
+use crate::error::{require, require_packing_fraction};
 use crate::reservoir::Depletant;
 use crate::symmetry::{Symmetry, frame};
-use crate::system::System;
-use crate::{Error, Result, error::require};
+use crate::system::{System, bodies_in_longer_box, first_that_works, least_edge};
+use crate::{Error, Result};
 use nalgebra::Rotation3;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::shape::separation::{Block, dot};
@@ -127,15 +128,12 @@ impl<const D: usize> UnitCell<D> {
     /// Whether the cell, moved by the way from its first site to another, looks as before.
     fn is_translation(&self, to: &Site<D>, symmetry: &Symmetry) -> bool {
         let first = &self.sites[0];
-        let is_at = |place: &[f64; D], site: &Site<D>| {
-            let apart = place.iter().zip(&site.place).map(|(a, b)| a - b);
-            apart.into_iter().all(|x| (x - x.round()).abs() < SAME)
-        };
         self.sites.iter().all(|site| {
             let moved: [f64; D] =
                 std::array::from_fn(|axis| site.place[axis] + to.place[axis] - first.place[axis]);
             let lands_on = |other: &Site<D>| {
-                is_at(&moved, other) && symmetry.are_alike(&other.rotation, &site.rotation)
+                is_same_place(&moved, &other.place)
+                    && symmetry.are_alike(&other.rotation, &site.rotation)
             };
             self.sites.iter().any(lands_on)
         })
@@ -147,8 +145,33 @@ impl<const D: usize> UnitCell<D> {
             self.sites.len() as f64,
             "at least 1",
             !self.sites.is_empty(),
-        )
+        )?;
+        let volume = self.space.volume();
+        let holds = volume.is_normal();
+        require(
+            "the volume of the unit cell",
+            volume,
+            "from 1e-307 to 1e308",
+            holds,
+        )?;
+        for (second, site) in self.sites.iter().enumerate() {
+            if let Some(first) = self.sites[..second]
+                .iter()
+                .position(|other| is_same_place(&other.place, &site.place))
+            {
+                return Err(Error::SameSite {
+                    bodies: [first + 1, second + 1],
+                });
+            }
+        }
+        Ok(())
     }
+}
+
+/// Whether two places, in parts of the edges, are the same or images of each other.
+fn is_same_place<const D: usize>(one: &[f64; D], other: &[f64; D]) -> bool {
+    let mut apart = one.iter().zip(other).map(|(a, b)| a - b);
+    apart.all(|x| (x - x.round()).abs() < SAME)
 }
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
@@ -243,7 +266,7 @@ impl<const D: usize> Crystal<D> {
     /// So many bodies, in a box as near to a cube as whole cells allow.
     ///
     /// # Errors
-    /// Unless the bodies fill whole cells, and for numbers that make no crystal.
+    /// Unless the bodies fill whole cells, and for sites or numbers that make no crystal.
     ///
     /// ```
     /// use protomer_hpmc::body::HardBody;
@@ -261,29 +284,35 @@ impl<const D: usize> Crystal<D> {
         bodies: usize,
         packing_fraction: f64,
     ) -> Result<Self> {
+        Self::among(cell, body, &[], bodies, packing_fraction)
+    }
+
+    /// The same for bodies among depletants: a number of bodies that an error names is one for their box.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn among(
+        cell: &UnitCell<D>,
+        body: &HardBody<D>,
+        depletants: &[Depletant],
+        bodies: usize,
+        packing_fraction: f64,
+    ) -> Result<Self> {
         cell.check()?;
-        require(
-            "the packing fraction",
-            packing_fraction,
-            "between 0 and 1",
-            packing_fraction > 0.0 && packing_fraction < 1.0,
-        )?;
+        require_packing_fraction(packing_fraction)?;
         let sites = cell.sites.len();
         if bodies == 0 || !bodies.is_multiple_of(sites) {
             let across = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
             let nearest = across.max(2.0).powi(D as i32) as usize * sites;
+            let least = least_edge(body, depletants);
             return Err(Error::PartialCell {
                 bodies,
                 sites,
-                nearest,
+                nearest: fewest_bodies(cell, nearest, body.volume / packing_fraction, least),
             });
         }
         let cells = bodies / sites;
-        let edges = std::array::from_fn(|number| norm(&cell.space.edge(number)));
-        let repeats = repeats(&edges, cells);
-        let volume = bodies as f64 * body.volume / packing_fraction;
-        let relative = cell.space.repeated(&repeats).volume();
-        let scaled = cell.space.scaled((volume / relative).powf(1.0 / D as f64));
+        let (scaled, repeats) = cells_of_crystal(cell, bodies, body.volume / packing_fraction);
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
         for number in 0..cells {
             let (mut rest, mut corner) = (number, [0.0; D]);
@@ -306,11 +335,28 @@ impl<const D: usize> Crystal<D> {
         })
     }
 
+    /// A number of bodies, whole cells of them and not less than the given one, whose box cannot shrink below the
+    /// least length at constant pressure: as much room is left as for a cube of the given number.
+    pub fn fewest_bodies_from(&self, bodies: usize, body: &HardBody<D>, least: f64) -> usize {
+        let unit = (bodies as f64 * body.volume).powf(1.0 / D as f64);
+        fewest_bodies(&self.cell, bodies, body.volume, unit.max(least))
+    }
+
     /// The bodies on their sites.
     ///
     /// # Errors
     /// If they overlap there, or the box is too small.
     pub fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
+        let (edge, least) = (self.space.smallest_length(), least_edge(body, depletants));
+        if edge < least {
+            let bodies = self.positions.len();
+            let packing_fraction = bodies as f64 * body.volume / self.space.volume();
+            return Err(Error::BoxTooSmall {
+                edge,
+                least,
+                bodies: fewest_bodies(&self.cell, bodies, body.volume / packing_fraction, least),
+            });
+        }
         let at_scale = |scale: f64| {
             let place = |place: &[f64; D]| place.map(|x| x * scale);
             System::new(
@@ -350,10 +396,6 @@ impl<const D: usize> Crystal<D> {
     pub fn first_overlap(&self, body: &HardBody<D>) -> Option<[usize; 2]> {
         let space = self.space.reduced();
         let reach = 2.0 * body.outer_radius;
-        // Places in the box are less than an edge apart.
-        let images = space
-            .heights()
-            .map(|height| 1 + (reach / height).ceil() as usize);
         let turned = |rotation: &Rotation| {
             let mut corners = vec![[[0.0; 4]; D]; body.blocks()];
             body.turned_into(rotation, &mut corners);
@@ -364,12 +406,11 @@ impl<const D: usize> Crystal<D> {
         for first in 0..places.len() {
             for second in first..places.len() {
                 let apart = std::array::from_fn(|axis| places[second][axis] - places[first][axis]);
-                let overlaps =
-                    |offset: &[f64; D]| body.overlaps_at(&corners[first], &corners[second], offset);
-                if offsets(&space, &apart, &images)
-                    .iter()
-                    .any(|offset| (first != second || norm(offset) > 0.0) && overlaps(offset))
-                {
+                let overlaps = |offset: [f64; D]| {
+                    (first != second || norm(&offset) > 0.0)
+                        && body.overlaps_at(&corners[first], &corners[second], &offset)
+                };
+                if space.any_image_within(&apart, reach, overlaps) {
                     return Some([first, second]);
                 }
             }
@@ -448,27 +489,39 @@ impl<const D: usize> Crystal<D> {
     }
 }
 
-/// A displacement and its images by up to so many edges each way.
-fn offsets<const D: usize>(
-    space: &PeriodicBox<D>,
-    displacement: &[f64; D],
-    images: &[usize; D],
-) -> Vec<[f64; D]> {
-    let mut offsets = vec![*displacement];
-    for (edge, most) in images.iter().enumerate() {
-        let most = *most as i32;
-        let along = |offset: &[f64; D]| {
-            let mut images = Vec::new();
-            for times in -most..=most {
-                let mut image = *offset;
-                space.add_edges(&mut image, edge, f64::from(times));
-                images.push(image);
-            }
-            images
-        };
-        offsets = offsets.iter().flat_map(along).collect();
-    }
-    offsets
+/// A unit cell in the size that a crystal of so many bodies has, with so much volume for each, and how often it is
+/// repeated.
+fn cells_of_crystal<const D: usize>(
+    cell: &UnitCell<D>,
+    bodies: usize,
+    volume_per_body: f64,
+) -> (PeriodicBox<D>, [usize; D]) {
+    let edges = std::array::from_fn(|number| norm(&cell.space.edge(number)));
+    let repeats = repeats(&edges, bodies / cell.sites.len());
+    let relative = cell.space.repeated(&repeats).volume();
+    let scale = (bodies as f64 * volume_per_body / relative).powf(1.0 / D as f64);
+    (cell.space.scaled(scale), repeats)
+}
+
+/// A number of bodies, whole cells of them and at least as many as given, whose box has no length below the least.
+/// It is found by trying, because cells may have to be repeated more along one axis than along another.
+fn fewest_bodies<const D: usize>(
+    cell: &UnitCell<D>,
+    bodies: usize,
+    volume_per_body: f64,
+    least: f64,
+) -> usize {
+    let sites = cell.sites.len();
+    let length = |bodies: usize| {
+        let (cell, repeats) = cells_of_crystal(cell, bodies, volume_per_body);
+        cell.repeated(&repeats).smallest_length()
+    };
+    // No box is shorter than a cube of its volume.
+    let cube = (bodies as f64 * volume_per_body).powf(1.0 / D as f64);
+    let from = bodies.max(bodies_in_longer_box::<D>(bodies, least / cube));
+    first_that_works(from.div_ceil(sites) * sites, sites, |bodies| {
+        length(bodies) >= least
+    })
 }
 
 /// How often a cell is repeated along each axis, so that the longest edge of all is shortest.
@@ -648,5 +701,84 @@ mod tests {
         assert!(refused.is_ok());
         let refused = Crystal::new(&cell, &ball(), 110, 0.5).unwrap_err();
         assert!(refused.to_string().contains("such as 108"), "{refused}");
+    }
+
+    fn dipyramid() -> HardBody<3> {
+        let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.8]].map(Vec3::from);
+        let both: Vec<Vec3> = corners.iter().flat_map(|x| [*x, -x]).collect();
+        HardBody::new(&Shape::solid(&both).unwrap(), 0.0).unwrap()
+    }
+
+    /// Whatever cell and number one begins with, the number that an error names makes a crystal, at once.
+    #[test]
+    fn numbers_that_errors_name_make_crystals() {
+        let body = dipyramid();
+        let cell = |edges: [f64; 3], angles: &[f64]| UnitCell {
+            space: PeriodicBox::with_angles(&edges, angles).unwrap(),
+            ..UnitCell::by_name("bcc").unwrap()
+        };
+        for cell in [
+            cell([1.0, 1.0, 1.8], &[90.0; 3]),
+            cell([1.0, 1.0, 7.0], &[90.0; 3]),
+            cell([1.0, 2.0, 3.0], &[70.0, 80.0, 110.0]),
+        ] {
+            for depletant in [None, Some(0.2)] {
+                let depletants: Vec<Depletant> = depletant
+                    .map(|radius| Depletant {
+                        radius,
+                        fugacity: 1.0,
+                    })
+                    .into_iter()
+                    .collect();
+                for bodies in [1, 2, 3, 4, 10, 167] {
+                    let system = |bodies: usize| {
+                        let crystal = Crystal::among(&cell, &body, &depletants, bodies, 0.02)?;
+                        crystal.system(&body, &depletants)
+                    };
+                    let enough = match system(bodies) {
+                        Ok(_) => continue,
+                        Err(Error::BoxTooSmall { bodies, .. }) => bodies,
+                        Err(Error::PartialCell { nearest, .. }) => nearest,
+                        Err(other) => unreachable!("{bodies}: {other}"),
+                    };
+                    let made = system(enough);
+                    assert!(made.is_ok(), "{bodies}: {enough}: {:?}", made.err());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sites_that_coincide_are_named() {
+        let ball = ball::<3>();
+        for places in [
+            vec![[0.0; 3], [1.0, 0.0, 0.0]],
+            vec![[0.5; 3], [0.0; 3], [-1.5, 2.5, 0.5]],
+            vec![[0.0; 3], [1e-9, 0.0, 1.0 - 1e-9]],
+        ] {
+            let sites = places.iter().map(|place| Site {
+                place: *place,
+                rotation: Rotation::identity(),
+            });
+            let cell = UnitCell {
+                space: PeriodicBox::rectangular([1.0; 3]).unwrap(),
+                sites: sites.collect(),
+            };
+            let error = Crystal::new(&cell, &ball, 60, 0.1).unwrap_err();
+            let bodies = [1, places.len()];
+            assert_eq!(error, Error::SameSite { bodies });
+        }
+    }
+
+    /// A message says how densely bodies fit, and they do.
+    #[test]
+    fn bodies_fit_at_the_packing_fraction_that_an_error_names() {
+        let cell = UnitCell::<3>::by_name("fcc").unwrap();
+        let crystal = |packing| Crystal::new(&cell, &ball::<3>(), 108, packing).unwrap();
+        let error = crystal(0.9).system(&ball(), &[]).unwrap_err().to_string();
+        let named = error.rsplit(' ').next().unwrap();
+        // It is 0.74048, which would be rounded to 0.7405.
+        assert_eq!(named, "0.7404");
+        assert!(crystal(named.parse().unwrap()).system(&ball(), &[]).is_ok());
     }
 }

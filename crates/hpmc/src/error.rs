@@ -1,4 +1,4 @@
-use protomer_kernel::Number;
+use protomer_kernel::{AtMost, Number};
 
 /// Why hard bodies cannot be simulated, or phases cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,19 +22,35 @@ pub enum Error {
         /// What is accepted.
         requirement: &'static str,
     },
-    /// A body would meet two images of another.
+    /// A body would meet an image of itself.
     #[error(
-        "the box has the edge {edge:.4}, but bodies meet at distances up to {range:.4}; give at least \
-         {bodies} bodies"
+        "the box has the edge {edge:.4}, and one of less than {least:.4} is too small for these bodies; give at \
+         least {bodies} of them"
     )]
     BoxTooSmall {
-        /// Edge of the box.
+        /// Smallest length of the box.
         edge: f64,
-        /// The largest distance at which two bodies meet, with depletants between them.
-        range: f64,
-        /// The number of bodies that fills a box twice as wide as the range.
+        /// The smallest that it may have.
+        least: f64,
+        /// A number of bodies whose box has that at the same packing fraction.
         bodies: usize,
     },
+    /// At constant pressure the box would become too small.
+    #[error(
+        "at this pressure the box shrinks to an edge of {edge:.4}, and one of less than {least:.4} is too small for \
+         these bodies; give at least {bodies} of them"
+    )]
+    BoxShrinks {
+        /// Smallest length that the box would have.
+        edge: f64,
+        /// The smallest that it may have.
+        least: f64,
+        /// A number of bodies whose box cannot become too small.
+        bodies: usize,
+    },
+    /// The work was asked to stop before it had a state.
+    #[error("stopped before the bodies were in their places")]
+    Stopped,
     /// The bodies jammed on the way to their packing fraction.
     #[error(
         "random bodies jammed at a packing fraction of {reached:.4} on the way to {wanted:.4}; give a \
@@ -49,7 +65,8 @@ pub enum Error {
     /// Bodies overlap on the sites of a crystal.
     #[error(
         "the bodies overlap in this crystal at a packing fraction of {wanted:.4}; they fit up to \
-         {largest:.4}"
+         {}",
+        AtMost(*largest)
     )]
     Dense {
         /// The packing fraction wanted.
@@ -71,6 +88,17 @@ pub enum Error {
         bodies: [usize; 2],
         /// The packing fraction wanted.
         packing_fraction: f64,
+    },
+    /// Two sites of a unit cell are the same, or images of each other.
+    #[error(
+        "bodies {} and {} of the unit cell overlap at any packing fraction: their sites coincide, or one is an \
+         image of the other; leave one out",
+        .bodies[0],
+        .bodies[1]
+    )]
+    SameSite {
+        /// Their numbers in the order of the sites, from 1.
+        bodies: [usize; 2],
     },
     /// Pieces of a body overlap.
     #[error(
@@ -148,6 +176,20 @@ pub enum Error {
 
 /// The result of an operation on hard bodies.
 pub type Result<T> = std::result::Result<T, Error>;
+
+/// The smallest packing fraction: a box that is wider would have no room for more digits of the places.
+const EMPTIEST: f64 = 1e-15;
+
+/// `Ok` for a part of the box that bodies can fill.
+pub(crate) fn require_packing_fraction(value: f64) -> Result<()> {
+    let holds = (EMPTIEST..1.0).contains(&value);
+    require(
+        "the packing fraction",
+        value,
+        "from 1e-15 to less than 1",
+        holds,
+    )
+}
 
 /// `Ok` if `value` is finite and `holds`, otherwise the error that names the quantity.
 pub(crate) fn require(

@@ -18,13 +18,13 @@ struct Entry<const D: usize> {
 pub(crate) struct Near<const D: usize> {
     /// Its number.
     pub body: u32,
-    /// From the place to its nearest image.
+    /// From the place to one of its images.
     pub offset: [f64; D],
     /// The squared length of the offset.
     pub squared: f64,
 }
 
-/// With fewer cells along an edge, there is one, and offsets along it are wrapped.
+/// With fewer cells along an edge, there is one, and all images along it are looked at.
 const FEWEST: usize = 3;
 /// Cells are wider than the range by what rounding could take from them.
 const ROUNDED: f64 = 1.0 - 1e-12;
@@ -45,7 +45,7 @@ pub(crate) struct Grid<const D: usize> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Sorts bodies; each length of the box is at least twice the range.
+    /// Sorts bodies into cells for looks as far as a range.
     pub fn new(space: &PeriodicBox<D>, range: f64, positions: &[[f64; D]]) -> Self {
         // More cells than bodies would only be empty.
         let volume = space.volume();
@@ -155,7 +155,7 @@ impl<const D: usize> Grid<D> {
         self.homes[body] = self.put(cell, positions[body], body as u32);
     }
 
-    /// Calls `visit` with every body but one within a squared range of a place, until it returns
+    /// Calls `visit` with every image of every body but one within a squared range of a place, until it returns
     /// `true`; whether it did.
     #[inline]
     pub fn any_near(
@@ -166,7 +166,7 @@ impl<const D: usize> Grid<D> {
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
         if self.cells.contains(&1) {
-            return self.any_wrapped(place, squared_range, but, visit);
+            return self.any_image(place, squared_range, but, visit);
         }
         let (mut cells, mut times) = ([[0_usize; 3]; D], [[0.0; 3]; D]);
         let mut shifts = [[0.0; 3]; D];
@@ -239,8 +239,8 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// The same where an edge has one cell.
-    fn any_wrapped(
+    /// The same where an edge has one cell. In a small box a body has several images within the range.
+    fn any_image(
         &self,
         place: &[f64; D],
         squared_range: f64,
@@ -248,6 +248,7 @@ impl<const D: usize> Grid<D> {
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
         let steps = self.cells.map(|cells| if cells == 1 { 1 } else { 3 });
+        let range = squared_range.sqrt();
         let straight = self.straight(place);
         for number in 0..steps.iter().product() {
             let (mut cell, mut rest, mut stride) = (0, number, 1);
@@ -260,18 +261,21 @@ impl<const D: usize> Grid<D> {
             }
             let from = cell * self.room;
             for entry in &self.entries[from..from + self.filled[cell] as usize] {
+                if entry.body == but {
+                    continue;
+                }
                 let apart = std::array::from_fn(|axis| entry.position[axis] - place[axis]);
-                let offset = self.space.nearest_image(&apart);
-                let squared: f64 = offset.iter().map(|x| x * x).sum();
-                if squared < squared_range && entry.body != but {
-                    let near = Near {
-                        body: entry.body,
-                        offset,
-                        squared,
-                    };
-                    if visit(near) {
-                        return true;
-                    }
+                let is_found = self.space.any_image_within(&apart, range, |offset| {
+                    let squared = offset.iter().map(|x| x * x).sum();
+                    squared < squared_range
+                        && visit(Near {
+                            body: entry.body,
+                            offset,
+                            squared,
+                        })
+                });
+                if is_found {
+                    return true;
                 }
             }
         }

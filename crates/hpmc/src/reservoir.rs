@@ -32,14 +32,14 @@ impl Depletant {
         require(
             "the radius of the depletants",
             self.radius,
-            "positive",
-            self.radius > 0.0,
+            "from 1e-100 to 1e100",
+            (1e-100..=1e100).contains(&self.radius),
         )?;
         require(
             "the fugacity of the depletants",
             self.fugacity,
-            "zero or positive",
-            self.fugacity >= 0.0,
+            "from 0 to 1e100",
+            (0.0..=1e100).contains(&self.fugacity),
         )
     }
 }

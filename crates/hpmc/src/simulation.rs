@@ -8,7 +8,7 @@ use crate::compression::Compression;
 use crate::depletants::Counting;
 use crate::field::{Gravity, Nothing};
 use crate::heights::{Heights, Walls};
-use crate::reservoir::Depletant;
+use crate::reservoir::{Depletant, ball_volume};
 use crate::start::Start;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
@@ -28,6 +28,11 @@ const POINTS: u32 = 0;
 const BODIES: u32 = 1;
 /// Streams of the changes of the box, beside that of the moves.
 const BOX: u32 = 1 << 20;
+/// Changes of the box in a sweep, so that their streams do not meet others.
+const MOST_CHANGES: u32 = 10_000;
+/// Pressures and weights whose products with volumes and heights are numbers.
+const SMALLEST_FORCE: f64 = 1e-100;
+const LARGEST_FORCE: f64 = 1e100;
 
 /// What a run does.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,15 +118,29 @@ impl Settings {
     pub fn check(&self, depletants: &[Depletant]) -> Result<()> {
         if let Some(pressure) = &self.pressure {
             let value = pressure.kt_per_volume;
-            require("the pressure", value, "positive", value > 0.0)?;
+            let holds = (SMALLEST_FORCE..=LARGEST_FORCE).contains(&value);
+            require(
+                "the pressure (kT per volume)",
+                value,
+                "from 1e-100 to 1e100",
+                holds,
+            )?;
+            let changes = pressure.changes();
+            require(
+                "the number of changes of the box per sweep",
+                f64::from(changes),
+                "from 1 to 10000",
+                (1..=MOST_CHANGES).contains(&changes),
+            )?;
         }
         if let Some(gravity) = &self.gravity {
             let value = gravity.weight_kt_per_length;
+            let holds = (0.0..=LARGEST_FORCE).contains(&value);
             require(
-                "the weight of a body",
+                "the weight of a body (kT per length)",
                 value,
-                "zero or positive",
-                value >= 0.0,
+                "from 0 to 1e100",
+                holds,
             )?;
         }
         let kinds = [
@@ -151,7 +170,7 @@ impl Settings {
 /// let ball = HardBody::<3>::new(&Shape::solid(&[Vec3::zeros()])?, 0.5)?;
 /// let settings = Settings { equilibration_sweeps: 20, ..Settings::default() };
 /// let mut simulation = Simulation::new(&settings, &ball, &[], &Start::fluid(64, 0.2))?;
-/// simulation.run(100);
+/// simulation.run(100)?;
 /// assert_eq!(simulation.system().overlaps(), 0);
 /// # Ok::<(), protomer_hpmc::Error>(())
 /// ```
@@ -181,11 +200,37 @@ impl<const D: usize> Simulation<D> {
         depletants: &[Depletant],
         start: &Start<D>,
     ) -> Result<Self> {
+        Self::new_unless(settings, body, depletants, start, &|| false)
+    }
+
+    /// The same, unless it must stop: bodies that are compressed take long.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); [`Error::Stopped`] if it had to stop.
+    pub fn new_unless(
+        settings: &Settings,
+        body: &HardBody<D>,
+        depletants: &[Depletant],
+        start: &Start<D>,
+        must_stop: &dyn Fn() -> bool,
+    ) -> Result<Self> {
         for kind in depletants {
             kind.check()?;
         }
         settings.check(depletants)?;
-        let (system, steps) = start.make(body, depletants, settings.seed)?;
+        for kind in depletants {
+            let around = ball_volume(D, body.outer_radius + kind.radius);
+            let points = kind.fugacity * around;
+            let requirement =
+                "at most 1e7, because a move looks at each of them; give a lower fugacity";
+            require(
+                "the number of depletants around a body",
+                points,
+                requirement,
+                points <= 1e7,
+            )?;
+        }
+        let (system, steps) = start.make(body, depletants, settings.seed, must_stop)?;
         let compression = Compression::new(&system, 1.0);
         let mut simulation = Self {
             settings: settings.clone(),
@@ -330,13 +375,17 @@ impl<const D: usize> Simulation<D> {
     }
 
     /// Does sweeps, each of as many trial moves as there are bodies.
-    pub fn run(&mut self, sweeps: u64) {
+    ///
+    /// # Errors
+    /// [`Error::BoxShrinks`] if the box, at constant pressure, becomes too small for the bodies.
+    pub fn run(&mut self, sweeps: u64) -> Result<()> {
         for _ in 0..sweeps {
-            self.sweep();
+            self.sweep()?;
         }
+        Ok(())
     }
 
-    fn sweep(&mut self) {
+    fn sweep(&mut self) -> Result<()> {
         let equilibrates = self.is_equilibrating();
         let number = (self.sweeps / 2 % 2) as usize;
         let mut counting = self.counting;
@@ -355,12 +404,14 @@ impl<const D: usize> Simulation<D> {
             };
         }
         if let Some(pressure) = self.settings.pressure {
-            for number in 0..pressure.freedom.trials() {
+            let changes = pressure.changes();
+            for number in 0..changes {
                 let (seed, stream) = (self.settings.seed, BOX + number);
                 let mut rng =
                     CounterRng::for_purpose(seed, stream, self.sweeps, Purpose::HardBodyMove);
+                let number = self.sweeps * u64::from(changes) + u64::from(number);
                 self.box_moves
-                    .change(&mut self.system, &pressure, number, &mut rng);
+                    .change(&mut self.system, &pressure, number, &mut rng)?;
             }
         }
         self.sweeps += 1;
@@ -370,6 +421,7 @@ impl<const D: usize> Simulation<D> {
         } else {
             self.counts.add(&counts);
         }
+        Ok(())
     }
 
     /// Tunes the steps and the range of compressions; at the end fixes them.

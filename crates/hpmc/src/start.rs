@@ -7,10 +7,13 @@
 use crate::body::HardBody;
 use crate::crystal::Crystal;
 use crate::depletants::Counting;
+use crate::error::{require, require_packing_fraction};
 use crate::field::Nothing;
 use crate::reservoir::Depletant;
-use crate::system::{MoveCounts, Steps, System};
-use crate::{Error, Result, error::require};
+use crate::system::{
+    MoveCounts, Steps, System, bodies_in_longer_box, first_that_works, least_edge,
+};
+use crate::{Error, Result};
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
@@ -64,16 +67,18 @@ impl<const D: usize> Start<D> {
         }
     }
 
-    /// The bodies in their places, and steps that suit them.
+    /// The bodies in their places, and steps that suit them. Compressing many bodies takes long, so `must_stop`
+    /// is asked often.
     ///
     /// # Errors
     /// For a packing fraction that cannot be reached, bodies that overlap in the crystal, and too few
-    /// bodies.
+    /// bodies; [`Error::Stopped`] if it had to stop.
     pub fn make(
         &self,
         body: &HardBody<D>,
         depletants: &[Depletant],
         seed: u64,
+        must_stop: &dyn Fn() -> bool,
     ) -> Result<(System<D>, Steps)> {
         match self {
             Self::Crystal(crystal) => {
@@ -92,23 +97,28 @@ impl<const D: usize> Start<D> {
             } => {
                 let (bodies, packing) = (*bodies, *packing_fraction);
                 check(bodies, packing, edge_ratios)?;
-                let volume = bodies as f64 * body.volume / packing;
-                let ratios: f64 = edge_ratios.iter().product();
-                let scale = (volume / ratios).powf(1.0 / D as f64);
-                let edges = edge_ratios.map(|ratio| scale * ratio);
-                random_fluid(body, depletants, bodies, edges, *has_walls, seed)
+                let edges = edges(edge_ratios, bodies as f64 * body.volume / packing);
+                let (edge, least) = (shortest(&edges), least_edge(body, depletants));
+                if edge < least {
+                    let from = bodies_in_longer_box::<D>(bodies, least / edge);
+                    let volume = body.volume / packing;
+                    let length =
+                        |bodies| shortest(&self::edges(edge_ratios, bodies as f64 * volume));
+                    let bodies = first_that_works(from, 1, |bodies| length(bodies) >= least);
+                    return Err(Error::BoxTooSmall {
+                        edge,
+                        least,
+                        bodies,
+                    });
+                }
+                random_fluid(body, depletants, bodies, edges, *has_walls, seed, must_stop)
             }
         }
     }
 }
 
 fn check(bodies: usize, packing_fraction: f64, edge_ratios: &[f64]) -> Result<()> {
-    require(
-        "the packing fraction",
-        packing_fraction,
-        "between 0 and 1",
-        packing_fraction > 0.0 && packing_fraction < 1.0,
-    )?;
+    require_packing_fraction(packing_fraction)?;
     require(
         "the number of bodies",
         bodies as f64,
@@ -121,6 +131,17 @@ fn check(bodies: usize, packing_fraction: f64, edge_ratios: &[f64]) -> Result<()
     Ok(())
 }
 
+/// The edges of a box with these ratios and this volume.
+fn edges<const D: usize>(ratios: &[f64; D], volume: f64) -> [f64; D] {
+    let product: f64 = ratios.iter().product();
+    let scale = (volume / product).powf(1.0 / D as f64);
+    ratios.map(|ratio| scale * ratio)
+}
+
+fn shortest(edges: &[f64]) -> f64 {
+    edges.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
 /// Bodies at random in a box.
 fn random_fluid<const D: usize>(
     body: &HardBody<D>,
@@ -129,9 +150,9 @@ fn random_fluid<const D: usize>(
     edges: [f64; D],
     has_walls: bool,
     seed: u64,
+    must_stop: &dyn Fn() -> bool,
 ) -> Result<(System<D>, Steps)> {
     let per_edge = sites_per_edge(&edges, bodies);
-    // The widest box comes first, so a box that is too small for the images is refused at once.
     let mut scale: f64 = 1.0;
     for (edge, sites) in edges.iter().zip(per_edge) {
         let wide = edge.max(sites as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
@@ -154,27 +175,12 @@ fn random_fluid<const D: usize>(
     }
     let depletants = depletants.to_vec();
     let space = PeriodicBox::rectangular(edges)?;
-    let hard = System::new(
-        body.clone(),
-        depletants.clone(),
-        space,
-        Vec::new(),
-        Vec::new(),
-    );
-    if let Err(Error::BoxTooSmall { edge, range, .. }) = hard {
-        let bodies = bodies as f64 * (2.0 * range / edge).powi(D as i32);
-        return Err(Error::BoxTooSmall {
-            edge,
-            range,
-            bodies: bodies.ceil() as usize,
-        });
-    }
     let wide = PeriodicBox::rectangular(wide)?;
     let mut system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
     if has_walls {
         system = system.between_walls()?;
     }
-    let (system, steps) = Compressor::new(system, seed).to(&edges)?;
+    let (system, steps) = Compressor::new(system, seed, must_stop)?.to(&edges)?;
     let System {
         positions,
         rotations,
@@ -209,15 +215,16 @@ fn orientation<const D: usize>(body: &HardBody<D>, seed: u64, number: u64) -> Ro
 }
 
 /// Bodies that are being compressed.
-struct Compressor<const D: usize> {
+struct Compressor<'a, const D: usize> {
     system: System<D>,
     steps: Steps,
     seed: u64,
     trials: u64,
+    must_stop: &'a dyn Fn() -> bool,
 }
 
-impl<const D: usize> Compressor<D> {
-    fn new(system: System<D>, seed: u64) -> Self {
+impl<'a, const D: usize> Compressor<'a, D> {
+    fn new(system: System<D>, seed: u64, must_stop: &'a dyn Fn() -> bool) -> Result<Self> {
         let steps = Steps {
             translation: 0.2 * system.body.outer_radius,
             rotation: 0.2,
@@ -227,9 +234,17 @@ impl<const D: usize> Compressor<D> {
             steps,
             seed,
             trials: 0,
+            must_stop,
         };
-        compressor.sweep(2 * SWEEPS_BETWEEN);
-        compressor
+        compressor.sweep(2 * SWEEPS_BETWEEN)?;
+        Ok(compressor)
+    }
+
+    fn go_on(&self) -> Result<()> {
+        match (self.must_stop)() {
+            true => Err(Error::Stopped),
+            false => Ok(()),
+        }
     }
 
     fn to(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
@@ -237,7 +252,7 @@ impl<const D: usize> Compressor<D> {
         while self.system.space.lengths()[0] > edges[0] {
             let before = self.system.clone();
             self.shrink(edges, 1.0 - shrinking)?;
-            if self.repair() {
+            if self.repair()? {
                 shrinking = (1.4 * shrinking).min(LARGEST_SHRINKING);
             } else {
                 let reached = before.packing_fraction();
@@ -248,7 +263,7 @@ impl<const D: usize> Compressor<D> {
                     return Err(Error::Jammed { reached, wanted });
                 }
             }
-            self.sweep(SWEEPS_BETWEEN);
+            self.sweep(SWEEPS_BETWEEN)?;
         }
         Ok((self.system, self.steps))
     }
@@ -282,9 +297,10 @@ impl<const D: usize> Compressor<D> {
     }
 
     /// Sweeps without overlaps, and better steps.
-    fn sweep(&mut self, sweeps: usize) {
+    fn sweep(&mut self, sweeps: usize) -> Result<()> {
         let mut counts = MoveCounts::default();
         for _ in 0..sweeps {
+            self.go_on()?;
             if counts.total().trials > 3 * Steps::ENOUGH {
                 counts = MoveCounts::default();
             }
@@ -301,14 +317,16 @@ impl<const D: usize> Compressor<D> {
             let longest = self.system.longest_steps();
             self.steps.tune(&counts, ACCEPTANCE, &longest);
         }
+        Ok(())
     }
 
     /// Whether moves removed all overlaps.
-    fn repair(&mut self) -> bool {
+    fn repair(&mut self) -> Result<bool> {
         for _ in 0..REPAIR_SWEEPS {
+            self.go_on()?;
             let overlapping = self.overlapping();
             if overlapping.is_empty() {
-                return true;
+                return Ok(true);
             }
             for body in overlapping {
                 for _ in 0..TRIES {
@@ -320,7 +338,7 @@ impl<const D: usize> Compressor<D> {
                 self.ease(None);
             }
         }
-        self.overlapping().is_empty()
+        Ok(self.overlapping().is_empty())
     }
 
     /// A move of a body, or of any, to where it overlaps none.
@@ -360,8 +378,45 @@ mod tests {
         let point = Shape::solid(&[Vec3::zeros()]).unwrap();
         let ball = HardBody::<3>::new(&point, 0.5).unwrap();
         for bodies in [108, 125] {
-            let (system, _) = Start::fluid(bodies, 0.5).make(&ball, &[], 1).unwrap();
+            let start = Start::fluid(bodies, 0.5);
+            let (system, _) = start.make(&ball, &[], 1, &|| false).unwrap();
             assert_eq!(system.positions.len(), bodies);
         }
+    }
+
+    /// The number that an error names works, and one less does not.
+    #[test]
+    fn a_fluid_in_too_small_a_box_is_told_a_number_that_works() {
+        let point = Shape::solid(&[Vec3::zeros()]).unwrap();
+        let ball = HardBody::<3>::new(&point, 0.5).unwrap();
+        let flat_box = |bodies: usize| Start::Fluid {
+            bodies,
+            packing_fraction: 0.3,
+            edge_ratios: [1.0, 3.0, 0.4],
+            has_walls: false,
+        };
+        let make = |bodies: usize| flat_box(bodies).make(&ball, &[], 1, &|| false);
+        let Err(Error::BoxTooSmall { bodies, .. }) = make(2) else {
+            unreachable!()
+        };
+        assert!(make(bodies).is_ok(), "{bodies}");
+        assert!(matches!(
+            make(bodies - 1),
+            Err(Error::BoxTooSmall { bodies: again, .. }) if again == bodies
+        ));
+    }
+
+    #[test]
+    fn a_start_stops_when_it_is_told_to() {
+        let point = Shape::solid(&[Vec3::zeros()]).unwrap();
+        let ball = HardBody::<3>::new(&point, 0.5).unwrap();
+        let asked = std::cell::Cell::new(0);
+        let stops = || {
+            asked.set(asked.get() + 1);
+            asked.get() > 5
+        };
+        let found = Start::fluid(64, 0.5).make(&ball, &[], 1, &stops);
+        assert!(matches!(found, Err(Error::Stopped)));
+        assert_eq!(asked.get(), 6);
     }
 }

@@ -28,6 +28,18 @@ const SLOTS: usize = 32;
 const HASH: u32 = 0x9E37_79B1;
 const NOBODY: u32 = u32::MAX;
 
+/// How an attempt to deform the box ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Deformation {
+    /// The box is deformed.
+    Done,
+    /// Bodies would overlap; nothing has changed.
+    Blocked,
+    /// No two bodies overlap, but the box would be too small to tell whether a body meets its own images;
+    /// nothing has changed.
+    TooSmall,
+}
+
 /// Largest steps of the trial moves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -131,7 +143,7 @@ impl<const D: usize> System<D> {
     /// see [`overlaps`](Self::overlaps).
     ///
     /// # Errors
-    /// If a body could meet two images of another.
+    /// If a body could meet an image of itself. Two bodies may meet at several images.
     pub fn new(
         body: HardBody<D>,
         depletants: Vec<Depletant>,
@@ -140,18 +152,18 @@ impl<const D: usize> System<D> {
         rotations: Vec<Rotation>,
     ) -> Result<Self> {
         let space = space.reduced();
-        let reach = depletants
-            .iter()
-            .map(|kind| kind.radius)
-            .fold(0.0, f64::max);
-        let range = 2.0 * (body.outer_radius + reach);
-        let edge = space.smallest_length();
-        if edge < 2.0 * range {
-            let bodies = positions.len() as f64 * (2.0 * range / edge).powi(D as i32);
+        let range = range(&body, &depletants);
+        let (edge, least) = (space.smallest_length(), least_edge(&body, &depletants));
+        if edge < least {
+            let from = bodies_in_longer_box::<D>(positions.len(), least / edge);
+            let bodies = first_that_works(from, 1, |bodies| {
+                let factor = bodies as f64 / positions.len().max(1) as f64;
+                edge * factor.powf(1.0 / D as f64) >= least
+            });
             return Err(Error::BoxTooSmall {
                 edge,
-                range,
-                bodies: (bodies - 1e-6).ceil() as usize,
+                least,
+                bodies,
             });
         }
         let blocks = body.blocks();
@@ -188,13 +200,6 @@ impl<const D: usize> System<D> {
         if !self.body.is_round() {
             self.memory.resize(SLOTS * self.positions.len(), empty);
         }
-    }
-
-    fn depletant_reach(&self) -> f64 {
-        self.depletants
-            .iter()
-            .map(|kind| kind.radius)
-            .fold(0.0, f64::max)
     }
 
     /// The shape of the bodies.
@@ -298,18 +303,15 @@ impl<const D: usize> System<D> {
 
     /// Sorts the bodies into new cells.
     fn sort(&mut self) {
-        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+        let range = range(&self.body, &self.depletants);
         self.grid = Grid::new(&self.space, range, &self.positions);
     }
 
     /// Deforms the box and the places in it by an upper triangular matrix (see [`PeriodicBox::deformed`]),
-    /// unless bodies overlap then or meet two images of each other; whether it did.
-    pub(crate) fn try_deform(&mut self, by: &[[f64; D]; D]) -> bool {
-        let range = 2.0 * (self.body.outer_radius + self.depletant_reach());
+    /// unless bodies overlap then or could meet images of themselves.
+    pub(crate) fn try_deform(&mut self, by: &[[f64; D]; D]) -> Deformation {
         let space = self.space.deformed(by).reduced();
-        if space.smallest_length() < 2.0 * range {
-            return false;
-        }
+        let is_too_small = space.smallest_length() < least_edge(&self.body, &self.depletants);
         let before = (self.space, self.positions.clone(), self.grid.clone());
         self.space = space;
         for place in &mut self.positions {
@@ -319,11 +321,14 @@ impl<const D: usize> System<D> {
         self.sort();
         // Pairs first try the direction that separated them last: after a small change it mostly still does.
         let is_blocked = (0..self.len()).any(|body| self.collides(&self.where_it_is(body)));
-        if !is_blocked {
-            return true;
+        if !is_blocked && !is_too_small {
+            return Deformation::Done;
         }
         (self.space, self.positions, self.grid) = before;
-        false
+        match is_blocked {
+            true => Deformation::Blocked,
+            false => Deformation::TooSmall,
+        }
     }
 
     /// From the lower wall to the body and from the body to the upper wall; negative if it reaches in.
@@ -573,6 +578,38 @@ impl<const D: usize> System<D> {
     }
 }
 
+/// The largest distance at which two bodies meet, with depletants between them.
+fn range<const D: usize>(body: &HardBody<D>, depletants: &[Depletant]) -> f64 {
+    let radii = depletants.iter().map(|kind| kind.radius);
+    2.0 * (body.outer_radius + radii.fold(0.0, f64::max))
+}
+
+/// The smallest length that a box may have. No body reaches an image of itself there. A move of up to half of a
+/// length must not bring a body within the reach of where an image of it was either, if there are depletants,
+/// because [`depletants`](crate::depletants) compare two places of one body and no images of them.
+pub(crate) fn least_edge<const D: usize>(body: &HardBody<D>, depletants: &[Depletant]) -> f64 {
+    match depletants {
+        [] => range(body, depletants),
+        _ => 2.0 * range(body, depletants),
+    }
+}
+
+/// The first number of bodies that works: from one number on, in steps that grow beyond a thousand of them.
+pub(crate) fn first_that_works(from: usize, step: usize, works: impl Fn(usize) -> bool) -> usize {
+    let mut bodies = from.max(step);
+    while bodies < usize::MAX && !works(bodies) {
+        let steps = (bodies / (1000 * step)).max(1);
+        bodies = bodies.saturating_add(steps * step);
+    }
+    bodies
+}
+
+/// The number of bodies, to within rounding, whose box is so much longer than that of the given number at the
+/// same density.
+pub(crate) fn bodies_in_longer_box<const D: usize>(bodies: usize, factor: f64) -> usize {
+    (bodies as f64 * factor.powi(D as i32) * (1.0 - 1e-9)) as usize
+}
+
 /// A number in (-1, 1), as likely as its opposite.
 fn symmetric(rng: &mut CounterRng) -> f64 {
     (f64::from(rng.next_u32()) + 0.5) / f64::from(1_u32 << 31) - 1.0
@@ -605,11 +642,11 @@ mod tests {
     use super::*;
     use protomer_kernel::shape::builders::by_name;
 
-    /// A box in which a body of this range meets no two images of another, tilted by up to twice its lengths,
-    /// long and narrow or as wide as it is deep.
+    /// A box in which a body of this range meets no image of itself, tilted by up to twice its lengths: so small
+    /// that bodies meet several images of each other, long and narrow, or as wide as it is deep.
     fn random_box<const D: usize>(rng: &mut CounterRng, range: f64) -> PeriodicBox<D> {
-        let longest = [2.5, 8.0][rng.index(2)];
-        let lengths = std::array::from_fn(|_| range * rng.uniform_in(2.0, longest));
+        let [shortest, longest] = [[1.0, 1.5], [2.0, 2.5], [1.0, 8.0], [2.0, 8.0]][rng.index(4)];
+        let lengths = std::array::from_fn(|_| range * rng.uniform_in(shortest, longest));
         let tilts = (0..D * (D - 1) / 2).map(|_| rng.uniform_in(-2.0, 2.0));
         PeriodicBox::new(lengths, &tilts.collect::<Vec<_>>()).unwrap()
     }
@@ -708,7 +745,8 @@ mod tests {
             let before = system.clone();
             let squeezed = [[0.01, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
             let by = [[1.2, 0.9, -0.7], [0.0, 1.1, 0.8], [0.0, 0.0, 1.3]];
-            if system.try_deform(&squeezed) || !system.try_deform(&by) {
+            let is_squeezed = system.try_deform(&squeezed) == Deformation::Done;
+            if is_squeezed || system.try_deform(&by) != Deformation::Done {
                 assert_eq!(system.space, before.space);
                 assert_eq!(system.positions, before.positions);
                 continue;

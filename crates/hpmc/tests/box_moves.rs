@@ -5,12 +5,15 @@
 mod common;
 
 use common::pressed;
+use protomer_hpmc::Error;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::simulation::{Settings, Simulation};
 use protomer_hpmc::start::Start;
+use protomer_kernel::Vec3;
 use protomer_kernel::periodic_box::PeriodicBox;
+use protomer_kernel::shape::Shape;
 use protomer_kernel::statistics::{Summary, summarize};
 
 /// The boxes after every fifth sweep.
@@ -21,10 +24,10 @@ fn boxes<const D: usize>(
     count: usize,
 ) -> Vec<PeriodicBox<D>> {
     let mut simulation = Simulation::new(settings, body, &[], start).unwrap();
-    simulation.run(settings.equilibration_sweeps);
+    simulation.run(settings.equilibration_sweeps).unwrap();
     let mut boxes = Vec::new();
     for _ in 0..count {
-        simulation.run(5);
+        simulation.run(5).unwrap();
         boxes.push(*simulation.system().space());
     }
     assert_eq!(simulation.system().overlaps(), 0);
@@ -199,4 +202,77 @@ fn a_square_crystal_of_disks_becomes_hexagonal() {
     let packing = mean(&boxes, |space| 64.0 * disk.volume / space.volume());
     let square = std::f64::consts::FRAC_PI_4;
     assert!(packing.mean > square + 0.03, "{packing:?}");
+}
+
+/// A box twice as wide as bodies reach holds 64 dipyramids at a packing fraction of 0.4115: a run that refused smaller
+/// ones found that at every pressure. Here the bodies bear the pressure that is imposed.
+#[test]
+fn bodies_bear_the_pressure_in_a_box_where_they_meet_several_images() {
+    let corners = [
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.8],
+        [0.0, 0.0, -1.8],
+    ];
+    let shape = Shape::solid(&corners.map(Vec3::from)).unwrap();
+    let body = HardBody::<3>::new(&shape, 0.0).unwrap();
+    // As dense as 64 of them at 0.49, and with a shorter edge.
+    let (bodies, pressure) = (24, 3.0);
+    let mut settings = pressed(pressure, Freedom::Volume);
+    settings.equilibration_sweeps = 1500;
+    let start = Start::fluid(bodies, 0.35);
+    let mut simulation = Simulation::new(&settings, &body, &[], &start).unwrap();
+    simulation.run(settings.equilibration_sweeps).unwrap();
+    let (mut pressures, mut edges) = (Vec::new(), Vec::new());
+    for _ in 0..1500 {
+        simulation.run(4).unwrap();
+        let sample = simulation.sample();
+        let density = sample.packing_fraction / body.volume;
+        pressures.push(sample.compressibility_factor * density);
+        edges.push(simulation.system().space().smallest_length());
+    }
+    let reach = 2.0 * body.outer_radius;
+    assert!(summarize(&edges).mean < 1.6 * reach, "{reach}");
+    assert_eq!(simulation.system().overlaps(), 0);
+    assert_mean(&summarize(&pressures), pressure, 0.15, "pressure");
+}
+
+/// Rods in a plane under a pressure at which the box would become shorter than a rod.
+#[test]
+fn a_box_that_becomes_too_small_asks_for_a_number_of_bodies_that_works() {
+    let corners = [[-2.0, -0.1], [2.0, -0.1], [2.0, 0.1], [-2.0, 0.1]];
+    let rod = HardBody::<2>::new(&Shape::flat(&corners).unwrap(), 0.05).unwrap();
+    for freedom in [Freedom::Volume, Freedom::Lengths] {
+        let settings = pressed(40.0, freedom);
+        let run = |bodies: usize| {
+            let start = Start::fluid(bodies, 0.2);
+            let mut simulation = Simulation::new(&settings, &rod, &[], &start)?;
+            simulation.run(3000)
+        };
+        let Err(Error::BoxShrinks { bodies, .. }) = run(6) else {
+            unreachable!("{freedom:?}: the box should become too small")
+        };
+        assert_eq!(run(bodies), Ok(()), "{freedom:?}: {bodies} bodies");
+    }
+}
+
+/// More changes of the box in a sweep bring it to its pressure in fewer sweeps; the same mean follows.
+#[test]
+fn the_number_of_changes_of_the_box_can_be_chosen() {
+    let point = HardBody::<3>::ball(1e-4).unwrap();
+    let start = Start::fluid(12, 12.0 * point.volume / 8.0);
+    for changes in [1, 3, 20] {
+        let mut settings = pressed(1.3, Freedom::Shape);
+        if let Some(pressure) = &mut settings.pressure {
+            pressure.changes_per_sweep = Some(changes);
+        }
+        let boxes = boxes(&settings, &point, &start, 4000);
+        let volume = mean(&boxes, |space| space.volume());
+        assert_mean(&volume, 13.0 / 1.3, 0.5, "volume");
+        let squared = mean(&boxes, |space| logarithm(space, 0).powi(2));
+        let exact = mean_over_shapes(|lengths| lengths[0].powi(2));
+        assert_mean(&squared, exact, 0.02, "squared length");
+    }
 }

@@ -21,10 +21,10 @@ fn samples<const D: usize>(
     count: usize,
 ) -> (Vec<Sample>, Simulation<D>) {
     let mut simulation = Simulation::new(settings, body, &[], start).unwrap();
-    simulation.run(settings.equilibration_sweeps);
+    simulation.run(settings.equilibration_sweeps).unwrap();
     let mut samples = Vec::new();
     for _ in 0..count {
-        simulation.run(5);
+        simulation.run(5).unwrap();
         samples.push(simulation.sample());
     }
     assert_eq!(simulation.system().overlaps(), 0);

@@ -50,9 +50,9 @@ fn assert_mean(series: &[f64], expected: f64, error: f64, what: &str) {
 fn factors<const D: usize>(body: &HardBody<D>, bodies: usize, packing: f64) -> Vec<f64> {
     let mut simulation =
         Simulation::new(&SETTINGS, body, &[], &Start::fluid(bodies, packing)).unwrap();
-    simulation.run(SETTINGS.equilibration_sweeps);
+    simulation.run(SETTINGS.equilibration_sweeps).unwrap();
     let series = (0..400).map(|_| {
-        simulation.run(4);
+        simulation.run(4).unwrap();
         simulation.sample().compressibility_factor
     });
     let series = series.collect();
@@ -114,10 +114,10 @@ fn two_spheres(
     };
     let start = Start::Crystal(Crystal::new(&cell, &ball(), 2, packing).unwrap());
     let mut simulation = Simulation::new(&settings, &ball(), &depletants, &start).unwrap();
-    simulation.run(settings.equilibration_sweeps);
+    simulation.run(settings.equilibration_sweeps).unwrap();
     let (mut is_bonded, mut free) = (Vec::new(), Vec::new());
     for number in 0..samples {
-        simulation.run(10);
+        simulation.run(10).unwrap();
         let [a, b] = simulation.system().positions() else {
             unreachable!()
         };
@@ -179,9 +179,9 @@ fn factors_of_many<const D: usize>(
     };
     let start = Start::fluid(bodies, packing);
     let mut simulation = Simulation::new(&settings, body, &[], &start).unwrap();
-    simulation.run(equilibration);
+    simulation.run(equilibration).unwrap();
     let samples = (0..sweeps / every).map(|_| {
-        simulation.run(every);
+        simulation.run(every).unwrap();
         simulation.sample().compressibility_factor
     });
     samples.collect()

@@ -52,7 +52,7 @@ fn both(packing: f64) -> [System<3>; 2] {
     let settings = Settings::default();
     let mut simulation =
         Simulation::new(&settings, &whole, &[], &Start::fluid(125, packing)).unwrap();
-    simulation.run(200);
+    simulation.run(200).unwrap();
     let system = simulation.system();
     [whole, cut_cube()].map(|body| {
         let (places, turns) = (system.positions().to_vec(), system.rotations().to_vec());
@@ -132,10 +132,10 @@ fn mean_factor<const D: usize>(
 ) -> Summary {
     let mut simulation =
         Simulation::new(settings, body, &[], &Start::fluid(bodies, packing)).unwrap();
-    simulation.run(400);
+    simulation.run(400).unwrap();
     let mut factors = Vec::new();
     for _ in 0..samples {
-        simulation.run(4);
+        simulation.run(4).unwrap();
         factors.push(simulation.sample().compressibility_factor);
     }
     assert_eq!(simulation.system().overlaps(), 0);
@@ -210,7 +210,7 @@ fn depletants_and_walls_see_all_pieces() {
         ..Settings::default()
     };
     let mut simulation = Simulation::new(&settings, &body, &kinds, &Start::fluid(30, 0.1)).unwrap();
-    simulation.run(300);
+    simulation.run(300).unwrap();
     assert_eq!(simulation.system().overlaps(), 0);
     let walls = Start::Fluid {
         bodies: 30,
@@ -219,7 +219,7 @@ fn depletants_and_walls_see_all_pieces() {
         has_walls: true,
     };
     let mut simulation = Simulation::new(&Settings::default(), &body, &[], &walls).unwrap();
-    simulation.run(300);
+    simulation.run(300).unwrap();
     let system = simulation.system();
     assert_eq!(system.overlaps(), 0);
     // By the corners themselves.

@@ -52,7 +52,7 @@ pub fn page_of_run(directory: &Path) -> Result<Page> {
     let results = Results {
         title: "Hard bodies",
         subtitle,
-        verdict: Some(Verdict::equilibrated(None, ONE_START)),
+        verdict: Some(arrival(result.as_ref())),
         html,
         trajectory: "trajectory.gsd".into(),
     };
@@ -69,6 +69,7 @@ pub fn page_of_sweep(directory: &Path) -> Result<Page> {
     let (mut html, mut trajectory) = (String::new(), String::new());
     if let Some(equation) = &equation {
         let csv = data::of_file(directory, "equation.csv")?;
+        html += &states(equation);
         if let Some(figure) = equation.figure() {
             html += &figures::drawn(&figure, &csv)?;
         }
@@ -89,7 +90,7 @@ pub fn page_of_sweep(directory: &Path) -> Result<Page> {
     let results = Results {
         title: SWEEP,
         subtitle,
-        verdict: Some(Verdict::equilibrated(None, ONE_START)),
+        verdict: Some(arrivals(equation.as_ref())),
         html,
         trajectory,
     };
@@ -123,6 +124,33 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
         trajectory: "crystal.gsd".into(),
     };
     page(directory, results, record.as_ref())
+}
+
+/// Whether a run has arrived at its pressure, or under gravity at its height. Others do not test it.
+fn arrival(result: Option<&HardBodyResult>) -> Verdict {
+    match result.and_then(|result| result.equilibrium.as_ref()) {
+        None => Verdict::equilibrated(None, ONE_START),
+        Some(found) => Verdict::equilibrated(Some(found.is_reached), &found.text()),
+    }
+}
+
+/// The same of all states of a sweep.
+fn arrivals(equation: Option<&EquationOfState>) -> Verdict {
+    let must_arrive = |equation: &&EquationOfState| {
+        let mut points = equation.points.iter();
+        points.any(|point| point.equilibrium.is_some())
+    };
+    let Some(equation) = equation.filter(must_arrive) else {
+        return Verdict::equilibrated(None, ONE_START);
+    };
+    let warnings = equation.warnings();
+    match warnings.is_empty() {
+        true => Verdict::equilibrated(
+            Some(true),
+            "every state bears its pressure, and none drifts",
+        ),
+        false => Verdict::equilibrated(Some(false), &warnings.join("; ")),
+    }
 }
 
 fn sampling(result: &FreeEnergyResult) -> Verdict {
@@ -179,6 +207,43 @@ pub fn details<T: DeserializeOwned>(
     }
 }
 
+/// The table of states that must arrive at a pressure or a height; nothing without any.
+fn states(equation: &EquationOfState) -> String {
+    let mut rows = Vec::new();
+    for point in &equation.points {
+        let Some(found) = &point.equilibrium else {
+            continue;
+        };
+        rows.push(vec![
+            with_error(point.packing_fraction, point.packing_fraction_error),
+            with_error(
+                found.measured_pressure_kt_per_volume,
+                found.measured_pressure_kt_per_volume_error,
+            ),
+            significant(found.expected_pressure_kt_per_volume, 6),
+            match found.drift {
+                Some(drift) => with_error(drift, found.drift_error),
+                None => "-".into(),
+            },
+            match found.is_reached {
+                true => "reached".into(),
+                false => "not reached".into(),
+            },
+        ]);
+    }
+    let head = [
+        "packing fraction",
+        "pressure of the bodies",
+        "the same in equilibrium",
+        "drift",
+        "equilibrium",
+    ];
+    match rows.is_empty() {
+        true => String::new(),
+        false => table(&head.map(str::to_owned), &rows),
+    }
+}
+
 pub fn with_error(value: f64, error: Option<f64>) -> String {
     match error {
         Some(error) => format!("{} ± {}", significant(value, 6), significant(error, 2)),
@@ -202,6 +267,32 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         ("Sweeps", result.sweeps.to_string()),
         ("Accepted moves", significant(result.acceptance, 3)),
     ];
+    if let Some(found) = &result.equilibrium {
+        values.push((
+            "Equilibrium",
+            match found.is_reached {
+                true => "reached".into(),
+                false => "not reached".into(),
+            },
+        ));
+        values.push((
+            "Pressure of the bodies (kT per volume)",
+            with_error(
+                found.measured_pressure_kt_per_volume,
+                found.measured_pressure_kt_per_volume_error,
+            ),
+        ));
+        values.push((
+            "The same in equilibrium",
+            significant(found.expected_pressure_kt_per_volume, 6),
+        ));
+        if let Some(drift) = found.drift {
+            values.push((
+                "Drift over the measurement",
+                with_error(drift, found.drift_error),
+            ));
+        }
+    }
     if let Some(mean) = &result.mean_box {
         let several = |numbers: &[f64], errors: &[Option<f64>]| {
             let numbers = numbers.iter().zip(errors);

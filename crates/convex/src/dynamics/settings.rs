@@ -1,12 +1,16 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
 use anyhow::{Result, bail};
+use protomer_kernel::Number;
 use protomer_md::bath::Ensemble;
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
 use protomer_md::pair::{Form, Interaction};
 use protomer_results::Settings;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Most bodies.
+const MOST_BODIES: usize = 1 << 30;
 
 /// Which points of two bodies repel each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -171,30 +175,40 @@ impl DynamicsSettings {
     /// # Errors
     /// Names the setting and what it may be.
     pub fn check(&self) -> Result<()> {
-        for (name, value) in [
-            ("packing-fraction", self.packing_fraction),
-            ("time-step", self.time_step),
-            ("temperature", self.temperature),
-            ("relaxation-time", self.relaxation_time),
-            ("friction", self.friction),
-            ("preparation-time-step", self.preparation_time_step),
-            ("compress-from", self.compress_from.unwrap_or(1.0)),
-            ("pressure", self.pressure.unwrap_or(1.0)),
+        // Beyond these ranges products and powers of the numbers are no numbers any more.
+        for (name, value, from, to) in [
+            ("packing-fraction", self.packing_fraction, 1e-9, f64::MAX),
+            ("time-step", self.time_step, 1e-12, 1.0),
+            ("temperature", self.temperature, 1e-9, 1e9),
+            ("relaxation-time", self.relaxation_time, 1e-9, 1e9),
+            ("friction", self.friction, 1e-9, 1e9),
+            (
+                "preparation-time-step",
+                self.preparation_time_step,
+                1e-12,
+                1.0,
+            ),
+            (
+                "compress-from",
+                self.compress_from.unwrap_or(1.0),
+                1e-9,
+                1.0,
+            ),
+            ("pressure", self.pressure.unwrap_or(1.0), 1e-9, 1e9),
+            ("rounding", self.rounding, 0.0, 1e6),
+            ("attraction", self.attraction, 0.0, 1e6),
+            ("attraction-cut-off", self.attraction_cut_off, 1.5, 1e3),
         ] {
-            if !(value.is_finite() && value > 0.0) {
-                bail!("--{name} is {value}; give a positive number");
+            if !(from..=to).contains(&value) {
+                let (value, from) = (Number(value), Number(from));
+                match to == f64::MAX {
+                    true => bail!("--{name} is {value}; give a number of at least {from}"),
+                    false => bail!(
+                        "--{name} is {value}; give a number from {from} to {}",
+                        Number(to)
+                    ),
+                }
             }
-        }
-        for (name, value) in [("rounding", self.rounding), ("attraction", self.attraction)] {
-            if !(value.is_finite() && value >= 0.0) {
-                bail!("--{name} is {value}; give a number that is not negative");
-            }
-        }
-        if !(self.attraction_cut_off.is_finite() && self.attraction_cut_off >= 1.5) {
-            bail!(
-                "--attraction-cut-off is {}; give a number of at least 1.5",
-                self.attraction_cut_off
-            );
         }
         self.check_kinds()?;
         match (self.ensemble, self.pressure) {
@@ -211,8 +225,12 @@ impl DynamicsSettings {
                 self.packing_fraction
             );
         }
-        if self.bodies == 0 {
-            bail!("--bodies is 0; give at least 1");
+        // The momentum of the whole is zero, so one body alone does not move.
+        if !(2..=MOST_BODIES).contains(&self.bodies) {
+            bail!(
+                "--bodies is {}; give a number from 2 to {MOST_BODIES}",
+                self.bodies
+            );
         }
         if self.log_every == 0 {
             bail!("--log-every is 0; give at least 1");
@@ -242,9 +260,12 @@ impl DynamicsSettings {
         if let Some(share) = self
             .share
             .iter()
-            .find(|share| !(share.is_finite() && **share > 0.0))
+            .find(|share| !(1e-9..=1e9).contains(*share))
         {
-            bail!("--share is {share}; give a positive number");
+            bail!(
+                "--share is {}; give a number from 1e-9 to 1e9",
+                Number(*share)
+            );
         }
         Ok(())
     }
@@ -365,5 +386,78 @@ mod tests {
             ..settings
         };
         assert!(complaint(repelled).contains("--attraction is -1"));
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_named_with_their_range() {
+        let settings = DynamicsSettings::default;
+        for (wrong, words) in [
+            (
+                DynamicsSettings {
+                    temperature: 1e308,
+                    ..settings()
+                },
+                "--temperature is 1e308; give a number from 1e-9 to 1e9",
+            ),
+            (
+                DynamicsSettings {
+                    rounding: 1e100,
+                    ..settings()
+                },
+                "--rounding is 1e100",
+            ),
+            (
+                DynamicsSettings {
+                    time_step: 1e300,
+                    ..settings()
+                },
+                "--time-step is 1e300",
+            ),
+            (
+                DynamicsSettings {
+                    attraction: 1e300,
+                    ..settings()
+                },
+                "--attraction is 1e300",
+            ),
+            (
+                DynamicsSettings {
+                    attraction_cut_off: 1.0,
+                    ..settings()
+                },
+                "--attraction-cut-off is 1",
+            ),
+            (
+                DynamicsSettings {
+                    share: vec![1e308],
+                    ..settings()
+                },
+                "--share is 1e308; give a number from",
+            ),
+            (
+                DynamicsSettings {
+                    bodies: 1,
+                    ..settings()
+                },
+                "--bodies is 1; give a number from 2",
+            ),
+            (
+                DynamicsSettings {
+                    packing_fraction: 1e-308,
+                    ..settings()
+                },
+                "--packing-fraction is 1e-308",
+            ),
+            (
+                DynamicsSettings {
+                    packing_fraction: f64::NAN,
+                    ..settings()
+                },
+                "--packing-fraction is NaN",
+            ),
+        ] {
+            let error = wrong.check().unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
     }
 }

@@ -7,7 +7,7 @@ use protomer_common::input::InputFile;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::polytope::Polytope;
-use protomer_kernel::{Boundary, Vec3};
+use protomer_kernel::{AtMost, Boundary, Vec3};
 use protomer_md::body::Kind;
 use protomer_md::neighbours::Neighbours;
 use protomer_md::pair::CONTACT_RATIO;
@@ -59,8 +59,8 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     let first = settings.compress_from.unwrap_or(free.min(target));
     if first > free * (1.0 + 1e-12) {
         bail!(
-            "--compress-from is {first}, where bodies on a lattice may overlap; give at most \
-             {free:.4}, or leave it out"
+            "--compress-from is {first}, where bodies on a lattice may overlap; give at most {}, or leave it out",
+            AtMost(free)
         );
     }
     if target > first && settings.compress_steps == 0 {

@@ -5,6 +5,7 @@
 //! ```
 
 use super::result::{mean_and_error, tilt_factors};
+use super::settings::{check_bodies, check_packing_fraction, check_rounding};
 use super::start::{BodyShape, cell_text, unit_cell};
 use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result, bail};
@@ -87,6 +88,21 @@ impl Default for FreeEnergySettings {
             sweeps: 20_000,
             seed: 1,
         }
+    }
+}
+
+impl FreeEnergySettings {
+    /// Checks what does not depend on the shape.
+    ///
+    /// # Errors
+    /// Names the setting and what it can be.
+    pub fn check(&self) -> Result<()> {
+        if self.sweeps == 0 {
+            bail!("sweeps is 0; give the sweeps per point of the integral");
+        }
+        check_packing_fraction(self.packing_fraction)?;
+        check_bodies(self.bodies)?;
+        check_rounding(self.rounding_radius)
     }
 }
 
@@ -312,9 +328,7 @@ pub fn run_free_energy(
     path: &Path,
     execution: &Execution,
 ) -> Result<End<FreeEnergyResult>> {
-    if settings.sweeps == 0 {
-        bail!("sweeps is 0; give the sweeps per point of the integral");
-    }
+    settings.check()?;
     let shape = BodyShape::read(&settings.shape)?;
     match shape.dimension() {
         1 => in_dimension::<1>(settings, &shape, path, execution),
@@ -425,7 +439,7 @@ impl<const D: usize> FreeEnergyRun<'_, D> {
 
     fn write_crystal(&self, open: &Open<D>, path: &Path) -> Result<()> {
         let system = self.crystal.system(self.body, &[])?;
-        let mut trajectory = Trajectory::open(path, &system, 0)?;
+        let mut trajectory = Trajectory::open(path, &system, None, 0)?;
         trajectory.append(0, &system)?;
         if let Some(weakest) = open.walkers.first() {
             trajectory.append(weakest.sweeps(), weakest.system())?;

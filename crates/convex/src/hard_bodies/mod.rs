@@ -6,12 +6,14 @@
 //! | [`start`] | bodies and starts from names and files |
 //! | [`run`] | one run in its directory |
 //! | [`result`] | what it found |
+//! | [`equilibrium`] | whether a run has arrived at what it should measure |
 //! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
 //! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
 //! | [`phases`] | coexisting phases: by theory, from tables, or from what sweeps and free energies measured |
 //! | [`static_free_volume`] | free volumes of crystals that do not move |
 
+pub mod equilibrium;
 pub mod free_energy;
 pub mod log;
 pub mod phases;

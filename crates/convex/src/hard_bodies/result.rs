@@ -1,5 +1,6 @@
 //! What a run of hard bodies found, as text and as data.
 
+use super::equilibrium::Equilibrium;
 use super::log::LogRow;
 use protomer_common::answer::Answer;
 use protomer_kernel::periodic_box::PeriodicBox;
@@ -73,6 +74,9 @@ pub struct HardBodyResult {
     /// The accepted part of the changes of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub box_acceptance: Option<f64>,
+    /// At constant pressure and under gravity: whether the run has arrived.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub equilibrium: Option<Equilibrium>,
     /// What the walls bear.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub walls: Option<WallsResult>,
@@ -188,6 +192,7 @@ impl Answer for HardBodyResult {
                 )
             ),
         ];
+        lines.extend(self.equilibrium.as_ref().map(Equilibrium::text));
         lines.extend(self.mean_box.as_ref().map(MeanBox::text));
         if let Some(walls) = &self.walls {
             lines.push(format!(
@@ -222,7 +227,15 @@ impl Answer for HardBodyResult {
     }
 }
 
-fn with_error(value: f64, error: Option<f64>) -> String {
+impl HardBodyResult {
+    /// Why the numbers are not those of equilibrium; `None` if nothing speaks against it.
+    pub fn warning(&self) -> Option<String> {
+        let equilibrium = self.equilibrium.as_ref()?;
+        (!equilibrium.is_reached).then(|| equilibrium.text())
+    }
+}
+
+pub(super) fn with_error(value: f64, error: Option<f64>) -> String {
     match error {
         Some(error) => format!("{value:.5} ± {error:.5}"),
         None => format!("{value:.5}"),

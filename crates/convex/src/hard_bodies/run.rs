@@ -4,6 +4,7 @@
 //! DIR/  run.toml  run.json  log.csv  trajectory.gsd  profile.csv  checkpoint.bin
 //! ```
 
+use super::equilibrium::{Equilibrium, Series};
 use super::log::LogRow;
 use super::result::{
     DepletantResult, HardBodyResult, MeanBox, WallsResult, mean_and_error, tilt_factors,
@@ -22,8 +23,8 @@ use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
 use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
-    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
-    Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Exit, Interrupt, Layout, Log, LogMark, Record, ResultKind,
+    ResultsDirectory, Run, Turn, Work, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -83,9 +84,9 @@ pub fn run_hard_bodies(
     settings.check()?;
     let shape = BodyShape::read(&settings.shape)?;
     match shape.dimension() {
-        1 => HardBodyRun::<1>::new(settings, &shape)?.drive(path, execution),
-        2 => HardBodyRun::<2>::new(settings, &shape)?.drive(path, execution),
-        _ => HardBodyRun::<3>::new(settings, &shape)?.drive(path, execution),
+        1 => HardBodyRun::<1>::new(settings, &shape, &execution.interrupt)?.drive(path, execution),
+        2 => HardBodyRun::<2>::new(settings, &shape, &execution.interrupt)?.drive(path, execution),
+        _ => HardBodyRun::<3>::new(settings, &shape, &execution.interrupt)?.drive(path, execution),
     }
 }
 
@@ -97,6 +98,8 @@ struct HardBodyRun<'a, const D: usize> {
     body: HardBody<D>,
     start: Start<D>,
     engine: simulation::Settings,
+    /// Bodies that are being compressed hear it too.
+    interrupt: Interrupt,
 }
 
 /// A run with its open files.
@@ -122,7 +125,11 @@ struct Saved {
 }
 
 impl<'a, const D: usize> HardBodyRun<'a, D> {
-    fn new(settings: &'a HardBodySettings, shape: &BodyShape) -> Result<Self> {
+    fn new(
+        settings: &'a HardBodySettings,
+        shape: &BodyShape,
+        interrupt: &Interrupt,
+    ) -> Result<Self> {
         let body = shape
             .body(settings.rounding_radius)
             .with_context(|| settings.shape.clone())?;
@@ -145,6 +152,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             body,
             start,
             engine,
+            interrupt: interrupt.clone(),
         })
     }
 
@@ -152,7 +160,17 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let _ours =
             ResultsDirectory::enter(path, &LAYOUT, self.settings, &self.identity, execution)?;
         execution.progress.begin(self.length(), "sweeps");
-        drive(self, path, execution)
+        match drive(self, path, execution) {
+            Err(error) if is_stopped(&error) => {
+                let stopped = Record {
+                    done: Some(0),
+                    ..Record::new(&self.work(), Exit::stopped_by(&execution.interrupt))
+                };
+                stopped.write(path)?;
+                Ok(End::Stopped)
+            }
+            end => end,
+        }
     }
 
     /// Sweeps at which the next block of a run ends.
@@ -170,6 +188,31 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             stop = stop.min(after(self.settings.trajectory_every));
         }
         stop.min(self.length())
+    }
+
+    /// Whether a run that should keep a pressure or a height does.
+    fn equilibrium(&self, rows: &[LogRow], walls: Option<&WallsResult>) -> Option<Equilibrium> {
+        let kept = |of: &dyn Fn(&LogRow) -> Option<f64>| -> Option<Vec<f64>> {
+            rows.iter().map(of).collect()
+        };
+        if let Some(walls) = walls {
+            return Some(Equilibrium::of(&Series {
+                pressure: &kept(&|row| row.walls.map(|at| at.pressures[0] - at.pressures[1]))?,
+                expected_pressure: walls.weight_per_area,
+                kept: &kept(&|row| row.walls.map(|at| at.mean_height))?,
+                kept_name: "mean height",
+            }));
+        }
+        let pressure = self.settings.pressure?;
+        let volume = self.body.volume;
+        Some(Equilibrium::of(&Series {
+            pressure: &kept(&|row| {
+                Some(row.compressibility_factor * row.packing_fraction / volume)
+            })?,
+            expected_pressure: pressure.kt_per_volume,
+            kept: &kept(&|row| Some(row.packing_fraction))?,
+            kept_name: "packing fraction",
+        }))
     }
 
     /// The means of what the walls bear.
@@ -193,6 +236,26 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             mean_height: height,
             mean_height_error: height_error,
         })
+    }
+
+    /// The same error with a number of bodies that fills whole unit cells.
+    fn with_whole_cells(&self, error: protomer_hpmc::Error) -> protomer_hpmc::Error {
+        use protomer_hpmc::Error::BoxShrinks;
+        match (error, &self.start) {
+            (
+                BoxShrinks {
+                    edge,
+                    least,
+                    bodies,
+                },
+                Start::Crystal(crystal),
+            ) => BoxShrinks {
+                edge,
+                least,
+                bodies: crystal.fewest_bodies_from(bodies, &self.body, least),
+            },
+            (error, _) => error,
+        }
     }
 
     fn write_frame(&self, open: &mut Open<D>) -> Result<()> {
@@ -242,7 +305,13 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 (saved.log, saved.frames, resumed)
             }
             None => {
-                let new = Simulation::new(&self.engine, &self.body, depletants, &self.start)?;
+                let new = Simulation::new_unless(
+                    &self.engine,
+                    &self.body,
+                    depletants,
+                    &self.start,
+                    &|| self.interrupt.is_requested(),
+                )?;
                 (LogMark::default(), 0, new)
             }
         };
@@ -253,7 +322,13 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             0 => None,
             _ => {
                 let path = directory.join(TRAJECTORY);
-                Some(Trajectory::open(&path, simulation.system(), frames)?)
+                let first = settings.equilibration;
+                Some(Trajectory::open(
+                    &path,
+                    simulation.system(),
+                    Some(first),
+                    frames,
+                )?)
             }
         };
         let mut open = Open {
@@ -285,7 +360,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 true => stop.min(start),
                 false => stop.min(start + ((done - start) / period + 1) * period),
             };
-            open.watch.time(|| open.simulation.run(next - done));
+            let moved = open.watch.time(|| open.simulation.run(next - done));
+            moved.map_err(|error| self.with_whole_cells(error))?;
             open.trials += (next - done) * self.settings.bodies as u64;
             if next > start && (next - start).is_multiple_of(period) {
                 let sample = open.simulation.sample();
@@ -347,6 +423,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             });
         }
         let walls = self.walls(open);
+        let equilibrium = self.equilibrium(rows, walls.as_ref());
         if walls.is_some() {
             write_once(&directory.join(PROFILE), profile(open).as_bytes(), true)?;
         }
@@ -398,6 +475,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 .settings
                 .pressure
                 .map(|_| open.simulation.box_acceptance()),
+            equilibrium,
             walls,
             depletants,
         })
@@ -415,6 +493,14 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     }
 }
 
+/// Whether the work was asked to stop before there was a state to save.
+fn is_stopped(error: &Error) -> bool {
+    matches!(
+        error.downcast_ref::<protomer_hpmc::Error>(),
+        Some(protomer_hpmc::Error::Stopped)
+    )
+}
+
 fn start<const D: usize>(
     settings: &HardBodySettings,
     body: &HardBody<D>,
@@ -423,7 +509,7 @@ fn start<const D: usize>(
     let (bodies, packing) = (settings.bodies, settings.packing_fraction);
     if settings.start != FLUID {
         let cell = unit_cell(&settings.start, cell_text, &settings.turn)?;
-        let crystal = Crystal::new(&cell, body, bodies, packing)?;
+        let crystal = Crystal::among(&cell, body, &settings.depletants, bodies, packing)?;
         // What cannot be is refused before a directory is made.
         crystal.system(body, &settings.depletants)?;
         return Ok(Start::Crystal(crystal));
@@ -491,6 +577,7 @@ mod tests {
             pressure: Some(Pressure {
                 kt_per_volume: 0.5,
                 freedom: Freedom::Shape,
+                changes_per_sweep: None,
             }),
             ..plain
         });

@@ -1,10 +1,12 @@
 //! The settings of a run of hard bodies, as stored in `run.toml`.
 
 use super::start::FLUID;
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
 pub use protomer_hpmc::box_moves::{Freedom, Pressure};
 pub use protomer_hpmc::field::Gravity;
 use protomer_hpmc::reservoir::Depletant;
+use protomer_hpmc::simulation;
+use protomer_kernel::Number;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 
@@ -94,16 +96,64 @@ impl Settings for HardBodySettings {
     }
 }
 
+/// Most bodies: their numbers have 31 bits.
+const MOST_BODIES: usize = 1 << 30;
+
+/// Refuses a rounding radius that makes no body.
+pub(super) fn check_rounding(radius: f64) -> Result<()> {
+    if !(0.0..=1e30).contains(&radius) {
+        bail!(
+            "rounding_radius is {}; it must be from 0 to 1e30",
+            Number(radius)
+        );
+    }
+    Ok(())
+}
+
+/// Refuses a number of bodies that makes no box.
+pub(super) fn check_bodies(bodies: usize) -> Result<()> {
+    if !(1..=MOST_BODIES).contains(&bodies) {
+        bail!("bodies is {bodies}; it must be from 1 to {MOST_BODIES}");
+    }
+    Ok(())
+}
+
+/// Refuses a packing fraction that makes no box.
+pub(super) fn check_packing_fraction(packing_fraction: f64) -> Result<()> {
+    if !(1e-15..1.0).contains(&packing_fraction) {
+        bail!(
+            "packing_fraction is {}; it must be between 0 and 1, and at least 1e-15",
+            Number(packing_fraction)
+        );
+    }
+    Ok(())
+}
+
 impl HardBodySettings {
     /// Checks what does not depend on the shape.
     ///
     /// # Errors
     /// Names the setting and what it can be.
     pub fn check(&self) -> Result<()> {
-        if !(self.packing_fraction > 0.0 && self.packing_fraction < 1.0) {
+        check_packing_fraction(self.packing_fraction)?;
+        check_bodies(self.bodies)?;
+        check_rounding(self.rounding_radius)?;
+        for ratio in &self.box_ratios {
+            if !(1e-3..=1e3).contains(ratio) {
+                bail!(
+                    "box_ratios holds {}; each must be from 0.001 to 1000",
+                    Number(*ratio)
+                );
+            }
+        }
+        if let Some(angle) = self
+            .turn
+            .iter()
+            .find(|angle| !(-1e9..=1e9).contains(*angle))
+        {
             bail!(
-                "the packing fraction is {}; it must be between 0 and 1",
-                self.packing_fraction
+                "turn holds {}; each number must be from -1e9 to 1e9",
+                Number(*angle)
             );
         }
         if self.sample_every == 0 {
@@ -117,8 +167,15 @@ impl HardBodySettings {
                 self.sample_every
             );
         }
-        for kind in &self.depletants {
-            kind.check()?;
+        let engine = simulation::Settings {
+            pressure: self.pressure,
+            gravity: self.gravity,
+            ..simulation::Settings::default()
+        };
+        engine.check(&self.depletants)?;
+        for (number, kind) in self.depletants.iter().enumerate() {
+            kind.check()
+                .with_context(|| format!("depletants {}", number + 1))?;
         }
         let is_fluid = is_fluid(&self.start);
         if is_fluid && !self.turn.is_empty() {
@@ -175,4 +232,107 @@ pub fn parse_depletants(text: &str) -> Result<Vec<Depletant>> {
         kinds.push(kind);
     }
     Ok(kinds)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// Each number has a range, and the error names the setting, the value and the range.
+    #[test]
+    fn numbers_out_of_range_are_named_with_their_range() {
+        let settings = HardBodySettings::default;
+        let pressed = |kt_per_volume, changes_per_sweep| {
+            Some(Pressure {
+                kt_per_volume,
+                freedom: Freedom::Volume,
+                changes_per_sweep,
+            })
+        };
+        let heavy = |weight_kt_per_length| {
+            Some(Gravity {
+                weight_kt_per_length,
+            })
+        };
+        settings().check().unwrap();
+        for (wrong, words) in [
+            (
+                HardBodySettings {
+                    packing_fraction: 1e-308,
+                    ..settings()
+                },
+                "packing_fraction is 1e-308",
+            ),
+            (
+                HardBodySettings {
+                    packing_fraction: f64::NAN,
+                    ..settings()
+                },
+                "packing_fraction is NaN",
+            ),
+            (
+                HardBodySettings {
+                    bodies: 0,
+                    ..settings()
+                },
+                "bodies is 0; it must be from 1",
+            ),
+            (
+                HardBodySettings {
+                    rounding_radius: 1e308,
+                    ..settings()
+                },
+                "rounding_radius is 1e308",
+            ),
+            (
+                HardBodySettings {
+                    rounding_radius: -0.1,
+                    ..settings()
+                },
+                "rounding_radius is -0.1",
+            ),
+            (
+                HardBodySettings {
+                    gravity: heavy(1e308),
+                    ..settings()
+                },
+                "weight of a body (kT per length) is 1e308",
+            ),
+            (
+                HardBodySettings {
+                    pressure: pressed(1e308, None),
+                    ..settings()
+                },
+                "pressure (kT per volume) is 1e308",
+            ),
+            (
+                HardBodySettings {
+                    pressure: pressed(1.0, Some(0)),
+                    ..settings()
+                },
+                "from 1 to 10000",
+            ),
+            (
+                HardBodySettings {
+                    box_ratios: vec![1.0, 0.0],
+                    ..settings()
+                },
+                "box_ratios holds 0",
+            ),
+            (
+                HardBodySettings {
+                    turn: vec![f64::INFINITY],
+                    ..settings()
+                },
+                "turn holds inf",
+            ),
+        ] {
+            let error = wrong.check().unwrap_err().to_string();
+            assert!(
+                error.contains(words) && error.contains("must be"),
+                "{error}"
+            );
+        }
+    }
 }

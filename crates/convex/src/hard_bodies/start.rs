@@ -32,8 +32,10 @@ impl BodyShape {
             return Self::read_pieces(file_or_name);
         };
         match length.trim().parse() {
-            Ok(length) if length > 0.0 => Ok(Self::Rod(length)),
-            _ => bail!("'{file_or_name}' has no length; write a positive number, such as rod:1"),
+            Ok(length) if (1e-30..=1e30).contains(&length) => Ok(Self::Rod(length)),
+            _ => {
+                bail!("'{file_or_name}' has no length from 1e-30 to 1e30; write one, such as rod:1")
+            }
         }
     }
 
@@ -143,7 +145,8 @@ enum CellLine<const D: usize> {
 /// `None` if the words do not make a line.
 fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
     let (kind, numbers) = words.split_first()?;
-    let numbers: Option<Vec<f64>> = numbers.iter().map(|word| word.parse().ok()).collect();
+    let finite = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
+    let numbers: Option<Vec<f64>> = numbers.iter().map(finite).collect();
     let numbers = numbers?;
     let (own, further) = numbers.split_at_checked(D)?;
     let own: [f64; D] = own.try_into().ok()?;
@@ -242,6 +245,8 @@ mod tests {
             "cell 1 1 1\ncell 1 1 1",
             "cell 1 1 1\nsite 0 0 0 0 0 0 0",
             "cell 1 1 1\natom 0 0 0",
+            "cell 1 1 1\nsite nan 0 0",
+            "cell 1 1 1\nsite 0 0 inf",
         ] {
             let words = format!("{:#}", parse_cell::<3>("file", text).unwrap_err());
             assert!(words.starts_with("file:2: "), "{words}");

@@ -1,10 +1,12 @@
 //! Free volumes of depletants in perfect crystals whose bodies do not move.
 
+use super::settings::{check_packing_fraction, check_rounding};
 use super::start::{BodyShape, cell_text, unit_cell};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::static_free_volume::static_free_volume;
+use protomer_kernel::Number;
 use serde::Serialize;
 
 /// A crystal, and the depletants. Lengths are in the unit of the shape.
@@ -89,6 +91,18 @@ impl Answer for StaticFreeVolumes {
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<StaticFreeVolumes> {
+    check_rounding(settings.rounding_radius)?;
+    for packing_fraction in &settings.packing_fractions {
+        check_packing_fraction(*packing_fraction)?;
+    }
+    for radius in &settings.depletant_radii {
+        if !(1e-30..=1e30).contains(radius) {
+            bail!(
+                "depletant_radius is {}; it must be from 1e-30 to 1e30",
+                Number(*radius)
+            );
+        }
+    }
     let shape = match BodyShape::read(&settings.shape)? {
         BodyShape::Shape(shape) => shape,
         BodyShape::Rod(_) => {

@@ -13,12 +13,20 @@ use std::path::Path;
 pub struct Trajectory(FrameWriter);
 
 impl Trajectory {
-    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one). It says in which sweep
+    /// the equilibration ends, if there is one.
     ///
     /// # Errors
     /// If the file cannot be written, or holds fewer frames than the checkpoint records.
-    pub fn open<const D: usize>(path: &Path, system: &System<D>, frames: u64) -> Result<Self> {
-        Ok(Self(FrameWriter::open(path, header(system)?, frames)?))
+    pub fn open<const D: usize>(
+        path: &Path,
+        system: &System<D>,
+        equilibration_sweeps: Option<u64>,
+        frames: u64,
+    ) -> Result<Self> {
+        let mut header = header(system)?;
+        header.extend(equilibration_sweeps.map(equilibration));
+        Ok(Self(FrameWriter::open(path, header, frames)?))
     }
 
     /// Appends a state.
@@ -36,6 +44,12 @@ impl Trajectory {
     pub fn sync(&mut self) -> Result<u64> {
         Ok(self.0.sync()?)
     }
+}
+
+/// The sweep with which the equilibration ends: frames of later steps are of the measurement. Readers of GSD files
+/// take what is logged in the first frame for all of them.
+fn equilibration(sweeps: u64) -> Chunk {
+    Chunk::new("log/equilibration_sweeps", 1, ChunkData::U64(vec![sweeps]))
 }
 
 /// The data that is the same in every frame.

@@ -10,6 +10,7 @@ pub fn pressed(kt_per_volume: f64, freedom: Freedom) -> Settings {
         pressure: Some(Pressure {
             kt_per_volume,
             freedom,
+            changes_per_sweep: None,
         }),
         ..Settings::default()
     }

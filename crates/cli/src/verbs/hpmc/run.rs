@@ -1,13 +1,14 @@
 //! `protomer hpmc run`: one run in its directory.
 
-use super::system::{SystemArgs, freedom};
+use super::system::{BoxArgs, SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer_convex::hard_bodies::run::run_hard_bodies;
-use protomer_convex::hard_bodies::settings::{HardBodySettings, Pressure};
+use protomer_convex::hard_bodies::settings::HardBodySettings;
+use protomer_results::End;
 use std::path::PathBuf;
 
 /// Run hard bodies in a periodic box. The same command continues the run; more sweeps extend it.
@@ -32,6 +33,8 @@ pub struct RunArgs {
     /// At constant pressure, change the lengths and the angles of the box; for crystals.
     #[arg(long, requires = "pressure", conflicts_with = "anisotropic")]
     triclinic: bool,
+    #[command(flatten)]
+    box_changes: BoxArgs,
     /// Seed of the random numbers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -44,22 +47,32 @@ pub struct RunArgs {
 
 impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.box_changes.check(self.pressure.is_some())?;
         let settings = HardBodySettings {
             packing_fraction: self.packing_fraction,
             seed: self.seed,
-            pressure: self.pressure.map(|kt_per_volume| Pressure {
-                kt_per_volume,
-                freedom: freedom(self.anisotropic, self.triclinic),
+            pressure: self.pressure.map(|kt_per_volume| {
+                let freedom = freedom(self.anisotropic, self.triclinic);
+                self.box_changes.pressure(kt_per_volume, freedom)
             }),
             ..self.system.settings()?
         };
         let execution = self.execution.execution(front)?;
         let end = run_hard_bodies(&settings, &self.output, &execution)?;
-        Ok(Reply::of_end(end, || {
+        // The answer says why.
+        let warning = match &end {
+            End::Finished(result) => result.warning(),
+            End::Stopped => None,
+        };
+        let warning = warning.map(|_| {
+            "warning: equilibrium is not reached or not shown, so these may not be the numbers of this pressure or weight"
+        });
+        let reply = Reply::of_end(end, || {
             format!(
                 "stopped; the same command continues {}",
                 self.output.display()
             )
-        }))
+        });
+        Ok(reply.with_notes(warning.map(str::to_owned)))
     }
 }

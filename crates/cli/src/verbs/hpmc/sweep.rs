@@ -1,12 +1,12 @@
 //! `protomer hpmc sweep`: an equation of state in its directory.
 
-use super::system::{SystemArgs, freedom};
+use super::system::{BoxArgs, SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer_convex::hard_bodies::settings::{HardBodySettings, Pressure};
+use protomer_convex::hard_bodies::settings::HardBodySettings;
 use protomer_convex::hard_bodies::sweep::{HardBodySweepSettings, run_sweep};
 use protomer_results::End;
 use std::path::PathBuf;
@@ -55,6 +55,8 @@ pub struct SweepArgs {
     /// With --pressures, change the lengths and the angles of the box; for crystals.
     #[arg(long, requires = "pressures", conflicts_with = "anisotropic")]
     triclinic: bool,
+    #[command(flatten)]
+    box_changes: BoxArgs,
     /// Runs at each condition: seeds 1, 2, ...
     #[arg(long, default_value_t = 1)]
     seeds: u64,
@@ -72,7 +74,13 @@ impl SweepArgs {
         let directory = self.output.display();
         Ok(match run_sweep(&settings, &self.output, &execution)? {
             End::Finished(equation) => {
-                Reply::of(equation).with_note(format!("table and figure: {directory}"))
+                let warnings = equation.warnings();
+                let notes = warnings
+                    .into_iter()
+                    .map(|words| format!("warning: {words}"));
+                Reply::of(equation)
+                    .with_notes(notes)
+                    .with_note(format!("table and figure: {directory}"))
             }
             End::Stopped => {
                 Reply::stopped(format!("stopped; the same command continues {directory}"))
@@ -84,6 +92,7 @@ impl SweepArgs {
         if !(1..=MOST_SEEDS).contains(&self.seeds) {
             bail!("--seeds is {}; give 1 to {MOST_SEEDS}", self.seeds);
         }
+        self.box_changes.check(!self.pressures.is_empty())?;
         let of_a_run = self.system.settings()?;
         Ok(HardBodySweepSettings {
             packing_fractions: self.packing_fractions.clone(),
@@ -91,9 +100,9 @@ impl SweepArgs {
             seeds: (1..=self.seeds).collect(),
             run: HardBodySettings {
                 packing_fraction: self.packing_fraction.unwrap_or(of_a_run.packing_fraction),
-                pressure: self.pressures.first().map(|kt_per_volume| Pressure {
-                    kt_per_volume: *kt_per_volume,
-                    freedom: freedom(self.anisotropic, self.triclinic),
+                pressure: self.pressures.first().map(|kt_per_volume| {
+                    let freedom = freedom(self.anisotropic, self.triclinic);
+                    self.box_changes.pressure(*kt_per_volume, freedom)
                 }),
                 ..of_a_run
             },

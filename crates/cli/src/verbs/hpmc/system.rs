@@ -1,9 +1,9 @@
 //! Flags of the bodies, their box and what is measured, shared by `run` and `sweep`.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use protomer_convex::hard_bodies::settings::{
-    Freedom, Gravity, HardBodySettings, parse_depletants,
+    Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
 use protomer_convex::hard_bodies::start::FLUID;
 
@@ -61,6 +61,33 @@ pub struct SystemArgs {
     /// Points per measurement, for free volumes [default: ten per body].
     #[arg(long, value_name = "NUMBER")]
     points: Option<usize>,
+}
+
+/// Changes of the box at constant pressure.
+#[derive(Debug, Args)]
+pub struct BoxArgs {
+    /// At constant pressure, trial changes of the box in a sweep [default: 4; 8 if triclinic].
+    #[arg(long, value_name = "NUMBER")]
+    box_moves: Option<u32>,
+}
+
+impl BoxArgs {
+    /// A constant pressure, with what changes of the box.
+    pub fn pressure(&self, kt_per_volume: f64, freedom: Freedom) -> Pressure {
+        Pressure {
+            kt_per_volume,
+            freedom,
+            changes_per_sweep: self.box_moves,
+        }
+    }
+
+    /// Refuses what only means something at constant pressure.
+    pub fn check(&self, has_pressure: bool) -> Result<()> {
+        if self.box_moves.is_some() && !has_pressure {
+            bail!("--box-moves is for a constant pressure; give a pressure too, or leave it out");
+        }
+        Ok(())
+    }
 }
 
 /// What of the box changes at constant pressure.

@@ -1,14 +1,41 @@
 //! Spheres among depletants, by free volume theory.
 
 use super::{Coexistence, CriticalPoint, Phases, TriplePoint};
-use anyhow::Result;
+use anyhow::{Result, bail};
 use protomer_hpmc::free_volume_theory::{Mixture, PHASES};
 use protomer_hpmc::tangent;
+use protomer_kernel::Number;
+
+/// Beyond these, the gas is thinner than what tangents are looked for at.
+const LARGEST_SIZE_RATIO: f64 = 10.0;
+const SMALLEST_SIZE_RATIO: f64 = 1e-3;
+const DENSEST_RESERVOIR: f64 = 100.0;
+
+/// Refuses numbers for which no tangent can be found.
+fn check(size_ratios: &[f64], reservoirs: &[f64]) -> Result<()> {
+    for (name, values, from, to) in [
+        (
+            "size-ratio",
+            size_ratios,
+            SMALLEST_SIZE_RATIO,
+            LARGEST_SIZE_RATIO,
+        ),
+        ("reservoir", reservoirs, 0.0, DENSEST_RESERVOIR),
+    ] {
+        if let Some(value) = values.iter().find(|value| !(from..=to).contains(*value)) {
+            bail!(
+                "--{name} is {}; give a number from {from} to {to}",
+                Number(*value)
+            );
+        }
+    }
+    Ok(())
+}
 
 /// Phases of hard spheres among penetrable depletants, for each size ratio and each reservoir.
 ///
 /// # Errors
-/// For a size ratio that is not positive, or a negative packing fraction.
+/// For a size ratio or a packing fraction out of range, and where the gas is so thin that no tangent is found.
 ///
 /// ```
 /// let found = protomer_convex::hard_bodies::phases::phases_of_mixtures(&[0.1], &[0.05])?;
@@ -17,11 +44,19 @@ use protomer_hpmc::tangent;
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Phases> {
+    check(size_ratios, reservoirs)?;
     let mut phases = Phases::none();
     for q in size_ratios.iter().copied() {
         for reservoir in reservoirs.iter().copied() {
             let mixture = Mixture::new(q, reservoir)?;
             let stable = mixture.coexistences();
+            if stable.is_empty() {
+                // Hard spheres freeze in every reservoir.
+                bail!(
+                    "--size-ratio {q}, --reservoir {reservoir}: the fluid that coexists with the solid is thinner \
+                     than can be computed; give a smaller reservoir"
+                );
+            }
             let named = |found: &tangent::Coexistence, names: [&str; 2]| Coexistence {
                 size_ratio: Some(q),
                 reservoir_packing_fraction: Some(reservoir),
@@ -65,4 +100,31 @@ pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Pha
     }
     phases.has_coexistence = !phases.coexistences.is_empty();
     Ok(phases)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reservoirs_for_which_no_tangent_can_be_found_are_refused() {
+        for (size_ratio, reservoir, words) in [
+            (
+                0.5,
+                1e300,
+                "--reservoir is 1e300; give a number from 0 to 100",
+            ),
+            (
+                1e308,
+                0.4,
+                "--size-ratio is 1e308; give a number from 0.001 to 10",
+            ),
+            (0.5, f64::NAN, "--reservoir is NaN"),
+            (0.1, 10.0, "thinner than can be computed"),
+        ] {
+            let error = phases_of_mixtures(&[size_ratio], &[reservoir]).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
+    }
 }

@@ -1,7 +1,8 @@
 //! An equation of state: what the runs of a sweep measured, at each condition.
 
 use super::HardBodySweepSettings;
-use crate::hard_bodies::result::HardBodyResult;
+use crate::hard_bodies::equilibrium::Equilibrium;
+use crate::hard_bodies::result::{HardBodyResult, with_error};
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_hpmc::equation_of_state::{Factor, excess_free_energies};
@@ -60,15 +61,72 @@ pub struct StatePoint {
     /// Its standard error.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction_error: Option<f64>,
+    /// At constant pressure and under gravity: whether the runs have arrived.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub equilibrium: Option<MeanEquilibrium>,
     /// Runs behind it.
     pub seeds: usize,
 }
 
+/// Whether all runs at one condition have arrived: means, and their standard errors.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeanEquilibrium {
+    /// Whether nothing speaks against it in any of the runs.
+    pub is_reached: bool,
+    /// What the bodies bear, kT per volume; between walls, the pressure at the lower wall less that at the upper.
+    pub measured_pressure_kt_per_volume: f64,
+    /// Its standard error.
+    pub measured_pressure_kt_per_volume_error: Option<f64>,
+    /// What it is in equilibrium.
+    pub expected_pressure_kt_per_volume: f64,
+    /// How much the packing fraction, or the mean height, grew over the measurement.
+    pub drift: Option<f64>,
+    /// Its standard error.
+    pub drift_error: Option<f64>,
+    /// What speaks against equilibrium, each once.
+    pub doubts: Vec<String>,
+}
+
+impl MeanEquilibrium {
+    /// Of runs at one condition; `None` if none of them has to arrive anywhere.
+    fn of(runs: &[HardBodyResult]) -> Option<Self> {
+        let all: Option<Vec<&Equilibrium>> =
+            runs.iter().map(|run| run.equilibrium.as_ref()).collect();
+        let all = all?;
+        let (measured, measured_error) = mean(&all, |run| {
+            let error = run.measured_pressure_kt_per_volume_error;
+            (run.measured_pressure_kt_per_volume, error)
+        });
+        let (drift, drift_error) =
+            mean(&all, |run| (run.drift.unwrap_or(f64::NAN), run.drift_error));
+        let mut doubts: Vec<String> = Vec::new();
+        for doubt in all.iter().flat_map(|run| &run.doubts) {
+            if !doubts.contains(doubt) {
+                doubts.push(doubt.clone());
+            }
+        }
+        Some(Self {
+            is_reached: all.iter().all(|run| run.is_reached),
+            measured_pressure_kt_per_volume: measured,
+            measured_pressure_kt_per_volume_error: measured_error,
+            expected_pressure_kt_per_volume: all[0].expected_pressure_kt_per_volume,
+            drift: Some(drift).filter(|drift| drift.is_finite()),
+            drift_error,
+            doubts,
+        })
+    }
+
+    /// The verdict in a word or two.
+    fn verdict(&self) -> &'static str {
+        match self.is_reached {
+            true => "reached",
+            false => "not reached",
+        }
+    }
+}
+
 /// The mean over runs; its error if all have one.
-fn mean(
-    runs: &[HardBodyResult],
-    value: impl Fn(&HardBodyResult) -> (f64, Option<f64>),
-) -> (f64, Option<f64>) {
+fn mean<T>(runs: &[T], value: impl Fn(&T) -> (f64, Option<f64>)) -> (f64, Option<f64>) {
     let count = runs.len() as f64;
     let (mut sum, mut squares) = (0.0, Some(0.0));
     for run in runs {
@@ -122,6 +180,7 @@ impl StatePoint {
             excess_free_energy_per_body_error_kt: None,
             free_volume_fraction: free.map(|(fraction, _)| fraction),
             free_volume_fraction_error: free.and_then(|(_, error)| error),
+            equilibrium: MeanEquilibrium::of(runs),
             seeds: runs.len(),
         }
     }
@@ -146,13 +205,6 @@ pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) -> Resul
     Ok(())
 }
 
-fn with_error(value: f64, error: Option<f64>) -> String {
-    match error {
-        Some(error) => format!("{value:.5} ± {error:.5}"),
-        None => format!("{value:.5}"),
-    }
-}
-
 fn or_dash(value: Option<f64>, error: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| with_error(value, error))
 }
@@ -167,6 +219,10 @@ impl Answer for EquationOfState {
             "chemical potential (kT)",
             "free volume",
         ])];
+        let must_arrive = self.points.iter().any(|point| point.equilibrium.is_some());
+        if must_arrive {
+            rows[0].extend(["bodies bear", "of", "drift", "equilibrium"].map(str::to_owned));
+        }
         for point in &self.points {
             rows.push(vec![
                 with_error(point.packing_fraction, point.packing_fraction_error),
@@ -185,6 +241,17 @@ impl Answer for EquationOfState {
                 ),
                 or_dash(point.free_volume_fraction, point.free_volume_fraction_error),
             ]);
+            if let (Some(found), Some(row)) = (&point.equilibrium, rows.last_mut()) {
+                row.extend([
+                    with_error(
+                        found.measured_pressure_kt_per_volume,
+                        found.measured_pressure_kt_per_volume_error,
+                    ),
+                    format!("{:.5}", found.expected_pressure_kt_per_volume),
+                    or_dash(found.drift, found.drift_error),
+                    found.verdict().to_owned(),
+                ]);
+            }
         }
         columns(&rows)
     }
@@ -206,10 +273,7 @@ impl Answer for EquationOfState {
         ];
         Some(Figure {
             title: format!("Equation of state: {}", self.settings.run.shape),
-            caption: format!(
-                "{} bodies; error bars: standard errors",
-                self.settings.run.bodies
-            ),
+            caption: self.caption(),
             x: Axis::linear("packing fraction"),
             panels: panels.into_iter().flatten().collect(),
         })
@@ -217,6 +281,41 @@ impl Answer for EquationOfState {
 }
 
 impl EquationOfState {
+    /// The states that have not arrived at equilibrium, and why.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for point in &self.points {
+            if let Some(found) = &point.equilibrium
+                && !found.is_reached
+            {
+                warnings.push(format!(
+                    "equilibrium is not reached or not shown at {} {}: {}",
+                    match point.pressure_kt_per_volume {
+                        Some(_) => "pressure",
+                        None => "packing fraction",
+                    },
+                    point
+                        .pressure_kt_per_volume
+                        .unwrap_or(point.packing_fraction),
+                    found.doubts.join("; ")
+                ));
+            }
+        }
+        warnings
+    }
+
+    fn caption(&self) -> String {
+        let bodies = self.settings.run.bodies;
+        let caption = format!("{bodies} bodies; error bars: standard errors");
+        match self.warnings().len() {
+            0 => caption,
+            count => format!(
+                "{caption}; {count} of {} states not shown to be in equilibrium",
+                self.points.len()
+            ),
+        }
+    }
+
     /// What was measured, with its error, against the packing fraction; `None` if nothing was.
     fn panel(
         &self,
@@ -256,10 +355,17 @@ impl EquationOfState {
             "excess_chemical_potential_error_kt",
             "free_volume_fraction",
             "free_volume_fraction_error",
+            "measured_pressure_kt_per_volume",
+            "measured_pressure_kt_per_volume_error",
+            "expected_pressure_kt_per_volume",
+            "drift",
+            "drift_error",
+            "is_in_equilibrium",
             "seeds",
         ]);
         let cell = |value: Option<f64>| value.map_or_else(|| Cell::from(""), Cell::from);
         for point in &self.points {
+            let found = point.equilibrium.as_ref();
             table.push(vec![
                 Cell::from(point.packing_fraction),
                 cell(point.packing_fraction_error),
@@ -273,6 +379,15 @@ impl EquationOfState {
                 cell(point.excess_chemical_potential_error_kt),
                 cell(point.free_volume_fraction),
                 cell(point.free_volume_fraction_error),
+                cell(found.map(|found| found.measured_pressure_kt_per_volume)),
+                cell(found.and_then(|found| found.measured_pressure_kt_per_volume_error)),
+                cell(found.map(|found| found.expected_pressure_kt_per_volume)),
+                cell(found.and_then(|found| found.drift)),
+                cell(found.and_then(|found| found.drift_error)),
+                Cell::from(found.map_or("", |found| match found.is_reached {
+                    true => "true",
+                    false => "false",
+                })),
                 point.seeds.into(),
             ])?;
         }

@@ -127,11 +127,10 @@ impl HardBodySweepSettings {
                 self.seeds.len()
             );
         }
-        let freedom = self
-            .run
-            .pressure
-            .map(|kept| kept.freedom)
-            .unwrap_or_default();
+        let (freedom, changes_per_sweep) = match self.run.pressure {
+            Some(kept) => (kept.freedom, kept.changes_per_sweep),
+            None => Default::default(),
+        };
         let mut tasks: Vec<Task> = Vec::new();
         for seed in self.seeds.iter().copied() {
             for (condition, value) in values.iter().copied().enumerate() {
@@ -145,6 +144,7 @@ impl HardBodySweepSettings {
                         settings.pressure = Some(Pressure {
                             kt_per_volume: value,
                             freedom,
+                            changes_per_sweep,
                         });
                     }
                 }
@@ -423,6 +423,7 @@ mod tests {
             excess_chemical_potential_error_kt: None,
             excess_free_energy_per_body_kt: None,
             excess_free_energy_per_body_error_kt: None,
+            equilibrium: None,
             free_volume_fraction: None,
             free_volume_fraction_error: None,
             seeds: 1,

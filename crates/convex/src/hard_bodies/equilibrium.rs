@@ -1,0 +1,294 @@
+//! Whether a run has arrived at what it should measure.
+//!
+//! **Balance.** At constant pressure a volume has the weight Q(V) exp(-βPV), where Q is the partition function of the
+//! bodies in it. What they bear in it is βp = d ln Q/dV, so partial integration over V gives
+//!
+//! ```text
+//! ⟨βp⟩ = βP
+//! ```
+//!
+//! exactly, for any number of bodies (Eppenga and Frenkel, Mol. Phys. 52, 1303 (1984)); βp is measured by trial
+//! compressions. Under gravity the pressures at the two walls differ by the weight of the bodies over the area. A
+//! box or a column that has not arrived breaks these equations: the first even where it is stuck and nothing moves.
+//!
+//! **Drift.** In equilibrium nothing has a trend. A straight line is fitted to the means of [`BLOCKS`] blocks of the
+//! packing fraction or of the mean height, and the error of its slope is that of their scatter about it.
+//!
+//! **Samples.** Both need a series that is long compared with its own correlations.
+
+use super::result::{mean_and_error, with_error};
+use protomer_kernel::statistics::summarize;
+use serde::{Deserialize, Serialize};
+
+/// Blocks of a series, to whose means a line is fitted.
+const BLOCKS: usize = 10;
+/// A drift, or a difference of pressures, of more standard errors is not chance. Of runs that are in equilibrium, less
+/// than one in two hundred has one: the slope has eight degrees of freedom.
+const SIGNIFICANT: f64 = 4.0;
+/// Pressures that differ by less than this part are equal: so far the density of pairs is extrapolated.
+const TOLERANCE: f64 = 0.02;
+/// A pressure that is known less well than to this part says nothing.
+const VAGUE: f64 = 0.1;
+/// Fewer independent samples say little about errors.
+const FEW_SAMPLES: f64 = 20.0;
+
+/// Whether a run at constant pressure, or of a column under gravity, has arrived, and why not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Equilibrium {
+    /// Whether nothing speaks against it.
+    pub is_reached: bool,
+    /// What the bodies bear by trial compressions, kT per volume; between walls, the pressure at the lower wall less
+    /// that at the upper.
+    pub measured_pressure_kt_per_volume: f64,
+    /// Its standard error.
+    pub measured_pressure_kt_per_volume_error: Option<f64>,
+    /// What it is in equilibrium: the imposed pressure; between walls, the weight of the bodies over the area.
+    pub expected_pressure_kt_per_volume: f64,
+    /// How much the packing fraction grew along a straight line over the measurement; between walls, the mean height.
+    pub drift: Option<f64>,
+    /// Its standard error.
+    pub drift_error: Option<f64>,
+    /// Measurements of it that would be as good if they were independent.
+    pub independent_samples: f64,
+    /// What speaks against equilibrium, in words.
+    pub doubts: Vec<String>,
+}
+
+/// What a run should hold constant, measurement by measurement.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Series<'a> {
+    /// The pressure that an equation gives in equilibrium, kT per volume.
+    pub pressure: &'a [f64],
+    /// What the equation gives.
+    pub expected_pressure: f64,
+    /// What must not drift.
+    pub kept: &'a [f64],
+    /// Its name.
+    pub kept_name: &'static str,
+}
+
+impl Equilibrium {
+    pub(super) fn of(series: &Series<'_>) -> Self {
+        let (pressure, pressure_error) = mean_and_error(series.pressure);
+        let drift = drift(series.kept);
+        let samples = summarize(series.kept).effective_samples;
+        let mut found = Self {
+            is_reached: true,
+            measured_pressure_kt_per_volume: pressure,
+            measured_pressure_kt_per_volume_error: pressure_error,
+            expected_pressure_kt_per_volume: series.expected_pressure,
+            drift: drift.map(|(drift, _)| drift),
+            drift_error: drift.map(|(_, error)| error),
+            independent_samples: samples,
+            doubts: Vec::new(),
+        };
+        found.doubts.extend(found.imbalance());
+        found.doubts.extend(found.trend(series.kept_name));
+        if samples < FEW_SAMPLES {
+            found.doubts.push(format!(
+                "the {} has {samples:.0} independent samples, fewer than {FEW_SAMPLES}",
+                series.kept_name
+            ));
+        }
+        found.is_reached = found.doubts.is_empty();
+        found
+    }
+
+    /// Whether the pressures differ by more than chance and the extrapolation allow.
+    fn is_out_of_balance(&self) -> bool {
+        let expected = self.expected_pressure_kt_per_volume;
+        let allowed = (SIGNIFICANT * self.error_of_pressure()).max(TOLERANCE * expected);
+        (self.measured_pressure_kt_per_volume - expected).abs() > allowed
+    }
+
+    /// Whether it is certain that the run has not arrived. Errors from few samples are too small to say so, unless
+    /// the pressures differ much.
+    fn is_refuted(&self) -> bool {
+        let expected = self.expected_pressure_kt_per_volume;
+        let difference = (self.measured_pressure_kt_per_volume - expected).abs();
+        match self.independent_samples < FEW_SAMPLES {
+            true => self.is_out_of_balance() && difference > VAGUE * expected,
+            false => self.is_out_of_balance() || self.drifts(),
+        }
+    }
+
+    fn error_of_pressure(&self) -> f64 {
+        self.measured_pressure_kt_per_volume_error
+            .unwrap_or(f64::INFINITY)
+    }
+
+    fn drifts(&self) -> bool {
+        let drift = self.drift.zip(self.drift_error);
+        drift.is_some_and(|(drift, error)| drift.abs() > SIGNIFICANT * error)
+    }
+
+    /// What is wrong with the pressure.
+    fn imbalance(&self) -> Option<String> {
+        let expected = self.expected_pressure_kt_per_volume;
+        let measured = with_error(
+            self.measured_pressure_kt_per_volume,
+            self.measured_pressure_kt_per_volume_error,
+        );
+        if self.is_out_of_balance() {
+            return Some(format!(
+                "the bodies bear a pressure of {measured} where equilibrium has {expected:.5}"
+            ));
+        }
+        (self.error_of_pressure() > VAGUE * expected).then(|| {
+            format!(
+                "the pressure of the bodies, {measured}, is known too poorly to compare it with {expected:.5}"
+            )
+        })
+    }
+
+    /// What is wrong with the drift.
+    fn trend(&self, name: &str) -> Option<String> {
+        let Some(drift) = self.drift else {
+            return Some(format!(
+                "there are too few measurements to tell whether the {name} drifts"
+            ));
+        };
+        self.drifts().then(|| {
+            format!(
+                "the {name} drifts: by {} over the measurement",
+                with_error(drift, self.drift_error)
+            )
+        })
+    }
+
+    /// The verdict in one line.
+    pub fn text(&self) -> String {
+        if !self.is_reached {
+            let verdict = match self.is_refuted() {
+                true => "not in equilibrium",
+                false => "equilibrium is not shown",
+            };
+            return format!(
+                "{verdict}: {}; give more --equilibration and --sweeps",
+                self.doubts.join("; ")
+            );
+        }
+        format!(
+            "in equilibrium: the bodies bear {} of {:.5} kT per volume, drift {}",
+            with_error(
+                self.measured_pressure_kt_per_volume,
+                self.measured_pressure_kt_per_volume_error
+            ),
+            self.expected_pressure_kt_per_volume,
+            with_error(self.drift.unwrap_or(0.0), self.drift_error),
+        )
+    }
+}
+
+/// How much a series grows along a straight line from its beginning to its end, and the standard error of that;
+/// `None` for fewer measurements than two per block.
+fn drift(series: &[f64]) -> Option<(f64, f64)> {
+    let length = series.len() / BLOCKS;
+    if length < 2 {
+        return None;
+    }
+    // The first measurements of a series that does not divide are left out.
+    let measured = &series[series.len() - length * BLOCKS..];
+    let mut means = Vec::new();
+    for block in measured.chunks(length) {
+        means.push(block.iter().sum::<f64>() / length as f64);
+    }
+    let count = BLOCKS as f64;
+    let mean = means.iter().sum::<f64>() / count;
+    // Places of the blocks from -1/2 to 1/2, so that the slope is the growth over the whole.
+    let place = |block: usize| (block as f64 + 0.5) / count - 0.5;
+    let squares: f64 = (0..BLOCKS).map(|block| place(block).powi(2)).sum();
+    let products = means.iter().enumerate();
+    let slope = products
+        .map(|(block, y)| place(block) * (y - mean))
+        .sum::<f64>()
+        / squares;
+    let offs = means
+        .iter()
+        .enumerate()
+        .map(|(block, y)| (y - mean - slope * place(block)).powi(2));
+    let variance = offs.sum::<f64>() / (count - 2.0);
+    Some((slope, (variance / squares).sqrt()))
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use protomer_kernel::random::CounterRng;
+
+    /// A series with a memory of some measurements.
+    fn noise(seed: u64, length: usize, memory: f64) -> Vec<f64> {
+        let mut rng = CounterRng::new(seed, 0, 0);
+        let (kept, mut value, mut series) = ((-1.0 / memory).exp(), 0.0, Vec::new());
+        for _ in 0..length {
+            value = kept * value + rng.uniform_in(-1.0, 1.0);
+            series.push(value);
+        }
+        series
+    }
+
+    fn verdict(pressure: &[f64], kept: &[f64]) -> Equilibrium {
+        Equilibrium::of(&Series {
+            pressure,
+            expected_pressure: 4.0,
+            kept,
+            kept_name: "packing fraction",
+        })
+    }
+
+    fn about(value: f64, noise: Vec<f64>) -> Vec<f64> {
+        noise.into_iter().map(|x| value + 0.1 * x).collect()
+    }
+
+    #[test]
+    fn a_straight_line_is_its_own_drift() {
+        let series: Vec<f64> = (0..2000).map(|x| 0.3 + 1e-4 * f64::from(x)).collect();
+        let (found, error) = drift(&series).unwrap();
+        assert!(
+            (found - 0.2).abs() < 1e-9 && error < 1e-9,
+            "{found} {error}"
+        );
+        assert_eq!(drift(&series[..19]), None);
+    }
+
+    #[test]
+    fn noise_is_in_equilibrium_and_its_drift_has_the_error_that_is_named() {
+        let (mut reached, mut scaled) = (0, 0.0);
+        for seed in 0..400 {
+            let found = verdict(
+                &about(4.0, noise(seed, 2000, 5.0)),
+                &noise(1000 + seed, 2000, 5.0),
+            );
+            reached += u32::from(found.is_reached);
+            scaled += (found.drift.unwrap() / found.drift_error.unwrap()).powi(2) / 400.0;
+        }
+        assert!(reached >= 395, "{reached}");
+        // The square of Student's t with eight degrees of freedom has the mean 8/6.
+        assert!((scaled - 8.0 / 6.0).abs() < 0.3, "{scaled}");
+    }
+
+    #[test]
+    fn each_fault_is_named() {
+        let pressure = about(4.0, noise(1, 2000, 5.0));
+        let kept = noise(2, 2000, 5.0);
+        let climbing: Vec<f64> = kept
+            .iter()
+            .zip(0..)
+            .map(|(x, n)| x + 2e-3 * f64::from(n))
+            .collect();
+        let doubts = |pressure: &[f64], kept: &[f64]| verdict(pressure, kept).doubts.join("; ");
+        assert_eq!(doubts(&pressure, &kept), "");
+        let low = about(1.9, noise(3, 2000, 5.0));
+        assert!(doubts(&low, &kept).contains("where equilibrium has 4.00000"));
+        let vague: Vec<f64> = noise(4, 2000, 5.0).iter().map(|x| 4.0 + 40.0 * x).collect();
+        assert!(doubts(&vague, &kept).contains("too poorly"));
+        assert!(doubts(&pressure, &climbing).contains("drifts"));
+        assert!(doubts(&pressure, &noise(5, 2000, 300.0)).contains("independent samples"));
+        assert!(doubts(&pressure[..15], &kept[..15]).contains("too few measurements"));
+        let words = verdict(&low, &climbing).text();
+        assert!(words.starts_with("not in equilibrium: "), "{words}");
+        let words = verdict(&vague, &kept).text();
+        assert!(words.starts_with("equilibrium is not shown: "), "{words}");
+    }
+}
