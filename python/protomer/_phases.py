@@ -82,7 +82,7 @@ class PhaseDiagramResult(Result):
     def packing_fraction_errors(self) -> Numbers:
         """Their standard errors, (C, 2); NaN where phases were not measured."""
         unknown = [np.nan, np.nan]
-        pairs = [tie.get("packing_fraction_errors", unknown) for tie in self._fields["coexistences"]]
+        pairs = [tie.get("packing_fractions_error", unknown) for tie in self._fields["coexistences"]]
         return np.array(pairs, dtype=np.float64).reshape(-1, 2)
 
     @property

@@ -241,7 +241,7 @@ def test_phases_that_coexist():
         {
             "phases": ["fluid", "fcc"],
             "packing_fractions": [0.48, 0.57],
-            "packing_fraction_errors": [0.01, 0.02],
+            "packing_fractions_error": [0.01, 0.02],
             "reservoir_packing_fraction": 0.1,
         },
         {"phases": ["gas", "liquid"], "packing_fractions": [0.1, 0.3], "reservoir_packing_fraction": 0.2},

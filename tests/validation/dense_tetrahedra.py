@@ -95,21 +95,21 @@ def main() -> None:
         cubic, *others = (
             campaign.free_energy(phase, packing, 216) for phase in ("diamond", "hexagonal-diamond", "arsenic")
         )
-        value, error = cubic["free_energy_per_body_kt"], cubic["free_energy_per_body_error_kt"]
+        value, error = cubic["free_energy_per_body_kt"], cubic["free_energy_per_body_kt_error"]
         row = [with_error(value, error)]
         for other in others:
             difference = other["free_energy_per_body_kt"] - value
-            row.append(with_error(difference, math.hypot(error, other["free_energy_per_body_error_kt"])))
+            row.append(with_error(difference, math.hypot(error, other["free_energy_per_body_kt_error"])))
         print(f"| {packing} | {' | '.join(row)} |", flush=True)
     found = campaign.free_energy("arsenic", ANCHOR, BODIES["arsenic"])
     print(
         f"\narsenic, {BODIES['arsenic']} bodies at {ANCHOR}:",
-        with_error(found["free_energy_per_body_kt"], found["free_energy_per_body_error_kt"]),
+        with_error(found["free_energy_per_body_kt"], found["free_energy_per_body_kt_error"]),
     )
     print("\n| q | reservoir | phases | packing fractions | βP v | share of draws |\n|---|---|---|---|---|---|")
     for q in SIZE_RATIOS:
         for tie in campaign.coexistences(q):
-            low, high = (with_error(*pair) for pair in zip(tie["packing_fractions"], tie["packing_fraction_errors"]))
+            low, high = (with_error(*pair) for pair in zip(tie["packing_fractions"], tie["packing_fractions_error"]))
             print(
                 f"| {q} | {tie['reservoir_packing_fraction']} | {', '.join(tie['phases'])} | {low}, {high} |"
                 f" {with_error(tie['pressure'], tie['pressure_error'], 2)} | {tie['share_of_draws']:.2f} |",

@@ -143,20 +143,20 @@ def main() -> None:
         print(
             f"| {point['packing_fraction']} |"
             f" {with_error(point['compressibility_factor'], point['compressibility_factor_error'])} |"
-            f" {with_error(point['excess_free_energy_per_body_kt'], point['excess_free_energy_per_body_error_kt'])} |"
+            f" {with_error(point['excess_free_energy_per_body_kt'], point['excess_free_energy_per_body_kt_error'])} |"
             f" {potential:.4f} |"
-            f" {with_error(inserted, point.get('excess_chemical_potential_error_kt')) if inserted else '-'} |"
+            f" {with_error(inserted, point.get('excess_chemical_potential_kt_error')) if inserted else '-'} |"
         )
 
     print(f"\nFree energies of crystals at {ANCHOR}\n\n| crystal | A/(N kT) | excess |\n|---|---|---|")
     anchors = {crystal: campaign.free_energy(crystal) for crystal in CRYSTALS}
     for crystal, found in anchors.items():
         print(
-            f"| {crystal} | {with_error(found['free_energy_per_body_kt'], found['free_energy_per_body_error_kt'], 5)} |"
+            f"| {crystal} | {with_error(found['free_energy_per_body_kt'], found['free_energy_per_body_kt_error'], 5)} |"
             f" {found['excess_free_energy_per_body_kt']:.5f} |"
         )
     values = [found["free_energy_per_body_kt"] for found in anchors.values()]
-    errors = [found["free_energy_per_body_error_kt"] for found in anchors.values()]
+    errors = [found["free_energy_per_body_kt_error"] for found in anchors.values()]
     print(f"\nhexagonal - cubic: {with_error(values[1] - values[0], math.hypot(*errors), 5)} kT per body")
 
     print("\nHexagonal diamond is lower\n\n| φ | q | from a reservoir of |\n|---|---|---|")
@@ -173,7 +173,7 @@ def main() -> None:
     print(f"\nCoexistence\n\n{heading}\n|---|---|---|---|---|---|---|")
     for q in SIZE_RATIOS:
         for tie in campaign.coexistences(q):
-            low, high = map(with_error, tie["packing_fractions"], tie["packing_fraction_errors"])
+            low, high = map(with_error, tie["packing_fractions"], tie["packing_fractions_error"])
             print(
                 f"| {q} | {tie['reservoir_packing_fraction']} | {', '.join(tie['phases'])} | {low}, {high} |"
                 f" {with_error(tie['pressure'], tie['pressure_error'])} |"

@@ -30,7 +30,7 @@ def free_energy(name, shape, crystal, bodies, packing, sweeps):
         name, "free-energy", "--shape", *shape, "--crystal", crystal, "--bodies", bodies, "--packing-fraction", packing,
         "--sweeps", sweeps,
     )  # fmt: skip
-    return found["free_energy_per_body_kt"], found["free_energy_per_body_error_kt"], found
+    return found["free_energy_per_body_kt"], found["free_energy_per_body_kt_error"], found
 
 
 def row(*cells):

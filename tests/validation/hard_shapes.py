@@ -51,7 +51,7 @@ def main():
             mean, error = measured["free_volume_fraction"], measured["free_volume_fraction_error"]
             compared.append((f"free volume, q = {kind['q']}", kind["alpha"], kind["error"], mean, error))
         if "mu_ex" in row:
-            mean, error = found["excess_chemical_potential_kt"], found["excess_chemical_potential_error_kt"]
+            mean, error = found["excess_chemical_potential_kt"], found["excess_chemical_potential_kt_error"]
             compared.append(("excess chemical potential", row["mu_ex"], row["mu_ex_error"], mean, error))
         for what, value, error, mean, our_error in compared:
             allowed = 3 * math.hypot(error, our_error) + 0.002 * abs(value)

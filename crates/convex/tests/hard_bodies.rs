@@ -3,12 +3,17 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test fails by panicking
 
 use protomer_convex::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+use protomer_convex::hard_bodies::phases::{PhaseDirectories, phases_of_measurements};
 use protomer_convex::hard_bodies::result::HardBodyResult;
 use protomer_convex::hard_bodies::run::run_hard_bodies;
-use protomer_convex::hard_bodies::settings::{Freedom, Gravity, HardBodySettings, Pressure};
+use protomer_convex::hard_bodies::settings::{
+    Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
+};
 use protomer_convex::hard_bodies::sweep::{EquationOfState, HardBodySweepSettings, run_sweep};
 use protomer_io::gsd::{ChunkData, GsdFile};
 use protomer_results::{Execution, Interrupt};
+use serde::Serialize;
+use serde_json::Value;
 use std::path::Path;
 
 /// Rods on a line, which take milliseconds.
@@ -51,6 +56,124 @@ fn sweep(
     };
     let end = run_sweep(&settings, path, &Execution::default()).unwrap();
     end.finished().unwrap()
+}
+
+/// The error of `x_kt` is `x_kt_error`, that of a list `lengths` is `lengths_error`: each key with `error` in it ends
+/// so, and what it is the error of is beside it.
+fn assert_errors_are_named(value: &Value, what: &str, count: &mut usize) {
+    match value {
+        Value::Object(fields) => {
+            for (key, inner) in fields {
+                if key.contains("error") {
+                    let measured = key.strip_suffix("_error");
+                    let is_beside = measured.is_some_and(|name| fields.contains_key(name));
+                    assert!(is_beside, "{what}: {key}");
+                    *count += 1;
+                }
+                assert_errors_are_named(inner, what, count);
+            }
+        }
+        Value::Array(values) => {
+            for inner in values {
+                assert_errors_are_named(inner, what, count);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn json(answer: &impl Serialize) -> Value {
+    serde_json::to_value(answer).unwrap()
+}
+
+#[test]
+fn keys_of_errors_end_in_error_and_what_they_belong_to_is_beside_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let with_all = HardBodySettings {
+        insertions: 20,
+        depletants: parse_depletants("0.1:0").unwrap(),
+        ..rods()
+    };
+    let squares = HardBodySettings {
+        shape: "polygon:4".into(),
+        bodies: 16,
+        packing_fraction: 0.3,
+        ..rods()
+    };
+    let pressed_squares = HardBodySettings {
+        pressure: pressed(1.0).map(|kept| Pressure {
+            freedom: Freedom::Shape,
+            ..kept
+        }),
+        ..squares.clone()
+    };
+    let fallen = HardBodySettings {
+        gravity: Some(Gravity {
+            weight_kt_per_length: 0.2,
+        }),
+        ..squares.clone()
+    };
+    let free_energy = FreeEnergySettings {
+        shape: "polygon:4".into(),
+        crystal: "square".into(),
+        turn: vec![45.0],
+        bodies: 16,
+        packing_fraction: 0.7,
+        equilibration: 50,
+        sweeps: 400,
+        ..FreeEnergySettings::default()
+    };
+    let crystal = HardBodySettings {
+        start: "square".into(),
+        turn: vec![45.0],
+        ..squares.clone()
+    };
+    let packings = [0.1, 0.2, 0.3, 0.4, 0.5];
+    let fluid = sweep(squares.clone(), &packings, &[], &path("fluid"));
+    let packings = [0.6, 0.65, 0.7, 0.75, 0.8];
+    let ordered = sweep(crystal, &packings, &[], &path("square"));
+    let energy = run_free_energy(&free_energy, &path("energy"), &Execution::default()).unwrap();
+    let directories = PhaseDirectories {
+        fluid: Some(path("fluid")),
+        crystals: vec![(path("square"), path("energy"))],
+    };
+    let mut count = 0;
+    for (what, answer) in [
+        ("run", json(&run(&with_all, &path("run")))),
+        ("pressed", json(&run(&pressed_squares, &path("pressed")))),
+        ("fallen", json(&run(&fallen, &path("fallen")))),
+        ("fluid", json(&fluid)),
+        ("square", json(&ordered)),
+        (
+            "pressures",
+            json(&sweep(rods(), &[], &[0.5, 1.0], &path("pressures"))),
+        ),
+        ("energy", json(&energy.finished().unwrap())),
+        (
+            "phases",
+            json(&phases_of_measurements(&directories, &[0.0]).unwrap()),
+        ),
+    ] {
+        assert_errors_are_named(&answer, what, &mut count);
+    }
+    assert!(count > 40, "{count}");
+}
+
+/// A table that was written before the keys had their names is still read.
+#[test]
+fn results_with_the_earlier_names_of_errors_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let with_insertions = HardBodySettings {
+        insertions: 20,
+        ..rods()
+    };
+    let equation = sweep(with_insertions, &[0.2, 0.3, 0.4], &[], folder.path());
+    let text = serde_json::to_string(&equation).unwrap();
+    let earlier = text.replace("_kt_error", "_error_kt");
+    assert_ne!(text, earlier);
+    let read: EquationOfState = serde_json::from_str(&earlier).unwrap();
+    assert_eq!(read, equation);
 }
 
 /// Tonks rods at a pressure: P a = φ/(1 - φ).

@@ -91,7 +91,8 @@ pub struct FreeEnergy {
     /// A/(N kT).
     pub total_kt: f64,
     /// Its standard error.
-    pub error_kt: f64,
+    #[serde(alias = "error_kt")]
+    pub total_kt_error: f64,
     /// Of the centre of mass.
     pub centre_of_mass_kt: f64,
     /// Of the strongest springs.
@@ -101,15 +102,18 @@ pub struct FreeEnergy {
     /// -ln P / N of the overlaps with the strongest springs.
     pub overlaps_kt: f64,
     /// Its standard error.
-    pub overlaps_error_kt: f64,
+    #[serde(alias = "overlaps_error_kt")]
+    pub overlaps_kt_error: f64,
     /// The integral over the strength.
     pub integral_kt: f64,
     /// Its standard error.
-    pub integral_error_kt: f64,
+    #[serde(alias = "integral_error_kt")]
+    pub integral_kt_error: f64,
     /// The difference between the rule of 21 points and that of ten.
     pub rules_difference_kt: f64,
     /// Its standard error: a smaller difference is noise.
-    pub rules_difference_error_kt: f64,
+    #[serde(alias = "rules_difference_error_kt")]
+    pub rules_difference_kt_error: f64,
 }
 
 /// A crystal whose free energy is wanted.
@@ -278,7 +282,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
         let bodies = self.crystal.positions.len() as f64;
         let (states, free) = (f64::from(plan.states), f64::from(plan.free_states));
         let overlaps_kt = -(free / states).ln() / bodies;
-        let overlaps_error_kt = ((1.0 / free - 1.0 / states).max(0.0)).sqrt() / bodies;
+        let overlaps_kt_error = ((1.0 / free - 1.0 / states).max(0.0)).sqrt() / bodies;
         let (mut integral, mut variance) = (0.0, 0.0);
         let (mut difference, mut difference_variance) = (0.0, 0.0);
         for (point, extent) in plan.points.iter().zip(extents) {
@@ -290,16 +294,16 @@ impl<'a, const D: usize> Measurement<'a, D> {
         }
         FreeEnergy {
             total_kt: einstein.terms().total_kt() + overlaps_kt - integral,
-            error_kt: variance.sqrt().hypot(overlaps_error_kt),
+            total_kt_error: variance.sqrt().hypot(overlaps_kt_error),
             centre_of_mass_kt,
             springs_kt,
             orientations_kt,
             overlaps_kt,
-            overlaps_error_kt,
+            overlaps_kt_error,
             integral_kt: integral,
-            integral_error_kt: variance.sqrt(),
+            integral_kt_error: variance.sqrt(),
             rules_difference_kt: difference,
-            rules_difference_error_kt: difference_variance.sqrt(),
+            rules_difference_kt_error: difference_variance.sqrt(),
         }
     }
 }

@@ -301,10 +301,10 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         };
         values.push((
             "Lengths of the box",
-            several(&mean.lengths, &mean.length_errors),
+            several(&mean.lengths, &mean.lengths_error),
         ));
         if !mean.tilt_factors.is_empty() {
-            let tilts = several(&mean.tilt_factors, &mean.tilt_factor_errors);
+            let tilts = several(&mean.tilt_factors, &mean.tilt_factors_error);
             values.push(("Tilt factors of the box", tilts));
         }
     }
@@ -322,7 +322,7 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         ]);
     }
     if let Some(potential) = result.excess_chemical_potential_kt {
-        let error = result.excess_chemical_potential_error_kt;
+        let error = result.excess_chemical_potential_kt_error;
         values.push((
             "Excess chemical potential (kT)",
             with_error(potential, error),
@@ -395,23 +395,23 @@ fn terms(result: &FreeEnergyResult) -> String {
         row(
             "overlaps with them",
             terms.overlaps_kt,
-            Some(terms.overlaps_error_kt),
+            Some(terms.overlaps_kt_error),
         ),
         row(
             "weaker springs",
             -terms.integral_kt,
-            Some(terms.integral_error_kt),
+            Some(terms.integral_kt_error),
         ),
-        row("free energy", terms.total_kt, Some(terms.error_kt)),
+        row("free energy", terms.total_kt, Some(terms.total_kt_error)),
         row(
             "excess over an ideal gas",
             result.excess_free_energy_per_body_kt,
-            Some(result.excess_free_energy_per_body_error_kt),
+            Some(result.excess_free_energy_per_body_kt_error),
         ),
         row(
             "difference to a coarser rule",
             terms.rules_difference_kt,
-            Some(terms.rules_difference_error_kt),
+            Some(terms.rules_difference_kt_error),
         ),
     ];
     let head = ["term", "kT per body"];

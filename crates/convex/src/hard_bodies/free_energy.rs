@@ -166,7 +166,8 @@ pub struct PointResult {
     /// What it adds to the integral, kT per body.
     pub contribution_kt: f64,
     /// Its standard error.
-    pub contribution_error_kt: f64,
+    #[serde(alias = "contribution_error_kt")]
+    pub contribution_kt_error: f64,
     /// Sweeps measured.
     pub sweeps: u64,
     /// Integrated autocorrelation time of the extent, at least half of the sweeps of a row.
@@ -200,11 +201,13 @@ pub struct FreeEnergyResult {
     /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
     pub free_energy_per_body_kt: f64,
     /// Its standard error.
-    pub free_energy_per_body_error_kt: f64,
+    #[serde(alias = "free_energy_per_body_error_kt")]
+    pub free_energy_per_body_kt_error: f64,
     /// The same less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
     pub excess_free_energy_per_body_kt: f64,
     /// Its standard error.
-    pub excess_free_energy_per_body_error_kt: f64,
+    #[serde(alias = "excess_free_energy_per_body_error_kt")]
+    pub excess_free_energy_per_body_kt_error: f64,
     /// The terms of the free energy.
     pub terms: FreeEnergy,
     /// Each point of the integral.
@@ -223,26 +226,26 @@ impl Answer for FreeEnergyResult {
             ),
             format!(
                 "free energy {:.5} ± {:.5} kT per body (thermal wavelength 1)",
-                self.free_energy_per_body_kt, self.free_energy_per_body_error_kt
+                self.free_energy_per_body_kt, self.free_energy_per_body_kt_error
             ),
             format!(
                 "excess over an ideal gas {:.5} ± {:.5} kT per body",
-                self.excess_free_energy_per_body_kt, self.excess_free_energy_per_body_error_kt
+                self.excess_free_energy_per_body_kt, self.excess_free_energy_per_body_kt_error
             ),
             format!("centre of mass      {:10.5}", terms.centre_of_mass_kt),
             format!("strongest springs   {:10.5}", terms.springs_kt),
             format!("orientations        {:10.5}", terms.orientations_kt),
             format!(
                 "overlaps with them  {:10.5} ± {:.5}",
-                terms.overlaps_kt, terms.overlaps_error_kt
+                terms.overlaps_kt, terms.overlaps_kt_error
             ),
             format!(
                 "weaker springs      {:10.5} ± {:.5}",
-                -terms.integral_kt, terms.integral_error_kt
+                -terms.integral_kt, terms.integral_kt_error
             ),
             format!(
                 "a coarser rule differs by {:.5} ± {:.5}",
-                terms.rules_difference_kt, terms.rules_difference_error_kt
+                terms.rules_difference_kt, terms.rules_difference_kt_error
             ),
         ];
         lines.extend(self.slow());
@@ -277,7 +280,7 @@ fn table_of(points: &[PointResult]) -> Result<String> {
         "extent",
         "extent_error",
         "contribution_kt",
-        "contribution_error_kt",
+        "contribution_kt_error",
         "sweeps",
         "correlation_time_sweeps",
         "independent_samples",
@@ -289,7 +292,7 @@ fn table_of(points: &[PointResult]) -> Result<String> {
             point.extent.into(),
             point.extent_error.into(),
             point.contribution_kt.into(),
-            point.contribution_error_kt.into(),
+            point.contribution_kt_error.into(),
             Cell::from(point.sweeps as usize),
             point.correlation_time_sweeps.into(),
             point.independent_samples.into(),
@@ -430,7 +433,7 @@ impl<const D: usize> FreeEnergyRun<'_, D> {
             extent: estimate.mean,
             extent_error: estimate.error,
             contribution_kt: point.weight * estimate.mean,
-            contribution_error_kt: point.weight * estimate.error,
+            contribution_kt_error: point.weight * estimate.error,
             sweeps: series.len() as u64 * SWEEPS_PER_ROW,
             correlation_time_sweeps: summary.autocorrelation_time * SWEEPS_PER_ROW as f64,
             independent_samples: summary.effective_samples,
@@ -586,9 +589,9 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             box_tilt_factors: tilt_factors(&self.crystal.space),
             symmetry_order: self.measurement.symmetry().rotations().len(),
             free_energy_per_body_kt: terms.total_kt,
-            free_energy_per_body_error_kt: terms.error_kt,
+            free_energy_per_body_kt_error: terms.total_kt_error,
             excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
-            excess_free_energy_per_body_error_kt: terms.error_kt,
+            excess_free_energy_per_body_kt_error: terms.total_kt_error,
             terms,
             points,
             slow_points,

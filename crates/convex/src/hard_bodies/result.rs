@@ -60,8 +60,12 @@ pub struct HardBodyResult {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_chemical_potential_kt: Option<f64>,
     /// Its standard error, kT.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_error_kt: Option<f64>,
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        default,
+        alias = "excess_chemical_potential_error_kt"
+    )]
+    pub excess_chemical_potential_kt_error: Option<f64>,
     /// Free volume of the first depletant, as a part of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction: Option<f64>,
@@ -91,11 +95,13 @@ pub struct MeanBox {
     /// Lx, Ly, Lz.
     pub lengths: Vec<f64>,
     /// Their standard errors.
-    pub length_errors: Vec<Option<f64>>,
+    #[serde(alias = "length_errors")]
+    pub lengths_error: Vec<Option<f64>>,
     /// xy, xz and yz; in a plane xy.
     pub tilt_factors: Vec<f64>,
     /// Their standard errors.
-    pub tilt_factor_errors: Vec<Option<f64>>,
+    #[serde(alias = "tilt_factor_errors")]
+    pub tilt_factors_error: Vec<Option<f64>>,
 }
 
 impl MeanBox {
@@ -109,14 +115,14 @@ impl MeanBox {
             };
             (0..count).map(number).collect()
         };
-        let (lengths, length_errors) = series(|row| &row.box_lengths).into_iter().unzip();
-        let (tilt_factors, tilt_factor_errors) =
+        let (lengths, lengths_error) = series(|row| &row.box_lengths).into_iter().unzip();
+        let (tilt_factors, tilt_factors_error) =
             series(|row| &row.box_tilt_factors).into_iter().unzip();
         let found = Self {
             lengths,
-            length_errors,
+            lengths_error,
             tilt_factors,
-            tilt_factor_errors,
+            tilt_factors_error,
         };
         (!found.lengths.is_empty()).then_some(found)
     }
@@ -127,11 +133,11 @@ impl MeanBox {
             let words: Vec<String> = numbers.map(|(x, error)| with_error(*x, *error)).collect();
             words.join(", ")
         };
-        let lengths = several(&self.lengths, &self.length_errors);
+        let lengths = several(&self.lengths, &self.lengths_error);
         if self.tilt_factors.is_empty() {
             return format!("box {lengths}");
         }
-        let tilts = several(&self.tilt_factors, &self.tilt_factor_errors);
+        let tilts = several(&self.tilt_factors, &self.tilt_factors_error);
         format!("box {lengths}; tilt factors {tilts}")
     }
 }
@@ -209,7 +215,7 @@ impl Answer for HardBodyResult {
         if let Some(potential) = self.excess_chemical_potential_kt {
             lines.push(format!(
                 "excess chemical potential {} kT",
-                with_error(potential, self.excess_chemical_potential_error_kt)
+                with_error(potential, self.excess_chemical_potential_kt_error)
             ));
         }
         for kind in &self.depletants {

@@ -462,7 +462,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             excess_chemical_potential_kt: insertion
                 .filter(|(mean, _)| *mean > 0.0)
                 .map(|(mean, _)| -mean.ln()),
-            excess_chemical_potential_error_kt: insertion
+            excess_chemical_potential_kt_error: insertion
                 .filter(|(mean, _)| *mean > 0.0)
                 .and_then(|(mean, error)| Some(error? / mean)),
             free_volume_fraction: first.map(|kind| kind.free_volume_fraction),

@@ -130,7 +130,7 @@ impl MeasuredBranch {
             packing_fraction: result.packing_fraction,
             excess_free_energy_kt: Estimated {
                 value: result.excess_free_energy_per_body_kt,
-                standard_error: result.excess_free_energy_per_body_error_kt,
+                standard_error: result.excess_free_energy_per_body_kt_error,
             },
         };
         Self::new(sweep, equation, anchor)
@@ -416,7 +416,7 @@ fn uncertainty(found: &tangent::Coexistence, draws: &[Vec<tangent::Coexistence>]
         (squares.sum::<f64>() / (count - 1.0)).sqrt()
     };
     Uncertainty {
-        packing_fraction_errors: [0, 1].map(|n| scatter(&|draw| draw.densities[n])),
+        packing_fractions_error: [0, 1].map(|n| scatter(&|draw| draw.densities[n])),
         pressure_error: scatter(&|draw| draw.pressure),
         chemical_potential_error: scatter(&|draw| draw.chemical_potential),
         share_of_draws: same.len() as f64 / draws.len() as f64,
@@ -535,7 +535,7 @@ mod tests {
         });
         assert_eq!((small.share_of_draws, large.share_of_draws), (1.0, 1.0));
         for n in 0..2 {
-            let ratio = large.packing_fraction_errors[n] / small.packing_fraction_errors[n];
+            let ratio = large.packing_fractions_error[n] / small.packing_fractions_error[n];
             assert!(ratio > 3.0 && ratio < 30.0, "{ratio}");
         }
         let mut moved = spheres(1e-3);

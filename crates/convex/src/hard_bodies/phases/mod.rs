@@ -75,7 +75,7 @@ pub struct Coexistence {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Standard errors of the packing fractions.
-    pub packing_fraction_errors: [f64; 2],
+    pub packing_fractions_error: [f64; 2],
     /// Standard error of the pressure.
     pub pressure_error: f64,
     /// Standard error of the chemical potential.
@@ -188,7 +188,7 @@ impl Coexistence {
             ];
         };
         let with_error = |value: f64, error: f64| format!("{value:.4} ± {error:.4}");
-        let [low_error, high_error] = known.packing_fraction_errors;
+        let [low_error, high_error] = known.packing_fractions_error;
         vec![
             format!(
                 "{}, {}",

@@ -47,14 +47,22 @@ pub struct StatePoint {
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_chemical_potential_kt: Option<f64>,
     /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_chemical_potential_error_kt: Option<f64>,
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        default,
+        alias = "excess_chemical_potential_error_kt"
+    )]
+    pub excess_chemical_potential_kt_error: Option<f64>,
     /// Excess free energy per body by integration from no bodies, kT.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_free_energy_per_body_kt: Option<f64>,
     /// Its standard error.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub excess_free_energy_per_body_error_kt: Option<f64>,
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        default,
+        alias = "excess_free_energy_per_body_error_kt"
+    )]
+    pub excess_free_energy_per_body_kt_error: Option<f64>,
     /// Free volume of the first depletant, as a part of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction: Option<f64>,
@@ -174,10 +182,10 @@ impl StatePoint {
             compressibility_factor_error: factor_error,
             reduced_pressure: reduced,
             excess_chemical_potential_kt: insertion.map(|(probability, _)| -probability.ln()),
-            excess_chemical_potential_error_kt: insertion
+            excess_chemical_potential_kt_error: insertion
                 .and_then(|(probability, error)| Some(error? / probability)),
             excess_free_energy_per_body_kt: None,
-            excess_free_energy_per_body_error_kt: None,
+            excess_free_energy_per_body_kt_error: None,
             free_volume_fraction: free.map(|(fraction, _)| fraction),
             free_volume_fraction_error: free.and_then(|(_, error)| error),
             equilibrium: MeanEquilibrium::of(runs),
@@ -199,7 +207,7 @@ pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) -> Resul
     let energies = excess_free_energies(&factors, b2_over_volume)?;
     for (point, (energy_kt, error_kt)) in points.iter_mut().zip(energies) {
         point.excess_free_energy_per_body_kt = Some(energy_kt);
-        point.excess_free_energy_per_body_error_kt =
+        point.excess_free_energy_per_body_kt_error =
             Some(error_kt).filter(|error| error.is_finite());
     }
     Ok(())
@@ -233,11 +241,11 @@ impl Answer for EquationOfState {
                 format!("{:.5}", point.reduced_pressure),
                 or_dash(
                     point.excess_free_energy_per_body_kt,
-                    point.excess_free_energy_per_body_error_kt,
+                    point.excess_free_energy_per_body_kt_error,
                 ),
                 or_dash(
                     point.excess_chemical_potential_kt,
-                    point.excess_chemical_potential_error_kt,
+                    point.excess_chemical_potential_kt_error,
                 ),
                 or_dash(point.free_volume_fraction, point.free_volume_fraction_error),
             ]);
@@ -263,7 +271,7 @@ impl Answer for EquationOfState {
                 Some((factor, point.compressibility_factor_error))
             }),
             self.panel("excess chemical potential (kT)", |point| {
-                let error = point.excess_chemical_potential_error_kt;
+                let error = point.excess_chemical_potential_kt_error;
                 Some((point.excess_chemical_potential_kt?, error))
             }),
             self.panel("free volume of depletants", |point| {
@@ -350,9 +358,9 @@ impl EquationOfState {
             "compressibility_factor_error",
             "reduced_pressure",
             "excess_free_energy_per_body_kt",
-            "excess_free_energy_per_body_error_kt",
+            "excess_free_energy_per_body_kt_error",
             "excess_chemical_potential_kt",
-            "excess_chemical_potential_error_kt",
+            "excess_chemical_potential_kt_error",
             "free_volume_fraction",
             "free_volume_fraction_error",
             "measured_pressure_kt_per_volume",
@@ -374,9 +382,9 @@ impl EquationOfState {
                 cell(point.compressibility_factor_error),
                 point.reduced_pressure.into(),
                 cell(point.excess_free_energy_per_body_kt),
-                cell(point.excess_free_energy_per_body_error_kt),
+                cell(point.excess_free_energy_per_body_kt_error),
                 cell(point.excess_chemical_potential_kt),
-                cell(point.excess_chemical_potential_error_kt),
+                cell(point.excess_chemical_potential_kt_error),
                 cell(point.free_volume_fraction),
                 cell(point.free_volume_fraction_error),
                 cell(found.map(|found| found.measured_pressure_kt_per_volume)),

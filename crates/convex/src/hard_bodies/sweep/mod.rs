@@ -378,7 +378,7 @@ mod tests {
         assert_eq!(point.seeds, 2);
         // Forty times the sweeps give 0.427 ± 0.009; the second virial coefficient alone 0.385.
         let free_energy = point.excess_free_energy_per_body_kt.unwrap();
-        let error = point.excess_free_energy_per_body_error_kt.unwrap();
+        let error = point.excess_free_energy_per_body_kt_error.unwrap();
         assert!((free_energy - 0.427).abs() < 4.0 * error, "{free_energy}");
         assert!(error < 0.1, "{error}");
         let other = HardBodySweepSettings {
@@ -420,9 +420,9 @@ mod tests {
             compressibility_factor_error: Some(0.01),
             reduced_pressure: 0.0,
             excess_chemical_potential_kt: None,
-            excess_chemical_potential_error_kt: None,
+            excess_chemical_potential_kt_error: None,
             excess_free_energy_per_body_kt: None,
-            excess_free_energy_per_body_error_kt: None,
+            excess_free_energy_per_body_kt_error: None,
             equilibrium: None,
             free_volume_fraction: None,
             free_volume_fraction_error: None,
@@ -439,7 +439,7 @@ mod tests {
             let packing = point.packing_fraction;
             let found = point.excess_free_energy_per_body_kt.unwrap();
             assert!((found - 4.0 * packing - 5.0 * packing * packing).abs() < 1e-12);
-            assert!(point.excess_free_energy_per_body_error_kt.unwrap() > 0.0);
+            assert!(point.excess_free_energy_per_body_kt_error.unwrap() > 0.0);
         }
     }
 }
