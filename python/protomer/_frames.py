@@ -9,8 +9,9 @@ from ._protomer import ParseError
 from ._result import missing
 
 
-def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
-    """The frames of a run's `trajectory.gsd`, or of the file itself, without the first `skip`.
+def read_frames(run: Path | str, skip: int | None = None) -> list[Any]:
+    """The frames of a run's `trajectory.gsd`, or of the file itself, without the first `skip`; by default without those
+    of the equilibration, where the file says when it ended.
 
     Raises
     ------
@@ -32,6 +33,16 @@ def read_frames(run: Path | str, skip: int = 0) -> list[Any]:
             frames = [frame for frame in file]
     except RuntimeError as error:
         raise ParseError(f"{path} cannot be read as a GSD trajectory ({error}); give the directory of a run, or its trajectory.gsd") from error
+    if skip is None:
+        skip = _equilibrating(frames)
     if len(frames) <= skip:
         raise ValueError(f"{path} has {len(frames)} frames; skip fewer than these (skip is {skip})")
     return frames[skip:]
+
+
+def _equilibrating(frames: list[Any]) -> int:
+    """The number of frames at the beginning that are not of the measurement."""
+    ends = frames[0].log.get("equilibration_sweeps") if frames else None
+    if ends is None:
+        return 0
+    return sum(int(frame.configuration.step) <= int(ends[0]) for frame in frames)

@@ -57,7 +57,7 @@ class Motion:
     box: Numbers
 
     @classmethod
-    def read(cls, run: Path | str, *, skip: int = 0) -> Motion:
+    def read(cls, run: Path | str, *, skip: int | None = None) -> Motion:
         """Reads the trajectory of a run.
 
         Parameters
@@ -65,7 +65,7 @@ class Motion:
         run
             The directory of `md run`, or its `trajectory.gsd`
         skip
-            Frames to leave out at the beginning
+            Frames to leave out at the beginning; by default those of the equilibration
 
         Raises
         ------

@@ -151,7 +151,7 @@ class Structure:
     vertices: Numbers | None = None
 
     @classmethod
-    def read(cls, run: Path | str, *, skip: int = 0) -> Structure:
+    def read(cls, run: Path | str, *, skip: int | None = None) -> Structure:
         """Reads the trajectory of a run.
 
         Parameters
@@ -159,7 +159,7 @@ class Structure:
         run
             The directory of `hpmc run` or `md run`, or its `trajectory.gsd`
         skip
-            Frames to leave out at the beginning
+            Frames to leave out at the beginning; by default those of the equilibration
 
         Raises
         ------

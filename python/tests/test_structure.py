@@ -153,7 +153,9 @@ def test_a_run_is_read_with_its_shape(tmp_path) -> None:
     answer = {"shape": "cube", "start": "simple-cubic", "bodies": 27, "packing_fraction": 0.6}
     pm.hpmc.run(**answer, equilibration=10, sweeps=100, trajectory_every=50, output=run)
     cubes = Structure.read(run)
-    assert cubes.positions.shape[1:] == (27, 3)
+    # Frames at 0, 50 and 100 sweeps, of which the first is of the equilibration.
+    assert cubes.positions.shape == (2, 27, 3)
+    assert Structure.read(run, skip=0).positions.shape == (3, 27, 3)
     assert len(rotations_of(cubes.vertices)) == 24
     assert cubes.steinhardt(4, 6).mean() > 0.6  # 0.7638 in a perfect lattice
     with pytest.raises(ValueError, match="skip fewer"):
