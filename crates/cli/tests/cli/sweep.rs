@@ -886,7 +886,7 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
         bodies: 8,
         concentration_molar: 1e-4,
         box_angstrom: Some([500.0; 3]),
-        stability: Stability::new(&settings, &replicas, 8),
+        stability: Stability::new(&settings, &replicas, 8, false),
         settings,
         salts,
         replicas,

@@ -11,6 +11,7 @@ use super::traversal::rounding_angstrom;
 use super::triangle::{Triangle, triangles_intersect};
 use super::triangle_distance::triangle_distance;
 use crate::pose::RelativePose;
+use crate::vectorised;
 
 /// Whether points of two surfaces are closer than `distance_angstrom`, or the surfaces meet.
 pub(super) fn surfaces_come_within(
@@ -55,21 +56,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn run(mut self) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma")
-        {
-            // SAFETY: the processor has both features that the function is compiled for.
-            return unsafe { self.visit_all_avx2() };
-        }
-        self.visit_all()
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2,fma")]
-    fn visit_all_avx2(&mut self) -> bool {
-        self.visit_all()
-    }
+    vectorised!(
+        narrow_fused
+        /// Whether two triangles are nearer than the distance.
+        fn run[run_avx2, visit_all](self: &mut Self) -> bool
+    );
 
     #[inline(always)]
     fn visit_all(&mut self) -> bool {
