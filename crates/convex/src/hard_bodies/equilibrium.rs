@@ -11,7 +11,7 @@
 //! compressions. Under gravity the pressures at the two walls differ by the weight of the bodies over the area. A
 //! box or a column that has not arrived breaks these equations: the first even where it is stuck and nothing moves.
 //!
-//! **Drift.** In equilibrium nothing has a trend. A straight line is fitted to the means of [`BLOCKS`] blocks of the
+//! **Drift.** In equilibrium nothing has a trend. A straight line is fitted to the means of `BLOCKS` blocks of the
 //! packing fraction or of the mean height, and the error of its slope is that of their scatter about it.
 //!
 //! **Samples.** Both need a series that is long compared with its own correlations.

@@ -236,11 +236,12 @@ fn mutation_tables(mutations: &[&MutationRow]) -> Vec<String> {
         mutations.iter().take(MUTATIONS),
         mutations.iter().rev().take(MUTATIONS),
     );
-    let mut lines = Vec::new();
-    lines.push("exchanges of one charge in every copy that hold the bodies together most:".into());
-    lines.push(mutation_table(raising.copied()));
-    lines.push("and least:".into());
-    lines.push(mutation_table(lowering.copied()));
+    let mut lines = vec![
+        "exchanges of one charge in every copy that hold the bodies together most:".into(),
+        mutation_table(raising.copied()),
+        "and least:".into(),
+        mutation_table(lowering.copied()),
+    ];
     let has_salts = mutations.iter().any(|row| row.half_salt_molar.is_some());
     let unknown = mutations.iter().filter(|row| row.half_salt_molar.is_none());
     if has_salts && unknown.clone().count() > 0 {
