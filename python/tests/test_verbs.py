@@ -174,11 +174,11 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     with pytest.raises(pm.ConfigError, match="more bodies"):
         pm.md.run(shape="polygon:4", **few, steps=10, output=tmp_path / "md")
     with pytest.raises(pm.ConfigError, match="at least"):
-        pm.hpmc.run(shape="cube", **few, sweeps=10, output=tmp_path / "hpmc")
+        pm.hpmc.run(shape="cube", bodies=2, packing_fraction=0.5, sweeps=10, output=tmp_path / "hpmc")
     with pytest.raises(pm.GeometryError, match="overlap in this crystal"):
         pm.hpmc.run(shape="cube", start="fcc", bodies=108, packing_fraction=0.9, sweeps=5, output=tmp_path / "dense")
     with pytest.raises(pm.GeometryError, match="smaller time step"):
-        fast = {"bodies": 64, "packing_fraction": 0.6, "time_step": 5, "steps": 50}
+        fast = {"bodies": 64, "packing_fraction": 0.6, "time_step": 1, "steps": 50}
         pm.md.run(shape="polygon:4", **fast, output=tmp_path / "fast")
     with pytest.raises(pm.ProtomerError, match="nowhere.json"):
         pm.inspect("nowhere.json", salt="0.1M")
