@@ -1,4 +1,4 @@
-"""A potential written as MRC, OpenDX and NumPy, opened by mrcfile, gemmi, GridDataFormats and NumPy: the same values."""
+"""A potential written as MRC, CCP4, OpenDX and NumPy, opened by mrcfile, gemmi, GridDataFormats and NumPy: the same values."""
 
 import gemmi
 import gridData
@@ -19,7 +19,7 @@ def written(tmp_path_factory, protomer):
     """The folder of the files, and what the binary says of the grid."""
     folder = tmp_path_factory.mktemp("volumes")
     (folder / "ions.pqr").write_text(IONS)
-    for suffix in ("mrc", "dx", "npz"):
+    for suffix in ("ccp4", "map", "mrc", "dx", "npz"):
         outcome = protomer(
             "potential", folder / "ions.pqr", *CONDITIONS, "-o", folder / f"p.{suffix}", "--json",
         )
@@ -106,8 +106,46 @@ def require_values_at(reading, places, potentials):
     assert np.abs(np.array(found) - potentials).max() < 1e-5 * np.abs(potentials).max()
 
 
+def potentials_at(places, folder, protomer):
+    """What `--points` prints at places, kT/e."""
+    (folder / "points").write_text("\n".join(" ".join(map(repr, map(float, place))) for place in places) + "\n")
+    outcome = protomer(
+        "potential", folder / "ions.pqr", *CONDITIONS, "--points", folder / "points", "--json",
+    )
+    return np.array(outcome["potentials_kT_per_e"])
+
+
+@pytest.mark.parametrize("suffix", ["ccp4", "map"])
+def test_gemmi_finds_the_place_of_a_ccp4_map(written, protomer, suffix):
+    """gemmi reads NSTART: at the points themselves it finds what `--points` prints there."""
+    folder, grid = written
+    reading = gemmi.read_ccp4_map(str(folder / f"p.{suffix}"))
+    starts = np.array([reading.header_i32(word) for word in (5, 6, 7)])
+    assert [reading.header_float(word) for word in (50, 51, 52)] == [0, 0, 0], "some readers add both"
+    reading.setup(float("nan"))
+    assert (starts != 0).all()
+    inner = np.array(grid["shape"]) - 3
+    places = (starts + np.random.default_rng(2).integers(2, inner, size=(40, 3))) * grid["spacing_angstrom"]
+    potentials = potentials_at(places, folder, protomer)
+    require_values_at(reading, places, potentials)
+    for wrong in (places + [1, 0, 0], places - starts):
+        with pytest.raises(AssertionError):
+            require_values_at(reading, wrong, potentials)
+
+
+def test_the_place_of_an_mrc_map_is_its_origin(written, protomer):
+    """mrcfile and GridDataFormats read ORIGIN: at the points of their grids they hold what `--points` prints."""
+    folder, _ = written
+    for values, origin, spacing in (by_mrcfile(folder / "p.mrc"), by_grid_data(folder / "p.mrc")):
+        voxels = np.random.default_rng(3).integers(2, np.array(values.shape) - 2, size=(40, 3))
+        potentials = potentials_at(origin + voxels * spacing, folder, protomer)
+        scale = np.abs(potentials).max()
+        assert np.abs(values[tuple(voxels.T)] - potentials).max() < 1e-5 * scale
+        assert np.abs(values[tuple((voxels + [1, 0, 0]).T)] - potentials).max() > 1e-2 * scale
+
+
 def test_gemmi_reads_the_map(written, protomer):
-    """gemmi takes no notice of the origin: at points given from the first voxel it finds what `--points` prints."""
+    """gemmi ignores the origin of an MRC file: at points counted from the first voxel it finds what `--points` prints."""
     folder, grid = written
     reading = gemmi.read_ccp4_map(str(folder / "p.mrc"), setup=True)
     assert reading.grid.axis_order == gemmi.AxisOrder.XYZ
@@ -117,11 +155,7 @@ def test_gemmi_reads_the_map(written, protomer):
     rng = np.random.default_rng(1)
     voxels = rng.integers(2, np.array(grid["shape"]) - 2, size=(40, 3))
     places = grid["origin_angstrom"] + voxels * grid["spacing_angstrom"]
-    (folder / "points").write_text("\n".join(" ".join(map(repr, map(float, place))) for place in places) + "\n")
-    outcome = protomer(
-        "potential", folder / "ions.pqr", *CONDITIONS, "--points", folder / "points", "--json",
-    )
-    potentials = np.array(outcome["potentials_kT_per_e"])
+    potentials = potentials_at(places, folder, protomer)
     from_first = places - grid["origin_angstrom"]
     require_values_at(reading, from_first, potentials)
     # The comparison must notice exchanged axes, nm for Å, and a sign.

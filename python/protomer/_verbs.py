@@ -433,7 +433,8 @@ def potential(
     no_error_estimate
         Omit the second solution, which estimates the error of the energy
     output
-        Volume file to write: .mrc, .map, .ccp4, .dx or .npz
+        Volume file to write: .mrc for programs of electron microscopy, .ccp4 or .map for programs of
+        crystallography (gemmi, Coot), .dx (OpenDX) or .npz (NumPy). ChimeraX and PyMOL open both kinds of map
     threads
         Threads to use; 0 means all [default: 0]
     force

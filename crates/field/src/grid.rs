@@ -69,6 +69,24 @@ impl Grid {
         })
     }
 
+    /// Points of the same spacing at whole multiples of it, one in each cell of this grid.
+    ///
+    /// ```
+    /// use protomer_field::Grid;
+    /// let grid = Grid { origin_angstrom: [-0.7, 0.2, 1.0], spacing_angstrom: 0.5, shape: [5, 4, 3] };
+    /// let multiples = grid.on_multiples();
+    /// assert_eq!(multiples.origin_angstrom, [-0.5, 0.5, 1.0]);
+    /// assert_eq!(multiples.shape, [4, 3, 2]);
+    /// ```
+    pub fn on_multiples(&self) -> Self {
+        let h = self.spacing_angstrom;
+        Self {
+            origin_angstrom: self.origin_angstrom.map(|origin| (origin / h).ceil() * h),
+            spacing_angstrom: h,
+            shape: self.shape.map(|points| points - 1),
+        }
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.shape.iter().product()
@@ -100,8 +118,15 @@ impl Grid {
     /// The place of the point whose value is at this index, Å.
     #[inline]
     pub(crate) fn point_at(&self, index: usize) -> Vec3 {
+        let [i, j, k] = self.coordinates(index);
+        self.point(i, j, k)
+    }
+
+    /// The point (i, j, k) whose value is at this index.
+    #[inline]
+    pub(crate) fn coordinates(&self, index: usize) -> [usize; 3] {
         let [nx, ny, _] = self.shape;
-        self.point(index % nx, index / nx % ny, index / (nx * ny))
+        [index % nx, index / nx % ny, index / (nx * ny)]
     }
 
     /// All points, in blocks of at most `edge` points along each axis.
@@ -146,14 +171,17 @@ impl Grid {
     /// Trilinear interpolation at a place: the eight corners of its cell. `None` outside the grid.
     pub(crate) fn trilinear(&self, place: &Vec3) -> Option<Stencil<8>> {
         let (cell, part) = self.locate(place)?;
-        let weights = part.map(|t| [1.0 - t, t]);
-        Some(self.stencil(cell, weights))
+        Some(self.corners(cell, part))
     }
 
-    /// Interpolation by cubic polynomials through four points along each axis. `None` where the
-    /// cell of the place lies at the edge of the grid or outside.
-    pub(crate) fn tricubic(&self, place: &Vec3) -> Option<Stencil<64>> {
-        let (cell, part) = self.locate(place)?;
+    /// Trilinear interpolation in a cell.
+    pub(crate) fn corners(&self, cell: [usize; 3], part: [f64; 3]) -> Stencil<8> {
+        self.stencil(cell, part.map(|t| [1.0 - t, t]))
+    }
+
+    /// Interpolation in a cell by cubic polynomials through four points along each axis. `None`
+    /// where the cell lies at the edge of the grid.
+    pub(crate) fn tricubic(&self, cell: [usize; 3], part: [f64; 3]) -> Option<Stencil<64>> {
         for (axis, first) in cell.iter().enumerate() {
             if *first == 0 || first + 2 >= self.shape[axis] {
                 return None;

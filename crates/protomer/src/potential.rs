@@ -12,7 +12,12 @@ use protomer_field::{
     ChargedSphere, DielectricModel, Grid, PotentialModel, ScalarField, SolveSettings, solve,
 };
 use protomer_io::atomic::write_atomically;
-use protomer_io::volume::{Volume, dx::write_dx, mrc::write_mrc, write_volume_npz};
+use protomer_io::volume::{
+    Volume,
+    dx::write_dx,
+    mrc::{write_ccp4, write_mrc},
+    write_volume_npz,
+};
 use protomer_io::without_byte_order_mark;
 use protomer_kernel::Vec3;
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
@@ -100,6 +105,15 @@ pub struct PotentialSettings {
     pub places: Option<Vec<Vec3>>,
 }
 
+/// The points of the field that a calculation returns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FieldPoints {
+    /// The grid of the solution, centred on the structure.
+    Solution,
+    /// Points of the same spacing at whole multiples of it, between those of the solution.
+    Multiples,
+}
+
 /// Computes the potential around a structure and, if an output file is given, writes it in the
 /// format of the file's extension.
 ///
@@ -114,14 +128,8 @@ pub fn potential(
 ) -> Result<PotentialReport> {
     let format = output.map(VolumeFormat::of_file).transpose()?;
     output.map_or(Ok(()), |path| require_writable(path, force))?;
-    let (field, report) = potential_of_file(
-        path,
-        &settings.dielectric,
-        &settings.solve,
-        settings.model,
-        settings.estimate_error,
-        settings.places.as_deref(),
-    )?;
+    let points = format.map_or(FieldPoints::Solution, VolumeFormat::points);
+    let (field, report) = potential_of_file(path, settings, points)?;
     if let (Some(path), Some(format)) = (output, format) {
         let bytes = format.encode(&volume(field))?;
         write_atomically(path, |file| file.write_all(&bytes))?;
@@ -133,6 +141,7 @@ pub fn potential(
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum VolumeFormat {
     Mrc,
+    Ccp4,
     Dx,
     Npz,
 }
@@ -140,8 +149,8 @@ enum VolumeFormat {
 impl VolumeFormat {
     const ENDINGS: [(&str, Self); 5] = [
         (".mrc", Self::Mrc),
-        (".map", Self::Mrc),
-        (".ccp4", Self::Mrc),
+        (".map", Self::Ccp4),
+        (".ccp4", Self::Ccp4),
         (".dx", Self::Dx),
         (".npz", Self::Npz),
     ];
@@ -157,9 +166,18 @@ impl VolumeFormat {
         Ok(*format)
     }
 
+    /// The points that a file of this format can hold.
+    fn points(self) -> FieldPoints {
+        match self {
+            Self::Ccp4 => FieldPoints::Multiples,
+            Self::Mrc | Self::Dx | Self::Npz => FieldPoints::Solution,
+        }
+    }
+
     fn encode(self, volume: &Volume) -> Result<Vec<u8>> {
         Ok(match self {
             Self::Mrc => write_mrc("potential, kT/e", volume),
+            Self::Ccp4 => write_ccp4("potential, kT/e", volume)?,
             Self::Dx => write_dx("potential, kT/e", volume).into_bytes(),
             Self::Npz => write_volume_npz("potential_kt_per_e", volume)?,
         })
@@ -235,43 +253,45 @@ fn place(words: &[&str]) -> Option<Vec3> {
 /// For a file that cannot be read, and as [`protomer_field::solve`].
 ///
 /// ```no_run
-/// use protomer::potential::potential_of_file;
+/// use protomer::potential::{FieldPoints, PotentialSettings, potential_of_file};
 /// use protomer_field::{DielectricModel, PotentialModel, SolveSettings};
 /// use protomer_kernel::Electrolyte;
 /// use std::path::Path;
 /// let salt_molar = 0.15;
-/// let dielectric = DielectricModel::new(Electrolyte::in_water(298.15, salt_molar)?);
-/// let (settings, model) = (SolveSettings::default(), PotentialModel::PoissonBoltzmann);
+/// let settings = PotentialSettings {
+///     model: PotentialModel::PoissonBoltzmann,
+///     dielectric: DielectricModel::new(Electrolyte::in_water(298.15, salt_molar)?),
+///     solve: SolveSettings::default(),
+///     estimate_error: true,
+///     places: None,
+/// };
 /// let (field, report) =
-///     potential_of_file(Path::new("5pti.pqr"), &dielectric, &settings, model, true, None)?;
+///     potential_of_file(Path::new("5pti.pqr"), &settings, FieldPoints::Solution)?;
 /// println!("{:?}: {:?} kJ/mol", field.grid.shape, report.solvation_energy_kj_mol);
 /// # Ok::<(), anyhow::Error>(())
 /// ```
 pub fn potential_of_file(
     path: &Path,
-    dielectric: &DielectricModel,
-    settings: &SolveSettings,
-    model: PotentialModel,
-    estimate_error: bool,
-    places: Option<&[Vec3]>,
+    settings: &PotentialSettings,
+    points: FieldPoints,
 ) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
-    let found = match model {
-        PotentialModel::PoissonBoltzmann => {
-            solved(&spheres, dielectric, settings, estimate_error, places)
-        }
-        PotentialModel::DebyeHueckel => superposed(&spheres, dielectric, settings, places),
+    let found = match settings.model {
+        PotentialModel::PoissonBoltzmann => solved(&spheres, settings, points),
+        PotentialModel::DebyeHueckel => superposed(&spheres, settings, points),
     };
     let Found {
+        grid,
         field,
         energy_kt,
         error_kt,
         potentials_kt_per_e,
         iterations,
     } = found.with_context(|| file.clone())?;
-    let per_kt = kilojoule_per_mol_per_kt(dielectric.electrolyte.temperature_kelvin());
-    let debye = dielectric.electrolyte.debye_length_angstrom();
+    let electrolyte = &settings.dielectric.electrolyte;
+    let per_kt = kilojoule_per_mol_per_kt(electrolyte.temperature_kelvin());
+    let debye = electrolyte.debye_length_angstrom();
     let (mut atoms, mut net_charge_e) = (0, 0.0);
     for sphere in &spheres {
         atoms += usize::from(sphere.radius_angstrom > 0.0);
@@ -281,11 +301,11 @@ pub fn potential_of_file(
         file,
         atoms,
         net_charge_e,
-        model,
+        model: settings.model,
         solvation_energy_kj_mol: energy_kt.map(|energy| energy * per_kt),
         error_estimate_kj_mol: error_kt.map(|error| error * per_kt),
         potentials_kt_per_e,
-        grid: field.grid,
+        grid,
         debye_length_angstrom: debye.is_finite().then_some(debye),
         iterations,
         seconds: start.elapsed().as_secs_f64(),
@@ -296,6 +316,8 @@ pub fn potential_of_file(
 
 /// The common results of both models.
 struct Found {
+    /// The grid of the solution.
+    grid: Grid,
     field: ScalarField,
     energy_kt: Option<f64>,
     error_kt: Option<f64>,
@@ -305,20 +327,26 @@ struct Found {
 
 fn solved(
     spheres: &[ChargedSphere],
-    dielectric: &DielectricModel,
-    settings: &SolveSettings,
-    estimate_error: bool,
-    places: Option<&[Vec3]>,
+    settings: &PotentialSettings,
+    points: FieldPoints,
 ) -> Result<Found> {
-    let solved = solve(spheres, dielectric, settings)?;
+    let (dielectric, numerical) = (&settings.dielectric, &settings.solve);
+    let solved = solve(spheres, dielectric, numerical)?;
     let energy_kt = solved.solvation_energy_kt;
-    let error_kt = match estimate_error {
-        true => Some(error_estimate_kt(spheres, dielectric, settings, energy_kt)?),
+    let error_kt = match settings.estimate_error {
+        true => Some(error_estimate_kt(
+            spheres, dielectric, numerical, energy_kt,
+        )?),
         false => None,
     };
+    let places = settings.places.as_deref();
     let at_places = |places: &[Vec3]| places.iter().map(|place| solved.at(place)).collect();
     Ok(Found {
-        field: solved.field(),
+        grid: *solved.grid(),
+        field: match points {
+            FieldPoints::Solution => solved.field(),
+            FieldPoints::Multiples => solved.on_multiples(),
+        },
         energy_kt: Some(energy_kt),
         error_kt,
         potentials_kt_per_e: places.map(at_places),
@@ -328,15 +356,19 @@ fn solved(
 
 fn superposed(
     spheres: &[ChargedSphere],
-    dielectric: &DielectricModel,
-    settings: &SolveSettings,
-    places: Option<&[Vec3]>,
+    settings: &PotentialSettings,
+    points: FieldPoints,
 ) -> Result<Found> {
-    let superposition = Superposition::new(spheres, dielectric);
-    let grid = grid_around(spheres, settings)?;
+    let superposition = Superposition::new(spheres, &settings.dielectric);
+    let grid = grid_around(spheres, &settings.solve)?;
+    let places = settings.places.as_deref();
     let at = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
     Ok(Found {
-        field: superposition.on(grid),
+        grid,
+        field: superposition.on(match points {
+            FieldPoints::Solution => grid,
+            FieldPoints::Multiples => grid.on_multiples(),
+        }),
         energy_kt: None,
         error_kt: None,
         potentials_kt_per_e: places.map(|places| places.iter().map(at).collect()),

@@ -56,7 +56,9 @@ pub struct PotentialArgs {
     /// Omit the second solution, which estimates the error of the energy.
     #[arg(long)]
     no_error_estimate: bool,
-    /// Volume file to write: .mrc, .map, .ccp4, .dx or .npz.
+    /// Volume file to write: .mrc for programs of electron microscopy, .ccp4 or .map for programs of
+    /// crystallography (gemmi, Coot), .dx (OpenDX) or .npz (NumPy). ChimeraX and PyMOL open both kinds
+    /// of map.
     #[arg(short, long)]
     output: Option<PathBuf>,
 }

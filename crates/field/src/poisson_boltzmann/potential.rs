@@ -3,7 +3,7 @@
 use super::coulomb_source::at_points;
 use crate::charge_tree::ChargeTree;
 use crate::charged_sphere::ChargedSphere;
-use crate::grid::{Grid, ScalarField};
+use crate::grid::{Grid, ScalarField, Stencil, set_points};
 use crate::point_charges::PointCharges;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
@@ -99,16 +99,26 @@ impl Potential {
 
     /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface.
     fn reaction_at(&self, place: &Vec3) -> f64 {
+        let Some((cell, part)) = self.reduced.grid.locate(place) else {
+            return 0.0;
+        };
+        self.reaction_in(cell, part, |point| self.reaction_at_point(point))
+    }
+
+    /// The reaction field in a cell, kT/e, from `reaction` at its corners where the surface is near.
+    fn reaction_in(
+        &self,
+        cell: [usize; 3],
+        part: [f64; 3],
+        reaction: impl Fn(usize) -> f64,
+    ) -> f64 {
         let grid = &self.reduced.grid;
-        if let Some(points) = grid.tricubic(place)
+        if let Some(points) = grid.tricubic(cell, part)
             && points.points.iter().all(|point| self.sides.inside[*point])
         {
             return points.interpolate(|point| self.reduced.values[point]);
         }
-        match grid.trilinear(place) {
-            Some(corners) => corners.interpolate(|point| self.reaction_at_point(point)),
-            None => 0.0,
-        }
+        grid.corners(cell, part).interpolate(reaction)
     }
 
     fn reaction_at_point(&self, point: usize) -> f64 {
@@ -120,12 +130,17 @@ impl Potential {
         }
     }
 
+    /// Whether a corner of a cell is inside the surface.
+    fn is_near_solute(&self, corners: &Stencil<8>) -> bool {
+        corners.points.iter().any(|point| self.sides.inside[*point])
+    }
+
     /// The potential at a place, kT/e; `None` outside the grid. Where all corners of the cell are
     /// outside the surface, φ itself is interpolated; elsewhere the reaction field is, and the
     /// Coulomb potential is added.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.reduced.grid.trilinear(place)?;
-        if corners.points.iter().any(|point| self.sides.inside[*point]) {
+        if self.is_near_solute(&corners) {
             return Some(self.reaction_at(place) + self.coulomb.coulomb(place));
         }
         Some(corners.interpolate(|point| self.reduced.values[point]))
@@ -139,5 +154,101 @@ impl Potential {
             field.values[point] += coulomb;
         }
         field
+    }
+
+    /// The potential at whole multiples of the spacing, kT/e: that of [`at`](Self::at), inside with
+    /// the error of `charge_tree`.
+    pub fn on_multiples(&self) -> ScalarField {
+        let grid = self.reduced.grid.on_multiples();
+        let part = self.part_of_cells(&grid);
+        let reaction = self.reaction_near_solute();
+        let mut values = vec![0.0; grid.len()];
+        set_points(grid.shape, &mut values, |cell, value| {
+            let corners = self.reduced.grid.corners(cell, part);
+            *value = match self.is_near_solute(&corners) {
+                true => self.reaction_in(cell, part, |point| reaction[point]),
+                false => corners.interpolate(|point| self.reduced.values[point]),
+            };
+        });
+        let is_near = |index: usize| {
+            let cell = grid.coordinates(index);
+            self.is_near_solute(&self.reduced.grid.corners(cell, part))
+        };
+        for (point, coulomb) in at_points(&grid, &self.tree, is_near) {
+            values[point] += coulomb;
+        }
+        ScalarField { grid, values }
+    }
+
+    /// Where in their cells the points of a grid with one point per cell are, (0..1)³.
+    fn part_of_cells(&self, grid: &Grid) -> [f64; 3] {
+        let own = self.reduced.grid.origin_angstrom;
+        [0, 1, 2].map(|axis| {
+            let distance = grid.origin_angstrom[axis] - own[axis];
+            // Rounding may lead just out of the cell.
+            (distance / grid.spacing_angstrom).clamp(0.0, 1.0)
+        })
+    }
+
+    /// The reaction field at the points inside and at their neighbours, kT/e; elsewhere φ.
+    fn reaction_near_solute(&self) -> Vec<f64> {
+        let grid = &self.reduced.grid;
+        let inside = &self.sides.inside;
+        let mut is_neighbour = vec![false; inside.len()];
+        let cells = Grid {
+            shape: grid.shape.map(|points| points - 1),
+            ..*grid
+        };
+        for cell in (0..cells.len()).map(|index| cells.coordinates(index)) {
+            let corners = grid.corners(cell, [0.0; 3]);
+            if self.is_near_solute(&corners) {
+                for point in corners.points {
+                    is_neighbour[point] |= !inside[point];
+                }
+            }
+        }
+        let mut reaction = self.reduced.values.clone();
+        for (point, coulomb) in at_points(grid, &self.tree, |point| is_neighbour[point]) {
+            reaction[point] -= coulomb;
+        }
+        reaction
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use crate::{ChargedSphere, DielectricModel, SolveSettings, solve};
+    use protomer_kernel::{Electrolyte, Vec3};
+
+    #[test]
+    fn the_potential_at_multiples_is_that_at_each_place() {
+        let sphere = |x: f64, charge_e: f64| ChargedSphere {
+            centre: Vec3::new(x, 0.3, -0.2),
+            radius_angstrom: 2.0,
+            charge_e,
+        };
+        let spheres = [sphere(10.2, 1.0), sphere(13.0, -0.4)];
+        let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.1).unwrap());
+        let settings = SolveSettings {
+            spacing_angstrom: 0.6,
+            margin_angstrom: 4.0,
+            ..SolveSettings::default()
+        };
+        let potential = solve(&spheres, &model, &settings).unwrap();
+        let field = potential.on_multiples();
+        for index in 0..field.grid.len() {
+            let place = field.grid.point_at(index);
+            for x in place.iter() {
+                let multiple = x / 0.6;
+                assert!((multiple - multiple.round()).abs() < 1e-9, "{place}");
+            }
+            let exact = potential.at(&place).unwrap();
+            let found = field.values[index];
+            assert!(
+                (found - exact).abs() < 1e-6 * exact.abs().max(1.0),
+                "{found} {exact}"
+            );
+        }
     }
 }

@@ -1,4 +1,4 @@
-//! Values on a grid as files: MRC (CCP4), OpenDX and NumPy archives.
+//! Values on a grid as files: MRC and CCP4, OpenDX and NumPy archives.
 
 pub mod dx;
 mod grid;
