@@ -19,9 +19,15 @@ pub struct Selection {
 impl Selection {
     /// The residues of one chain, with the report of the whole selection.
     pub fn only_chain(&self, chain: &str) -> Selection {
+        self.only_chains(&[chain])
+    }
+
+    /// The residues of some chains in the order of the file, with the report of the whole selection.
+    pub fn only_chains(&self, chains: &[impl AsRef<str>]) -> Selection {
         let mut residues = Vec::new();
         for residue in &self.residues {
-            if *residue.key.chain == *chain {
+            let name = &*residue.key.chain;
+            if chains.iter().any(|chain| chain.as_ref() == name) {
                 residues.push(residue.clone());
             }
         }

@@ -3,6 +3,7 @@
 use super::choices::{Charges, Missing};
 use anyhow::Result;
 use clap::{Args, ValueEnum};
+use protomer::bodies::chain_groups::ChainNames;
 use protomer_body::chemistry::{SiteSettings, parse_mutations};
 use protomer_body::structure::SelectionSettings;
 use protomer_body::{BodySettings, SurfaceSettings};
@@ -39,6 +40,15 @@ pub struct SelectionArgs {
     /// What to do with residues that lack heavy atoms.
     #[arg(long, value_enum, default_value_t = Missing::Keep)]
     missing: Missing,
+}
+
+/// Which chains make up one body.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Bodies")]
+pub struct ChainGroupArgs {
+    /// Chains that make up one body, such as H,L; once for each body.
+    #[arg(long)]
+    pub body: Vec<ChainNames>,
 }
 
 /// Model of the charges.

@@ -1,6 +1,7 @@
 //! Bodies: made from structures or from a custom mesh, stored in files.
 
 pub mod body_file;
+pub mod chain_groups;
 pub mod fetch;
 pub mod folder;
 pub mod ingest;
