@@ -25,7 +25,6 @@
 //! quadrature of Gauss's integral on the points Γ: it misses 0.03 e of crambin at 0.35 Å, and 1 % of
 //! the potential outside a Born ion at 0.5 Å, to no order of the spacing.
 
-use super::operator::Operator;
 use crate::charge_tree::{ChargeTree, FAR, FARTHER, bounds};
 use crate::edge_charges::{AtEdge, EXACT_IN_EDGES, EdgeCharges, EdgePlace};
 use crate::far_charges::{FAR_IN_RADII, FarCharges};
@@ -64,7 +63,7 @@ pub(super) const BLOCK: usize = 8;
 /// b of the charges, in units of permittivity times potential, with ε_in and ε_out.
 pub(super) fn at_surface(
     grid: &Grid,
-    operator: &Operator,
+    edges: &[Vec<f32>; 3],
     inside: &[bool],
     coulomb: &ChargeTree,
     permittivities: [f64; 2],
@@ -72,7 +71,7 @@ pub(super) fn at_surface(
     let [inner, _] = permittivities;
     let h = grid.spacing_angstrom;
     let sources_of_block = |block: &Block| {
-        let crossings = crossings(block, grid, operator, inside, permittivities);
+        let crossings = crossings(block, grid, edges, inside, permittivities);
         let mut sources = Vec::with_capacity(2 * crossings.len());
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
@@ -222,7 +221,7 @@ pub(super) fn at_points(
 fn crossings(
     block: &Block,
     grid: &Grid,
-    operator: &Operator,
+    edges: &[Vec<f32>; 3],
     inside: &[bool],
     permittivities: [f64; 2],
 ) -> Vec<Crossing> {
@@ -242,7 +241,7 @@ fn crossings(
                         grid,
                         at,
                         axis,
-                        permittivity: f64::from(operator.edges[axis][at]),
+                        permittivity: f64::from(edges[axis][at]),
                         starts_inside: inside[at],
                     };
                     found.push(edge.crossing(permittivities));
@@ -322,7 +321,6 @@ mod tests {
                 let grid =
                     Grid::around(&(-corner), &Vec3::repeat(radius + 5.0), spacing, 2).unwrap();
                 let map = DielectricMap::new(&grid, &solid, [2.0, 80.0], None);
-                let operator = Operator::new(grid.shape, map.edges, vec![0.0; grid.len()]);
                 let mut charges: Vec<Source> = (0..20).map(|_| sources(&mut rng)).collect();
                 // On a point, on a face and on the corner of a box.
                 let point = grid.point(grid.shape[0] / 2, grid.shape[1] / 2, grid.shape[2] / 2);
@@ -334,7 +332,7 @@ mod tests {
                 }
                 charges.retain(|charge| charge.place.norm() < 0.98 * radius);
                 let coulomb = ChargeTree::new(&charges);
-                let right = at_surface(&grid, &operator, &map.inside, &coulomb, [2.0, 80.0]);
+                let right = at_surface(&grid, &map.edges, &map.inside, &coulomb, [2.0, 80.0]);
                 let seen =
                     right.iter().sum::<f64>() * spacing / (4.0 * PI * 2.0) / charges.len() as f64;
                 assert!((seen - 1.0).abs() < tolerance, "{radius} {spacing}: {seen}");

@@ -15,6 +15,7 @@
 //! |---|---|
 //! | `settings` | how finely to solve, and on which grid |
 //! | `dielectric_map` | permittivities and accessibility on a grid |
+//! | `solute_on_grid` | what neither salt nor charges change, kept for several solves |
 //! | `ion_gap` | how far a point is from what ions cannot enter |
 //! | `coulomb_source` | the Coulomb potential inside as sources at the surface |
 //! | `faces` | the potential on the faces of a grid |
@@ -35,30 +36,24 @@ mod multigrid;
 mod operator;
 mod potential;
 mod settings;
+mod solute_on_grid;
 mod transfer;
 
 pub use error_estimate::error_estimate_kt;
 pub use potential::Potential;
 pub use settings::{BoundaryCondition, SolveSettings, grid_around};
+pub use solute_on_grid::{ChargedSolute, SoluteOnGrid};
 
-use crate::charge_tree::ChargeTree;
 use crate::charged_sphere::{ChargedSphere, bounds};
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
-use crate::grid::{Grid, ScalarField};
-use crate::point_charges::Source;
+use crate::grid::Grid;
 use crate::surface::surface_of;
 use crate::{FieldError, Result};
-use dielectric_map::DielectricMap;
-use ion_gap::IonGap;
-use operator::Operator;
-use potential::Sides;
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
-use settings::{LARGEST_SPACING_ANGSTROM, check_range, coarse_grid_around};
-
-/// Coulomb potentials nearer to a charge are those at this distance, Å.
-const NEAREST_ANGSTROM: f64 = 1e-3;
+use settings::{check_range, coarse_grid_around};
+use solute_on_grid::{solve_once, superposed_on_faces};
 
 /// Solves for the potential of these spheres.
 ///
@@ -112,12 +107,7 @@ pub(crate) fn solve_within(
     };
     match settings.boundary {
         BoundaryCondition::ScreenedAtoms => {
-            let without_shell = DielectricModel {
-                ion_radius_angstrom: 0.0,
-                ..*dielectric
-            };
-            let atoms = Superposition::new(spheres, &without_shell);
-            problem.solve_on(grid, faces::superposed(&grid, &atoms))
+            problem.solve_on(grid, superposed_on_faces(&grid, spheres, dielectric))
         }
         BoundaryCondition::CoarseGrid => {
             let (low, high) = bounds(spheres);
@@ -199,68 +189,8 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// The potential on a grid, given that on its faces, and zero at other points.
-    fn solve_on(&self, grid: Grid, mut values: Vec<f64>) -> Result<Potential> {
-        let inner = self.dielectric.inner_permittivity;
-        let outer = self.dielectric.electrolyte.relative_permittivity();
-        let (operator, sides) = self.operator_on(&grid);
-        let coulomb = self.coulomb_inside();
-        let inside = &sides.inside;
-        let right = coulomb_source::at_surface(&grid, &operator, inside, &coulomb, [inner, outer]);
-        let iterations =
-            conjugate_gradient::solve(&operator, &right, &mut values, self.relative_tolerance)?;
-        let reduced = ScalarField { grid, values };
-        Ok(Potential::new(
-            reduced,
-            sides,
-            coulomb,
-            self.spheres,
-            iterations,
-        ))
-    }
-
-    /// The equations on a grid, and on which side of the surface its points are.
-    fn operator_on(&self, grid: &Grid) -> (Operator, Sides) {
-        let inner = self.dielectric.inner_permittivity;
-        let outer = self.dielectric.electrolyte.relative_permittivity();
-        let ion_radius = self.dielectric.ion_radius_angstrom;
-        let h = grid.spacing_angstrom;
-        // On a coarse grid a box can be larger than the signed distances reach: then the spheres
-        // themselves keep ions out.
-        let by_spheres = ion_radius > 0.0 || h > LARGEST_SPACING_ANGSTROM;
-        let reach = self.dielectric.probe_angstrom;
-        let gap = by_spheres.then(|| IonGap::new(grid, self.spheres, ion_radius, reach));
-        let map = DielectricMap::new(grid, self.solid, [inner, outer], gap.as_ref());
-        drop(gap);
-        let kappa = self
-            .dielectric
-            .electrolyte
-            .inverse_debye_length_per_angstrom();
-        let full_mass = outer * (kappa * h).powi(2);
-        let mut mass = map.accessible;
-        for part in &mut mass {
-            *part = (full_mass * f64::from(*part)) as f32;
-        }
-        let sides = Sides {
-            inside: map.inside,
-            on_surface: map.on_surface,
-        };
-        (Operator::new(grid.shape, map.edges, mass), sides)
-    }
-
-    /// The sources l q/ε_in of the Coulomb potential inside.
-    fn coulomb_inside(&self) -> ChargeTree {
-        let bjerrum = self.dielectric.electrolyte.vacuum_bjerrum_length_angstrom();
-        let per_charge = bjerrum / self.dielectric.inner_permittivity;
-        let mut sources = Vec::new();
-        for sphere in self.spheres {
-            if sphere.charge_e != 0.0 {
-                sources.push(Source {
-                    place: sphere.centre,
-                    strength: per_charge * sphere.charge_e,
-                    least_distance_angstrom: NEAREST_ANGSTROM,
-                });
-            }
-        }
-        ChargeTree::new(&sources)
+    fn solve_on(&self, grid: Grid, values: Vec<f64>) -> Result<Potential> {
+        let solute = SoluteOnGrid::within(self.solid, self.spheres, self.dielectric, grid);
+        solve_once(solute, self.spheres, values, self.relative_tolerance)
     }
 }

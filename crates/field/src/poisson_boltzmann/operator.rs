@@ -7,13 +7,14 @@
 use super::dot::dot_of_piece;
 use protomer_kernel::vectorised;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A in single precision.
 #[derive(Debug, Clone)]
 pub struct Operator {
     pub shape: [usize; 3],
-    /// Coefficients of the edges to the next point along each axis.
-    pub edges: [Vec<f32>; 3],
+    /// Coefficients of the edges to the next point along each axis, shared by the operators of several salts.
+    pub edges: Arc<[Vec<f32>; 3]>,
     /// k.
     pub mass: Vec<f32>,
     /// D, the sum of the edges of a point and k, and its inverse; zero on the faces.
@@ -22,10 +23,10 @@ pub struct Operator {
 }
 
 impl Operator {
-    pub fn new(shape: [usize; 3], edges: [Vec<f32>; 3], mass: Vec<f32>) -> Self {
+    pub fn new(shape: [usize; 3], edges: impl Into<Arc<[Vec<f32>; 3]>>, mass: Vec<f32>) -> Self {
         let mut operator = Self {
             shape,
-            edges,
+            edges: edges.into(),
             mass,
             diagonal: Vec::new(),
             inverse_diagonal: Vec::new(),
@@ -164,7 +165,7 @@ impl Operator {
     #[inline(always)]
     fn edges_around(&self, start: usize, n: usize) -> [&[f32]; 6] {
         let [_, y, z] = self.strides();
-        let [ex, ey, ez] = &self.edges;
+        let [ex, ey, ez] = &*self.edges;
         [
             &ex[start..start + n],
             &ex[start - 1..start - 1 + n],

@@ -7,6 +7,7 @@ use crate::grid::{Grid, ScalarField, Stencil, set_points};
 use crate::point_charges::PointCharges;
 use protomer_kernel::Vec3;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// A solved potential.
 ///
@@ -24,7 +25,7 @@ use rayon::prelude::*;
 pub struct Potential {
     /// The reaction field u inside, φ outside, kT/e.
     reduced: ScalarField,
-    sides: Sides,
+    sides: Arc<Sides>,
     /// The Coulomb potential inside.
     coulomb: PointCharges,
     tree: ChargeTree,
@@ -46,7 +47,7 @@ pub(super) struct Sides {
 impl Potential {
     pub(super) fn new(
         reduced: ScalarField,
-        sides: Sides,
+        sides: Arc<Sides>,
         tree: ChargeTree,
         spheres: &[ChargedSphere],
         iterations: usize,
@@ -97,8 +98,9 @@ impl Potential {
         self.reduced.at(place)
     }
 
-    /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface.
-    fn reaction_at(&self, place: &Vec3) -> f64 {
+    /// The reaction field φ - φ_C at a place, kT/e: cubic deep inside, trilinear near the surface; zero
+    /// outside the grid.
+    pub fn reaction_at(&self, place: &Vec3) -> f64 {
         let Some((cell, part)) = self.reduced.grid.locate(place) else {
             return 0.0;
         };
