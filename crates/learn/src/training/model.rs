@@ -284,6 +284,7 @@ impl Model {
                 .as_ref()
                 .is_none_or(|of| of.count() == classes && of.means.len() == classes)
             && card.channels.len() == channels
+            && card.scaling.transforms.len() == card.scaling.channels.len()
             && tensors.len() == network.parameters().len();
         if !agree {
             return refuse("this is not a usable model: its weights and its card disagree");

@@ -32,6 +32,9 @@ pub(super) struct Progress {
     best_epoch: usize,
 }
 
+/// What to do about a damaged checkpoint.
+const RESTORE: &str = "restore it, or start again with --force";
+
 /// Tensors with their names.
 type Named = Vec<(String, Tensor)>;
 
@@ -79,30 +82,56 @@ impl State {
             unpack(bytes, "checkpoint", &training.device)?;
         if let Some(difference) = progress.difference_to(training) {
             return refuse(format!(
-                "the checkpoint is that of another training: {difference}; start anew or use what \
-                 it was for"
+                "the checkpoint is that of another training: {difference}; start again with \
+                 --force, or use what it was for"
             ));
         }
+        progress.require_fit(training)?;
         progress.settings = training.settings.clone();
         let network = Network::new(training.network, training.settings.seed, &training.device)?;
         let (weights, best) = (
             with_prefix(&tensors, "network."),
             with_prefix(&tensors, "best."),
         );
-        if weights.len() != network.parameters().len() || best.len() != weights.len() {
-            return refuse("the checkpoint lacks weights: it is damaged");
-        }
-        for (name, tensor) in &weights {
+        let parameters = network.parameters().len();
+        require_length("tensors of weights", weights.len(), parameters)?;
+        require_length("tensors of the best weights", best.len(), parameters)?;
+        // The best weights first: setting them shows that names and shapes are right.
+        for (name, tensor) in best.iter().chain(&weights) {
             network.set_parameter(name, tensor)?;
         }
         let mut adam = adam(training, &network)?;
         adam.load_state(&with_prefix(&tensors, "optimiser."))?;
-        Ok(Self {
+        let state = Self {
             progress,
             network,
             adam,
             best,
-        })
+        };
+        state.require_steps(training)?;
+        Ok(state)
+    }
+
+    /// Refuses a state whose optimiser has not taken one step per batch of the epochs done. It takes
+    /// none where the gradient is not finite; such a step is among those that the history calls
+    /// skipped, with those whose loss alone is not finite.
+    fn require_steps(&self, training: &Training) -> Result<()> {
+        let samples = self.usable(&training.split.training).len();
+        let batches = samples.div_ceil(training.settings.batch);
+        let history = &self.progress.history;
+        let most = batches * history.len();
+        let skipped = history
+            .iter()
+            .map(|record| record.skipped_steps.min(batches));
+        let least = most - skipped.sum::<usize>();
+        let steps = self.adam.steps() as usize;
+        if (least..=most).contains(&steps) {
+            return Ok(());
+        }
+        refuse(format!(
+            "the checkpoint has {steps} steps of the optimiser where its epochs have {least} to {most}; \
+             {RESTORE}"
+        ))
     }
 
     /// The state as bytes.
@@ -179,6 +208,36 @@ impl State {
 }
 
 impl Progress {
+    /// Refuses lists that are not as long as the training needs them, and epochs that are not
+    /// numbered from one. A checksum shows that a checkpoint is what was written, not that it fits.
+    fn require_fit(&self, training: &Training) -> Result<()> {
+        let (card, classes) = (&self.card, training.classes.names.len());
+        let channels = training.settings.channel_places(training.source)?.len();
+        let all_channels = training.source.channels().len();
+        for (list, found, expected) in [
+            ("classes", card.classes.len(), classes),
+            ("shares of classes", card.log_prior.len(), classes),
+            ("channels", card.channels.len(), channels),
+            ("scaled channels", card.scaling.channels.len(), all_channels),
+            ("scalings", card.scaling.transforms.len(), all_channels),
+        ] {
+            require_length(list, found, expected)?;
+        }
+        let done = self.history.len();
+        let is_numbered = self
+            .history
+            .iter()
+            .zip(1..)
+            .all(|(record, epoch)| record.epoch == epoch);
+        if is_numbered && (1..=done).contains(&self.best_epoch) {
+            return Ok(());
+        }
+        refuse(format!(
+            "the checkpoint lacks epochs: it has {done}, and epoch {} is its best; {RESTORE}",
+            self.best_epoch
+        ))
+    }
+
     /// In what a training differs from the one that wrote this down, beyond epochs and patience.
     fn difference_to(&self, training: &Training) -> Option<&'static str> {
         if self.fingerprint != fingerprint(training) {
@@ -191,6 +250,16 @@ impl Progress {
             None
         }
     }
+}
+
+/// Refuses a part of a checkpoint that is not as long as the training needs it.
+fn require_length(part: &str, found: usize, expected: usize) -> Result<()> {
+    if found == expected {
+        return Ok(());
+    }
+    refuse(format!(
+        "the checkpoint has {found} {part} where the training has {expected}; {RESTORE}"
+    ))
 }
 
 /// Checks that every class of the training part keeps a sample.

@@ -4,7 +4,9 @@ use crate::scaling::ScalingMode;
 use crate::split::Fractions;
 use crate::targets::Target;
 use crate::{BlockSettings, Description, GlobalPooling, InMemory, SparseGrid};
+use candle_core::{DType, Tensor};
 use protomer_kernel::random::CounterRng;
+use serde_json::Value;
 
 const SIZE: usize = 8;
 
@@ -272,6 +274,84 @@ fn checkpoints_of_other_trainings_are_refused() {
     assert!(run(&settings(2), Some(b"nothing"), &mut ()).is_err());
 }
 
+/// A checkpoint that holds what was written, and does not fit.
+#[test]
+fn checkpoints_whose_lists_do_not_fit_are_refused() {
+    let mut keeper = Keeper::default();
+    run(&settings(2), None, &mut keeper).unwrap();
+    let (tensors, progress): (Vec<(String, Tensor)>, Value) =
+        container::unpack(&keeper.bytes, "checkpoint", &Device::Cpu).unwrap();
+    let refused = |tensors: &[(String, Tensor)], progress: &Value, why: &str| {
+        let bytes = container::pack(tensors, progress).unwrap();
+        let said = run(&settings(3), Some(&bytes), &mut ())
+            .unwrap_err()
+            .to_string();
+        assert!(said.contains(why), "{why}: {said}");
+    };
+    for (list, why) in [
+        ("/card/classes", "1 classes where the training has 2"),
+        ("/card/log_prior", "1 shares of classes where"),
+        ("/card/channels", "1 channels where"),
+        ("/card/scaling/channels", "1 scaled channels where"),
+        ("/card/scaling/transforms", "1 scalings where"),
+        ("/history", "steps of the optimiser where"),
+    ] {
+        let mut short = progress.clone();
+        let list = short.pointer_mut(list).unwrap();
+        list.as_array_mut().unwrap().pop().unwrap();
+        if why.contains("optimiser") {
+            short["best_epoch"] = 1.into();
+        }
+        refused(&tensors, &short, why);
+    }
+    let mut forged = progress.clone();
+    forged["best_epoch"] = 7.into();
+    refused(&tensors, &forged, "epoch 7 is its best");
+    let mut late = progress.clone();
+    late["history"].as_array_mut().unwrap().remove(0);
+    refused(&tensors, &late, "lacks epochs: it has 1");
+    for (prefix, why) in [
+        ("network.", "weights where"),
+        ("best.", "best weights where"),
+    ] {
+        let place = tensors
+            .iter()
+            .position(|(name, _)| name.starts_with(prefix));
+        let mut fewer = tensors.clone();
+        fewer.remove(place.unwrap());
+        refused(&fewer, &progress, why);
+    }
+    let place = tensors
+        .iter()
+        .position(|(name, _)| name == "best.head.bias");
+    let mut reshaped = tensors.clone();
+    reshaped[place.unwrap()].1 = Tensor::zeros(5, DType::F32, &Device::Cpu).unwrap();
+    refused(&reshaped, &progress, "head.bias");
+    // Nothing else is wrong with them.
+    let bytes = container::pack(&tensors, &progress).unwrap();
+    run(&settings(3), Some(&bytes), &mut ()).unwrap();
+}
+
+/// A batch without a finite gradient is no step of the optimiser.
+#[test]
+fn a_checkpoint_with_a_skipped_step_is_continued() {
+    let mut keeper = Keeper::default();
+    run(&settings(1), None, &mut keeper).unwrap();
+    let (mut tensors, mut progress): (Vec<(String, Tensor)>, Value) =
+        container::unpack(&keeper.bytes, "checkpoint", &Device::Cpu).unwrap();
+    let mut counter = tensors
+        .iter_mut()
+        .filter(|(name, _)| name == "optimiser.step");
+    let (_, steps) = counter.next().unwrap();
+    let taken = steps.to_scalar::<u32>().unwrap();
+    *steps = Tensor::new(taken - 1, &Device::Cpu).unwrap();
+    let short = container::pack(&tensors, &progress).unwrap();
+    assert!(run(&settings(2), Some(&short), &mut ()).is_err());
+    progress["history"][0]["skipped_steps"] = 1.into();
+    let skipped = container::pack(&tensors, &progress).unwrap();
+    run(&settings(2), Some(&skipped), &mut ()).unwrap();
+}
+
 #[test]
 fn training_starts_from_the_prior() {
     // With a vanishing rate nothing is learnt: the loss stays at the entropy of the shares.
@@ -442,6 +522,10 @@ fn models_survive_as_bytes_and_can_be_calibrated() {
     let p = |model: &Model| model.predict(&source, &split.test, how).unwrap();
     assert_eq!(p(&copy), p(&trained.model));
     assert!(Model::from_bytes(&trained.model.to_bytes().unwrap()[..50]).is_err());
+    let mut shorter = trained.model.clone();
+    shorter.card.scaling.transforms.pop();
+    let refused = Model::from_bytes(&shorter.to_bytes().unwrap());
+    assert!(refused.is_err_and(|error| error.to_string().contains("disagree")));
     let other = InMemory {
         channels: vec!["shape".into(), "charge".into()],
         ..source.clone()
