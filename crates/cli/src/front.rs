@@ -158,6 +158,7 @@ fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
             while !silence.is_too_long(watched.times_heard(), Instant::now()) {
                 std::thread::sleep(LOOKS_EVERY);
             }
+            watched.record_stop();
             note("stopped in the middle of a step; the same command continues from what was saved");
             std::process::exit(STOPPED);
         });

@@ -115,6 +115,7 @@ fn recorded_with<T, E: From<Error> + Display>(
     run: impl FnOnce() -> Result<End<T>, E>,
 ) -> Result<End<T>, E> {
     let path = directory.path();
+    let at_work = interrupt.at_work();
     let record = |exit| Record {
         details: details.clone(),
         ..Record::new(work, exit)
@@ -124,16 +125,18 @@ fn recorded_with<T, E: From<Error> + Display>(
     let present = Record::read(path)?;
     let was_done = !directory.settings_are_new() && present.is_some_and(|record| record.is_done());
     if !was_done {
+        at_work.begin(path);
         record(Exit::Running).write(path)?;
     }
     let end = run();
+    let write = |exit| at_work.end(path, || record(exit).write(path));
     match &end {
-        Ok(End::Finished(_)) => record(Exit::Done).write(path)?,
-        Ok(End::Stopped) => record(Exit::stopped_by(interrupt)).write(path)?,
+        Ok(End::Finished(_)) => write(Exit::Done)?,
+        Ok(End::Stopped) => write(Exit::stopped_by(interrupt))?,
         Err(_) if was_done => {}
         // The error of the work takes precedence over a failure to record it, for example on a full
         // disk.
-        Err(error) => drop(record(Exit::failed(error)).write(path)),
+        Err(error) => drop(write(Exit::failed(error))),
     }
     end
 }

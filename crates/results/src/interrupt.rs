@@ -1,5 +1,7 @@
 //! Stopping long work on request: a signal or a time limit, noticed between steps.
 
+use crate::Exit;
+use crate::at_work::AtWork;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -20,6 +22,7 @@ pub struct Interrupt {
     after_failure: Arc<AtomicBool>,
     /// Questions that were answered by yes.
     times_heard: Arc<AtomicU64>,
+    at_work: AtWork,
     deadline: Option<Instant>,
 }
 
@@ -84,5 +87,16 @@ impl Interrupt {
     /// ```
     pub fn times_heard(&self) -> u64 {
         self.times_heard.load(Ordering::Relaxed)
+    }
+
+    /// Records that the work was stopped, in every directory whose record says that it is running. For a
+    /// process that ends in the middle of a step.
+    pub fn record_stop(&self) {
+        self.at_work.stop(&Exit::stopped_by(self));
+    }
+
+    /// The directories in which the work goes on.
+    pub(crate) fn at_work(&self) -> &AtWork {
+        &self.at_work
     }
 }

@@ -27,6 +27,7 @@
 //!
 //! `tests/walk/mod.rs` is a complete engine in a few dozen lines, a template for new ones.
 
+mod at_work;
 pub mod campaign;
 pub mod checkpoint;
 mod contents;

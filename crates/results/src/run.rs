@@ -237,13 +237,15 @@ pub fn extend<T, E: From<Error> + Display>(
         };
         record.write(directory)
     };
+    interrupt.at_work().begin(directory);
     record(Exit::Running)?;
     let end = more();
+    let write = |exit| interrupt.at_work().end(directory, || record(exit));
     match &end {
-        Ok(End::Finished(_)) => record(Exit::Done)?,
-        Ok(End::Stopped) => record(Exit::stopped_by(interrupt))?,
+        Ok(End::Finished(_)) => write(Exit::Done)?,
+        Ok(End::Stopped) => write(Exit::stopped_by(interrupt))?,
         // The error of the work takes precedence over a failure to record it.
-        Err(error) => drop(record(Exit::failed(error))),
+        Err(error) => drop(write(Exit::failed(error))),
     }
     end
 }
@@ -282,6 +284,12 @@ pub fn proceed<R: Run>(
     let identity = run.work().identity;
     let write =
         |saved: &R::Checkpoint| checkpoint::write(file, R::CHECKPOINT_KIND, &identity, saved);
+    let save = |state: &mut R::State| -> Result<u64, R::Error> {
+        write(&run.save(state)?)?;
+        let (done, directory) = (run.done(state), file.parent().unwrap_or(file));
+        execution.interrupt.at_work().saved(directory, done);
+        Ok(done)
+    };
     let begin_turn = || Turn {
         execution,
         began: Instant::now(),
@@ -301,15 +309,14 @@ pub fn proceed<R: Run>(
         if turn.is_save_due() {
             // A run that was asked to stop within its first unit has nothing to save.
             if run.done(state) > saved_at {
-                write(&run.save(state)?)?;
-                saved_at = run.done(state);
+                saved_at = save(state)?;
             }
             turn = begin_turn();
         }
     }
     let is_finished = run.done(state) >= run.length();
     if is_finished || run.done(state) > saved_at {
-        write(&run.save(state)?)?;
+        save(state)?;
     }
     Ok(if is_finished {
         End::Finished(())
@@ -331,16 +338,23 @@ impl<R: Run> Recorded<'_, R> {
         state: &mut R::State,
         execution: &Execution,
     ) -> Result<End<R::Answer>, R::Error> {
+        let interrupt = &execution.interrupt;
+        interrupt.at_work().begin(self.directory);
         // The end recorded by an earlier process is no longer valid.
-        self.record(state, Exit::Running)?;
+        self.record(state, Exit::Running)?.write(self.directory)?;
         execution.progress.advance(self.run.done(state));
         let end = self.to_the_end(state, execution);
+        let mut write = |exit| -> Result<(), R::Error> {
+            let record = self.record(state, exit)?;
+            let at_work = interrupt.at_work();
+            Ok(at_work.end(self.directory, || record.write(self.directory))?)
+        };
         match &end {
-            Ok(End::Finished(_)) => self.record(state, Exit::Done)?,
-            Ok(End::Stopped) => self.record(state, Exit::stopped_by(&execution.interrupt))?,
+            Ok(End::Finished(_)) => write(Exit::Done)?,
+            Ok(End::Stopped) => write(Exit::stopped_by(interrupt))?,
             // The error of the work takes precedence over a failure to record it, for example on a
             // full disk.
-            Err(error) => drop(self.record(state, Exit::failed(error))),
+            Err(error) => drop(write(Exit::failed(error))),
         }
         end
     }
@@ -357,12 +371,11 @@ impl<R: Run> Recorded<'_, R> {
         }
     }
 
-    fn record(&self, state: &mut R::State, exit: Exit) -> Result<(), R::Error> {
-        let record = Record {
+    fn record(&self, state: &mut R::State, exit: Exit) -> Result<Record, R::Error> {
+        Ok(Record {
             done: Some(self.run.done(state)),
             details: self.run.details(state, self.directory)?,
             ..Record::new(&self.work, exit)
-        };
-        Ok(record.write(self.directory)?)
+        })
     }
 }

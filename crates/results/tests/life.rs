@@ -7,7 +7,7 @@ mod walk;
 
 use protomer_results::{
     Campaign, End, Error, Execution, Exit, Interrupt, Progress, Record, Result, ResultsDirectory,
-    Run, Shard, Turn, Work, conduct, conduct_shard, drive, extend,
+    Run, Shard, Turn, Work, conduct, conduct_shard, drive, extend, recorded,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -237,6 +237,107 @@ fn a_run_stopped_within_its_first_step_is_stopped_and_not_failed() {
     let record = Record::read(folder.path()).unwrap().unwrap();
     assert_eq!(record.exit.word(), "stopped");
     assert!(!folder.path().join("checkpoint.bin").exists());
+}
+
+/// A walk whose process ends in the middle of a step, a moment after a signal.
+struct Deaf {
+    walk: Walk,
+    interrupt: Interrupt,
+    deaf_from: u64,
+}
+
+impl Run for Deaf {
+    type State = <Walk as Run>::State;
+    type Checkpoint = <Walk as Run>::Checkpoint;
+    type Answer = <Walk as Run>::Answer;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        self.walk.work()
+    }
+
+    fn length(&self) -> u64 {
+        self.walk.length()
+    }
+
+    fn open(&self, directory: &Path, saved: Option<Self::Checkpoint>) -> Result<Self::State> {
+        self.walk.open(directory, saved)
+    }
+
+    fn done(&self, state: &Self::State) -> u64 {
+        self.walk.done(state)
+    }
+
+    fn advance(&self, state: &mut Self::State, turn: &Turn) -> Result<()> {
+        if self.done(state) == self.deaf_from {
+            self.interrupt.request();
+            self.interrupt.record_stop();
+            panic!("the process ends");
+        }
+        self.walk.advance(state, turn)
+    }
+
+    fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint> {
+        self.walk.save(state)
+    }
+
+    fn answer(&self, state: &mut Self::State, directory: &Path) -> Result<Self::Answer> {
+        self.walk.answer(state, directory)
+    }
+}
+
+#[test]
+fn work_whose_process_ends_in_the_middle_of_a_step_is_recorded_as_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, ended) = (folder.path().join("whole"), folder.path().join("ended"));
+    let plan = Walk { seed: 3, steps: 9 };
+    drive(&plan, &whole, &Execution::default()).unwrap();
+    let interrupt = Interrupt::default();
+    let execution = Execution {
+        interrupt: interrupt.clone(),
+        checkpoint_interval: std::time::Duration::ZERO,
+        ..Execution::default()
+    };
+    let run = Deaf {
+        walk: plan.clone(),
+        interrupt: interrupt.clone(),
+        deaf_from: 4,
+    };
+    let process = std::panic::AssertUnwindSafe(|| drive(&run, &ended, &execution));
+    assert!(std::panic::catch_unwind(process).is_err());
+    let record = Record::read(&ended).unwrap().unwrap();
+    let by = Some("a signal".into());
+    assert_eq!((record.exit, record.done), (Exit::Stopped { by }, Some(4)));
+    drive(&plan, &ended, &Execution::default()).unwrap();
+    assert_eq!(contents(&whole), contents(&ended));
+    // What has ended is left as it ended, by the same signal too.
+    drive(&plan, &whole, &execution).unwrap();
+    interrupt.record_stop();
+    assert_eq!(Record::read(&whole).unwrap().unwrap().exit, Exit::Done);
+}
+
+#[test]
+fn a_campaign_whose_process_ends_in_the_middle_of_a_step_is_recorded_as_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let walks = Walks::new(2, 9, folder.path());
+    let (work, execution) = (walks.work(), Execution::default());
+    let path = folder.path();
+    let enter =
+        || ResultsDirectory::enter(path, &LAYOUT, &walks.settings, &work.identity, &execution);
+    let exit = || Record::read(path).unwrap().unwrap().exit;
+    let interrupt = Interrupt::default();
+    let stops = || {
+        assert_eq!(exit(), Exit::Running);
+        interrupt.request();
+        interrupt.record_stop();
+        assert_eq!(exit().word(), "stopped");
+        Ok::<_, Error>(End::Finished(()))
+    };
+    // Work that ends after all has the last word.
+    recorded(&work, &enter().unwrap(), &interrupt, stops).unwrap();
+    assert_eq!(exit(), Exit::Done);
+    extend(path, &interrupt, stops).unwrap();
+    assert_eq!(exit(), Exit::Done);
 }
 
 /// A walk that knows by a file of its own that it is finished, whatever its record says.
