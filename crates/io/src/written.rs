@@ -14,7 +14,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 
 /// Longest file name without its ending, in bytes: file systems take 255 with it.
-const LONGEST_FILE_NAME_BYTES: usize = 200;
+pub const LONGEST_FILE_NAME_BYTES: usize = 200;
 /// Names of devices on Windows, with any ending.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
@@ -144,15 +144,17 @@ fn is_device(stem: &str) -> bool {
     DEVICES.contains(&stem) || is_numbered("com") || is_numbered("lpt")
 }
 
-/// File names in one folder: names that were different stay different.
+/// File names in one folder: names that were different stay different, also where a file system does
+/// not tell capital letters from small ones.
 ///
 /// ```
 /// let mut names = protomer_io::written::FileNames::default();
-/// let written = ["a/b", "a:b", "c"].map(|name| names.add(name));
-/// assert_eq!(written, ["a_b", "a_b_2", "c"]);
+/// let written = ["a/b", "a:b", "A", "a"].map(|name| names.add(name));
+/// assert_eq!(written, ["a_b", "a_b_2", "A", "a_2"]);
 /// ```
 #[derive(Debug, Default)]
 pub struct FileNames {
+    /// Names in small letters.
     used: HashSet<String>,
 }
 
@@ -162,7 +164,7 @@ impl FileNames {
         let first = file_name(name);
         let mut unused = first.clone();
         let mut count = 1;
-        while !self.used.insert(unused.clone()) {
+        while !self.used.insert(unused.to_lowercase()) {
             count += 1;
             unused = format!("{first}_{count}");
         }

@@ -4,6 +4,7 @@
 use crate::common::{TemporaryFolder, contents, is_ok, message, program};
 use protomer::bodies::body_file;
 use protomer_kernel::name::is_forbidden;
+use std::collections::BTreeSet;
 use std::process::Output;
 
 /// Allowed in a name, and dangerous where it is not written as one.
@@ -31,6 +32,16 @@ fn is_refused(output: &Output, name: &str) {
 
 /// An mmCIF file with a chain of this name, which may run over lines.
 fn mmcif(chain: &str) -> String {
+    mmcif_chains(&[&format!("\n;{chain}\n;\n")])
+}
+
+/// Residues by which chains differ, so that none is a copy of another.
+const RESIDUES: [&str; 11] = [
+    "GLY", "ALA", "SER", "VAL", "LEU", "ILE", "THR", "PRO", "CYS", "MET", "PHE",
+];
+
+/// An mmCIF file with chains of these names, written as they are given: quotes are part of the format.
+fn mmcif_chains(chains: &[&str]) -> String {
     let columns = "group_PDB id type_symbol label_atom_id label_alt_id label_comp_id label_asym_id \
                    label_entity_id label_seq_id auth_seq_id auth_asym_id Cartn_x Cartn_y Cartn_z \
                    occupancy B_iso_or_equiv pdbx_PDB_model_num";
@@ -45,14 +56,16 @@ fn mmcif(chain: &str) -> String {
         ("O", 1.4, 2.1),
     ];
     let mut serial = 0;
-    for residue in 1..4 {
-        for (name, x, y) in atoms {
-            serial += 1;
-            let x = x + 3.8 * f64::from(residue);
-            text += &format!(
-                "ATOM {serial} {} {name} . GLY A 1 {residue} {residue} \n;{chain}\n;\n{x:.3} {y:.3} 0.0 1.0 0.0 1\n",
-                &name[..1]
-            );
+    for (place, (chain, kind)) in (0..).zip(chains.iter().zip(RESIDUES)) {
+        for residue in 1..4 {
+            for (name, x, y) in atoms {
+                serial += 1;
+                let (x, y) = (x + 3.8 * f64::from(residue), y + 20.0 * f64::from(place));
+                text += &format!(
+                    "ATOM {serial} {} {name} . {kind} A 1 {residue} {residue} {chain} {x:.3} {y:.3} 0.0 1.0 0.0 1\n",
+                    &name[..1]
+                );
+            }
         }
     }
     text
@@ -302,4 +315,79 @@ fn a_hostile_name_stays_a_name_wherever_it_is_written() {
     let named = ["export", "two.json", "-o", "a;b.cif", "--script", "pymol"];
     let refused = message(&run(&place, &named));
     assert!(refused.contains("cannot name the file"), "{refused}");
+}
+
+/// Names of chains as mmCIF writes them, and as they are.
+fn difficult_chains() -> Vec<(String, String)> {
+    let mut chains: Vec<(String, String)> = [
+        ("'a/b'", "a/b"),
+        ("'a:b'", "a:b"),
+        ("\"a_b_2\"", "a_b_2"),
+        ("A", "A"),
+        ("a", "a"),
+        ("\"it's\"", "it's"),
+        ("'say \"A\"'", "say \"A\""),
+        ("a'b", "a'b"),
+        ("\"=1+1\"", "=1+1"),
+    ]
+    .map(|(written, name)| (written.to_owned(), name.to_owned()))
+    .into();
+    for end in ["1", "2"] {
+        let long = "x".repeat(300) + end;
+        chains.push((long.clone(), long));
+    }
+    chains
+}
+
+#[test]
+fn chains_of_any_name_get_files_of_their_own() {
+    let place = TemporaryFolder::new();
+    let chains = difficult_chains();
+    let written: Vec<&str> = chains.iter().map(|(written, _)| written.as_str()).collect();
+    std::fs::write(place.path("all.cif"), mmcif_chains(&written)).unwrap();
+    is_ok(&place.run("assemble structure all.cif -o all --density 0.5 -q"));
+    // Each chain has its file, also where capital and small letters are the same.
+    let (mut files, mut found) = (BTreeSet::new(), BTreeSet::new());
+    for file in contents(&place.path("all")).into_keys() {
+        if !file.ends_with(".body") {
+            continue;
+        }
+        let (body, _) = body_file::read(&place.path("all").join(&file)).unwrap();
+        found.insert(body.residues[0].chain.clone());
+        files.insert(file.to_lowercase());
+    }
+    let expected: BTreeSet<String> = chains.into_iter().map(|(_, name)| name).collect();
+    assert_eq!(found, expected);
+    assert_eq!(files.len(), expected.len(), "{files:?}");
+    assert!(files.iter().all(|file| file.len() < 230), "{files:?}");
+    for command in [
+        "inspect all/assembly.json",
+        "residues all/assembly.json --salt 100mM -o residues -q",
+        "export all/assembly.json -o all.pdb --script pymol -q",
+        "export all/assembly.json -o again.cif --script chimerax -q",
+    ] {
+        is_ok(&place.run(command));
+    }
+    for table in ["residues.csv", "residue_pairs.csv"] {
+        is_plain_table(
+            table,
+            &std::fs::read(place.path("residues").join(table)).unwrap(),
+        );
+    }
+    for script in ["all.pml", "again.cxc"] {
+        is_plain_script(script, &std::fs::read(place.path(script)).unwrap());
+    }
+    let atoms = ["all.pdb", "again.cif"].map(|file| {
+        let bytes = std::fs::read(place.path(file)).unwrap();
+        protomer_body::structure::Structure::read(file, &bytes)
+            .unwrap()
+            .models[0]
+            .atoms
+            .len()
+    });
+    assert_eq!(atoms, [12 * expected.len(); 2]);
+    let long = "x".repeat(300);
+    let named = ["ingest", "all.cif", "-o", "named", "--name", &long];
+    let refused = message(&run(&place, &named));
+    assert!(refused.contains("300 bytes"), "{refused}");
 }

@@ -13,6 +13,7 @@ use protomer_common::remedy;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::PointRecord;
 use protomer_io::pqr::{read_pqr_file, write_pqr};
+use protomer_io::written::LONGEST_FILE_NAME_BYTES;
 use protomer_kernel::name::printable;
 use protomer_results::{Progress, ResultKind};
 use rayon::prelude::*;
@@ -248,8 +249,16 @@ pub(super) fn body_names(files: &[PathBuf], settings: &IngestSettings) -> Result
     Ok(names)
 }
 
-/// Refuses a name that leads out of the folder of its body file.
+/// Refuses a name that leads out of the folder of its body file, or is too long for a file.
 pub(super) fn refuse_path(name: &str) -> Result<()> {
+    if name.len() > LONGEST_FILE_NAME_BYTES {
+        bail!(
+            "the name '{}...' has {} bytes, and that of a body file at most \
+             {LONGEST_FILE_NAME_BYTES}; give a shorter one",
+            printable(&name.chars().take(20).collect::<String>()),
+            name.len()
+        );
+    }
     if name.contains(['/', '\\', '\0']) {
         bail!(
             "the name '{}' cannot be that of a body file; give one without / and \\",
