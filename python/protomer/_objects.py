@@ -16,6 +16,8 @@ KEPT_IN_OUTPUT = frozenset({"simulate", "sweep", "pair"})
 """Verbs whose directory keeps its input, so that the same call continues it and others find the bodies."""
 KEPT_BESIDE_OUTPUT = frozenset({"assemble", "candidates"})
 """Verbs that write files which name the bodies."""
+LONGEST_FILE_NAME_BYTES = 200
+"""Longest file name without its ending: file systems take 255 bytes with it."""
 
 
 @runtime_checkable
@@ -29,22 +31,30 @@ class HasFile(Protocol):
         """Writes it into a folder."""
 
 
+def file_name(name: str) -> str:
+    """A name for a file: letters, digits and harmless signs, not too long, not hidden, never a path or a flag."""
+    stem = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in name).lstrip(".-")
+    # The bytes of a letter that is cut through are dropped.
+    return stem.encode()[:LONGEST_FILE_NAME_BYTES].decode(errors="ignore") or "unnamed"
+
+
 class Folder:
     """A folder for objects, which holds each under a name of its own."""
 
     def __init__(self, path: Path, *, replace: bool) -> None:
         self.path = path
         self._replace = replace
-        self._taken: dict[Path, str] = {}
+        self._taken: dict[str, str] = {}
 
     def write(self, name: str, ending: str, content: bytes) -> Path:
         """Writes a file, or finds it there; another one of the same call under this name gets a number."""
-        stem = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in name).lstrip(".") or "unnamed"
+        stem = file_name(name)
         digest = hashlib.sha256(content).hexdigest()
         number = 1
         while True:
             path = self.path / (f"{stem}{ending}" if number == 1 else f"{stem}_{number}{ending}")
-            if self._taken.setdefault(path, digest) == digest:
+            # Some file systems do not tell capital letters from small ones.
+            if self._taken.setdefault(path.name.lower(), digest) == digest:
                 break
             number += 1
         if not _holds(path, digest):

@@ -100,6 +100,33 @@ def test_bodies_are_taken_where_files_are(bodies, tmp_path):
     assert energies[0] < -0.01 and energies[1] == pytest.approx(energies[0], rel=1e-9)
 
 
+def test_bodies_get_files_of_their_own_whatever_their_names_are(bodies, tmp_path):
+    plus, minus = (pm.Body.read(bodies / f"{name}.body") for name in ("plus", "minus"))
+    long = "ä" * 300
+    names = ["../../x", "a/b", "a:b", "a_b_2", "A", "a", "-o", ".hidden", "=1+1", "it's \"A\"", "/"]
+    names += [long + "1", long + "2"]
+    kinds = {}
+    for number, name in enumerate(names):
+        # Different charges, so that each file has its own content.
+        kinds[name] = pm.Body.from_arrays(
+            vertices_angstrom=plus.vertices_angstrom,
+            triangles=plus.triangles,
+            charge_positions_angstrom=minus.charge_positions_angstrom,
+            charges_e=minus.charges_e * (1 + 0.01 * number),
+            name=name,
+        )
+    positions = [[60.0 * number, 0.0, 0.0] for number in range(len(names))]
+    pm.Assembly(kinds, names, positions_angstrom=positions).write(tmp_path / "all.json")
+    files = list((tmp_path / "all_input").iterdir())
+    assert len({file.name.lower() for file in files}) == len(names)
+    assert not [file.name for file in files if file.name.startswith((".", "-")) or len(file.name.encode()) > 230]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["all.json", "all_input"]
+    again = pm.Assembly.read(tmp_path / "all.json")
+    assert again.names == names
+    for name, body in kinds.items():
+        np.testing.assert_array_equal(again.bodies[name].charges_e, body.charges_e)
+
+
 def test_results_are_read_back_and_name_their_trajectories(finished, ring):
     sweep = pm.SweepResult.read(finished)
     np.testing.assert_array_equal(sweep.salt_molar, [0.03, 0.3])
