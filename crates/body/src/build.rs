@@ -264,6 +264,11 @@ impl Draft {
         }
     }
 
+    /// Warnings about the file and the points that it holds.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// The name of the body.
     pub fn name(&self) -> &str {
         &self.name

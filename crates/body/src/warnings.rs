@@ -1,5 +1,7 @@
 //! Warnings about a structure file and the body made from it.
 
+use crate::chemistry::additives::is_crystallisation_additive;
+use crate::structure::report::reason;
 use crate::structure::{
     Disulfide, DisulfideEvidence, ListedResidue, SelectionReport, Structure, messages::listed,
 };
@@ -29,6 +31,7 @@ pub(crate) fn reader_warnings(structure: &Structure) -> Vec<String> {
 pub(crate) fn selection_warnings(report: &SelectionReport) -> Vec<String> {
     let mut warnings = model_warning(report);
     warnings.extend(left_out_warnings(report));
+    warnings.extend(skipped_warnings(report));
     warnings.extend(report.corrections.iter().cloned());
     if report.repeated_numbers > 0 {
         let count = report.repeated_numbers;
@@ -84,12 +87,6 @@ fn left_out_warnings(report: &SelectionReport) -> Vec<String> {
     let mut warnings = Vec::new();
     for (reason, names) in &report.left_out {
         let count: usize = names.values().sum();
-        let mut names: Vec<(&String, &usize)> = names.iter().collect();
-        names.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), *name));
-        let names: Vec<String> = names
-            .iter()
-            .map(|(name, count)| format!("{count} {name}"))
-            .collect();
         let plural = match count {
             1 => String::new(),
             _ => "s".into(),
@@ -98,9 +95,61 @@ fn left_out_warnings(report: &SelectionReport) -> Vec<String> {
             Some(("atom", place)) => format!("atom{plural} {place}"),
             _ => format!("{reason}{plural}"),
         };
-        warnings.push(format!("{count} {reason} left out: {}", listed(&names)));
+        warnings.push(format!("{count} {reason} left out: {}", counted(names)));
     }
     warnings
+}
+
+/// One line for the ligands and one for the nucleic acids that are left out, with their names, their
+/// chains and the flag that keeps them. They may carry charge and fill space between chains; additives
+/// of the crystallisation do not belong to the protein and are only counted.
+fn skipped_warnings(report: &SelectionReport) -> Vec<String> {
+    let kinds = [
+        (reason::LIGAND, "ligands", "--keep-ligands"),
+        (
+            reason::NUCLEIC_ACID,
+            "nucleic acids",
+            "--keep-nucleic-acids",
+        ),
+    ];
+    let mut warnings = Vec::new();
+    for (why, kind, flag) in kinds {
+        let Some(residues) = report.skipped_residues.get(why) else {
+            continue;
+        };
+        let mut names = residues.names.clone();
+        names.retain(|name, _| !is_crystallisation_additive(name));
+        if names.is_empty() {
+            continue;
+        }
+        let chains: Vec<String> = residues
+            .chains
+            .iter()
+            .filter(|name| !name.is_empty())
+            .cloned()
+            .collect();
+        let place = match chains.as_slice() {
+            [] => String::new(),
+            [chain] => format!(" of chain {chain}"),
+            chains => format!(" of chains {}", listed(chains)),
+        };
+        warnings.push(format!(
+            "{kind}{place} left out: {}; {flag} keeps them",
+            counted(&names)
+        ));
+    }
+    warnings
+}
+
+/// Names with their numbers, the most frequent first: `4 HEM, 2 PO4`.
+fn counted(names: &BTreeMap<String, usize>) -> String {
+    let mut names: Vec<(&String, &usize)> = names.iter().collect();
+    names.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), *name));
+    let names: Vec<String> = names
+        .iter()
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    listed(&names)
 }
 
 fn describe(listed: &ListedResidue) -> String {

@@ -17,6 +17,14 @@ pub struct PqrFile {
     pub models: usize,
 }
 
+impl PqrFile {
+    /// That one of several models was read.
+    pub fn models_warning(&self) -> Option<String> {
+        let models = self.models;
+        (models > 1).then(|| format!("the first of {models} models is used"))
+    }
+}
+
 /// Reads the atoms of a PQR file: [`read_pqr_file`] without the number of models.
 ///
 /// ```

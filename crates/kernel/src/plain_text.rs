@@ -97,6 +97,23 @@ pub fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
     Ok(with_line_feeds(text))
 }
 
+/// A warning about lines that end with a carriage return alone, which most other programs take for one
+/// long line; `None` for other line ends.
+///
+/// ```
+/// use protomer_kernel::plain_text::line_end_warning;
+/// assert!(line_end_warning(b"ATOM\rTER\r").is_some());
+/// assert_eq!(line_end_warning(b"ATOM\r\nTER\r\n"), None);
+/// ```
+pub fn line_end_warning(bytes: &[u8]) -> Option<String> {
+    let is_old = bytes.contains(&b'\r') && !bytes.contains(&b'\n');
+    is_old.then(|| {
+        "the lines end with CR alone, as on early Macintosh computers; they are read as lines, but \
+         other programs may see one line only"
+            .to_owned()
+    })
+}
+
 /// First bytes, name and command of the compressions that files of structures come in.
 const COMPRESSIONS: [(&[u8], &str, &str); 8] = [
     (&[0x1f, 0x8b], "gzip", "gzip -d FILE"),

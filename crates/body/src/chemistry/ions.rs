@@ -36,7 +36,7 @@ const IONS: &[Ion] = &[
     entry("AG", 1, "AG", &["AG+"]),
     entry("CU1", 1, "CU", &["CU+"]),
     entry("MG", 2, "MG", &["MG2", "MG2+", "MG+2"]),
-    entry("CA", 2, "CA", &["CAL", "CA2", "CA2+", "CA+2"]),
+    entry("CA", 2, "CA", &["CAL", "CA2", "CA2+", "CA+2", "C0"]),
     entry("SR", 2, "SR", &["SR2", "SR2+"]),
     entry("BA", 2, "BA", &["BAR", "BA2+"]),
     entry("MN", 2, "MN", &["MN2", "MN2+"]),

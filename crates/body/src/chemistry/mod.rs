@@ -3,6 +3,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`amino_acid`] | the twenty amino acids: names, heavy atoms, hydropathy |
+//! | `additives` | molecules of the crystallisation, which do not belong to the protein |
 //! | [`residue_names`] | other residue names: modified residues and their parents, force fields, caps, nucleotides, waters |
 //! | [`ions`] | ions by their residue names |
 //! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
@@ -13,6 +14,7 @@
 //! | `treatment` | how a residue that is not one of the twenty is treated, in words |
 //! | [`sites`] | the sites and residues of a body, from a whole selection |
 
+pub(crate) mod additives;
 pub mod amino_acid;
 pub mod charges;
 pub mod ions;

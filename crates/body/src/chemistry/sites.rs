@@ -5,11 +5,11 @@ use super::charges::{ChargeModel, atom_charges_e, residue_charge_e};
 use super::radii::radius_angstrom;
 use super::residue_names::parent_amino_acid;
 use crate::body::{Residue, Site};
+use crate::structure::residues::residues_of_points;
 use crate::structure::{SelectedResidue, Selection};
 use crate::{BodyError, Result};
 use protomer_kernel::{PointRecord, Vec3};
 use serde::{Deserialize, Serialize};
-use std::collections::HashMap;
 
 /// How sites are charged.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -160,25 +160,19 @@ fn refuse_trace(selected: &[SelectedResidue]) -> Result<()> {
 pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.position).collect();
     let origin_angstrom = centroid(&positions)?;
-    let mut residues: Vec<Residue> = Vec::new();
-    let mut index_of = HashMap::new();
-    let mut sites = Vec::with_capacity(atoms.len());
-    for atom in atoms {
-        let mut residue = None;
-        if !atom.residue_name.is_empty() {
-            let key = (
-                &atom.chain,
-                atom.residue_number,
-                &atom.insertion_code,
-                &atom.residue_name,
-            );
-            let index = *index_of.entry(key).or_insert_with(|| {
-                residues.push(bare_residue(atom));
-                residues.len() - 1
-            });
-            residues[index].charge_e += atom.charge_e;
-            residue = u32::try_from(index).ok();
+    let groups = residues_of_points(atoms);
+    let mut residue_of = vec![None; atoms.len()];
+    let mut residues: Vec<Residue> = Vec::with_capacity(groups.len());
+    for (index, group) in groups.iter().enumerate() {
+        let mut residue = bare_residue(&atoms[group[0]]);
+        for &atom in group {
+            residue.charge_e += atoms[atom].charge_e;
+            residue_of[atom] = u32::try_from(index).ok();
         }
+        residues.push(residue);
+    }
+    let mut sites = Vec::with_capacity(atoms.len());
+    for (atom, residue) in atoms.iter().zip(residue_of) {
         sites.push(Site {
             position: atom.position - origin_angstrom,
             charge_e: atom.charge_e,

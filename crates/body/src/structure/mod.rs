@@ -92,7 +92,7 @@ mod read;
 pub(crate) mod records;
 pub mod report;
 mod residue_key;
-mod residues;
+pub(crate) mod residues;
 pub(crate) mod scale;
 pub mod selected;
 pub mod selection;
@@ -110,6 +110,7 @@ pub use format::Format;
 pub use messages::Warnings;
 pub use report::{
     ChainBreak, Disulfide, DisulfideEvidence, IncompleteResidue, ListedResidue, SelectionReport,
+    SkippedResidues,
 };
 pub use residue_key::ResidueKey;
 pub use selected::{SelectedResidue, Selection};

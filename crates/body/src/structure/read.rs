@@ -7,6 +7,7 @@ use super::messages::{parse_error, quoted};
 use super::{mmcif, pdb};
 use crate::{BodyError, Result};
 use protomer_kernel::name::first_forbidden;
+use protomer_kernel::plain_text::line_end_warning;
 
 impl Structure {
     /// Reads PDB or mmCIF text; the format follows from the content, whatever its name. `source`
@@ -40,6 +41,9 @@ impl Structure {
             return Err(no_atoms(&structure, &text));
         }
         if let Some(warning) = format.contradiction(source) {
+            structure.warnings.add(1, &warning);
+        }
+        if let Some(warning) = line_end_warning(bytes) {
             structure.warnings.add(1, &warning);
         }
         refuse_names(source, &structure)?;

@@ -3,7 +3,7 @@
 use super::contents::Atom;
 use super::residue_key::ResidueKey;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What was selected, what was left out and why, and how residues were treated.
@@ -29,8 +29,8 @@ pub struct SelectionReport {
     pub left_out: BTreeMap<&'static str, BTreeMap<String, usize>>,
     /// What was read otherwise than the file says: names and numbers of chains and residues.
     pub corrections: Vec<String>,
-    /// Residues left out, by name.
-    pub skipped_residues: BTreeMap<String, usize>,
+    /// Residues left out, by reason.
+    pub skipped_residues: BTreeMap<&'static str, SkippedResidues>,
     /// Modified residues: what each is and what it counts as.
     pub modified: Vec<ListedResidue>,
     /// Residues of a chain that are in no table, and what each counts as.
@@ -65,12 +65,44 @@ impl SelectionReport {
         }
     }
 
+    /// Counts a residue that is left out with this many atoms.
+    pub(crate) fn skip_residue(
+        &mut self,
+        why: &'static str,
+        name: &str,
+        chain: &str,
+        atoms: usize,
+    ) {
+        self.skip(why, atoms);
+        let residues = self.skipped_residues.entry(why).or_default();
+        *residues.names.entry(name.to_owned()).or_default() += 1;
+        residues.chains.insert(chain.to_owned());
+    }
+
+    /// Atoms left out, by reason, such as `6 ligand, 221 water`; `None` if none were.
+    pub fn skipped_in_words(&self) -> Option<String> {
+        let counts = self.skipped.iter();
+        let words: Vec<String> = counts
+            .map(|(reason, count)| format!("{count} {reason}"))
+            .collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+
     /// Counts a record that is no atom, or no atom of its own.
     pub(crate) fn leave_out(&mut self, why: &'static str, atom: &Atom) {
         self.skip(why, 1);
         let names = self.left_out.entry(why).or_default();
         *names.entry(atom.name.to_string()).or_default() += 1;
     }
+}
+
+/// Residues left out for one reason.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct SkippedResidues {
+    /// Number of residues of each name.
+    pub names: BTreeMap<String, usize>,
+    /// Chains that they are in.
+    pub chains: BTreeSet<String>,
 }
 
 /// Reasons in [`SelectionReport::skipped`].

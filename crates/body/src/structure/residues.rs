@@ -14,10 +14,12 @@
 //! * The atoms of a residue need not be contiguous: some files list conformers one after the other.
 
 use super::contents::Atom;
+use super::element;
+use super::names::Names;
 use super::residue_key::ResidueKey;
 use crate::chemistry::amino_acid::{AminoAcid, BACKBONE};
 use crate::chemistry::residue_names::{self, parent_amino_acid};
-use protomer_kernel::Vec3;
+use protomer_kernel::{PointRecord, Vec3};
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::sync::Arc;
@@ -126,6 +128,46 @@ pub(crate) fn group<'a>(atoms: &[&'a Atom]) -> Vec<AtomGroup<'a>> {
         });
     }
     grouping.groups
+}
+
+/// Indices of the points of each residue, by the same rules as the atoms of a structure. Points without
+/// the name of a residue are in none.
+pub(crate) fn residues_of_points(points: &[PointRecord]) -> Vec<Vec<usize>> {
+    let mut names = Names::default();
+    let mut atoms = Vec::with_capacity(points.len());
+    for (index, point) in points.iter().enumerate() {
+        if !point.residue_name.is_empty() {
+            atoms.push(atom_of_point(index, point, &mut names));
+        }
+    }
+    let groups = group(&atoms.iter().collect::<Vec<_>>());
+    let index_of = |atom: &&Atom| usize::try_from(atom.serial).ok();
+    let indices = |group: AtomGroup| group.atoms.iter().filter_map(index_of).collect();
+    groups.into_iter().map(indices).collect()
+}
+
+/// A point as an atom whose serial number is the index of the point.
+fn atom_of_point(index: usize, point: &PointRecord, names: &mut Names) -> Atom {
+    let chain = names.share(&point.chain);
+    Atom {
+        serial: i64::try_from(index).unwrap_or(i64::MAX),
+        name: names.share(&point.atom_name),
+        alternate: None,
+        residue_name: names.share(&point.residue_name),
+        label_chain: chain.clone(),
+        chain,
+        segment: names.share(""),
+        polymer: 0,
+        residue_number: point.residue_number,
+        insertion_code: names.share(&point.insertion_code),
+        element: names.share(element::from_name(&point.atom_name)),
+        occupancy: 1.0,
+        b_factor_angstrom2: 0.0,
+        formal_charge_e: None,
+        position: point.position,
+        hetero: false,
+        outside_polymer: false,
+    }
 }
 
 /// The residues so far.

@@ -273,9 +273,8 @@ fn select_residue(
     report: &mut SelectionReport,
 ) -> Option<SelectedResidue> {
     if let Some(why_not) = why_not(draft.class, settings) {
-        report.skip(why_not, conformer.atoms.len());
-        let name = conformer.name.to_string();
-        *report.skipped_residues.entry(name).or_default() += 1;
+        let chain = &identity.key.chain;
+        report.skip_residue(why_not, &conformer.name, chain, conformer.atoms.len());
         return None;
     }
     let atoms = kept_atoms(conformer, draft.class, settings.keep_hydrogens);

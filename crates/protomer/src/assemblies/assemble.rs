@@ -277,15 +277,6 @@ impl StructureAssembly {
         }
         warnings
     }
-
-    /// Atoms that were left out, such as `43 water`; `None` if none were.
-    fn skipped_in_words(&self) -> Option<String> {
-        let counts = self.skipped.iter();
-        let words: Vec<String> = counts
-            .map(|(reason, count)| format!("{count} {reason}"))
-            .collect();
-        (!words.is_empty()).then(|| words.join(", "))
-    }
 }
 
 impl Answer for StructureAssembly {
@@ -309,7 +300,7 @@ impl Answer for StructureAssembly {
                 format!("{largest:.3}"),
             ]);
         }
-        let left_out = match self.skipped_in_words() {
+        let left_out = match self.selection.skipped_in_words() {
             Some(skipped) => format!("\nleft out: {skipped}"),
             None => String::new(),
         };
@@ -540,6 +531,21 @@ mod tests {
         text
     }
 
+    /// Two nucleotides of three atoms each.
+    fn adenosines(chain: char) -> String {
+        let mut text = String::new();
+        for number in 1..=2 {
+            for (name, element, x) in [("P", "P", 0.0), ("O5'", "O", 1.6), ("C5'", "C", 3.0)] {
+                let x = x + 6.0 * f64::from(number);
+                text += &format!(
+                    "ATOM      1  {name:<3}  DA {chain}{number:4}    {x:8.3}{:8.3}{:8.3}  1.00  0.00          {element:>2}\n",
+                    40.0, 40.0
+                );
+            }
+        }
+        text
+    }
+
     /// Everything that `ingest` says of the file is said, and what each body is like.
     #[test]
     fn a_structure_is_taken_apart_with_all_that_ingest_says_of_it() {
@@ -549,7 +555,8 @@ mod tests {
             "HETATM    1  O   HOH A 101      30.000  30.000  30.000  1.00  0.00           O\n";
         let haem =
             "HETATM    1 FE   HEM A 100      20.000  20.000  20.000  1.00  0.00          FE\n";
-        let text = chain('A', 0.0, true) + &chain('B', 15.0, false) + haem + water;
+        let text =
+            chain('A', 0.0, true) + &chain('B', 15.0, false) + &adenosines('I') + haem + water;
         std::fs::write(&input, text).unwrap();
         let settings = StructureSettings {
             body: BodySettings::default(),
@@ -564,23 +571,34 @@ mod tests {
         for warning in body.warnings.iter().filter(|warning| !of_surface(warning)) {
             assert!(said.contains(warning), "{warning}\n{said}");
         }
-        for wanted in ["chain break between A:1", "lacks CD, CE, NZ"] {
-            assert_eq!(said.matches(wanted).count().min(1), 1, "{wanted}\n{said}");
+        for wanted in [
+            "ligands of chain A left out: 1 HEM; --keep-ligands keeps them",
+            "nucleic acids of chain I left out: 2 DA; --keep-nucleic-acids keeps them",
+            "chain break between A:1 and A:5",
+            "LYS B:1 lacks CD, CE, NZ",
+        ] {
+            assert_eq!(said.matches(wanted).count(), 1, "{wanted}\n{said}");
         }
         let json = serde_json::to_value(&made).unwrap();
-        assert_eq!(
-            json["skipped"],
-            serde_json::to_value(&made.skipped).unwrap()
-        );
+        let skipped = serde_json::json!({"ligand": 1, "nucleic acid": 6, "water": 1});
+        assert_eq!(json["skipped"], skipped);
+        let left_out = &json["selection"]["skipped_residues"];
+        assert_eq!(left_out["ligand"]["names"]["HEM"], 1);
+        assert_eq!(left_out["nucleic acid"]["chains"][0], "I");
+        let words = "left out: 1 ligand, 6 nucleic acid, 1 water";
+        assert!(made.text().contains(words), "{}", made.text());
+        let charges_e = made.bodies.iter().map(|of_kind| {
+            let copies = u32::try_from(of_kind.chains.len()).unwrap();
+            f64::from(copies) * of_kind.measures.net_charge_e
+        });
+        let difference_e = charges_e.sum::<f64>() - body.body.net_charge_e();
+        assert!(difference_e.abs() < 1e-9, "{difference_e}");
+        let listed = json["structure_warnings"].as_array().unwrap();
         assert!(
-            made.skipped.values().sum::<usize>() == 2,
-            "{:?}",
-            made.skipped
+            listed
+                .iter()
+                .any(|line| line.as_str().unwrap().contains("1 HEM"))
         );
-        assert!(made.text().contains("left out: "), "{}", made.text());
-        let charge = json["bodies"][0]["net_charge_e"].as_f64().unwrap();
-        assert!(charge.abs() < 3.0 && charge != 0.0, "{charge}");
-        assert!(!json["structure_warnings"].as_array().unwrap().is_empty());
     }
 
     /// What moved far is answered with an offset that was not given yet, or with another way.

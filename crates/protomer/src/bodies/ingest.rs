@@ -15,6 +15,7 @@ use protomer_io::points::PointRecord;
 use protomer_io::pqr::{read_pqr_file, write_pqr};
 use protomer_io::written::LONGEST_FILE_NAME_BYTES;
 use protomer_kernel::name::printable;
+use protomer_kernel::plain_text::line_end_warning;
 use protomer_results::{Progress, ResultKind};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -374,9 +375,11 @@ fn build_of_pqr(name: &str, input: &InputFile, settings: &BodySettings) -> Resul
     if let Some(warning) = Format::Pqr.contradiction(&input.name) {
         draft = draft.with_warning(warning);
     }
-    if file.models > 1 {
-        let models = file.models;
-        draft = draft.with_warning(format!("the first of {models} models is used"));
+    if let Some(warning) = line_end_warning(&input.bytes) {
+        draft = draft.with_warning(warning);
+    }
+    if let Some(warning) = file.models_warning() {
+        draft = draft.with_warning(warning);
     }
     draft.build().map_err(|error| named(&input.name, error))
 }

@@ -17,8 +17,9 @@ use protomer_field::voxels::orientation::principal_axes;
 use protomer_field::voxels::{Channel, Lattice, VoxelAtom, Voxels, voxelise_within};
 use protomer_field::{ChargedSphere, FieldError};
 use protomer_io::digest::Digest;
-use protomer_io::pqr::read_pqr;
+use protomer_io::pqr::read_pqr_file;
 use protomer_io::zarr::as_stored;
+use protomer_kernel::plain_text::line_end_warning;
 use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};
@@ -361,10 +362,15 @@ fn read(
         ..SurfaceSettings::default()
     };
     if Format::of_file(&file.name, &file.bytes).map_err(unreadable)? == Format::Pqr {
-        let points = read_pqr(&file.name, &file.bytes).map_err(unreadable)?;
-        let draft = Draft::of_points(&entry.name, source, &points, &surface).map_err(unreadable)?;
+        let pqr = read_pqr_file(&file.name, &file.bytes).map_err(unreadable)?;
+        let draft = Draft::of_points(&entry.name, source, &pqr.atoms, &surface);
+        let draft = draft.map_err(unreadable)?;
         let mut warnings = of_ending(&Ending::of_pqr(&String::from_utf8_lossy(&file.bytes)))?;
         warnings.extend(Format::Pqr.contradiction(&file.name));
+        warnings.extend(line_end_warning(&file.bytes));
+        warnings.extend(pqr.models_warning());
+        warnings.extend(draft.warnings().iter().cloned());
+        warnings.extend(ph_warning(settings.ph));
         return Ok(Content {
             draft,
             incomplete: 0,
@@ -396,6 +402,14 @@ fn read(
         draft: draft.with_warnings_of(&structure),
         incomplete,
         warnings,
+    })
+}
+
+/// That a pH which the user chose does nothing to a PQR file, whose charges are its own.
+fn ph_warning(ph: f64) -> Option<String> {
+    let default = VoxelizeSettings::default().ph;
+    (ph != default).then(|| {
+        format!("a PQR file has its own charges, which are not changed to those at pH {ph}")
     })
 }
 
