@@ -310,6 +310,35 @@ fn the_energies_of_a_run_are_chosen_once() {
     );
 }
 
+/// Contacts of earlier versions were counted from vertices: a run that was begun so is not continued,
+/// but its results are read.
+#[test]
+fn contacts_of_two_definitions_are_not_mixed_in_a_run() {
+    let place = TemporaryFolder::new();
+    let short = "sweep ring.json --salt 50mM,300mM --replicas 2 --sweeps 20 --equilibration 10 \
+                 --log-every 1 --trajectory-every 1 --quiet -o run";
+    is_ok(&place.run(short));
+    let path = place.path("run/run.toml");
+    let begun = std::fs::read_to_string(&path).unwrap();
+    let stated = "contact_definition = \"between surfaces\"\n";
+    assert!(begun.contains(stated), "{begun}");
+    std::fs::write(&path, begun.replace(stated, "")).unwrap();
+    let before = contents(&place.path("run"));
+    let refused = place.run(short);
+    assert_eq!(refused.status.code(), Some(1));
+    let said = message(&refused);
+    let wanted = "contact_definition: none there, \"between surfaces\" here";
+    assert!(said.contains(wanted), "{said}");
+    assert!(contents(&place.path("run")) == before);
+    for reading in [
+        "reweight run",
+        "compare run -o compared.svg",
+        "report run -o report.html",
+    ] {
+        is_ok(&place.run(reading));
+    }
+}
+
 #[test]
 fn a_time_limit_stops_resumably() {
     let place = TemporaryFolder::new();
@@ -779,11 +808,17 @@ fn open_space_is_said_before_the_run_and_the_advice_works() {
     let open = place.run(&format!("sweep open.json {short} -o open"));
     is_ok(&open);
     let words = message(&open);
-    let (said, done) = (
-        words.find("no box").unwrap(),
-        words.find("figure:").unwrap(),
+    // Stopped before the first simulation, it has said so already.
+    let stopped = place.run(&format!(
+        "sweep open.json {short} --time-limit 0 -o stopped"
+    ));
+    assert_eq!(stopped.status.code(), Some(3));
+    assert!(
+        message(&stopped).contains("no box"),
+        "{}",
+        message(&stopped)
     );
-    assert!(said < done, "{words}");
+    assert!(!place.path("stopped/sweep.csv").exists());
     let result = std::fs::read(place.path("open/sweep.json")).unwrap();
     let result: serde_json::Value = serde_json::from_slice(&result).unwrap();
     assert_eq!(result["equilibrated"], false);
@@ -871,6 +906,7 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
         contacts: Some(summary(8.0 * fractions(replica, salt))),
         bound_fraction: Some(summary(fractions(replica, salt))),
         effective_bodies: None,
+        warnings: Vec::new(),
     };
     let replicas: Vec<Vec<ReplicaResult>> = (0..3)
         .map(|salt| (0..4).map(|number| replica(number, salt)).collect())
@@ -881,6 +917,7 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
         salts.push(SaltRow::new(*salt_molar, &interaction, replicas));
     }
     let figure = figure(&SweepResult {
+        warnings: Vec::new(),
         version: String::new(),
         input_sha256: String::new(),
         bodies: 8,

@@ -37,6 +37,16 @@ pub enum Definition {
     NoCutOff,
 }
 
+/// Between which parts of two bodies the contact gap is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactDefinition {
+    /// The surfaces. Earlier versions measured from the vertices of one mesh to the other surface,
+    /// and their runs, which state no definition, cannot be continued: contacts before and after
+    /// would not be the same quantity.
+    #[serde(rename = "between surfaces")]
+    BetweenSurfaces,
+}
+
 impl Default for InteractionSettings {
     fn default() -> Self {
         Self {

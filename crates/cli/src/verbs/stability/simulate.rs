@@ -121,18 +121,15 @@ pub fn say_limits(front: &Front, engine: &Engine, settings: &RunSettings) -> Res
     Ok(())
 }
 
-/// The warning of a run whose bodies came into contact, if its start did not give it.
-pub fn late_contact_warning(
+/// The warnings of a result that [`say_limits`] has not said before the run.
+pub fn late_warnings(
     engine: &Engine,
     settings: &RunSettings,
-    mean_contacts: impl Iterator<Item = f64>,
-) -> Result<Option<String>> {
+    warnings: &[String],
+) -> Result<Vec<String>> {
     let said = effective::near_contact_warning(&engine.system()?, settings);
-    let most = mean_contacts.fold(0.0, f64::max);
-    Ok(match said {
-        Some(_) => None,
-        None => effective::contacts_warning(most, settings),
-    })
+    let is_new = |warning: &&String| said.as_ref() != Some(*warning);
+    Ok(warnings.iter().filter(is_new).cloned().collect())
 }
 
 /// Says how energies are computed and, where tables are made first, how long that takes.
@@ -182,10 +179,7 @@ impl SimulateArgs {
         let end = simulate(&engine, &settings, directory, &execution)?;
         let mut notes = Vec::new();
         if let End::Finished(result) = &end {
-            let bodies = result.effective_bodies.iter().flatten();
-            notes = effective::warnings(bodies);
-            let contacts = result.contacts.iter().map(|contacts| contacts.mean);
-            notes.extend(late_contact_warning(&engine, &settings, contacts)?);
+            notes = late_warnings(&engine, &settings, &result.warnings)?;
             let figure = figure_of(directory, &settings);
             notes.push(format!("figure: {}", figure.display()));
         }

@@ -1,6 +1,6 @@
 //! `protomer sweep`: stability against salt.
 
-use super::simulate::{RunArgs, figure_of, late_contact_warning, say_energies, say_limits};
+use super::simulate::{RunArgs, figure_of, late_warnings, say_energies, say_limits};
 use crate::flags::choices::ReplicaStarts;
 use crate::flags::medium::MediumArgs;
 use crate::flags::override_with;
@@ -10,7 +10,6 @@ use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::stability::effective;
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};
 use protomer_common::{quantity, range};
@@ -81,12 +80,7 @@ impl SweepArgs {
             match run_sweep(&engine, &settings, directory, &execution)? {
                 End::Finished(result) => {
                     let figure = figure_of(directory, &settings);
-                    let bodies = result.salts.iter().flat_map(|row| &row.effective_bodies);
-                    let mut warnings = effective::warnings(bodies.flatten());
-                    let replicas = result.replicas.iter().flatten();
-                    let contacts = replicas.filter_map(|replica| replica.contacts);
-                    let means = contacts.map(|contacts| contacts.mean);
-                    warnings.extend(late_contact_warning(&engine, &settings, means)?);
+                    let warnings = late_warnings(&engine, &settings, &result.warnings)?;
                     let reply = Reply::of(result).with_notes(warnings);
                     reply.with_note(format!("figure: {}", figure.display()))
                 }

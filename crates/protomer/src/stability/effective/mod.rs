@@ -10,7 +10,7 @@ mod problem;
 pub(crate) mod range;
 mod store;
 
-pub use range::{LEAST_GAP_ANGSTROM, contacts_warning, near_contact_warning};
+pub use range::{LEAST_GAP_ANGSTROM, near_contact_warning, run_warning};
 pub use store::EffectiveStore;
 
 use crate::stability::interaction::ScreenedCoulomb;

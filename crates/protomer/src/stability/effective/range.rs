@@ -26,21 +26,30 @@ pub fn near_contact_warning(system: &System, run: &RunSettings) -> Option<String
     Some(out_of_range(&bodies, run.desolvation))
 }
 
-/// The same for a run in which this many pairs of bodies are in contact on average.
-pub fn contacts_warning(mean_contacts: f64, run: &RunSettings) -> Option<String> {
+/// The warning of a run: as [`near_contact_warning`] where its start is out of range, or that bodies
+/// came into contact, where this many pairs of bodies were in contact on average.
+pub fn run_warning(system: &System, run: &RunSettings, mean_contacts: f64) -> Option<String> {
     run.effective_charges?;
-    let bodies = "the surfaces of bodies in contact";
-    (mean_contacts > 0.0).then(|| out_of_range(bodies, run.desolvation))
+    near_contact_warning(system, run).or_else(|| {
+        let gap_angstrom = run.contact_gap_angstrom;
+        let bodies = format!("bodies came into contact (surfaces within {gap_angstrom} Å)");
+        (mean_contacts > 0.0).then(|| warning_that(&bodies, run.desolvation))
+    })
 }
 
 /// What is wrong with energies of surfaces that are too near.
 pub(crate) fn out_of_range(surfaces: &str, has_desolvation: bool) -> String {
+    let near = format!("{surfaces} are nearer than {LEAST_GAP_ANGSTROM} Å");
+    warning_that(&near, has_desolvation)
+}
+
+fn warning_that(happened: &str, has_desolvation: bool) -> String {
     let terms = match has_desolvation {
         true => "effective charges and desolvation",
         false => "effective charges",
     };
     format!(
-        "warning: {surfaces} are nearer than {LEAST_GAP_ANGSTROM} Å: {terms} describe the field farther \
-         out, and their energies at contact may be wrong by many kT; compare with --interaction bare"
+        "warning: {happened}: {terms} hold where surfaces are {LEAST_GAP_ANGSTROM} Å apart or more, and \
+         their energies at contact may be wrong by many kT; compare with --interaction bare"
     )
 }

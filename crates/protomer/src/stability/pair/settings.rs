@@ -2,7 +2,7 @@
 
 use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
-use crate::stability::interaction::InteractionSettings;
+use crate::stability::interaction::{ContactDefinition, InteractionSettings};
 use crate::stability::run::salt_label;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
@@ -47,6 +47,9 @@ pub struct PairRunSettings {
     pub energies: Energies,
     /// Two bodies whose surfaces are closer than this are bound, Å.
     pub contact_gap_angstrom: f64,
+    /// How that gap is measured; `None` only in the settings of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_definition: Option<ContactDefinition>,
     /// How much is sampled.
     pub sampling: PairSettings,
     /// The wanted standard error of B₂₂, mol mL/g², in the place of a relative one.
@@ -72,6 +75,7 @@ impl Default for PairRunSettings {
             ph: Vec::new(),
             energies: Energies::Bare,
             contact_gap_angstrom: 5.0,
+            contact_definition: Some(ContactDefinition::BetweenSurfaces),
             sampling: PairSettings::default(),
             b22_error_mol_ml_per_g2: None,
             solute: None,

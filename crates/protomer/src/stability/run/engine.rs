@@ -4,7 +4,7 @@
 use crate::assemblies::assembly_file::Assembly;
 use crate::stability::effective::{EffectiveBody, EffectiveStore, SoluteModel};
 use crate::stability::energy_tables::{EnergyTables, PotentialTable};
-use crate::stability::interaction::{Definition, ScreenedCoulomb};
+use crate::stability::interaction::{ContactDefinition, Definition, ScreenedCoulomb};
 use crate::stability::run::{
     DEFAULT_TOLERANCE_KT, EnergyCosts, EnergyMode, Promise, RunSettings, Starts,
 };
@@ -207,6 +207,7 @@ impl Engine {
         let is_uncut = energy != EnergyMode::None && !is_cut;
         let mut resolved = RunSettings {
             energy: Some(energy),
+            contact_definition: Some(ContactDefinition::BetweenSurfaces),
             ..run.clone()
         };
         resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);

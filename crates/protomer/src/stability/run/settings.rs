@@ -2,7 +2,7 @@
 
 use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
-use crate::stability::interaction::InteractionSettings;
+use crate::stability::interaction::{ContactDefinition, InteractionSettings};
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_common::range;
@@ -55,6 +55,10 @@ pub struct RunSettings {
     pub seed: u64,
     /// Two bodies whose surfaces are closer than this are in contact, Å.
     pub contact_gap_angstrom: f64,
+    /// How that gap is measured; stated in the settings of every run that
+    /// [`Engine::resolved`](super::Engine::resolved) has seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_definition: Option<ContactDefinition>,
     /// Sweeps between two rows of the log.
     pub log_every: u64,
     /// Sweeps between two frames of the trajectory; zero for no trajectory.
@@ -229,6 +233,7 @@ impl Default for RunSettings {
             starts: Starts::Assembly,
             seed: 1,
             contact_gap_angstrom: 5.0,
+            contact_definition: None,
             log_every: 10,
             trajectory_every: 100,
             energy: None,

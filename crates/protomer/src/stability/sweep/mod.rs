@@ -15,6 +15,7 @@ pub mod series;
 pub mod stability;
 pub mod table;
 
+use crate::stability::effective;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
     AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung,
@@ -188,6 +189,7 @@ pub fn simulate(
     let of_salt = result.salts.into_iter().next();
     Ok(End::Finished(ReplicaResult {
         effective_bodies: of_salt.and_then(|row| row.effective_bodies),
+        warnings: result.warnings,
         ..only.context("the simulation has left no result")?
     }))
 }
@@ -384,6 +386,20 @@ impl<'a> Sweep<'a> {
     }
 }
 
+impl Sweep<'_> {
+    /// What a user should know of the energies: fits that stand badly for a body, and bodies nearer
+    /// to each other than effective charges hold.
+    fn warnings(&self, salts: &[SaltRow], replicas: &[Vec<ReplicaResult>]) -> Result<Vec<String>> {
+        let bodies = salts.iter().flat_map(|row| &row.effective_bodies).flatten();
+        let mut warnings = effective::warnings(bodies);
+        let contacts = replicas.iter().flatten().filter_map(|one| one.contacts);
+        let most = contacts.map(|contacts| contacts.mean).fold(0.0, f64::max);
+        let system = self.engine.system()?;
+        warnings.extend(effective::run_warning(&system, self.settings, most));
+        Ok(warnings)
+    }
+}
+
 impl Campaign for Sweep<'_> {
     type Task = Task;
     type Part = Part;
@@ -469,6 +485,7 @@ impl Campaign for Sweep<'_> {
         let native = contacts(&self.engine.system()?, gap_angstrom).len();
         let is_open = matches!(assembly.boundary, Boundary::Open);
         let result = SweepResult {
+            warnings: self.warnings(&salts, &replicas)?,
             stability: Stability::new(self.settings, &replicas, native, is_open),
             exchanges,
             version: env!("CARGO_PKG_VERSION").into(),

@@ -31,6 +31,9 @@ pub struct SweepResult {
     /// What the exchanges between salt concentrations did.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub exchanges: Vec<Exchanged>,
+    /// What a user should know of the energies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// The log of the only simulation; empty if there are several.
     #[serde(skip)]
     pub time_series: Vec<LogRow>,

@@ -382,6 +382,7 @@ mod tests {
             contacts: Some(summary(contacts)),
             bound_fraction: Some(summary(bound)),
             effective_bodies: None,
+            warnings: Vec::new(),
         }
     }
 

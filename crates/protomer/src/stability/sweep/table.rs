@@ -38,6 +38,10 @@ pub struct ReplicaResult {
     /// simulation. Those of a sweep are in its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
+    /// What a user should know of the energies: in the answer of a single simulation. The warnings
+    /// of a sweep are its own.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 impl Answer for ReplicaResult {
@@ -100,6 +104,7 @@ impl ReplicaResult {
             contacts: if_known(&contacts),
             bound_fraction: if_known(&bound),
             effective_bodies: None,
+            warnings: Vec::new(),
         }
     }
 }
