@@ -96,6 +96,7 @@ def ingest(
     cavities: Literal["drop", "keep"] | None = None,
     interior_radius: float | str | None = None,
     offset: float | str | None = None,
+    core: Literal["native", "surface"] | None = None,
     export: str | float | Sequence[str | float] | None = None,
     stream: bool = False,
     part: str | float | Sequence[str | float] | None = None,
@@ -151,7 +152,10 @@ def ingest(
         A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
         because other bodies may be inside [default: 10]
     offset
-        Move the surface inward by this much, Å [default: 0]
+        Move the surface inward by this much, Å; for a body with a native core, move that core instead, by 0.5
+        if omitted
+    core
+        What of the body is hard; native for structures and surface for PQR files if omitted
     export
         Also write the mesh and the charges in these formats
     stream
@@ -218,6 +222,7 @@ def ingest(
             "--cavities": cavities,
             "--interior-radius": interior_radius,
             "--offset": offset,
+            "--core": core,
             "--export": export,
             "--stream": stream,
             "--part": part,
@@ -327,7 +332,8 @@ def surface(
         A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
         because other bodies may be inside [default: 10]
     offset
-        Move the surface inward by this much, Å [default: 0]
+        Move the surface inward by this much, Å; for a body with a native core, move that core instead, by 0.5
+        if omitted
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -1697,6 +1703,7 @@ class _Assemble:
         cavities: Literal["drop", "keep"] | None = None,
         interior_radius: float | str | None = None,
         offset: float | str | None = None,
+        core: Literal["native", "surface"] | None = None,
         relax: bool = False,
         box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         threads: int | str | None = None,
@@ -1748,7 +1755,10 @@ class _Assemble:
             A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
             filled, because other bodies may be inside [default: 10]
         offset
-            Move the surface inward by this much, Å [default: 0]
+            Move the surface inward by this much, Å; for a body with a native core, move that core instead, by
+            0.5 if omitted
+        core
+            What of the body is hard; native for structures and surface for PQR files if omitted
         relax
             Remove overlaps of the hard surfaces by the smallest uniform expansion
         box
@@ -1805,6 +1815,7 @@ class _Assemble:
                 "--cavities": cavities,
                 "--interior-radius": interior_radius,
                 "--offset": offset,
+                "--core": core,
                 "--relax": relax,
                 "--box": box,
                 "--threads": threads,

@@ -77,6 +77,7 @@ impl Body {
             Ok(protomer_body::Body {
                 name,
                 mesh,
+                core: None,
                 sites,
                 residues: Vec::new(),
                 mass_properties,

@@ -17,8 +17,8 @@ plus+=,A:D21K,A:E142K,A:D19K,A:E95K,A:E213K
 minus=A:R80E,A:R109E,A:K41E,A:K126E,A:K166E,A:R215E
 
 if [ ! -e "$output/tilted.json" ]; then
-    $protomer ingest "$structure" -q -o "$output" --name plus --charges formal --mutate $plus
-    $protomer ingest "$structure" -q -o "$output" --name minus --charges formal --mutate $minus
+    $protomer ingest "$structure" --core surface -q -o "$output" --name plus --charges formal --mutate $plus
+    $protomer ingest "$structure" --core surface -q -o "$output" --name minus --charges formal --mutate $minus
     $protomer candidates "$output/plus.body" "$output/minus.body" --ring 8 --stack 2 --box 500 -o "$output"
     $protomer assemble ring "$output/plus.body" "$output/minus.body" --members 8 --stack 2 --tilt 40,0 --box 500 \
         -o "$output/tilted.json"

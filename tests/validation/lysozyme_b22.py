@@ -20,7 +20,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 SALT_M = [0.1, 0.2, 0.3, 0.5, 0.7, 1.0]
 STRENGTH, UNCERTAINTY = 1.65, 0.1
-MEDIUM = ["--ph", "4.5", "--temperature", "293.15K", "--b22-error", "5e-5"]
+PH = "4.5"
+MEDIUM = ["--temperature", "293.15K", "--b22-error", "5e-5"]
 # Ionic strength (M) and B22 (1e-4 mol mL/g²) as read from figure 6 of Takahashi et al., Biophys. J. 94 (2008),
 # doi 10.1529/biophysj.107.111872, to half a unit.
 EXPERIMENTS = {
@@ -45,10 +46,16 @@ MODELS = {
 PREDICTED = ["6lyz", "1hel", "1aki", "5pti"]
 
 
-def b22(protomer, structure, flags, salts, directory):
+def body_with_hard_surface(protomer, structure, folder):
+    """The body of a structure whose surface is hard, as all figures of the page have it."""
+    subprocess.run([protomer, "ingest", structure, "--ph", PH, "--core", "surface", "-o", folder, "-q"], check=True)
+    return folder / f"{structure.name.split('.')[0]}.body"
+
+
+def b22(protomer, body, flags, salts, directory):
     """Salt (M), B22 and its error (1e-4 mol mL/g²) of each condition."""
     salt = ",".join(f"{salt}M" for salt in salts)
-    command = [protomer, "pair", structure, "--salt", salt, *MEDIUM, *flags, "-o", directory, "--json", "-q"]
+    command = [protomer, "pair", body, "--salt", salt, *MEDIUM, *flags, "-o", directory, "--json", "-q"]
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
     if done.returncode != 0:
         raise SystemExit(f"{' '.join(map(str, command))}\n{done.stderr}")
@@ -96,7 +103,8 @@ def main():
     for body, name, flags, salts in runs:
         directory = arguments.output / f"{body} {name}".replace(" ", "-").replace(",", "").replace("×", "x")
         structure = arguments.structures / f"{body}.pdb.gz"
-        table[body, name] = b22(arguments.protomer, structure, flags, salts, directory)
+        hard = body_with_hard_surface(arguments.protomer, structure, arguments.output)
+        table[body, name] = b22(arguments.protomer, hard, flags, salts, directory)
         for salt, value, error in table[body, name]:
             print(f"{body}  {name:40}  {salt:5.2f} M  {value:7.2f} ± {error:.2f}", flush=True)
     with open(arguments.output / "lysozyme-b22.csv", "w", newline="") as file:

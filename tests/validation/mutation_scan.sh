@@ -13,7 +13,7 @@ mkdir -p "$1"
 cd "$1"
 minus=A:R17E,A:K26E,A:R39E,A:K41E,A:R42E,A:K46E,A:R53E
 ingest() { # name, mutations
-    "$protomer" ingest -q --force "$structure" -o . --name "$1" --charges formal --density 1 --mutate "$2"
+    "$protomer" ingest -q --force --core surface "$structure" -o . --name "$1" --charges formal --density 1 --mutate "$2"
 }
 sweep() { # name, seed, further flags
     "$protomer" sweep "$1.json" --salt 30mM,60mM,120mM --replicas 4 --starts both --exchange-every 10 \

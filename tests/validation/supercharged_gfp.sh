@@ -15,8 +15,8 @@ plus=A:D190K,A:D76K,A:D102K,A:D117K,A:D133K,A:D129K,A:D173K,A:E172K,A:E115K,A:D1
 plus+=,A:D21K,A:E142K,A:D19K,A:E95K,A:E213K
 minus=A:R80E,A:R109E,A:K41E,A:K126E,A:K166E,A:R215E
 
-$protomer ingest "$structure" -q -o "$output" --name plus --charges "$charges" --mutate $plus
-$protomer ingest "$structure" -q -o "$output" --name minus --charges "$charges" --mutate $minus
+$protomer ingest "$structure" --core surface -q -o "$output" --name plus --charges "$charges" --mutate $plus
+$protomer ingest "$structure" --core surface -q -o "$output" --name minus --charges "$charges" --mutate $minus
 # The four up/down arrangements of full D4 symmetry, all barrels along the axis ...
 $protomer candidates "$output/plus.body" "$output/minus.body" --ring 8 --stack 2 --box 500 -o "$output"
 # ... and one of D4 symmetry in which the positive barrels lean by 40 degrees and the negative ones stand along the axis. It is a

@@ -12,8 +12,11 @@ use std::collections::{BTreeMap, BTreeSet};
 pub struct Body {
     /// Name, as it appears in assemblies and tables.
     pub name: String,
-    /// Hard surface: closed, 2-manifold, outward.
+    /// Solvent-excluded surface: closed, 2-manifold, outward.
     pub mesh: TriangleMesh,
+    /// Hard core, which no other body may enter, where it is not the solid inside `mesh`; a mesh of
+    /// the same kind.
+    pub core: Option<TriangleMesh>,
     /// Charge sites, one per atom.
     pub sites: Vec<Site>,
     /// Residues, in the order of the structure file; empty for a body made from a bare mesh and
@@ -118,6 +121,11 @@ impl Body {
         names
             .filter(|name| mass_in_chain_g_per_mol(name).is_none())
             .collect()
+    }
+
+    /// The mesh that decides whether bodies overlap: that of the hard core, or of the surface.
+    pub fn hard_mesh(&self) -> &TriangleMesh {
+        self.core.as_ref().unwrap_or(&self.mesh)
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.

@@ -4,6 +4,7 @@ use crate::body::{Body, Provenance, Site};
 use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
 };
+use crate::hard_core::{HardCore, NativeCore, moved_inward};
 use crate::points::sift_points;
 use crate::structure::{Selection, SelectionReport, SelectionSettings, Structure};
 use crate::surface::{Deviation, ExactSurface, MeshSettings, Surface};
@@ -46,8 +47,12 @@ pub struct SurfaceSettings {
     /// A cavity into which a ball of this radius fits is an enclosed interior, Å. Its wall is
     /// always kept, because other bodies may be in there.
     pub interior_radius_angstrom: f64,
-    /// Distance by which the surface is moved inward, Å.
-    pub inward_offset_angstrom: f64,
+    /// What of the body is hard; `None` for a native core where the elements of the atoms are known
+    /// and the surface otherwise.
+    pub core: Option<HardCore>,
+    /// Distance by which the hard core is moved inward, Å: a native core, or the surface if that is
+    /// what is hard. `None` for [`HardCore::NATIVE_OFFSET_ANGSTROM`] and 0.
+    pub inward_offset_angstrom: Option<f64>,
 }
 
 impl SurfaceSettings {
@@ -67,7 +72,8 @@ impl Default for SurfaceSettings {
             lattice_spacing_angstrom: Self::LATTICE_SPACING_ANGSTROM,
             keep_cavities: false,
             interior_radius_angstrom: Self::INTERIOR_RADIUS_ANGSTROM,
-            inward_offset_angstrom: 0.0,
+            core: None,
+            inward_offset_angstrom: None,
         }
     }
 }
@@ -186,6 +192,8 @@ pub struct Draft {
     /// All settings by name.
     described: BTreeMap<String, String>,
     surface: SurfaceSettings,
+    /// What a native core is made of; `None` where the surface is hard.
+    core: Option<NativeCore>,
     selection: Option<SelectionReport>,
     /// Warnings of the reader.
     warnings: Vec<String>,
@@ -206,6 +214,7 @@ impl Draft {
         check_name(name)?;
         mutate(&mut selection, &settings.mutations)?;
         let sites = build_sites(&selection, &settings.sites)?;
+        let (surface, core) = settings.surface.with_core(&sites)?;
         let mut report = selection.report;
         if settings.sites.charges != ChargeModel::None {
             list_charges(&mut report, &sites);
@@ -215,8 +224,9 @@ impl Draft {
             file: source.file.into(),
             sha256: source.sha256.into(),
             sites,
-            described: describe_settings(settings),
-            surface: settings.surface,
+            described: describe_settings(settings, &surface, core.as_ref()),
+            surface,
+            core,
             selection: Some(report),
             warnings: Vec::new(),
         })
@@ -236,15 +246,18 @@ impl Draft {
     ) -> Result<Self> {
         check_name(name)?;
         let sifted = sift_points(source.file, points)?;
-        let mut described = surface.describe();
+        let sites = sites_of_points(&sifted.points)?;
+        let (surface, core) = surface.with_core(&sites)?;
+        let mut described = surface.describe(core.as_ref());
         described.insert("charges".into(), "from the file".into());
         Ok(Self {
             name: name.into(),
             file: source.file.into(),
             sha256: source.sha256.into(),
-            sites: sites_of_points(&sifted.points)?,
+            sites,
             described,
-            surface: *surface,
+            surface,
+            core,
             selection: None,
             warnings: sifted.warnings,
         })
@@ -302,6 +315,10 @@ impl Draft {
     /// [`BodyError::Invalid`] for a surface too large to be meshed.
     pub fn finish(self, surface: ExactSurface) -> Result<BuiltBody> {
         let surface = self.surface.mesh_of(surface)?;
+        let core = match &self.core {
+            Some(core) => Some(core.mesh(&self.sites.sites, &self.surface)?),
+            None => None,
+        };
         let (sites, mut settings) = (self.sites, self.described);
         let cavities = surface.cavities;
         let mut warnings = self.warnings;
@@ -323,6 +340,7 @@ impl Draft {
         let body = Body {
             name: self.name,
             mesh: surface.mesh,
+            core,
             sites: sites.sites,
             residues: sites.residues,
             mass_properties,
@@ -376,8 +394,7 @@ pub fn check_name(name: &str) -> Result<()> {
 /// The solvent-excluded surface of the sites that have a radius, with the cavities that the settings
 /// keep.
 ///
-/// To move the surface inward by δ, the atoms' radii shrink by δ and the probe's radius grows by δ:
-/// the centre of the probe then reaches the same places as before.
+/// The settings may move it inward; they say nothing of a native core here.
 ///
 /// ```
 /// use protomer_body::{Site, SurfaceSettings, surface_of_sites};
@@ -404,25 +421,10 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
 /// The same before it is meshed.
 fn exact_surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<ExactSurface> {
     settings.check()?;
-    let offset = settings.inward_offset_angstrom;
-    let (mut centres, mut radii) = (Vec::new(), Vec::new());
-    let mut smallest = f64::INFINITY;
-    for site in sites {
-        if site.radius_angstrom > 0.0 {
-            centres.push(site.position);
-            radii.push(site.radius_angstrom - offset);
-            smallest = smallest.min(site.radius_angstrom);
-        }
-    }
-    if !(offset.is_finite() && offset < smallest) {
-        return Err(BodyError::Invalid {
-            cause: format!(
-                "an inward offset of {offset} Å, and the smallest atom has a radius of {smallest} Å"
-            ),
-            remedy: "give a smaller offset".into(),
-        });
-    }
-    ExactSurface::new(&centres, &radii, settings.probe_radius_angstrom + offset)
+    let atoms = sites.iter();
+    let atoms = atoms.map(|site| (site.position, site.radius_angstrom));
+    let offset_angstrom = settings.inward_offset_angstrom.unwrap_or(0.0);
+    moved_inward(atoms, offset_angstrom, settings.probe_radius_angstrom)
 }
 
 /// Adds the charges of the residues listed in the report, now that the pH is known.
@@ -450,8 +452,12 @@ fn list_charges(report: &mut SelectionReport, sites: &ChargedSites) {
 }
 
 /// The settings of a body by name.
-fn describe_settings(settings: &BodySettings) -> BTreeMap<String, String> {
-    let mut described = settings.surface.describe();
+fn describe_settings(
+    settings: &BodySettings,
+    surface: &SurfaceSettings,
+    core: Option<&NativeCore>,
+) -> BTreeMap<String, String> {
+    let mut described = surface.describe(core);
     described.extend(describe_selection(&settings.selection));
     described.insert("ph".into(), settings.sites.ph.to_string());
     described.insert("charges".into(), format!("{:?}", settings.sites.charges));
@@ -485,8 +491,43 @@ impl SurfaceSettings {
         self.mesh().check()
     }
 
+    /// The settings of the surface alone, and what a native core is made of unless the surface is
+    /// hard.
+    ///
+    /// # Errors
+    /// [`BodyError::Invalid`] for a native core of points whose elements are not known.
+    fn with_core(&self, sites: &ChargedSites) -> Result<(Self, Option<NativeCore>)> {
+        let radii = sites.core_radii_angstrom.as_ref();
+        let radii = match (self.core, radii) {
+            (Some(HardCore::Surface), _) | (None, None) => return Ok((*self, None)),
+            (None | Some(HardCore::Native), Some(radii)) => radii,
+            (Some(HardCore::Native), None) => {
+                return Err(BodyError::Invalid {
+                    cause:
+                        "a native core depends on elements, which points with radii of their own \
+                            do not have"
+                            .into(),
+                    remedy:
+                        "leave out --core native and move the surface inward with --offset 0.5, \
+                             or give the structure as PDB or mmCIF"
+                            .into(),
+                });
+            }
+        };
+        let offset = self.inward_offset_angstrom;
+        let core = NativeCore {
+            radii_angstrom: radii.clone(),
+            inward_offset_angstrom: offset.unwrap_or(HardCore::NATIVE_OFFSET_ANGSTROM),
+        };
+        let surface = Self {
+            inward_offset_angstrom: None,
+            ..*self
+        };
+        Ok((surface, Some(core)))
+    }
+
     /// The mesh of a surface, with the cavities that are kept.
-    fn mesh_of(&self, surface: ExactSurface) -> Result<Surface> {
+    pub(crate) fn mesh_of(&self, surface: ExactSurface) -> Result<Surface> {
         let interior_radius = (!self.keep_cavities).then_some(self.interior_radius_angstrom);
         surface.mesh(&self.mesh(), interior_radius)
     }
@@ -500,16 +541,28 @@ impl SurfaceSettings {
     }
 
     /// The settings by name; the interior radius and the lattice only where they are not the default.
-    fn describe(&self) -> BTreeMap<String, String> {
+    fn describe(&self, core: Option<&NativeCore>) -> BTreeMap<String, String> {
         let cavities = if self.keep_cavities { "keep" } else { "drop" };
         let mut described = BTreeMap::from([("cavities".to_owned(), cavities.to_owned())]);
         let lengths = [
             ("probe_radius_angstrom", self.probe_radius_angstrom),
             ("density_per_angstrom2", self.density_per_angstrom2),
-            ("inward_offset_angstrom", self.inward_offset_angstrom),
+            (
+                "inward_offset_angstrom",
+                self.inward_offset_angstrom.unwrap_or(0.0),
+            ),
         ];
         for (name, value) in lengths {
             described.insert(name.to_owned(), value.to_string());
+        }
+        let kind = match core {
+            Some(_) => HardCore::Native,
+            None => HardCore::Surface,
+        };
+        described.insert("core".to_owned(), kind.name().to_owned());
+        if let Some(core) = core {
+            let offset = core.inward_offset_angstrom.to_string();
+            described.insert("core_inward_offset_angstrom".to_owned(), offset);
         }
         if self.interior_radius_angstrom != Self::INTERIOR_RADIUS_ANGSTROM {
             let radius = self.interior_radius_angstrom.to_string();

@@ -22,6 +22,7 @@
 //! | [`surface`] | the solvent-excluded surface as a closed mesh |
 //! | [`body`] | the rigid body every engine shares |
 //! | [`build`] | from text to body in one call |
+//! | [`hard_core`] | what of a body is hard |
 //! | `points` | the points of a PQR file that are atoms |
 //! | `warnings` | warnings about a file and the body made from it |
 //! | [`residue_contacts`] | attraction between residues by published scales; residues as beads |
@@ -32,6 +33,7 @@ pub mod body;
 pub mod build;
 pub mod chemistry;
 mod error;
+pub mod hard_core;
 mod points;
 pub mod residue_contacts;
 pub mod structure;
@@ -44,4 +46,5 @@ pub use build::{
     build_body_of_selection, check_name, surface_of_sites,
 };
 pub use error::{BodyError, Result};
+pub use hard_core::HardCore;
 pub use warnings::structure_warnings;

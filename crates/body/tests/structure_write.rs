@@ -34,6 +34,7 @@ fn body(name: &str, sites: Vec<Site>, residues: Vec<Residue>, origin: Vec3) -> B
         name: name.into(),
         mass_properties: mesh.mass_properties().unwrap(),
         mesh,
+        core: None,
         sites,
         residues,
         provenance: Provenance {

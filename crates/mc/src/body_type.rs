@@ -40,6 +40,8 @@ pub struct BodyType {
     pub beads: BeadCloud,
     /// Volume inside the surface, Å³: the body's weight in weighted averages.
     pub volume_angstrom3: f64,
+    /// The surface that encloses what displaces solvent, where the hard core is smaller.
+    pub surface: Option<TriangleMesh>,
 }
 
 impl BodyType {
@@ -61,6 +63,7 @@ impl BodyType {
             charges: ChargeCloud::new(charges),
             beads: BeadCloud::default(),
             volume_angstrom3: mesh.volume_angstrom3(),
+            surface: None,
         })
     }
 
@@ -74,7 +77,11 @@ impl BodyType {
             .iter()
             .map(|site| (site.position, site.charge_e))
             .collect();
-        let mut kind = Self::new(body.name.clone(), &body.mesh, &charges)?;
+        let mut kind = Self::new(body.name.clone(), body.hard_mesh(), &charges)?;
+        if body.core.is_some() {
+            kind.surface = Some(body.mesh.clone());
+            kind.volume_angstrom3 = body.mesh.volume_angstrom3();
+        }
         kind.beads = BeadCloud::new(&beads_of(body));
         Ok(kind)
     }

@@ -31,7 +31,7 @@ impl HardBody {
             points.clone_from(&body.mesh.vertices);
         }
         Ok(Self {
-            shape: CollisionShape::new(&body.mesh)?,
+            shape: CollisionShape::new(body.hard_mesh())?,
             upright: upright_frame(&points),
             volume_angstrom3: body.mass_properties.volume_angstrom3,
             radius_angstrom: body.mesh_radius_angstrom(),

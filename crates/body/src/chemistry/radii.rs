@@ -1,4 +1,4 @@
-//! Radii of heavy atoms for the surface.
+//! Radii of heavy atoms for the surface and for the hard core.
 
 /// Radius of an element, Å: C 1.70, N 1.55, O 1.52, S 1.80 (Bondi, J. Phys. Chem. 68, 441 (1964)),
 /// any other 1.80 except the following: H 1.10 (Rowland and Taylor, J. Phys. Chem. 100, 7384
@@ -29,5 +29,33 @@ pub fn radius_angstrom(element: &str) -> f64 {
         "CD" => 1.58,
         "I" => 1.98,
         _ => 1.80,
+    }
+}
+
+/// Radius of N and O in a native core before it is moved inward, Å: half of the shortest hydrogen
+/// bonds, which are 2.4 Å long.
+const POLAR_CORE_ANGSTROM: f64 = 1.2;
+
+/// Radius of an element for the native core, Å, before the core is moved inward: 1.2 for N and O,
+/// which form hydrogen bonds and salt bridges; the ionic radius plus 0.5 for ions of metals
+/// (coordination number six; Shannon, Acta Cryst. A32, 751 (1976)), which other atoms coordinate;
+/// that of [`radius_angstrom`] for all others.
+///
+/// ```
+/// use protomer_body::chemistry::radii::core_radius_angstrom;
+/// assert_eq!(["O", "C", "ZN"].map(core_radius_angstrom), [1.2, 1.7, 1.24]);
+/// ```
+pub fn core_radius_angstrom(element: &str) -> f64 {
+    match element {
+        "N" | "O" => POLAR_CORE_ANGSTROM,
+        "NA" => 1.52,
+        "MG" => 1.22,
+        "K" => 1.88,
+        "CA" => 1.50,
+        "NI" => 1.19,
+        "CU" => 1.23,
+        "ZN" => 1.24,
+        "CD" => 1.45,
+        _ => radius_angstrom(element),
     }
 }

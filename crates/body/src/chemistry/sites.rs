@@ -2,7 +2,7 @@
 
 use super::amino_acid::AminoAcid;
 use super::charges::{ChargeModel, atom_charges_e, residue_charge_e};
-use super::radii::radius_angstrom;
+use super::radii::{core_radius_angstrom, radius_angstrom};
 use super::residue_names::parent_amino_acid;
 use crate::body::{Residue, Site};
 use crate::structure::residues::residues_of_points;
@@ -49,6 +49,9 @@ pub struct ChargedSites {
     pub origin_angstrom: Vec3,
     /// One site per atom, relative to the origin.
     pub sites: Vec<Site>,
+    /// Radius of each site for a native core, Å ([`core_radius_angstrom`]); `None` for points, whose
+    /// elements are not known.
+    pub core_radii_angstrom: Option<Vec<f64>>,
     /// Residues in file order.
     pub residues: Vec<Residue>,
 }
@@ -86,10 +89,12 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
     }
     let origin_angstrom = centroid(&positions)?;
     let mut sites = Vec::with_capacity(positions.len());
+    let mut core_radii = Vec::with_capacity(positions.len());
     let mut residues = Vec::with_capacity(selection.residues.len());
     for (index, residue) in selection.residues.iter().enumerate() {
         let charges = atom_charges_e(residue, settings.ph, settings.charges);
         for (atom, charge_e) in residue.atoms.iter().zip(charges) {
+            core_radii.push(core_radius_angstrom(&atom.element));
             sites.push(Site {
                 position: atom.position - origin_angstrom,
                 charge_e,
@@ -103,6 +108,7 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
     Ok(ChargedSites {
         origin_angstrom,
         sites,
+        core_radii_angstrom: Some(core_radii),
         residues,
     })
 }
@@ -184,6 +190,7 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
     Ok(ChargedSites {
         origin_angstrom,
         sites,
+        core_radii_angstrom: None,
         residues,
     })
 }

@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use protomer::bodies::chain_groups::ChainNames;
 use protomer_body::chemistry::{SiteSettings, parse_mutations};
 use protomer_body::structure::SelectionSettings;
-use protomer_body::{BodySettings, SurfaceSettings};
+use protomer_body::{BodySettings, HardCore, SurfaceSettings};
 use protomer_common::range;
 
 /// Selection of atoms.
@@ -87,9 +87,28 @@ pub struct SurfaceFlags {
     /// are never filled, because other bodies may be inside.
     #[arg(long, default_value_t = SurfaceSettings::INTERIOR_RADIUS_ANGSTROM, value_parser = range::RADIUS.number())]
     interior_radius: f64,
-    /// Move the surface inward by this much, Å.
-    #[arg(long, default_value_t = 0.0, value_parser = range::RADIUS.number())]
-    offset: f64,
+    /// Move the surface inward by this much, Å; for a body with a native core, move that core
+    /// instead, by 0.5 if omitted.
+    #[arg(long, value_parser = range::RADIUS.number())]
+    offset: Option<f64>,
+}
+
+/// What of a body is hard.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Surface")]
+pub struct CoreArgs {
+    /// What of the body is hard; native for structures and surface for PQR files if omitted.
+    #[arg(long, value_enum)]
+    core: Option<Core>,
+}
+
+/// The hard core of a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Core {
+    /// A core within the surface that admits the contacts of natural complexes.
+    Native,
+    /// The solvent-excluded surface itself.
+    Surface,
 }
 
 /// What to do with cavities.
@@ -126,6 +145,7 @@ impl SurfaceFlags {
             probe_radius_angstrom: self.probe,
             keep_cavities: self.cavities.unwrap_or(cavities) == Cavities::Keep,
             interior_radius_angstrom: self.interior_radius,
+            core: None,
             inward_offset_angstrom: self.offset,
         }
     }
@@ -136,6 +156,7 @@ pub fn body_settings(
     selection: &SelectionArgs,
     charges: &ChargeArgs,
     surface: &SurfaceFlags,
+    core: CoreArgs,
 ) -> Result<BodySettings> {
     let mutations = charges.mutate.as_deref().map(parse_mutations).transpose()?;
     Ok(BodySettings {
@@ -145,6 +166,12 @@ pub fn body_settings(
             charges: charges.charges.into(),
         },
         mutations: mutations.unwrap_or_default(),
-        surface: surface.settings(Cavities::Drop),
+        surface: SurfaceSettings {
+            core: core.core.map(|core| match core {
+                Core::Native => HardCore::Native,
+                Core::Surface => HardCore::Surface,
+            }),
+            ..surface.settings(Cavities::Drop)
+        },
     })
 }

@@ -21,6 +21,7 @@ pub fn body_of(residues: &[(&str, f64, f64)]) -> Body {
         name: "body".into(),
         mass_properties: mesh.mass_properties().unwrap(),
         mesh,
+        core: None,
         sites: Vec::new(),
         residues: Vec::new(),
         provenance: Provenance::default(),

@@ -30,6 +30,7 @@ use crate::charges::ChargeCloud;
 use crate::energy::terms::{PairPotential, Term};
 use crate::{BodyType, McError, Result};
 use protomer_kernel::Vec3;
+use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
@@ -86,7 +87,12 @@ impl DesolvationBody {
                 requirement: "0 to 1 for desolvation",
             });
         }
-        let mut elements = volume_elements(&kind.shape, solute.ion_radius_angstrom);
+        let surface = match &kind.surface {
+            Some(surface) => &CollisionShape::new(surface)?,
+            None => &kind.shape,
+        };
+        let radius_angstrom = surface.bounding_radius_angstrom();
+        let mut elements = volume_elements(surface, solute.ion_radius_angstrom);
         let per_volume = 1.0 / (8.0 * PI * yukawa.bjerrum_length_angstrom);
         let dielectric = DIELECTRIC_FACTOR * (1.0 - solute.permittivity_ratio) * per_volume;
         let ionic = IONIC_FACTOR * kappa * kappa * per_volume;
@@ -95,9 +101,9 @@ impl DesolvationBody {
             element.ionic *= ionic;
         }
         Ok(Self {
-            field: FieldTable::new(effective, yukawa, kind.hard_radius_angstrom()),
+            field: FieldTable::new(effective, yukawa, radius_angstrom),
             elements,
-            radius_angstrom: kind.hard_radius_angstrom(),
+            radius_angstrom,
         })
     }
 

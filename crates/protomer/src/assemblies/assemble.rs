@@ -8,7 +8,8 @@ use anyhow::{Context, Result, bail};
 use protomer_body::assembly::{self, Expansion, HardBodies, HardBody, expand_until_free};
 use protomer_body::structure::SelectionReport;
 use protomer_body::{
-    Body, BodySettings, Source, build_body_of_selection, structure_warnings as warnings_about,
+    Body, BodySettings, HardCore, Source, build_body_of_selection,
+    structure_warnings as warnings_about,
 };
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::output_file::{refuse_to_replace, write_once};
@@ -447,8 +448,18 @@ pub fn assemble_structure(
         skipped: selection.report.skipped.clone(),
         structure_warnings,
         selection: selection.report,
-        inward_offset_angstrom: settings.body.surface.inward_offset_angstrom,
+        inward_offset_angstrom: core_offset_angstrom(&settings.body),
     })
+}
+
+/// By how much the hard cores are moved inward, Å.
+fn core_offset_angstrom(body: &BodySettings) -> f64 {
+    let surface = &body.surface;
+    let default = match surface.core {
+        Some(HardCore::Surface) => 0.0,
+        None | Some(HardCore::Native) => HardCore::NATIVE_OFFSET_ANGSTROM,
+    };
+    surface.inward_offset_angstrom.unwrap_or(default)
 }
 
 /// The next larger offset to be tried, Å; `None` if surfaces are shrunk as far as makes sense: the
@@ -478,12 +489,17 @@ fn relax(
         for (i, j) in overlaps {
             pairs.push(format!("{}-{}", chains[*i], chains[*j]));
         }
-        let shrink = larger_offset_angstrom(settings.body.surface.inward_offset_angstrom)
+        let shrink = larger_offset_angstrom(core_offset_angstrom(&settings.body))
             .map_or_else(String::new, |offset| {
                 format!(", or shrink the surfaces with --offset {offset}")
             });
+        let native = match settings.body.surface.core {
+            Some(HardCore::Surface) => "leave out --core surface, ",
+            None | Some(HardCore::Native) => "",
+        };
         bail!(
-            "{} pairs of chains overlap as hard bodies: {}; expand the assembly with --relax{shrink}",
+            "{} pairs of chains overlap as hard bodies: {}; {native}expand the assembly with \
+             --relax{shrink}",
             pairs.len(),
             pairs.join(", ")
         );

@@ -18,6 +18,9 @@ use std::path::Path;
 const KIND: &str = "body";
 /// An upper limit for the file size, beyond any body that a mesh index can address.
 const LARGEST_FILE_BYTES: u64 = 8_000_000_000;
+/// The arrays of the hard core, in the files of bodies that have one beside their surface.
+const CORE_VERTICES: &str = "core_vertices_angstrom";
+const CORE_TRIANGLES: &str = "core_triangles";
 /// Marks "no residue" in the array of residue indices.
 const NO_RESIDUE: u32 = u32::MAX;
 
@@ -107,6 +110,12 @@ fn to_bytes(body: &Body) -> Result<Vec<u8>> {
     let corners = body.mesh.triangles.iter().flatten().copied().collect();
     container.insert("vertices_angstrom", points(body.mesh.vertices.iter())?);
     container.insert("triangles", Array::u32(corners, [triangles, 3])?);
+    if let Some(core) = &body.core {
+        let corners = core.triangles.iter().flatten().copied().collect();
+        let triangles = Array::u32(corners, [core.triangles.len(), 3])?;
+        container.insert(CORE_VERTICES, points(core.vertices.iter())?);
+        container.insert(CORE_TRIANGLES, triangles);
+    }
     container.insert(
         "positions_angstrom",
         points(body.sites.iter().map(|site| &site.position))?,
@@ -137,12 +146,14 @@ pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Body> {
 }
 
 fn decode(file: &str, container: Container) -> Result<Body> {
-    let vertices = vectors(file, &container, "vertices_angstrom")?;
-    let triangles = container
-        .u32(file, "triangles", &[None, Some(3)])?
-        .as_chunks::<3>()
-        .0
-        .to_vec();
+    let surface = mesh(file, &container, "vertices_angstrom", "triangles")?;
+    let core = match container
+        .get(CORE_VERTICES)
+        .or(container.get(CORE_TRIANGLES))
+    {
+        Some(_) => Some(mesh(file, &container, CORE_VERTICES, CORE_TRIANGLES)?),
+        None => None,
+    };
     let positions = vectors(file, &container, "positions_angstrom")?;
     let charges = numbers(file, &container, "charges_e", &[None])?;
     let radii = numbers(file, &container, "radii_angstrom", &[None])?;
@@ -178,20 +189,35 @@ fn decode(file: &str, container: Container) -> Result<Body> {
             residue: (residue_of[index] != NO_RESIDUE).then_some(residue_of[index]),
         });
     }
-    let mesh = TriangleMesh {
-        vertices,
-        triangles,
-    };
-    mesh.topology()?;
-    let mass_properties = mesh.mass_properties()?;
+    let mass_properties = surface.mass_properties()?;
     Ok(Body {
         name: header.name,
-        mesh,
+        mesh: surface,
+        core,
         sites,
         residues: header.residues,
         mass_properties,
         provenance: header.provenance,
     })
+}
+
+/// A closed mesh from two arrays.
+fn mesh(
+    file: &str,
+    container: &Container,
+    vertices: &str,
+    triangles: &str,
+) -> Result<TriangleMesh> {
+    let mesh = TriangleMesh {
+        vertices: vectors(file, container, vertices)?,
+        triangles: container
+            .u32(file, triangles, &[None, Some(3)])?
+            .as_chunks::<3>()
+            .0
+            .to_vec(),
+    };
+    mesh.topology()?;
+    Ok(mesh)
 }
 
 /// Refuses names that could become something else where they are written.
@@ -283,6 +309,7 @@ mod tests {
             name: "example".into(),
             mass_properties: mesh.mass_properties().unwrap(),
             mesh,
+            core: None,
             sites: vec![site],
             residues: vec![residue],
             provenance: Provenance::default(),
@@ -295,6 +322,14 @@ mod tests {
         assert_eq!(
             from_bytes("x.body", &to_bytes(&body).unwrap()).unwrap(),
             body
+        );
+        let with_core = Body {
+            core: Some(body.mesh.map_vertices(|vertex| 0.5 * vertex)),
+            ..body
+        };
+        assert_eq!(
+            from_bytes("x.body", &to_bytes(&with_core).unwrap()).unwrap(),
+            with_core
         );
     }
 
@@ -316,6 +351,13 @@ mod tests {
             from_bytes("x", &to_bytes(&open).unwrap()).unwrap_err()
         );
         assert!(error.contains("one side only"), "{error}");
+        let mut core = example().mesh;
+        core.triangles.pop();
+        let hollow = Body {
+            core: Some(core),
+            ..example()
+        };
+        assert!(from_bytes("x", &to_bytes(&hollow).unwrap()).is_err());
         let mut charged = example();
         for charge_e in [f64::NAN, 1e308, -1e308] {
             charged.sites[0].charge_e = charge_e;

@@ -110,6 +110,7 @@ pub fn build(own: &OwnBody) -> Result<Body> {
     Ok(Body {
         name: own.name.clone(),
         mesh,
+        core: None,
         sites,
         residues: Vec::new(),
         mass_properties,

@@ -1,6 +1,6 @@
 //! `protomer assemble`: assemblies from a structure, from a ring or stack recipe, or as a fluid.
 
-use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
 use crate::flags::space::SpaceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -42,6 +42,8 @@ pub struct StructureArgs {
     charges: ChargeArgs,
     #[command(flatten)]
     surface: SurfaceFlags,
+    #[command(flatten)]
+    core: CoreArgs,
     /// Remove overlaps of the hard surfaces by the smallest uniform expansion.
     #[arg(long)]
     relax: bool,
@@ -113,7 +115,7 @@ impl AssembleArgs {
 impl StructureArgs {
     fn run(&self, front: &Front) -> Result<Reply> {
         let settings = StructureSettings {
-            body: body_settings(&self.selection, &self.charges, &self.surface)?,
+            body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
             relax: self.relax,
             box_angstrom: self.space.box_angstrom()?,
             force: front.force(),

@@ -1,6 +1,6 @@
 //! `protomer ingest`: structure files to bodies.
 
-use crate::flags::body::{ChargeArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Result, bail};
@@ -31,6 +31,8 @@ pub struct IngestArgs {
     charges: ChargeArgs,
     #[command(flatten)]
     surface: SurfaceFlags,
+    #[command(flatten)]
+    core: CoreArgs,
     /// Also write the mesh and the charges in these formats.
     #[arg(long, value_enum, value_delimiter = ',')]
     export: Vec<Export>,
@@ -64,7 +66,7 @@ impl IngestArgs {
         let files = input::expand(&self.inputs)?;
         self.check_name(files.len())?;
         let settings = IngestSettings {
-            body: body_settings(&self.selection, &self.charges, &self.surface)?,
+            body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
             name: self.name.clone(),
             exports: self.export.iter().map(|export| export.ending()).collect(),
             force: front.force(),
