@@ -198,6 +198,30 @@ fn a_file_cut_in_its_last_frame_still_gives_the_frames_before() {
 }
 
 #[test]
+fn an_index_that_names_more_frames_than_it_has_is_refused() {
+    const ENTRY: usize = 32;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.gsd");
+    write(&path, 10);
+    let bytes = std::fs::read(&path).unwrap();
+    let start = u64::from_le_bytes(bytes[8..16].try_into().unwrap()) as usize;
+    let frame = |entry: usize| start + ENTRY * entry..start + ENTRY * entry + 8;
+    let number = |entry: usize| u64::from_le_bytes(bytes[frame(entry)].try_into().unwrap());
+    let last = (0..).find(|entry| number(*entry) == 9).unwrap();
+    for forged in [1 << 40, u64::MAX / 4, u64::MAX] {
+        let mut damaged = bytes.clone();
+        damaged[frame(last)].copy_from_slice(&forged.to_le_bytes());
+        std::fs::write(&path, damaged).unwrap();
+        // The index ends with this entry, because those behind it are of earlier frames.
+        let refused = GsdFile::open(&path).unwrap_err().to_string();
+        assert!(
+            refused.contains(&format!("it names frame {forged} and has")),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
 fn names_that_outgrow_their_list_move() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("many.gsd");

@@ -58,6 +58,13 @@ impl GsdFile {
         let index_length = header.index_entries.saturating_mul(ENTRY_BYTES);
         let index = source.read(header.index_location, index_length)?;
         let entries = split_index(&index, names.len(), source.length);
+        // Each frame has a chunk, the step at least: a larger number is damage.
+        let (last, chunks) = (entries.last().map(|entry| entry.frame), entries.len());
+        if let Some(last) = last.filter(|last| *last >= chunks as u64) {
+            let cause =
+                format!("its index is damaged: it names frame {last} and has {chunks} chunks");
+            return Err(source.error(cause));
+        }
         Ok(Self {
             path: path.to_owned(),
             file,
