@@ -4,10 +4,8 @@
 //! |---|---|
 //! | [`lattice`] | lattices of rigid squares: runs, sweeps, pictures |
 //! | [`frameworks`] | networks of rods and hinges: elastic constants, loads, figures |
-//! | [`range`] | the values that numbers may have |
 //!
 //! The mechanics is in `protomer-crystal`.
 
 pub mod frameworks;
 pub mod lattice;
-pub mod range;

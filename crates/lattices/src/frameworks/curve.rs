@@ -2,8 +2,8 @@
 
 use super::axes;
 use super::text::rounded;
-use crate::range::Range;
 use anyhow::{Result, bail};
+use protomer_common::range::Range;
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
 use protomer_io::csv::{Cell, Table};
@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Stresses: far beyond what any network bears.
-const STRESS: Range = Range::from(-1e6, 1e6).in_unit("GPa");
+const STRESS: Range = Range::new(-1e6, 1e6, "GPa");
 
 /// Strain against stress.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -69,7 +69,7 @@ pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
         match number.trim().parse::<f64>() {
             Ok(value) => {
                 let gpa = value / divisor;
-                STRESS.check("a stress in --stress", gpa)?;
+                STRESS.require("a stress in --stress", gpa)?;
                 Ok(gpa)
             }
             Err(_) => bail!("'{item}' is not a stress; write a list like 1GPa,2GPa or -500MPa"),

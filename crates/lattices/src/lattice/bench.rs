@@ -8,9 +8,10 @@
 
 use super::settings::{LatticeSettings, Start, TimeStep, Velocities};
 use super::start::{begin, time_step};
-use anyhow::{Result, bail};
+use anyhow::Result;
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::ThreadClock;
+use protomer_common::range;
 use protomer_crystal::lattice::Mover;
 use serde::Serialize;
 use std::sync::Arc;
@@ -75,9 +76,7 @@ const LONGEST_AUTOMATIC_STEP: f64 = 1e-3;
 /// # Errors
 /// For invalid settings, or a step that fails.
 pub fn bench(settings: &LatticeSettings, steps: u64) -> Result<LatticeBench> {
-    if steps == 0 {
-        bail!("--steps is 0; give at least 1");
-    }
+    range::MOVES.require("--steps", steps)?;
     let setup = ThreadClock::start();
     let start_angle = Start::Angle(START_ANGLE_RAD);
     let settings = LatticeSettings {

@@ -3,8 +3,8 @@
 //! Ranges are wide: they hold every lattice that makes sense and end where the arithmetic would.
 
 use super::settings::{LatticeSettings, OtherSquare, Screening, Start, TimeStep, Velocities};
-use crate::range::Range;
 use anyhow::{Result, bail};
+use protomer_common::range::{self, Range};
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::lattice::Square;
 use protomer_crystal::lattice::pair::SquareCharge;
@@ -18,31 +18,31 @@ pub(super) const MOST_STEPS: u64 = 1_000_000_000_000;
 const MOST_INTERVALS: usize = 10_000_000;
 
 /// Lengths in half-diagonals of the unit square.
-pub(super) const LENGTH: Range = Range::from(1e-4, 1e3);
+pub(super) const LENGTH: Range = Range::new(1e-4, 1e3, "");
 /// Masses in masses of the unit square.
-const MASS: Range = Range::from(1e-6, 1e6);
+const MASS: Range = Range::new(1e-6, 1e6, "");
 /// Moments of inertia.
-pub(super) const INERTIA: Range = Range::from(1e-9, 1e9);
+pub(super) const INERTIA: Range = Range::new(1e-9, 1e9, "");
 /// Angular velocities and friction.
-const RATE: Range = Range::from(1e-6, 1e6).or_zero();
+const RATE: Range = Range::new(1e-6, 1e6, "").or_zero();
 /// κ of the coherence potential.
-pub(super) const KAPPA: Range = Range::from(1e-12, 1e9).or_zero();
+pub(super) const KAPPA: Range = Range::new(1e-12, 1e9, "").or_zero();
 /// Times.
-pub(super) const TIME: Range = Range::from(1e-9, 1e9).or_zero();
+pub(super) const TIME: Range = Range::new(1e-9, 1e9, "").or_zero();
 /// Time steps.
-pub(super) const TIME_STEP: Range = Range::from(TIME_STEP_LEAST, 1.0);
+pub(super) const TIME_STEP: Range = Range::new(TIME_STEP_LEAST, 1.0, "");
 /// The shortest time step.
 pub(super) const TIME_STEP_LEAST: f64 = 1e-9;
 /// Positions, angles and their rates in a file.
-pub(super) const COORDINATE: Range = Range::from(-1e6, 1e6);
+pub(super) const COORDINATE: Range = Range::new(-1e6, 1e6, "");
 /// kT.
-const ENERGY: Range = Range::from(1e-9, 1e6);
+const ENERGY: Range = Range::new(1e-9, 1e6, "");
 /// Lengths of proteins, and of the medium around them.
-const ANGSTROMS: Range = Range::from(1e-2, 1e6).in_unit("Å");
+const ANGSTROMS: Range = Range::new(1e-2, 1e6, "Å");
 /// Charges of sites.
-const CHARGE: Range = Range::from(-1e4, 1e4).in_unit("e");
+const CHARGE: Range = Range::new(-1e4, 1e4, "e");
 /// Places of charges: on their square, or a little beyond.
-const PLACE: Range = Range::from(-10.0, 10.0).in_unit("half-diagonals");
+const PLACE: Range = Range::new(-10.0, 10.0, "half-diagonals");
 
 impl LatticeSettings {
     /// Checks everything that neither the types nor the engine check.
@@ -54,7 +54,7 @@ impl LatticeSettings {
     /// use protomer_lattices::lattice::settings::LatticeSettings;
     /// let settings = LatticeSettings { angle_spread: 4.0, ..LatticeSettings::default() };
     /// let error = settings.check().unwrap_err();
-    /// assert_eq!(error.to_string(), "angle_spread is 4; it must be from 0 to 3.141592653589793 rad");
+    /// assert_eq!(error.to_string(), "angle_spread is 4; give 0 to 3.141592653589793 rad");
     /// ```
     pub fn check(&self) -> Result<()> {
         self.check_numbers()?;
@@ -73,24 +73,24 @@ impl LatticeSettings {
                  the guide for the limit"
             );
         }
-        LENGTH.check("r0", self.r0)?;
-        KAPPA.check("kappa", self.kappa)?;
+        LENGTH.require("r0", self.r0)?;
+        KAPPA.require("kappa", self.kappa)?;
         if let Start::Angle(angle) = self.start {
-            Range::from(-PI, PI).in_unit("rad").check("start", angle)?;
+            Range::new(-PI, PI, "rad").require("start", angle)?;
         }
-        let spread = Range::from(0.0, PI).in_unit("rad");
-        spread.check("angle_spread", self.angle_spread)?;
-        RATE.check("speed", self.speed)?;
-        RATE.check("velocity_spread", self.velocity_spread)?;
-        TIME.check("time", self.time)?;
+        let spread = Range::new(0.0, PI, "rad");
+        spread.require("angle_spread", self.angle_spread)?;
+        RATE.require("speed", self.speed)?;
+        RATE.require("velocity_spread", self.velocity_spread)?;
+        TIME.require("time", self.time)?;
         if let TimeStep::Fixed(step) = self.time_step {
-            TIME_STEP.check("time_step", step)?;
+            TIME_STEP.require("time_step", step)?;
         }
-        let rebound = Range::from(0.0, 1.0).in_unit("(0: no rebound, 1: elastic)");
-        rebound.check("restitution", self.restitution)?;
-        RATE.check("friction", self.friction)?;
+        let rebound = Range::new(0.0, 1.0, "(0: no rebound, 1: elastic)");
+        rebound.require("restitution", self.restitution)?;
+        RATE.require("friction", self.friction)?;
         if let Some(temperature) = self.temperature {
-            ENERGY.or_zero().check("temperature", temperature)?;
+            ENERGY.or_zero().require("temperature", temperature)?;
         }
         Ok(())
     }
@@ -116,6 +116,8 @@ impl LatticeSettings {
                 self.time
             );
         }
+        range::STEPS.require("log_every", self.log_every)?;
+        range::STEPS.require("trajectory_every", self.trajectory_every)?;
         if self.log_every == 0 {
             bail!("log_every is 0; it must be at least 1");
         }
@@ -128,15 +130,15 @@ impl LatticeSettings {
             mass,
             inertia,
         } = self.square;
-        LENGTH.check("square.half_diagonal", half_diagonal)?;
-        MASS.check("square.mass", mass)?;
-        INERTIA.check("square.inertia", inertia)?;
+        LENGTH.require("square.half_diagonal", half_diagonal)?;
+        MASS.require("square.mass", mass)?;
+        INERTIA.require("square.inertia", inertia)?;
         for (index, square) in self.other_squares.iter().enumerate() {
             check_other_square(index, square)?;
         }
         for (index, rod) in self.rods.iter().flatten().enumerate() {
             if let Some(length) = rod.length {
-                LENGTH.check(&format!("rods[{index}].length"), length)?;
+                LENGTH.require(&format!("rods[{index}].length"), length)?;
             }
         }
         Ok(())
@@ -144,13 +146,13 @@ impl LatticeSettings {
 
     fn check_charges(&self) -> Result<()> {
         if let Some(scale) = self.half_diagonal_angstrom {
-            ANGSTROMS.check("half_diagonal_angstrom", scale)?;
+            ANGSTROMS.require("half_diagonal_angstrom", scale)?;
         }
         for (index, SquareCharge { position, charge }) in self.charges.iter().enumerate() {
             for place in position {
-                PLACE.check(&format!("charges[{index}].position"), *place)?;
+                PLACE.require(&format!("charges[{index}].position"), *place)?;
             }
-            CHARGE.check(&format!("charges[{index}].charge"), *charge)?;
+            CHARGE.require(&format!("charges[{index}].charge"), *charge)?;
         }
         let Some(screening) = self.screening else {
             return Ok(());
@@ -198,8 +200,8 @@ impl LatticeSettings {
             intervals,
             ..
         } = *lyapunov;
-        Range::from(1e-12, 1e-2).check("lyapunov.separation", separation)?;
-        Range::from(1e-6, 1e6).check("lyapunov.interval", interval)?;
+        Range::new(1e-12, 1e-2, "").require("lyapunov.separation", separation)?;
+        Range::new(1e-6, 1e6, "").require("lyapunov.interval", interval)?;
         if !(1..=MOST_INTERVALS).contains(&intervals) {
             bail!("lyapunov.intervals is {intervals}; it must be from 1 to {MOST_INTERVALS}");
         }
@@ -223,7 +225,7 @@ fn check_other_square(index: usize, square: &OtherSquare) -> Result<()> {
         ("inertia", INERTIA, square.inertia),
     ] {
         if let Some(value) = value {
-            range.check(&format!("other_squares[{index}].{key}"), value)?;
+            range.require(&format!("other_squares[{index}].{key}"), value)?;
         }
     }
     Ok(())
@@ -240,7 +242,7 @@ fn check_screening(screening: &Screening) -> Result<()> {
             screening.debye_length_angstrom,
         ),
     ] {
-        ANGSTROMS.check(key, value)?;
+        ANGSTROMS.require(key, value)?;
     }
-    ENERGY.check("screening.kt", screening.kt)
+    ENERGY.require("screening.kt", screening.kt)
 }

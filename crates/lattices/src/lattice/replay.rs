@@ -6,9 +6,9 @@
 use super::limits::{
     COORDINATE, INERTIA, KAPPA, LENGTH, MOST_SQUARES, MOST_STEPS, TIME, TIME_STEP, TIME_STEP_LEAST,
 };
-use crate::range::Range;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_common::range::Range;
 use protomer_crystal::lattice::collision::replay;
 use protomer_crystal::lattice::contact::TOUCHING;
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
@@ -77,7 +77,7 @@ fn check_state(name: &str, numbers: &[f64], count: usize) -> Result<()> {
         );
     }
     for number in numbers {
-        COORDINATE.check(&format!("a number in {name}"), *number)?;
+        COORDINATE.require(&format!("a number in {name}"), *number)?;
     }
     Ok(())
 }
@@ -199,11 +199,11 @@ impl LatticeFile {
                 MOST_SQUARES.isqrt()
             );
         }
-        LENGTH.check("r0", self.r0)?;
-        LENGTH.check("l", self.l)?;
-        KAPPA.check("kappa", self.kappa)?;
+        LENGTH.require("r0", self.r0)?;
+        LENGTH.require("l", self.l)?;
+        KAPPA.require("kappa", self.kappa)?;
         if let Some(inertia) = self.inertia {
-            INERTIA.check("I", inertia)?;
+            INERTIA.require("I", inertia)?;
         }
         for (name, numbers) in [("s0", &self.s0), ("v0", &self.v0)] {
             check_state(name, numbers, 3 * size * size)?;
@@ -214,7 +214,7 @@ impl LatticeFile {
         }
         let mut earlier = 0.0;
         for time in &self.times {
-            TIME.check("a time in times", *time)?;
+            TIME.require("a time in times", *time)?;
             if *time < earlier {
                 bail!(
                     "the time {time} follows {earlier} in times; list the times in increasing order"
@@ -266,8 +266,8 @@ impl LatticeFile {
 /// For a state that does not fit the lattice, times that do not increase, or a step that is too
 /// large.
 pub fn replay(file: &LatticeFile, time_step: f64, longest: f64) -> Result<Replay> {
-    TIME_STEP.check("--dt", time_step)?;
-    Range::from(TIME_STEP_LEAST, 1e9).check("--longest", longest)?;
+    TIME_STEP.require("--dt", time_step)?;
+    Range::new(TIME_STEP_LEAST, 1e9, "").require("--longest", longest)?;
     file.check()?;
     let last = file.times.last().copied().unwrap_or(0.0);
     if last.max(longest) / time_step > MOST_STEPS as f64 {

@@ -3,17 +3,17 @@
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use protomer_common::quantity::length_angstrom;
+use protomer_common::range::Range;
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{Framework, build};
-use protomer_lattices::range::Range;
 
 /// Lengths of networks.
-const LENGTH: Range = Range::from(1e-6, 1e6).in_unit("Å");
+const LENGTH: Range = Range::new(1e-6, 1e6, "Å");
 
 /// A length in Å, with or without a unit.
 fn length(text: &str) -> Result<f64, String> {
     let length = length_angstrom(text).map_err(|error| error.to_string())?;
-    let checked = LENGTH.check("the length", length);
+    let checked = LENGTH.require("the length", length);
     checked.map_err(|error| error.to_string())?;
     Ok(length)
 }

@@ -11,12 +11,12 @@ use builders::Builder;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory};
 use protomer_common::quantity::length_angstrom;
+use protomer_common::range::Range;
 use protomer_crystal::framework::analytic::Honeycomb;
 use protomer_crystal::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
 use protomer_lattices::frameworks::answer::{Analysis, LoadSettings, PaperTables, cell_counts};
 use protomer_lattices::frameworks::report::{Relax, Report, Settings};
 use protomer_lattices::frameworks::{curve, network_file};
-use protomer_lattices::range::Range;
 use protomer_results::keys::nearest;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,7 @@ const BUILDERS: [&str; 8] = [
 ];
 
 /// Values of the Avogadro constant in the literature.
-const AVOGADRO: Range = Range::from(5.9e23, 6.2e23).in_unit("/mol");
+const AVOGADRO: Range = Range::new(5.9e23, 6.2e23, "/mol");
 
 /// Upper limit for the number of nodes, set by time and memory.
 const MOST_NODES: usize = 1_000_000;
@@ -213,7 +213,7 @@ pub fn explain_usage(error: clap::Error) -> clap::Error {
 impl AnalysisArgs {
     fn settings(&self) -> Result<Settings> {
         let avogadro_per_mol = self.na.unwrap_or(AVOGADRO_PER_MOL);
-        AVOGADRO.check("--na", avogadro_per_mol)?;
+        AVOGADRO.require("--na", avogadro_per_mol)?;
         let relax = match (self.relax, self.fixed_cell) {
             (false, _) => None,
             (true, false) => Some(Relax::FreeCell),
