@@ -19,6 +19,8 @@ use protomer_kernel::{Pose, Vec3};
 
 /// Grids that are shifted at random.
 const GRIDS: u64 = 8;
+/// Lines of a grid that take hours.
+const MOST_LINES: f64 = 1e9;
 
 /// A free volume as a part of the box.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -91,7 +93,11 @@ pub fn static_free_volume(
     }
     let bodies = Bodies::of(crystal, shape, radius)?;
     let lengths = crystal.space.lengths();
-    let counts = [0, 1].map(|axis: usize| (lengths[axis] * lines_per_length).ceil() as usize);
+    let counts = [0, 1].map(|axis: usize| (lengths[axis] * lines_per_length).ceil());
+    let lines = counts[0] * counts[1];
+    let holds = lines <= MOST_LINES;
+    require("the number of lines of a grid", lines, "at most 1e9", holds)?;
+    let counts = counts.map(|count| count as usize);
     let means: Vec<f64> = (0..GRIDS)
         .map(|grid| bodies.mean_over_lines(&counts, grid))
         .collect();

@@ -58,6 +58,18 @@ fn the_free_volume_is_that_of_the_crystal_and_not_of_its_cell() {
 }
 
 #[test]
+fn lines_that_nobody_can_wait_for_are_refused() {
+    let shape = truncated_tetrahedron();
+    let body = HardBody::<3>::new(&shape, 0.0).unwrap();
+    let crystal = Crystal::new(&UnitCell::by_name("diamond").unwrap(), &body, 8, 0.5).unwrap();
+    for lines_per_length in [1e6, 1e19, 1e300] {
+        let refused = static_free_volume(&crystal, &shape, 0.0, 0.1, lines_per_length);
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains("lines"), "{refused}");
+    }
+}
+
+#[test]
 fn bodies_that_overlap_are_named() {
     let shape = truncated_tetrahedron();
     let body = HardBody::<3>::new(&shape, 0.0).unwrap();

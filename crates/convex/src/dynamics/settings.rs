@@ -1,6 +1,7 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
 use anyhow::{Result, bail};
+use protomer_common::range;
 use protomer_kernel::Number;
 use protomer_md::bath::Ensemble;
 use protomer_md::pair::central::Central;
@@ -232,9 +233,7 @@ impl DynamicsSettings {
                 self.bodies
             );
         }
-        if self.log_every == 0 {
-            bail!("--log-every is 0; give at least 1");
-        }
+        self.check_steps()?;
         if let Some(from) = self.compress_from
             && from > self.packing_fraction
         {
@@ -242,6 +241,22 @@ impl DynamicsSettings {
                 "--compress-from is {from}, denser than --packing-fraction {}; begin with less",
                 self.packing_fraction
             );
+        }
+        Ok(())
+    }
+
+    fn check_steps(&self) -> Result<()> {
+        for (name, steps) in [
+            ("--steps", self.steps),
+            ("--compress-steps", self.compress_steps),
+            ("--equilibrate-steps", self.equilibrate_steps),
+            ("--log-every", self.log_every),
+            ("--trajectory-every", self.trajectory_every),
+        ] {
+            range::STEPS.require(name, steps)?;
+        }
+        if self.log_every == 0 {
+            bail!("--log-every is 0; give at least 1");
         }
         Ok(())
     }
@@ -381,6 +396,14 @@ mod tests {
             ..settings.clone()
         };
         assert!(complaint(shares).contains("--shape: 1, --share: 2"));
+        let endless = DynamicsSettings {
+            steps: u64::MAX,
+            ..settings.clone()
+        };
+        assert_eq!(
+            complaint(endless),
+            "--steps is 18446744073709551615; give a whole number from 0 to 1000000000000"
+        );
         let repelled = DynamicsSettings {
             attraction: -1.0,
             ..settings

@@ -11,6 +11,7 @@ use super::trajectory::Trajectory;
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
+use protomer_common::range;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::frenkel_ladd::{
@@ -100,6 +101,8 @@ impl FreeEnergySettings {
         if self.sweeps == 0 {
             bail!("sweeps is 0; give the sweeps per point of the integral");
         }
+        range::STEPS.require("sweeps", self.sweeps)?;
+        range::STEPS.require("equilibration", self.equilibration)?;
         check_packing_fraction(self.packing_fraction)?;
         check_bodies(self.bodies)?;
         check_rounding(self.rounding_radius)

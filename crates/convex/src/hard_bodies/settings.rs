@@ -2,6 +2,7 @@
 
 use super::start::FLUID;
 use anyhow::{Context, Result, bail};
+use protomer_common::range;
 pub use protomer_hpmc::box_moves::{Freedom, Pressure};
 pub use protomer_hpmc::field::Gravity;
 use protomer_hpmc::reservoir::Depletant;
@@ -156,6 +157,17 @@ impl HardBodySettings {
                 Number(*angle)
             );
         }
+        for (key, count) in [
+            ("equilibration", self.equilibration),
+            ("sweeps", self.sweeps),
+            ("sample_every", self.sample_every),
+            ("trajectory_every", self.trajectory_every),
+        ] {
+            range::STEPS.require(key, count)?;
+        }
+        for (key, count) in [("insertions", self.insertions), ("points", self.points)] {
+            range::MOVES_OR_NONE.require(key, count as u64)?;
+        }
         if self.sample_every == 0 {
             bail!("sample_every is 0; give the sweeps between two measurements");
         }
@@ -273,6 +285,20 @@ mod tests {
             ),
             (
                 HardBodySettings {
+                    equilibration: u64::MAX,
+                    ..settings()
+                },
+                "equilibration is 18446744073709551615; give",
+            ),
+            (
+                HardBodySettings {
+                    insertions: usize::MAX,
+                    ..settings()
+                },
+                "insertions is 18446744073709551615; give",
+            ),
+            (
+                HardBodySettings {
                     bodies: 0,
                     ..settings()
                 },
@@ -329,10 +355,8 @@ mod tests {
             ),
         ] {
             let error = wrong.check().unwrap_err().to_string();
-            assert!(
-                error.contains(words) && error.contains("must be"),
-                "{error}"
-            );
+            let says_range = error.contains("must be") || error.contains("; give ");
+            assert!(error.contains(words) && says_range, "{error}");
         }
     }
 }

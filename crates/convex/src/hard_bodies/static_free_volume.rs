@@ -4,10 +4,14 @@ use super::settings::{check_packing_fraction, check_rounding};
 use super::start::{BodyShape, cell_text, unit_cell};
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
+use protomer_common::range::Count;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::static_free_volume::static_free_volume;
 use protomer_kernel::Number;
 use serde::Serialize;
+
+/// Lines along an edge, whose square is the cost.
+const LINES: Count = Count::new(1, 10_000);
 
 /// A crystal, and the depletants. Lengths are in the unit of the shape.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,6 +96,7 @@ impl Answer for StaticFreeVolumes {
 /// ```
 pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<StaticFreeVolumes> {
     check_rounding(settings.rounding_radius)?;
+    LINES.require("lines", settings.lines as u64)?;
     for packing_fraction in &settings.packing_fractions {
         check_packing_fraction(*packing_fraction)?;
     }
