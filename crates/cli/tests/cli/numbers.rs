@@ -13,7 +13,7 @@ const LONGEST: Duration = Duration::from_secs(120);
 
 /// Verbs with arguments that make them cheap; OUT is a new name each time. Verbs that are not here read what only long
 /// commands make, and have tests of their own.
-const CHEAP: [&str; 33] = [
+const CHEAP: [&str; 37] = [
     "ingest tiny.pdb -o OUT",
     "surface tiny.pqr",
     "potential tiny.pqr --salt 100mM --spacing 1 --margin 5 --no-error-estimate",
@@ -35,19 +35,41 @@ const CHEAP: [&str; 33] = [
     "pair a.body b.body --salt 200mM --relative-error 0.5 --most-directions 64",
     "simulate ring.json --salt 200mM --sweeps 10 --equilibration 2 --log-every 5 --energy direct -o OUT",
     "sweep ring.json --salt 200mM --replicas 1 --sweeps 10 --equilibration 2 --log-every 5 --energy direct -o OUT",
-    "residues sweep -o OUT",
+    "residues glycines -o OUT",
     "reweight sweep",
     "scattering sweep --q-points 5",
-    "export sweep -o OUT.pdb --salt 200mM",
+    "export glycines -o OUT.pdb --salt 200mM",
     "framework honeycomb --theta 60 --kh 50 --ks 10000",
     "framework rotating-squares --angle 20 --ks 10 --kh 1",
-    "framework rod-lattice --r0 1.2 --angle 10 --square-ks 10 --ks 1",
+    "framework rod-lattice --r0 1.2 --angle 10 --square-ks 10 --ks 1 --kh 1",
     "lattice run --rows 2 --columns 2 --time 0.1 -o OUT",
     "lattice bench --ns 2 --steps 5",
-    "voxelize --manifest manifest.csv -o OUT.zarr --size 32 --channels shape",
-    "train --control shapes --short --epochs 1 -o OUT",
+    "lattice sweep --rows 2 --columns 2 --time 0.1 --r0-list 0.2 --kappa-list 0 --seeds 1 -o OUT",
+    "lattice replay state.json --longest 1",
+    "lattice animate motion -o OUT.html",
+    "voxelize --manifest set.csv -o OUT.zarr --size 32 --channels shape",
+    "train set.zarr --epochs 1 --widths 8 --batch 4 --least-samples 1 -o OUT",
+    "tune set.zarr --trials 1 --epochs 1 --least-samples 1 -o OUT",
     "bench ring.json --salt 200mM --moves 20 --energy direct",
 ];
+
+/// Two glycines beside each other.
+const GLYCINES: &str = r#"{"box_angstrom": [80, 80, 80],
+ "bodies": [{"name": "tiny", "file": "bodies/tiny.body"}],
+ "placements": [
+  {"body": "tiny", "position_angstrom": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]},
+  {"body": "tiny", "position_angstrom": [0, 0, 8], "orientation_wxyz": [1, 0, 0, 0]}]}"#;
+
+/// One body in two classes under many names.
+fn set() -> String {
+    let line = |number: u32| {
+        format!(
+            "tiny.pdb,{},c{number},s{number}\n",
+            ["a", "b"][number as usize % 2]
+        )
+    };
+    "file,label,cluster,name\n".to_owned() + &(0..16).map(line).collect::<String>()
+}
 
 fn folder() -> TemporaryFolder {
     let place = TemporaryFolder::new();
@@ -69,18 +91,31 @@ fn folder() -> TemporaryFolder {
     for (name, text) in [
         ("tiny.pdb", glycine("  1.00  0.00")),
         ("tiny.pqr", glycine("  0.5000 1.8500")),
-        ("manifest.csv", "file,label,group\ntiny.pdb,a,1\n".into()),
+        ("glycines.json", GLYCINES.into()),
         (
             "pairs.json",
             r#"[{"a": "cube", "b": "cube", "position": [0, 0, 1.15]}]"#.into(),
         ),
+        (
+            "state.json",
+            r#"{"ns": 1, "r0": 0.05, "s0": [0, 0, 0.785], "v0": [0.1, 0, 0.2], "times": [0.1]}"#
+                .into(),
+        ),
+        ("set.csv", set()),
     ] {
         std::fs::write(place.path(name), text).unwrap();
     }
-    is_ok(&place.run(
+    for command in [
         "sweep ring.json --salt 200mM,300mM --replicas 1 --sweeps 20 --equilibration 2 --log-every 5 \
          --trajectory-every 5 --energy direct -o sweep -q",
-    ));
+        "ingest tiny.pdb -o bodies -q",
+        "sweep glycines.json --salt 200mM,300mM --replicas 1 --sweeps 20 --equilibration 2 --log-every 5 \
+         --trajectory-every 5 --energy direct -o glycines -q",
+        "lattice run --rows 2 --columns 2 --time 0.1 -o motion -q",
+        "voxelize --manifest set.csv -o set.zarr --size 32 --channels shape -q",
+    ] {
+        is_ok(&place.run(command));
+    }
     place
 }
 
@@ -187,6 +222,10 @@ fn numbers_that_overflow_are_refused() {
             "pair a.body b.body --salt 100mM --relative-error 0.5 --most-directions 64 --bjerrum 1e-308",
             "pair a.body b.body --salt 100mM --relative-error 0.5 --most-directions 64 --cutoff 1e308",
             "pair a.body b.body --salt 1e-308M --relative-error 0.5 --most-directions 64",
+            "md run --shape cube --bodies 8 --packing-fraction 0.1 --steps 18446744073709551615 -o out",
+            "hpmc free-volume --shape cube --crystal simple-cubic --packing-fraction 0.2 --depletant-radius 0.1 \
+             --lines 18446744073709551615",
+            "lattice bench --ns 2 --steps 18446744073709551615",
             "simulate ring.json --salt 200mM --sweeps 18446744073709551615 --energy direct -o out",
             "shape contact pairs.json --attraction 1e308",
             "train --control shapes --short -o out --widths 18446744073709551615",
@@ -231,6 +270,19 @@ fn charges_that_overflow_are_refused_with_their_line() {
     );
 }
 
+/// Removes what a command wrote, a file with some ending or a folder.
+fn remove(place: &TemporaryFolder, name: &str) {
+    for entry in place.path("").read_dir().unwrap() {
+        let path = entry.unwrap().path();
+        if path.file_stem().is_some_and(|stem| stem == name) {
+            match path.is_dir() {
+                true => std::fs::remove_dir_all(path).unwrap(),
+                false => std::fs::remove_file(path).unwrap(),
+            }
+        }
+    }
+}
+
 #[test]
 #[ignore = "2000 commands, a quarter of an hour"]
 fn no_number_of_any_flag_panics_hangs_or_becomes_nonsense() {
@@ -244,5 +296,11 @@ fn no_number_of_any_flag_panics_hangs_or_becomes_nonsense() {
         })
         .collect();
     assert!(all.len() > 1000, "{}", all.len());
+    // What is refused without a strange number says nothing about it.
+    let place = folder();
+    for cheap in CHEAP {
+        is_ok(&place.run(&cheap.replace("OUT", "usual")));
+        remove(&place, "usual");
+    }
     check(&all);
 }
