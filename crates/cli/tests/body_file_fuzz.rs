@@ -4,101 +4,13 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
 mod common;
+mod damage;
 
 use common::TemporaryFolder;
+use damage::{CHECKSUM, LARGEST_BLOCK, damaged, sign};
 use protomer::bodies::body_file;
 use protomer_kernel::random::CounterRng;
-use sha2::{Digest, Sha256};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// The largest block that was asked for since the last reset.
-static LARGEST_BLOCK: AtomicUsize = AtomicUsize::new(0);
-
-/// The system's allocator, watched.
-struct Watched;
-
-// SAFETY: every call is handed on unchanged to the system's allocator, which keeps the contract.
-unsafe impl GlobalAlloc for Watched {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        LARGEST_BLOCK.fetch_max(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's promises are those that `System` asks for.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: the block came from `System` with this layout.
-        unsafe { System.dealloc(block, layout) }
-    }
-
-    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        LARGEST_BLOCK.fetch_max(size, Ordering::Relaxed);
-        // SAFETY: the block came from `System` with this layout.
-        unsafe { System.realloc(block, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Watched = Watched;
-
-/// Bytes of length, magic and version, and of the checksum at the end.
-const PREFIX: usize = 20;
-const CHECKSUM: usize = 32;
-
-/// Puts the right length and checksum on a file that was changed between them.
-fn sign(mut content: Vec<u8>) -> Vec<u8> {
-    if content.len() >= PREFIX {
-        let length = (content.len() + CHECKSUM) as u64;
-        content[12..PREFIX].copy_from_slice(&length.to_le_bytes());
-    }
-    let checksum = Sha256::digest(&content);
-    content.extend_from_slice(&checksum);
-    content
-}
-
-/// Numbers at which readers break.
-const WORDS: [u64; 12] = [
-    0,
-    1,
-    3,
-    255,
-    u32::MAX as u64,
-    1 << 40,
-    1 << 62,
-    u64::MAX / 8,
-    u64::MAX,
-    0x7ff0_0000_0000_0000, // infinity
-    0x7ff8_0000_0000_0000, // not a number
-    0x7fef_ffff_ffff_ffff, // the largest finite number
-];
-
-/// Changes the content of a valid file somewhere. Half of the changes fall into the first kilobyte,
-/// where the header and the shapes of the first arrays are.
-fn damaged(content: &[u8], random: &mut CounterRng) -> Vec<u8> {
-    let mut content = content.to_vec();
-    for _ in 0..1 + random.index(4) {
-        let reach = if random.uniform() < 0.5 {
-            content.len().min(1000)
-        } else {
-            content.len()
-        };
-        let at = random.index(reach.max(1)).min(content.len());
-        let length = (1 + random.index(16)).min(content.len() - at);
-        match random.index(6) {
-            0 => content[at..at + length].fill_with(|| random.index(256) as u8),
-            1 if at < content.len() => content[at] ^= 1 << random.index(8),
-            2 => content.truncate(at.max(PREFIX)),
-            3 => drop(content.drain(at..at + length)),
-            4 => drop(content.splice(at..at, (0..length).map(|_| random.index(256) as u8))),
-            _ => {
-                let word = WORDS[random.index(WORDS.len())].to_le_bytes();
-                let end = (at + [1, 2, 4, 8][random.index(4)]).min(content.len());
-                content[at..end].copy_from_slice(&word[..end - at]);
-            }
-        }
-    }
-    content
-}
+use std::sync::atomic::Ordering;
 
 /// Reads this many damaged files; returns how many of them are bodies all the same.
 fn fuzz(inputs: u64, seed: u64) -> u64 {
