@@ -55,6 +55,7 @@ __all__ = [
     "compare",
     "framework",
     "inspect",
+    "binding",
     "pair",
     "simulate",
     "sweep",
@@ -3182,6 +3183,145 @@ def inspect(
             "--force": force,
         },
         progress,
+    )
+
+
+def binding(
+    receptor: Path | str | Body,
+    ligand: Path | str | Body | None = None,
+    *,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    body: str | float | Sequence[str | float] | None = None,
+    ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    temperature: float | str | None = None,
+    exchanges: bool = False,
+    spacing: float | str | None = None,
+    margin: float | str | None = None,
+    inner_permittivity: float | str | None = None,
+    outer_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
+    chain: str | float | Sequence[str | float] | None = None,
+    model: int | str | None = None,
+    assembly: str | float | Sequence[str | float] | None = None,
+    altloc: str | float | Sequence[str | float] | None = None,
+    keep_ligands: bool = False,
+    keep_waters: bool = False,
+    keep_hydrogens: bool = False,
+    keep_nucleic_acids: bool = False,
+    missing: Literal["keep", "skip", "fail"] | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Solve the Poisson-Boltzmann equation for a complex and its two parts: the charge part of the binding free
+    energy against salt and pH, its slope d ln K / d ln c, and the energy of the fast interaction.
+
+    Parameters
+    ----------
+    receptor
+        Receptor, or the whole complex: a structure, PQR or body file
+    ligand
+        Ligand in the same frame; without it the two bodies are chains of the first file
+    salt
+        Concentrations of a 1:1 salt: a list such as 50mM,150mM or a range such as 10mM..1M/5. Differences are
+        from the first
+    salt_molar
+        The same as numbers in mol/L, instead of `salt`
+    body
+        Chains that make up one body, such as H,L; once for each body
+    ph
+        pH values at which structure files are charged, such as 6,7.4 [default: 7.4]
+    temperature
+        Temperature, K [default: 298.15]
+    exchanges
+        Find what each exchange of charge at the interface (heavy atoms within 5 Å of the partner) would
+        change, at the first salt: two more solves for each residue
+    spacing
+        Spacing of the fine grid, Å; a second grid is 1.4 times coarser [default: 0.7]
+    margin
+        Minimum distance between the atoms and the faces of the fine grid, Å [default: 10]
+    inner_permittivity
+        Relative permittivity inside the bodies [default: 2]
+    outer_permittivity
+        Relative permittivity of the solvent; that of water at the temperature if omitted
+    ion_radius
+        Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    chain
+        Chains, by author name; all if omitted
+    model
+        Model number; the first if omitted
+    assembly
+        Number of the biological assembly; the deposited coordinates if omitted
+    altloc
+        Preferred alternate location; the highest occupancy if omitted
+    keep_ligands
+        Keep ligands, ions and sugars
+    keep_waters
+        Keep waters
+    keep_hydrogens
+        Keep hydrogens
+    keep_nucleic_acids
+        Keep nucleic acids
+    missing
+        What to do with residues that lack heavy atoms [default: keep]
+    threads
+        Threads to use; 0 means all [default: 0]
+    force
+        Overwrite existing results
+    progress
+        Called as progress(done, total, unit) during the work.
+
+    Returns
+    -------
+    Result
+        The fields that `--json` prints, as attributes
+
+    Raises
+    ------
+    MissingFileError
+        If a file or a folder does not exist; also a `FileNotFoundError`
+    ParseError
+        If a file cannot be understood
+    ConfigError
+        If an argument is invalid
+    ProtomerError
+        For any other error; all of them are of this class
+
+    Examples
+    --------
+    >>> pm.binding("receptor.pdb", "ligand.pdb", salt="50mM,150mM,500mM")  # doctest: +SKIP
+    >>> pm.binding("complex.cif.gz", body=["H,L", "A"], salt="150mM,50mM", ph="6,7.4", exchanges=True)  # doctest: +SKIP
+    """
+    return call(
+        Result,
+        ["binding"],
+        [receptor, ligand],
+        {
+            "--salt": salts("binding", salt, salt_molar, required=True),
+            "--body": body,
+            "--ph": ph,
+            "--temperature": temperature,
+            "--exchanges": exchanges,
+            "--spacing": spacing,
+            "--margin": margin,
+            "--inner-permittivity": inner_permittivity,
+            "--outer-permittivity": outer_permittivity,
+            "--ion-radius": ion_radius,
+            "--chain": chain,
+            "--model": model,
+            "--assembly": assembly,
+            "--altloc": altloc,
+            "--keep-ligands": keep_ligands,
+            "--keep-waters": keep_waters,
+            "--keep-hydrogens": keep_hydrogens,
+            "--keep-nucleic-acids": keep_nucleic_acids,
+            "--missing": missing,
+            "--threads": threads,
+            "--force": force,
+        },
+        progress,
+        repeated=["--body"],
     )
 
 

@@ -21,6 +21,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
             "reweight",
             "compare",
             "pair",
+            "binding",
             "scattering",
         ],
     ),
@@ -150,6 +151,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "compare spin_0 spin_90 -o spins.svg",
             "compare stability --title Ring -o ring.png",
+        ],
+    ),
+    (
+        "binding",
+        [
+            "binding receptor.pdb ligand.pdb --salt 50mM,150mM,500mM",
+            "binding complex.cif.gz --body H,L --body A --salt 150mM,50mM --ph 6,7.4 --exchanges",
         ],
     ),
     (

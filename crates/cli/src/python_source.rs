@@ -64,14 +64,16 @@ const PLAIN_VERBS: [&str; 1] = ["framework tables"];
 const SALT: &str = "salt";
 const SALT_MOLAR: &str = "salt_molar";
 /// Verbs that do not go without it.
-const SALT_IS_REQUIRED: [&str; 1] = ["potential"];
+const SALT_IS_REQUIRED: [&str; 2] = ["binding", "potential"];
 /// Files that may also be objects: verb, argument, class.
-const OBJECTS: [(&str, &str, &str); 18] = [
+const OBJECTS: [(&str, &str, &str); 20] = [
     ("assemble ring", "bodies", "Body"),
     ("assemble fluid", "bodies", "Body"),
     ("candidates", "bodies", "Body"),
     ("surface", "input", "Body"),
     ("potential", "input", "Body"),
+    ("binding", "receptor", "Body"),
+    ("binding", "ligand", "Body"),
     ("pair", "first", "Body"),
     ("pair", "second", "Body"),
     ("lattice square", "body", "Body"),

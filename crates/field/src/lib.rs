@@ -19,12 +19,14 @@
 //! | `chebyshev` | polynomials between a few points |
 //! | [`debye_huckel`] | screened charges in a uniform solvent |
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
+//! | [`binding`] | the charge part of a binding free energy: a complex minus its parts |
 //! | [`effective_charges`] | charges in salt water that stand for those inside a body |
 //! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
 //! says so.
 
+pub mod binding;
 mod charge_tree;
 mod charged_sphere;
 mod chebyshev;

@@ -121,7 +121,7 @@ pub enum Cavities {
 }
 
 impl SelectionArgs {
-    fn settings(&self) -> SelectionSettings {
+    pub fn settings(&self) -> SelectionSettings {
         SelectionSettings {
             model: self.model,
             chains: self.chain.clone(),

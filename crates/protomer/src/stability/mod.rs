@@ -1,6 +1,7 @@
 //! The behaviour of assemblies in salt water: simulations, sweeps over salt, comparisons.
 
 pub mod bench;
+pub mod binding;
 pub mod compare;
 pub mod contacts;
 pub mod disk_cache;

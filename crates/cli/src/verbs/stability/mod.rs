@@ -1,6 +1,7 @@
 //! The verbs of stability.
 
 pub mod bench;
+pub mod binding;
 pub mod compare;
 pub mod inspect;
 pub mod pair;

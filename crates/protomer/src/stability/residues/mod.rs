@@ -27,6 +27,7 @@ mod tables;
 
 pub use files::FOLDER;
 pub use maps::{contact_map, energy_map};
+pub(crate) use mutations::exchanges_of;
 pub use result::{
     Change, MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult,
     TermMeans, WholeEnergy,

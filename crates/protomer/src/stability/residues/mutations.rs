@@ -332,7 +332,7 @@ impl ScannedSalt {
 }
 
 /// What a residue may become, and by how much its charge changes (e).
-fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAcid, f64)> {
+pub(crate) fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAcid, f64)> {
     let Residue { name, .. } = &body.residues[residue];
     let ph = body.provenance.settings.get("ph");
     let ph = ph.and_then(|ph| ph.parse().ok()).unwrap_or(USUAL_PH);

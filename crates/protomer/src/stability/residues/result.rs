@@ -329,7 +329,7 @@ impl ResiduesResult {
 }
 
 impl ResidueName {
-    pub(super) fn of(body: &Body, residue: usize) -> Self {
+    pub(crate) fn of(body: &Body, residue: usize) -> Self {
         let Residue {
             chain,
             number,

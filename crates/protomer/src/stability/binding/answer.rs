@@ -1,0 +1,131 @@
+//! The charge part of a binding free energy in words.
+
+use super::result::{Binding, BindingCondition, ExchangeRow};
+use protomer_common::answer::{Answer, columns, heading};
+
+impl Answer for Binding {
+    fn text(&self) -> String {
+        let mut parts = vec![
+            self.bodies_in_words(),
+            self.interface_in_words(),
+            self.table(),
+        ];
+        parts.extend(self.slopes_in_words());
+        parts.extend(self.exchanges.as_deref().map(exchanges_in_words));
+        parts.join("\n")
+    }
+}
+
+impl Binding {
+    fn bodies_in_words(&self) -> String {
+        let mut rows = vec![heading([
+            "body",
+            "chains",
+            "atoms",
+            "residues",
+            "net charge (e)",
+        ])];
+        for body in &self.bodies {
+            rows.push(vec![
+                body.name.clone(),
+                body.chains.join(" "),
+                body.atoms.to_string(),
+                body.residues.to_string(),
+                format!("{:+.2}", body.net_charge_e),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn interface_in_words(&self) -> String {
+        let overlaps = if self.overlaps { "yes" } else { "no" };
+        let plural = if self.native_contacts == 1 { "" } else { "s" };
+        format!(
+            "{} residue contact{plural}, closest atoms {:.2} Å apart, hard bodies overlap: {overlaps}",
+            self.native_contacts, self.closest_angstrom
+        )
+    }
+
+    fn table(&self) -> String {
+        let mut rows = vec![heading([
+            "salt (M)",
+            "pH",
+            "charge part (kT)",
+            "error",
+            "effect of salt (kT)",
+            "error",
+            "fast interaction (kT)",
+        ])];
+        for of in &self.conditions {
+            rows.push(vec![
+                format!("{:.4}", of.salt_molar),
+                ph_in_words(of.ph),
+                format!("{:.1}", of.poisson_boltzmann_kt),
+                format!("{:.1}", of.error_kt),
+                format!("{:+.2}", of.salt_effect_kt),
+                format!("{:.2}", of.salt_effect_error_kt),
+                terms_in_words(of),
+            ]);
+        }
+        columns(&rows)
+    }
+
+    fn slopes_in_words(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for of in &self.slopes {
+            let (Some(slope), Some(error)) = (of.d_ln_k_d_ln_salt, of.d_ln_k_d_ln_salt_error)
+            else {
+                continue;
+            };
+            let at_ph = match self.slopes.len() {
+                1 => String::new(),
+                _ => format!(" at pH {}", ph_in_words(of.ph)),
+            };
+            lines.push(format!(
+                "d ln K / d ln c = {slope:+.2} (error {error:.2}){at_ph}; K is the association constant, and \
+                 only charges count"
+            ));
+        }
+        lines
+    }
+}
+
+fn ph_in_words(ph: Option<f64>) -> String {
+    ph.map_or("-".into(), |ph| format!("{ph:.2}"))
+}
+
+/// The energy of the fast interaction; with its terms where there are several.
+fn terms_in_words(of: &BindingCondition) -> String {
+    let total = format!("{:.2}", of.energy_kt);
+    if of.terms_kt.len() < 2 {
+        return total;
+    }
+    let terms = of.terms_kt.iter();
+    let terms: Vec<String> = terms.map(|(name, kt)| format!("{name} {kt:.2}")).collect();
+    format!("{total} ({})", terms.join(", "))
+}
+
+fn exchanges_in_words(exchanges: &[ExchangeRow]) -> String {
+    let mut rows = vec![heading([
+        "exchange",
+        "body",
+        "change of charge (e)",
+        "change of the charge part (kT)",
+        "linear",
+        "own desolvation",
+    ])];
+    for row in exchanges {
+        rows.push(vec![
+            row.mutation.clone(),
+            row.name.body.clone(),
+            format!("{:+.2}", row.charge_change_e),
+            format!("{:+.2}", row.energy_change_kt),
+            format!("{:+.2}", row.first_order_kt),
+            format!("{:+.2}", row.second_order_kt),
+        ]);
+    }
+    format!(
+        "exchanges of charge at the interface, at the first salt:\n{}",
+        columns(&rows)
+    )
+}

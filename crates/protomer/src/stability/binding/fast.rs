@@ -1,0 +1,103 @@
+//! The interaction of simulations for the pose of a complex, by terms.
+
+use super::input::Partners;
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::inspect::inspection_settings;
+use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::run::{EnergyMode, Engine, RunSettings};
+use anyhow::Result;
+use protomer_kernel::pose::RelativePose;
+use protomer_kernel::{Boundary, Pose};
+use protomer_mc::energy::terms::Term;
+use protomer_mc::hard::overlapping_pairs;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Surfaces nearer than this are in contact, Å; no energy depends on it.
+const CONTACT_GAP_ANGSTROM: f64 = 5.0;
+
+/// Two bodies prepared for the interaction of simulations.
+pub(super) struct FastInteraction {
+    engine: Engine,
+    settings: RunSettings,
+}
+
+/// The energy of a pose.
+pub(super) struct FastEnergy {
+    /// Its terms, kT.
+    pub terms_kt: BTreeMap<&'static str, f64>,
+}
+
+impl FastEnergy {
+    /// The sum of the terms, kT.
+    pub fn total_kt(&self) -> f64 {
+        self.terms_kt.values().sum()
+    }
+}
+
+impl FastInteraction {
+    /// # Errors
+    /// Names the body whose mesh does not bound a solid.
+    pub fn new(partners: &Partners) -> Result<Self> {
+        let pose = |number: usize| Pose {
+            position: partners.bodies[number].provenance.origin_angstrom,
+            ..Pose::identity()
+        };
+        let assembly = Assembly {
+            bodies: partners.bodies.iter().map(Arc::clone).collect(),
+            kinds: vec![0, 1],
+            poses: vec![pose(0), pose(1)],
+            boundary: Boundary::Open,
+            sha256: String::new(),
+            path: None,
+        };
+        Ok(Self {
+            engine: Engine::new(assembly)?,
+            settings: inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM),
+        })
+    }
+
+    /// Whether the hard bodies overlap.
+    ///
+    /// # Errors
+    /// If the bodies cannot be placed.
+    pub fn overlaps(&self) -> Result<bool> {
+        Ok(!overlapping_pairs(&self.engine.system()?).is_empty())
+    }
+
+    /// The energy that `inspect` prints for this pose, by terms.
+    ///
+    /// # Errors
+    /// If the energy is not finite.
+    pub fn energy(&self, interaction: &ScreenedCoulomb) -> Result<FastEnergy> {
+        let engine = self.engine.in_medium(&self.settings, interaction)?;
+        let system = engine.system()?;
+        let mut model = engine.energy_model(&self.settings, interaction)?;
+        model.reset(&system)?;
+        let mut charges_kt = 0.0;
+        for pair in model.pairs(&system) {
+            charges_kt += pair.energy_kt;
+        }
+        let mut terms_kt = BTreeMap::from([(name(Term::Charges), charges_kt)]);
+        let poses = &engine.assembly().poses;
+        let displacement = poses[1].position - poses[0].position;
+        let relative = RelativePose::new(&poses[0], &poses[1], &displacement);
+        for term in engine
+            .terms()
+            .into_iter()
+            .flat_map(|terms| &terms.of((0, 1)).0)
+        {
+            *terms_kt.entry(name(term.term())).or_default() += term.energy_kt(&relative);
+        }
+        Ok(FastEnergy { terms_kt })
+    }
+}
+
+/// The name of a term in the answer.
+fn name(term: Term) -> &'static str {
+    match term {
+        Term::Charges => "charges",
+        Term::Contacts => "contacts",
+        Term::Desolvation => "desolvation",
+    }
+}

@@ -1,0 +1,290 @@
+//! The charge part of a binding free energy, as JSON has it.
+
+use super::exchanges::{InterfaceCharge, rows};
+use super::fast::FastInteraction;
+use super::input::{Inputs, Partners};
+use super::interface::Interface;
+use super::settings::BindingSettings;
+use crate::stability::residues::{Change, ResidueName};
+use anyhow::Result;
+use protomer_field::Grid;
+use protomer_field::binding::BindingEnergy;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// A salt effect with a larger error than this, kT, and this part of itself, is not resolved.
+const RESOLVED_KT: f64 = 0.3;
+const RESOLVED_PART: f64 = 0.3;
+
+/// The charge part of the binding free energy of a complex.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Binding {
+    /// The two bodies.
+    pub bodies: Vec<BoundBody>,
+    /// Whether the hard bodies overlap.
+    pub overlaps: bool,
+    /// Pairs of residues with heavy atoms within 4.5 Å.
+    pub native_contacts: usize,
+    /// Distance of the closest heavy atoms, Å.
+    pub closest_angstrom: f64,
+    /// Slope d ln K / d ln c of the association constant with the salt concentration at the first pH,
+    /// from the charge part alone; null with a single salt.
+    pub d_ln_k_d_ln_salt: Option<f64>,
+    /// Its expected error from the grids.
+    pub d_ln_k_d_ln_salt_error: Option<f64>,
+    /// Each pH with each salt.
+    pub conditions: Vec<BindingCondition>,
+    /// The slope at each pH.
+    pub slopes: Vec<SlopeAtPh>,
+    /// Exchanges of charge at the interface, at the first salt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exchanges: Option<Vec<ExchangeRow>>,
+    /// Temperature, K.
+    #[serde(rename = "temperature_K")]
+    pub temperature_kelvin: f64,
+    /// Relative permittivity inside the bodies.
+    pub inner_permittivity: f64,
+    /// Distance of the centres of ions from the atoms, Å.
+    pub ion_radius_angstrom: f64,
+    /// The fine grid.
+    pub grid: Option<Grid>,
+    /// What a user should know of these numbers.
+    pub warnings: Vec<String>,
+}
+
+/// One of the two bodies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BoundBody {
+    /// Its name.
+    pub name: String,
+    /// The file.
+    pub file: String,
+    /// Names of its chains.
+    pub chains: Vec<String>,
+    /// Atoms.
+    pub atoms: usize,
+    /// Residues.
+    pub residues: usize,
+    /// Net charge at the first pH, e.
+    pub net_charge_e: f64,
+}
+
+/// The complex at one salt and pH.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BindingCondition {
+    /// Salt concentration, mol/L.
+    pub salt_molar: f64,
+    /// pH; null where the files have charges of their own.
+    pub ph: Option<f64>,
+    /// Charge part of the binding free energy by the Poisson-Boltzmann equation, kT: at the first salt
+    /// from the fine grid, at the others with the extrapolated effect of the salt.
+    pub poisson_boltzmann_kt: f64,
+    /// Its expected error from the grids, kT.
+    pub error_kt: f64,
+    /// Its difference from that at the first salt, kT.
+    pub salt_effect_kt: f64,
+    /// The expected error of the difference from the grids, kT.
+    pub salt_effect_error_kt: f64,
+    /// Energy of the fast interaction for the same pose, kT.
+    pub energy_kt: f64,
+    /// The same by terms, kT.
+    pub terms_kt: BTreeMap<&'static str, f64>,
+}
+
+/// The slope at one pH.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SlopeAtPh {
+    /// pH; null where the files have charges of their own.
+    pub ph: Option<f64>,
+    /// d ln K / d ln c of the association constant; null with a single salt.
+    pub d_ln_k_d_ln_salt: Option<f64>,
+    /// Its expected error from the grids.
+    pub d_ln_k_d_ln_salt_error: Option<f64>,
+}
+
+/// What one exchange of charge would change.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ExchangeRow {
+    /// pH.
+    pub ph: Option<f64>,
+    /// Which residue.
+    #[serde(flatten)]
+    pub name: ResidueName,
+    /// Such as `A:K15E`.
+    pub mutation: String,
+    /// What happens to its charge.
+    pub change: Change,
+    /// By how much the charge changes, e.
+    pub charge_change_e: f64,
+    /// Change of the charge part of the binding free energy, kT; positive where it weakens the complex.
+    pub energy_change_kt: f64,
+    /// The part that is linear in the change of charge, kT.
+    pub first_order_kt: f64,
+    /// The quadratic part, kT: what the charge itself loses by the solvent that the partner displaces.
+    pub second_order_kt: f64,
+}
+
+impl Binding {
+    pub(super) fn new(settings: &BindingSettings, inputs: &Inputs) -> Self {
+        Self {
+            bodies: Vec::new(),
+            overlaps: false,
+            native_contacts: 0,
+            closest_angstrom: f64::NAN,
+            d_ln_k_d_ln_salt: None,
+            d_ln_k_d_ln_salt_error: None,
+            conditions: Vec::new(),
+            slopes: Vec::new(),
+            exchanges: settings.exchanges.then(Vec::new),
+            temperature_kelvin: settings.temperature_kelvin,
+            inner_permittivity: settings.inner_permittivity,
+            ion_radius_angstrom: settings.ion_radius_angstrom,
+            grid: None,
+            warnings: inputs.warnings.clone(),
+        }
+    }
+
+    /// What does not depend on the conditions.
+    pub(super) fn describe(
+        &mut self,
+        partners: &Partners,
+        interface: &Interface,
+        fast: &FastInteraction,
+    ) -> Result<()> {
+        for (body, file) in partners.bodies.iter().zip(&partners.files) {
+            let mut chains: Vec<String> = Vec::new();
+            for residue in &body.residues {
+                if !chains.contains(&residue.chain) {
+                    chains.push(residue.chain.clone());
+                }
+            }
+            self.bodies.push(BoundBody {
+                name: body.name.clone(),
+                file: file.clone(),
+                chains,
+                atoms: body.sites.len(),
+                residues: body.residues.len(),
+                net_charge_e: body.net_charge_e(),
+            });
+        }
+        self.overlaps = fast.overlaps()?;
+        self.native_contacts = interface.contacts.len();
+        self.closest_angstrom = interface.closest_angstrom;
+        self.warnings.extend(interface.warnings.iter().cloned());
+        Ok(())
+    }
+
+    /// The energies at one pH.
+    pub(super) fn add(
+        &mut self,
+        ph: Option<f64>,
+        settings: &BindingSettings,
+        energy: &BindingEnergy,
+        fast: &FastInteraction,
+    ) -> Result<()> {
+        let medium = settings.medium();
+        let before = self.conditions.len();
+        for (salt_molar, found) in settings.salt_molar.iter().zip(&energy.at_salts) {
+            let of_pose = fast.energy(&medium.interaction(Some(*salt_molar))?)?;
+            self.conditions.push(BindingCondition {
+                salt_molar: *salt_molar,
+                ph,
+                poisson_boltzmann_kt: found.energy_kt,
+                error_kt: found.error_kt,
+                salt_effect_kt: found.salt_effect_kt,
+                salt_effect_error_kt: found.salt_effect_error_kt,
+                energy_kt: of_pose.total_kt(),
+                terms_kt: of_pose.terms_kt,
+            });
+        }
+        let at_ph = &self.conditions[before..];
+        self.slopes.push(SlopeAtPh {
+            ph,
+            d_ln_k_d_ln_salt: slope(at_ph, |of| of.salt_effect_kt),
+            d_ln_k_d_ln_salt_error: slope(at_ph, |of| of.salt_effect_error_kt).map(f64::abs),
+        });
+        self.grid = Some(energy.grids[1]);
+        Ok(())
+    }
+
+    pub(super) fn add_exchanges(
+        &mut self,
+        ph: Option<f64>,
+        charges: &[InterfaceCharge],
+        energy: &BindingEnergy,
+    ) {
+        if let Some(exchanges) = &mut self.exchanges {
+            exchanges.extend(rows(ph, charges, energy));
+        }
+    }
+
+    /// What follows from all conditions.
+    pub(super) fn finish(&mut self) {
+        if let Some(first) = self.slopes.first() {
+            self.d_ln_k_d_ln_salt = first.d_ln_k_d_ln_salt;
+            self.d_ln_k_d_ln_salt_error = first.d_ln_k_d_ln_salt_error;
+        }
+        let is_unresolved = |of: &&BindingCondition| {
+            let allowed = RESOLVED_KT.max(RESOLVED_PART * of.salt_effect_kt.abs());
+            of.salt_effect_error_kt > allowed
+        };
+        if let Some(worst) = self.conditions.iter().find(is_unresolved) {
+            self.warnings.push(format!(
+                "warning: the grids leave an error of {:.1} kT in the effect of the salt; use a smaller --spacing",
+                worst.salt_effect_error_kt
+            ));
+        }
+    }
+}
+
+/// -d value / d ln c by least squares; `None` for fewer than two different salts.
+///
+/// With the values of the binding free energy over kT this is d ln K / d ln c of the association constant.
+fn slope(conditions: &[BindingCondition], value: fn(&BindingCondition) -> f64) -> Option<f64> {
+    let salted = conditions.iter().filter(|of| of.salt_molar > 0.0);
+    let points: Vec<(f64, f64)> = salted.map(|of| (of.salt_molar.ln(), value(of))).collect();
+    let count = points.len() as f64;
+    let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / count;
+    let mean_y = points.iter().map(|(_, y)| y).sum::<f64>() / count;
+    let (mut products, mut squares) = (0.0, 0.0);
+    for (x, y) in &points {
+        products += (x - mean_x) * (y - mean_y);
+        squares += (x - mean_x).powi(2);
+    }
+    (squares > 0.0).then(|| -products / squares)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    fn condition(salt_molar: f64, salt_effect_kt: f64) -> BindingCondition {
+        BindingCondition {
+            salt_molar,
+            ph: None,
+            poisson_boltzmann_kt: 0.0,
+            error_kt: 0.0,
+            salt_effect_kt,
+            salt_effect_error_kt: 0.0,
+            energy_kt: 0.0,
+            terms_kt: BTreeMap::new(),
+        }
+    }
+
+    /// ΔG/kT = 2 ln c, so that K falls with the square of the salt.
+    #[test]
+    fn the_slope_is_that_of_the_association_constant() {
+        let at = |salt: f64| condition(salt, 2.0 * salt.ln());
+        let found = slope(&[at(0.05), at(0.15), at(1.0)], |of| of.salt_effect_kt);
+        assert!((found.unwrap() + 2.0).abs() < 1e-12);
+        for too_few in [
+            &[][..],
+            &[at(0.1)],
+            &[at(0.1), at(0.1)],
+            &[condition(0.0, 0.0), at(0.1)],
+        ] {
+            assert_eq!(slope(too_few, |of| of.salt_effect_kt), None);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! What is asked of a complex.
+
+use crate::bodies::chain_groups::ChainNames;
+use crate::stability::interaction::InteractionSettings;
+use anyhow::{Result, bail};
+use protomer_body::structure::SelectionSettings;
+use protomer_common::range;
+use protomer_field::{DielectricModel, SolveSettings};
+use protomer_kernel::Electrolyte;
+use std::path::PathBuf;
+
+/// A complex, the conditions, and how to solve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BindingSettings {
+    /// Structure, PQR or body file of the receptor, or of the whole complex.
+    pub receptor: PathBuf,
+    /// That of the ligand, in the same frame.
+    pub ligand: Option<PathBuf>,
+    /// The chains of the two bodies; empty for a file each, or for the two chains of one file.
+    pub bodies: Vec<ChainNames>,
+    /// Which atoms of structure files to use.
+    pub selection: SelectionSettings,
+    /// pH values at which structure files are charged; the usual one if empty.
+    pub ph: Vec<f64>,
+    /// Concentrations of a 1:1 salt, mol/L. Differences are from the first.
+    pub salt_molar: Vec<f64>,
+    /// Temperature, K.
+    pub temperature_kelvin: f64,
+    /// Relative permittivity of the solvent; that of water at the temperature for `None`.
+    pub outer_permittivity: Option<f64>,
+    /// Relative permittivity inside the bodies.
+    pub inner_permittivity: f64,
+    /// Distance of the centres of ions from the atoms, Å.
+    pub ion_radius_angstrom: f64,
+    /// Spacing of the fine grid, Å.
+    pub spacing_angstrom: f64,
+    /// Least distance of the atoms from the faces of the fine grid, Å.
+    pub margin_angstrom: f64,
+    /// Whether to find what single exchanges of charge at the interface would change.
+    pub exchanges: bool,
+}
+
+impl Default for BindingSettings {
+    fn default() -> Self {
+        Self {
+            receptor: PathBuf::new(),
+            ligand: None,
+            bodies: Vec::new(),
+            selection: SelectionSettings::default(),
+            ph: Vec::new(),
+            salt_molar: Vec::new(),
+            temperature_kelvin: 298.15,
+            outer_permittivity: None,
+            inner_permittivity: 2.0,
+            ion_radius_angstrom: 2.0,
+            spacing_angstrom: Self::SPACING_ANGSTROM,
+            margin_angstrom: Self::MARGIN_ANGSTROM,
+            exchanges: false,
+        }
+    }
+}
+
+impl BindingSettings {
+    /// The default of [`Self::spacing_angstrom`].
+    pub const SPACING_ANGSTROM: f64 = 0.7;
+    /// The default of [`Self::margin_angstrom`].
+    pub const MARGIN_ANGSTROM: f64 = 10.0;
+
+    /// The solvent at each salt concentration.
+    ///
+    /// # Errors
+    /// Without a salt concentration, and for a number out of range.
+    pub fn electrolytes(&self) -> Result<Vec<Electrolyte>> {
+        if self.salt_molar.is_empty() {
+            bail!("the salt is not known; add --salt 50mM,150mM");
+        }
+        for ph in &self.ph {
+            range::PH.require("ph", *ph)?;
+        }
+        let medium = self.medium();
+        let mut electrolytes = Vec::with_capacity(self.salt_molar.len());
+        for salt_molar in &self.salt_molar {
+            electrolytes.push(medium.interaction(Some(*salt_molar))?.electrolyte);
+        }
+        Ok(electrolytes)
+    }
+
+    /// The medium of the fast interaction.
+    pub(super) fn medium(&self) -> InteractionSettings {
+        InteractionSettings {
+            temperature_kelvin: self.temperature_kelvin,
+            relative_permittivity: self.outer_permittivity,
+            ..InteractionSettings::default()
+        }
+    }
+
+    pub(super) fn dielectric(&self, electrolyte: Electrolyte) -> DielectricModel {
+        DielectricModel {
+            inner_permittivity: self.inner_permittivity,
+            ion_radius_angstrom: self.ion_radius_angstrom,
+            ..DielectricModel::new(electrolyte)
+        }
+    }
+
+    pub(super) fn solve(&self) -> SolveSettings {
+        SolveSettings {
+            spacing_angstrom: self.spacing_angstrom,
+            margin_angstrom: self.margin_angstrom,
+            ..SolveSettings::default()
+        }
+    }
+}
