@@ -1683,7 +1683,7 @@ class _Assemble:
 
     def structure(
         self,
-        input: Path | str,
+        inputs: Path | str | Sequence[Path | str],
         *,
         output: Path | str,
         chain: str | float | Sequence[str | float] | None = None,
@@ -1705,18 +1705,21 @@ class _Assemble:
         interior_radius: float | str | None = None,
         offset: float | str | None = None,
         core: Literal["native", "surface"] | None = None,
+        body: str | float | Sequence[str | float] | None = None,
+        shapes: Literal["fitting", "shared"] | None = None,
         relax: bool = False,
         box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
         threads: int | str | None = None,
         force: bool = False,
         progress: Callable[[int, int, str], None] | None = None,
     ) -> Result:
-        """Decompose a structure: identical chains become one body, and each copy a pose.
+        """Decompose a structure: each chain becomes a body, or each of several files in one frame; identical
+        ones become one body, and each copy a pose.
 
         Parameters
         ----------
-        input
-            Structure file
+        inputs
+            Structure file, or several in one frame, such as a receptor and its ligand
         output
             Folder for the bodies and assembly.json
         chain
@@ -1760,8 +1763,12 @@ class _Assemble:
             0.5 if omitted
         core
             What of the body is hard; native for structures and surface for PQR files if omitted
+        body
+            Chains that make up one body, such as H,L; once for each body
+        shapes
+            The shapes of copies [default: fitting]
         relax
-            Remove overlaps of the hard surfaces by the smallest uniform expansion
+            Remove overlaps by the least displacements and rotations of the bodies
         box
             Edge of a cubic periodic box, or three edges, Å; open space if omitted
         threads
@@ -1789,13 +1796,13 @@ class _Assemble:
 
         Examples
         --------
-        >>> pm.assemble.structure("1brs.cif.gz", chain="A,D", relax=True, offset=0.5, output="complex")  # doctest: +SKIP
+        >>> pm.assemble.structure(["receptor.pdb", "ligand.pdb"], box=300, output="complex")  # doctest: +SKIP
         >>> pm.assemble.structure("6mdr.cif.gz", assembly=1, box=400, output="stack")  # doctest: +SKIP
         """
         return call(
             Result,
             ["assemble", "structure"],
-            [input],
+            [inputs],
             {
                 "--output": output,
                 "--chain": chain,
@@ -1817,12 +1824,15 @@ class _Assemble:
                 "--interior-radius": interior_radius,
                 "--offset": offset,
                 "--core": core,
+                "--body": body,
+                "--shapes": shapes,
                 "--relax": relax,
                 "--box": box,
                 "--threads": threads,
                 "--force": force,
             },
             progress,
+            repeated=["--body"],
         )
 
     def ring(

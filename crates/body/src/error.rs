@@ -33,6 +33,18 @@ pub enum BodyError {
         /// Residues of the protein.
         residues: usize,
     },
+    /// Two bodies that no small displacement frees of each other.
+    #[error(
+        "bodies {} and {} interlock: no displacement of a few Å frees them; make them one body",
+        first + 1,
+        second + 1
+    )]
+    Interlocked {
+        /// The first, by its place in the list.
+        first: usize,
+        /// The second.
+        second: usize,
+    },
     /// A box too full for another body to be inserted at random.
     #[error(
         "no room for body {} in the box after {attempts} attempts; enlarge the box, or ask for \

@@ -65,14 +65,14 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
     (
         "assemble",
         [
-            "assemble structure 1brs.cif.gz --chain A,D --relax --offset 0.5 -o complex",
+            "assemble structure 1brs.cif.gz --chain A,D --relax -o complex",
             "assemble ring a.body b.body --members 4 --box 320 -o ring.json",
         ],
     ),
     (
         "assemble structure",
         [
-            "assemble structure 1brs.cif.gz --chain A,D --relax --offset 0.5 -o complex",
+            "assemble structure receptor.pdb ligand.pdb --box 300 -o complex",
             "assemble structure 6mdr.cif.gz --assembly 1 --box 400 -o stack",
         ],
     ),

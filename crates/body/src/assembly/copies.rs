@@ -1,22 +1,29 @@
-//! Identical chains become one body and its poses.
+//! Identical units become one body and its poses.
 //!
 //! Two chains are identical if residues with the same number have the same name, and the shared
 //! residues make up at least half of both chains: copies in a crystal differ in which residues are
-//! disordered. The copy with the most atoms is the reference. Its atoms make the body, in a frame
-//! about their centroid. The pose of each copy is the superposition of the atoms common to both.
+//! disordered. Units of several chains are identical if their chains are, one by one. The copy with
+//! the most atoms is the reference. Its atoms make the body, in a frame about their centroid. The pose
+//! of each copy is the superposition of the atoms common to both.
+//!
+//! Copies that differ from the reference can be asked to keep a shape of their own. Copies of one
+//! chain by the operators of a biological assembly are equal, and share it.
 
 use super::superposition::superpose;
-use crate::structure::{ResidueKey, SelectedResidue, Selection};
+use super::units::{Unit, units_of_chains};
+use crate::structure::{ResidueKey, SelectedResidue, Selection, SelectionReport};
 use crate::{BodyError, Result};
 use protomer_kernel::{Pose, Vec3};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// A body type found in a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyType {
-    /// The chain that serves as the reference.
+    /// The unit that serves as the reference, by its name.
     pub reference: String,
-    /// The reference chain alone, from which the body is made.
+    /// The same by its number.
+    pub unit: usize,
+    /// The reference alone, from which the body is made.
     pub selection: Selection,
     /// Copies in the order of the structure, the reference among them.
     pub copies: Vec<ChainCopy>,
@@ -25,8 +32,10 @@ pub struct BodyType {
 /// One copy of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainCopy {
-    /// Chain of the copy.
+    /// Name of the copied unit: its chain, or its chains.
     pub chain: String,
+    /// The same by its number.
+    pub unit: usize,
     /// Pose of the body whose frame has its origin at the centroid of the reference's atoms.
     pub pose: Pose,
     /// Root mean square distance of the common atoms, Å.
@@ -38,8 +47,12 @@ pub struct ChainCopy {
 /// The least share of the residues of the longer chain that two identical chains have in common.
 const LEAST_SHARED: f64 = 0.5;
 
-/// The largest number of chains: every chain is compared with the reference of each family.
+/// The largest number of units: every unit is compared with the reference of each family.
 const MOST_CHAINS: usize = 10_000;
+
+/// Copies whose atoms all lie within this distance (root mean square, Å) are the same: the digits of
+/// the operators of a file.
+const SAME_SHAPE_ANGSTROM: f64 = 0.02;
 
 /// Sorts the chains of a selection into body types with their copies.
 ///
@@ -62,19 +75,82 @@ const MOST_CHAINS: usize = 10_000;
 /// # Errors
 /// [`BodyError::Invalid`] for more than ten thousand chains, and those of [`superpose`].
 pub fn body_types(selection: &Selection) -> Result<Vec<BodyType>> {
-    let chains = by_chain(selection);
-    if chains.len() > MOST_CHAINS {
+    let units = units_of_chains(selection);
+    body_types_of_units(&units, &selection.report, &BTreeSet::new())
+}
+
+/// The same of units. Those in `with_own_shape` (numbers) do not take the shape of a reference that
+/// differs from theirs; nor do the units that are equal to them.
+///
+/// # Errors
+/// As [`body_types`].
+pub fn body_types_of_units(
+    units: &[Unit],
+    report: &SelectionReport,
+    with_own_shape: &BTreeSet<usize>,
+) -> Result<Vec<BodyType>> {
+    if units.len() > MOST_CHAINS {
         return Err(BodyError::Invalid {
-            cause: format!("{} chains", chains.len()),
+            cause: format!("{} chains", units.len()),
             remedy: "select some of them or a smaller assembly".into(),
         });
     }
-    let families = families(&chains);
-    let mut types = Vec::with_capacity(families.len());
-    for family in &families {
-        types.push(body_type(selection, &chains, family)?);
+    let chains: Vec<Chain> = units.iter().map(Chain::of).collect();
+    let mut types = Vec::new();
+    for family in families(&chains) {
+        for part in by_shape(&chains, &family, with_own_shape)? {
+            types.push(body_type(units, report, &chains, &part)?);
+        }
     }
     Ok(types)
+}
+
+/// A family, and those of its members that keep a shape of their own, each group of equal ones with its
+/// reference first.
+fn by_shape(
+    chains: &[Chain],
+    family: &[usize],
+    with_own_shape: &BTreeSet<usize>,
+) -> Result<Vec<Vec<usize>>> {
+    if !family.iter().any(|member| with_own_shape.contains(member)) {
+        return Ok(vec![family.to_vec()]);
+    }
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for &member in family {
+        let mut own = None;
+        for (number, group) in groups.iter().enumerate() {
+            if are_equal(&chains[group[0]], &chains[member])? {
+                own = Some(number);
+                break;
+            }
+        }
+        match own {
+            Some(number) => groups[number].push(member),
+            None => groups.push(vec![member]),
+        }
+    }
+    // The first group is that of the family's reference, whose shape the others share.
+    let (mut sharing, mut parts) = (Vec::new(), Vec::new());
+    for (number, group) in groups.into_iter().enumerate() {
+        let keeps_own = number > 0 && group.iter().any(|member| with_own_shape.contains(member));
+        if keeps_own {
+            parts.push(group);
+        } else {
+            sharing.extend(group);
+        }
+    }
+    parts.insert(0, sharing);
+    Ok(parts)
+}
+
+/// Whether two units have the same atoms in the same places, up to a motion.
+fn are_equal(a: &Chain, b: &Chain) -> Result<bool> {
+    let common = common_atoms(&shared(a, b));
+    if common.len() != a.atoms() || common.len() != b.atoms() {
+        return Ok(false);
+    }
+    let (first, second): (Vec<Vec3>, Vec<Vec3>) = common.into_iter().unzip();
+    Ok(superpose(&first, &second)?.rmsd_angstrom < SAME_SHAPE_ANGSTROM)
 }
 
 /// Identical chains by their indices, in the order of the structure. Each family begins with its
@@ -94,23 +170,46 @@ fn families(chains: &[Chain]) -> Vec<Vec<usize>> {
     families
 }
 
-struct Chain<'a> {
+/// A unit with its residues by number.
+pub(super) struct Chain<'a> {
     name: &'a str,
+    /// Number of its chains.
+    chains: usize,
     residues: Vec<&'a SelectedResidue>,
-    /// The place of each residue by number, insertion code, and how many before it have the same:
-    /// waters and ions may.
+    /// The place of each residue.
     by_number: HashMap<Number<'a>, usize>,
     /// The number of each residue.
     numbers: Vec<Number<'a>>,
 }
 
-/// Number, insertion code, and how many residues before have the same.
-type Number<'a> = (i32, &'a str, usize);
+/// The place of the chain in its unit, number, insertion code, and how many residues before have the
+/// same: waters and ions may.
+type Number<'a> = (usize, i32, &'a str, usize);
 
 impl<'a> Chain<'a> {
-    fn add(&mut self, residue: &'a SelectedResidue, earlier: usize) {
+    pub(super) fn of(unit: &'a Unit) -> Self {
+        let mut chain = Self {
+            name: &unit.name,
+            chains: unit.chains.len(),
+            residues: Vec::new(),
+            by_number: HashMap::new(),
+            numbers: Vec::new(),
+        };
+        let places = unit.chains.iter().enumerate();
+        let place_of: HashMap<&str, usize> = places.map(|(at, name)| (&**name, at)).collect();
+        let mut earlier: HashMap<&ResidueKey, usize> = HashMap::new();
+        for residue in &unit.residues {
+            let earlier = earlier.entry(&residue.key).or_default();
+            let place = place_of.get(&*residue.key.chain).copied();
+            chain.add(residue, place.unwrap_or(unit.chains.len()), *earlier);
+            *earlier += 1;
+        }
+        chain
+    }
+
+    fn add(&mut self, residue: &'a SelectedResidue, place: usize, earlier: usize) {
         let key = &residue.key;
-        let number = (key.number, &*key.insertion_code, earlier);
+        let number = (place, key.number, &*key.insertion_code, earlier);
         self.by_number.insert(number, self.residues.len());
         self.numbers.push(number);
         self.residues.push(residue);
@@ -128,28 +227,14 @@ impl<'a> Chain<'a> {
     fn residue(&self, number: &Number<'a>) -> Option<&'a SelectedResidue> {
         Some(self.residues[*self.by_number.get(number)?])
     }
-}
 
-fn by_chain(selection: &Selection) -> Vec<Chain<'_>> {
-    let mut index_of: HashMap<&str, usize> = HashMap::new();
-    let mut chains: Vec<Chain> = Vec::new();
-    let mut earlier: HashMap<&ResidueKey, usize> = HashMap::new();
-    for residue in &selection.residues {
-        let name = &*residue.key.chain;
-        let index = *index_of.entry(name).or_insert_with(|| {
-            chains.push(Chain {
-                name,
-                residues: Vec::new(),
-                by_number: HashMap::new(),
-                numbers: Vec::new(),
-            });
-            chains.len() - 1
-        });
-        let earlier = earlier.entry(&residue.key).or_default();
-        chains[index].add(residue, *earlier);
-        *earlier += 1;
+    /// The place in another unit of each residue that has the same number there.
+    pub(super) fn places_in(&self, other: &Chain<'a>) -> Vec<Option<usize>> {
+        let numbers = self.numbers.iter();
+        numbers
+            .map(|number| other.by_number.get(number).copied())
+            .collect()
     }
-    chains
 }
 
 /// The residues of both chains that have the same number, in the order of the first.
@@ -166,7 +251,8 @@ fn shared<'a>(a: &Chain<'a>, b: &Chain<'a>) -> Vec<(&'a SelectedResidue, &'a Sel
 fn are_identical(a: &Chain, b: &Chain) -> bool {
     let longer = a.residues.len().max(b.residues.len());
     let shared = shared(a, b);
-    shared.len() as f64 >= LEAST_SHARED * longer as f64
+    a.chains == b.chains
+        && shared.len() as f64 >= LEAST_SHARED * longer as f64
         && shared.iter().all(|(a, b)| a.name == b.name)
         && !common_atoms(&shared).is_empty()
 }
@@ -189,7 +275,12 @@ fn common_atoms(pairs: &[(&SelectedResidue, &SelectedResidue)]) -> Vec<(Vec3, Ve
     common
 }
 
-fn body_type(selection: &Selection, chains: &[Chain], family: &[usize]) -> Result<BodyType> {
+fn body_type(
+    units: &[Unit],
+    report: &SelectionReport,
+    chains: &[Chain],
+    family: &[usize],
+) -> Result<BodyType> {
     let reference = &chains[family[0]];
     let mut origin = Vec3::zeros();
     for residue in &reference.residues {
@@ -202,16 +293,21 @@ fn body_type(selection: &Selection, chains: &[Chain], family: &[usize]) -> Resul
     in_order.sort_unstable();
     let mut copies = Vec::with_capacity(in_order.len());
     for index in in_order {
-        copies.push(chain_copy(reference, &chains[index], &origin)?);
+        copies.push(chain_copy(reference, (index, &chains[index]), &origin)?);
     }
     Ok(BodyType {
         reference: reference.name.to_string(),
-        selection: selection.only_chain(reference.name),
+        unit: family[0],
+        selection: units[family[0]].to_selection(report),
         copies,
     })
 }
 
-fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCopy> {
+fn chain_copy(
+    reference: &Chain,
+    (unit, copy): (usize, &Chain),
+    origin: &Vec3,
+) -> Result<ChainCopy> {
     let common = common_atoms(&shared(reference, copy));
     let (mut body_points, mut copy_points) = (Vec::new(), Vec::new());
     for (in_reference, in_copy) in &common {
@@ -221,6 +317,7 @@ fn chain_copy(reference: &Chain, copy: &Chain, origin: &Vec3) -> Result<ChainCop
     let best = superpose(&body_points, &copy_points)?;
     Ok(ChainCopy {
         chain: copy.name.to_string(),
+        unit,
         pose: best.pose,
         rmsd_angstrom: best.rmsd_angstrom,
         common_atoms: common.len(),

@@ -103,6 +103,11 @@ impl HardBodies {
             .any(|other| self.overlap(placement, other, boundary))
     }
 
+    /// Whether two placed bodies overlap, in open space.
+    pub fn overlap_in_open_space(&self, first: &Placement, second: &Placement) -> bool {
+        self.overlap(first, second, &Boundary::Open)
+    }
+
     fn overlap(&self, first: &Placement, second: &Placement, boundary: &Boundary) -> bool {
         let ((kind_a, pose_a), (kind_b, pose_b)) = (first, second);
         let displacement = boundary.displacement(&pose_a.position, &pose_b.position);

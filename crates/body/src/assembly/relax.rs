@@ -1,117 +1,440 @@
-//! The smallest uniform expansion without overlaps.
+//! The least displacements that leave placed bodies without overlap.
+//!
+//! Each body may move by a translation t and turn by a small rotation vector ω about its origin. The
+//! displacements with the least Σ |t|² + r² |ω|² are sought, r the body's radius of gyration, so that
+//! this is about the sum of the mean square displacements of the bodies' atoms.
+//!
+//! The atoms near other bodies stand for the surfaces while displacements are sought. For atoms a and b of
+//! two bodies at a distance d along n, with the distance c that they should keep,
+//!
+//!   n · (δₐ - δ_b) ≥ c - d,   δ = t + ω × r.
+//!
+//! Minimising a sum of squares under such inequalities is a projection, which Hildreth's method finds
+//! (Naval Res. Logist. Q. 4, 79 (1957)): each inequality in turn adds what it lacks, or takes back what
+//! it gave. n and d are taken anew after each such solution.
+//!
+//! The exact overlap test decides. A pair that still overlaps asks for a larger distance between its
+//! atoms, step by step, as its surfaces also touch between atoms; a pair that is free may keep the
+//! distances that it had. In the end all displacements are scaled down as far as the test allows.
 
+use super::cells::Cells;
 use super::contact::bisect;
 use super::placement::Placement;
 use crate::{BodyError, Result};
-use protomer_kernel::Vec3;
+use nalgebra::UnitQuaternion;
+use protomer_kernel::{Pose, Vec3};
+use std::collections::BTreeMap;
 
-/// An assembly after expansion.
+/// The atoms of a body for [`separate`].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Expansion {
-    /// Factor by which every position moved away from the common centre; one where nothing
-    /// overlapped.
-    pub factor: f64,
-    /// The largest displacement of a body, Å.
-    pub largest_displacement_angstrom: f64,
-    /// The placements, free of overlap.
-    pub placements: Vec<Placement>,
+pub struct CoreAtoms {
+    /// Their positions in the body's frame, Å.
+    pub positions: Vec<Vec3>,
+    /// What is hard of each, a radius in Å.
+    pub radii_angstrom: Vec<f64>,
 }
 
-/// Scales the positions about their mean by the smallest factor found at which nothing overlaps.
-/// Orientations stay. The factor grows from one in steps of a quarter of the expansion until
-/// nothing overlaps, and is then bisected, so a free gap narrower than that may be passed over.
+/// Placements after [`separate`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Separation {
+    /// The placements, free of overlap.
+    pub placements: Vec<Placement>,
+    /// How far each body moved: root mean square over its atoms, Å.
+    pub moved_angstrom: Vec<f64>,
+}
+
+/// The first distance that the atoms of overlapping bodies are moved apart in excess of their radii, and
+/// by what factor it grows as long as they overlap.
+const FIRST_MARGIN_ANGSTROM: f64 = 0.05;
+const MARGIN_GROWTH: f64 = 1.25;
+/// Margins beyond this mean that small displacements do not help.
+const LARGEST_MARGIN_ANGSTROM: f64 = 8.0;
+/// Atoms that come this much nearer than they should keep are watched.
+const WATCHED_ANGSTROM: f64 = 1.0;
+/// Sweeps of Hildreth's method, and what an inequality may lack in the end, Å.
+const MOST_SWEEPS: usize = 400;
+const TOLERANCE_ANGSTROM: f64 = 1e-3;
+
+/// Moves bodies apart by the least displacements found at which none overlap. Bodies that overlap no
+/// other stay where they are unless another one would be moved into them.
 ///
 /// ```
-/// use protomer_body::assembly::expand_until_free;
+/// use protomer_body::assembly::{CoreAtoms, Placement, separate};
 /// use protomer_kernel::{Pose, Vec3};
+/// let ball = CoreAtoms { positions: vec![Vec3::zeros()], radii_angstrom: vec![1.0] };
 /// let at = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
-/// let spheres_overlap = |p: &[(usize, Pose)]| (p[0].1.position - p[1].1.position).norm() < 2.0;
-/// let expansion = expand_until_free(&[at(-0.8), at(0.8)], 1e-9, spheres_overlap)?;
-/// assert!((expansion.factor - 1.25).abs() < 1e-8);
+/// let overlap = |a: &Placement, b: &Placement| (a.1.position - b.1.position).norm() < 2.0;
+/// let apart = separate(&[ball], &[at(0.0), at(1.6), at(9.0)], overlap)?;
+/// assert!((apart.moved_angstrom[0] - 0.2).abs() < 1e-2 && apart.moved_angstrom[2] == 0.0);
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
 ///
 /// # Errors
-/// [`BodyError::Invalid`] if no expansion up to a hundredfold helps, as for two bodies in one
-/// place.
-pub fn expand_until_free(
+/// [`BodyError::Interlocked`] if displacements of a few ångström do not help, as for bodies that
+/// interlock or lie in one place.
+pub fn separate(
+    bodies: &[CoreAtoms],
     placements: &[Placement],
-    tolerance: f64,
-    overlaps: impl Fn(&[Placement]) -> bool,
-) -> Result<Expansion> {
-    let overlaps_at = |factor: f64| overlaps(&expanded(placements, factor));
-    let factor = if overlaps_at(1.0) {
-        smallest_free(tolerance, overlaps_at)?
-    } else {
-        1.0
+    overlap: impl Fn(&Placement, &Placement) -> bool,
+) -> Result<Separation> {
+    let mut search = Search::new(bodies, placements, overlap);
+    let mut motions = vec![Motion::default(); placements.len()];
+    while let Some(overlapping) = search.overlapping(&motions) {
+        search.widen(&overlapping)?;
+        motions = search.project(&motions);
+    }
+    let scale = bisect(0.0, 1.0, 1e-3, |scale| {
+        search.overlapping(&scaled(&motions, scale)).is_some()
+    });
+    // The bisection ends at a scale that was found free; a scale of one is.
+    let motions = scaled(&motions, scale);
+    let places = 0..placements.len();
+    Ok(Separation {
+        moved_angstrom: places
+            .map(|i| search.moved_angstrom(i, &motions[i]))
+            .collect(),
+        placements: search.moved(&motions),
+    })
+}
+
+/// A translation and a rotation vector about the body's origin, in Å and in radian.
+#[derive(Debug, Clone, Copy, Default)]
+struct Motion {
+    translation: Vec3,
+    rotation: Vec3,
+}
+
+fn scaled(motions: &[Motion], scale: f64) -> Vec<Motion> {
+    let scaled = |motion: &Motion| Motion {
+        translation: scale * motion.translation,
+        rotation: scale * motion.rotation,
     };
-    let centre = centre(placements);
-    let mut largest = 0.0_f64;
-    for (_, pose) in placements {
-        largest = largest.max((pose.position - centre).norm());
-    }
-    Ok(Expansion {
-        factor,
-        largest_displacement_angstrom: (factor - 1.0) * largest,
-        placements: expanded(placements, factor),
-    })
+    motions.iter().map(scaled).collect()
 }
 
-fn smallest_free(tolerance: f64, overlaps_at: impl Fn(f64) -> bool) -> Result<f64> {
-    const FIRST_STEP: f64 = 1e-4;
-    const LARGEST: f64 = 100.0;
-    let (mut overlapping, mut expansion) = (1.0, FIRST_STEP);
-    while expansion < LARGEST {
-        if !overlaps_at(1.0 + expansion) {
-            return Ok(bisect(overlapping, 1.0 + expansion, tolerance, overlaps_at));
+/// n · (δₐ - δ_b) ≥ least, for atoms of two placed bodies at these arms about their origins.
+struct Inequality {
+    bodies: (usize, usize),
+    direction: Vec3,
+    /// Arm × n of each body over its radius of gyration: the derivative of n · δ by r ω.
+    turns: (Vec3, Vec3),
+    least: f64,
+    /// Square of the length of the derivative.
+    square: f64,
+    multiplier: f64,
+}
+
+struct Search<'a, F> {
+    bodies: &'a [CoreAtoms],
+    placements: &'a [Placement],
+    overlap: F,
+    /// Pairs of placed bodies that are near enough to be tested.
+    near: Vec<(usize, usize)>,
+    /// The margin of each pair that has overlapped, Å.
+    margins: BTreeMap<(usize, usize), f64>,
+    /// Radius of gyration of each kind, Å; at least 1, for bodies of few atoms.
+    gyration: Vec<f64>,
+}
+
+impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
+    fn new(bodies: &'a [CoreAtoms], placements: &'a [Placement], overlap: F) -> Self {
+        let radii: Vec<f64> = bodies.iter().map(CoreAtoms::reach).collect();
+        let mut near = Vec::new();
+        for (second, (kind, pose)) in placements.iter().enumerate() {
+            for (first, (other_kind, other)) in placements[..second].iter().enumerate() {
+                let reach = radii[*kind] + radii[*other_kind] + 2.0 * LARGEST_MARGIN_ANGSTROM;
+                if (pose.position - other.position).norm() < reach {
+                    near.push((first, second));
+                }
+            }
         }
-        overlapping = 1.0 + expansion;
-        expansion *= 1.25;
+        Self {
+            bodies,
+            placements,
+            overlap,
+            near,
+            margins: BTreeMap::new(),
+            gyration: bodies.iter().map(CoreAtoms::gyration).collect(),
+        }
     }
-    Err(BodyError::Invalid {
-        cause: "the bodies overlap at any expansion".into(),
-        remedy: "place no two bodies at the same position".into(),
-    })
+
+    fn pose(&self, place: usize, motion: &Motion) -> Pose {
+        let pose = &self.placements[place].1;
+        Pose {
+            position: pose.position + motion.translation,
+            rotation: UnitQuaternion::new(motion.rotation) * pose.rotation,
+        }
+    }
+
+    fn moved(&self, motions: &[Motion]) -> Vec<Placement> {
+        let places = motions.iter().enumerate();
+        places
+            .map(|(place, motion)| (self.placements[place].0, self.pose(place, motion)))
+            .collect()
+    }
+
+    /// The pairs that overlap; `None` if there are none.
+    fn overlapping(&self, motions: &[Motion]) -> Option<Vec<(usize, usize)>> {
+        let moved = self.moved(motions);
+        let pairs = self.near.iter().copied();
+        let pairs: Vec<(usize, usize)> = pairs
+            .filter(|(a, b)| (self.overlap)(&moved[*a], &moved[*b]))
+            .collect();
+        (!pairs.is_empty()).then_some(pairs)
+    }
+
+    /// Asks for more distance between the bodies of pairs that overlap.
+    fn widen(&mut self, overlapping: &[(usize, usize)]) -> Result<()> {
+        for pair in overlapping {
+            let margin = self.margins.entry(*pair).or_insert(0.0);
+            *margin = MARGIN_GROWTH * *margin + FIRST_MARGIN_ANGSTROM;
+            if *margin > LARGEST_MARGIN_ANGSTROM {
+                return Err(BodyError::Interlocked {
+                    first: pair.0,
+                    second: pair.1,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The least motions, linearised about the present ones, that keep the distances which the pairs
+    /// ask for.
+    fn project(&self, present: &[Motion]) -> Vec<Motion> {
+        let mut inequalities = self.inequalities(present);
+        let mut motions = vec![Motion::default(); present.len()];
+        // Rotations are r ω here, in Å.
+        for _ in 0..MOST_SWEEPS {
+            let mut lacking = 0.0_f64;
+            for inequality in &mut inequalities {
+                lacking = lacking.max(inequality.meet(&mut motions));
+            }
+            if lacking < TOLERANCE_ANGSTROM {
+                break;
+            }
+        }
+        for (motion, (kind, _)) in motions.iter_mut().zip(self.placements) {
+            motion.rotation /= self.gyration[*kind];
+        }
+        motions
+    }
+
+    /// The inequalities of all pairs of atoms that are near each other at these motions.
+    fn inequalities(&self, present: &[Motion]) -> Vec<Inequality> {
+        let moved = self.moved(present);
+        let (mut positions, mut atoms) = (Vec::new(), Vec::new());
+        for (place, (kind, pose)) in moved.iter().enumerate() {
+            for (atom, position) in self.bodies[*kind].positions.iter().enumerate() {
+                positions.push(pose.transform_point(position));
+                atoms.push((place, atom));
+            }
+        }
+        let margin = self.margins.values().copied().fold(0.0, f64::max);
+        let radii = self.bodies.iter().flat_map(|body| &body.radii_angstrom);
+        let largest = radii.copied().fold(0.0, f64::max);
+        let reach = 2.0 * largest + margin + WATCHED_ANGSTROM;
+        let mut found = Vec::new();
+        let cells = Cells::new(positions, reach);
+        cells.for_each_pair(reach, |one, other| {
+            let (one, other) = (one.min(other), one.max(other));
+            if atoms[one].0 != atoms[other].0 {
+                found.extend(self.inequality(present, &moved, atoms[one], atoms[other]));
+            }
+        });
+        found
+    }
+
+    /// The inequality of two atoms, each by the place of its body and its number there; `None` if
+    /// they are farther apart than they need be watched.
+    fn inequality(
+        &self,
+        present: &[Motion],
+        moved: &[Placement],
+        first: (usize, usize),
+        second: (usize, usize),
+    ) -> Option<Inequality> {
+        let [a, b] = [first, second].map(|(place, atom)| self.atom(place, atom, moved));
+        let apart = a.position - b.position;
+        let distance = apart.norm();
+        let sum = a.radius + b.radius;
+        let wanted = match self.margins.get(&(first.0, second.0)) {
+            Some(margin) => sum + margin,
+            None => {
+                let native = [first, second].map(|(place, atom)| {
+                    let (kind, pose) = &self.placements[place];
+                    pose.transform_point(&self.bodies[*kind].positions[atom])
+                });
+                sum.min((native[0] - native[1]).norm())
+            }
+        };
+        if distance > wanted + WATCHED_ANGSTROM || distance <= 0.0 {
+            return None;
+        }
+        let direction = apart / distance;
+        let turns = (
+            a.arm.cross(&direction) / a.gyration,
+            b.arm.cross(&direction) / b.gyration,
+        );
+        let (of_a, of_b) = (&present[first.0], &present[second.0]);
+        let already = direction.dot(&(of_a.translation - of_b.translation))
+            + a.gyration * turns.0.dot(&of_a.rotation)
+            - b.gyration * turns.1.dot(&of_b.rotation);
+        Some(Inequality {
+            bodies: (first.0, second.0),
+            direction,
+            square: 2.0 + turns.0.norm_squared() + turns.1.norm_squared(),
+            turns,
+            least: wanted - distance + already,
+            multiplier: 0.0,
+        })
+    }
+
+    fn atom(&self, place: usize, atom: usize, moved: &[Placement]) -> PlacedAtom {
+        let (kind, pose) = &moved[place];
+        let arm = pose.rotation * self.bodies[*kind].positions[atom];
+        PlacedAtom {
+            position: pose.position + arm,
+            arm,
+            radius: self.bodies[*kind].radii_angstrom[atom],
+            gyration: self.gyration[*kind],
+        }
+    }
+
+    /// Root mean square displacement of the atoms of a body, Å.
+    fn moved_angstrom(&self, place: usize, motion: &Motion) -> f64 {
+        let (kind, before) = &self.placements[place];
+        let after = self.pose(place, motion);
+        let positions = &self.bodies[*kind].positions;
+        let mut sum = 0.0;
+        for position in positions {
+            let moved = after.transform_point(position) - before.transform_point(position);
+            sum += moved.norm_squared();
+        }
+        (sum / positions.len().max(1) as f64).sqrt()
+    }
 }
 
-fn centre(placements: &[Placement]) -> Vec3 {
-    let mut sum = Vec3::zeros();
-    for (_, pose) in placements {
-        sum += pose.position;
-    }
-    sum / placements.len().max(1) as f64
+struct PlacedAtom {
+    position: Vec3,
+    /// Position about the origin of its body, Å.
+    arm: Vec3,
+    radius: f64,
+    /// Radius of gyration of its body, Å.
+    gyration: f64,
 }
 
-fn expanded(placements: &[Placement], factor: f64) -> Vec<Placement> {
-    let centre = centre(placements);
-    let mut expanded = placements.to_vec();
-    for (_, pose) in &mut expanded {
-        pose.position = centre + (pose.position - centre) * factor;
+impl Inequality {
+    /// Moves the bodies so that it is met with the least change, or takes back what it gave in excess;
+    /// returns what it lacked, Å.
+    fn meet(&mut self, motions: &mut [Motion]) -> f64 {
+        let (a, b) = self.bodies;
+        let value = self
+            .direction
+            .dot(&(motions[a].translation - motions[b].translation))
+            + self.turns.0.dot(&motions[a].rotation)
+            - self.turns.1.dot(&motions[b].rotation);
+        let lacking = self.least - value;
+        let multiplier = (self.multiplier + lacking / self.square).max(0.0);
+        let change = multiplier - self.multiplier;
+        self.multiplier = multiplier;
+        motions[a].translation += change * self.direction;
+        motions[b].translation -= change * self.direction;
+        motions[a].rotation += change * self.turns.0;
+        motions[b].rotation -= change * self.turns.1;
+        lacking
     }
-    expanded
+}
+
+impl CoreAtoms {
+    /// Radius about the origin that holds all atoms, Å.
+    fn reach(&self) -> f64 {
+        let atoms = self.positions.iter().zip(&self.radii_angstrom);
+        let reach = atoms.map(|(position, radius)| position.norm() + radius);
+        reach.fold(0.0, f64::max)
+    }
+
+    /// Radius of gyration about the origin, Å; at least 1.
+    fn gyration(&self) -> f64 {
+        let squares: f64 = self.positions.iter().map(Vec3::norm_squared).sum();
+        (squares / self.positions.len().max(1) as f64)
+            .sqrt()
+            .max(1.0)
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use protomer_kernel::Pose;
+
+    fn ball(x: f64) -> Placement {
+        let position = Vec3::new(x, 0.0, 0.0);
+        let pose = Pose {
+            position,
+            ..Pose::identity()
+        };
+        (0, pose)
+    }
+
+    fn atoms(positions: &[Vec3]) -> CoreAtoms {
+        CoreAtoms {
+            positions: positions.to_vec(),
+            radii_angstrom: vec![1.0; positions.len()],
+        }
+    }
+
+    /// Whether two bodies of balls with a radius of 1 Å overlap.
+    fn balls_overlap(bodies: &[CoreAtoms], a: &Placement, b: &Placement) -> bool {
+        bodies[a.0].positions.iter().any(|of_a| {
+            let of_a = a.1.transform_point(of_a);
+            let mut others = bodies[b.0].positions.iter();
+            others.any(|of_b| (of_a - b.1.transform_point(of_b)).norm() < 2.0)
+        })
+    }
+
+    /// Three balls in a row, the outer ones in the middle one by 0.4 and 0.2 Å. With x the outward moves of
+    /// the outer balls and y that of the middle one to the right: x₁ + y = 0.4 and x₃ - y = 0.2, the least
+    /// squares at y = 0.2/3.
+    #[test]
+    fn the_displacements_of_three_balls_are_the_least_ones() {
+        let bodies = [atoms(&[Vec3::zeros()])];
+        let start = [ball(0.0), ball(1.6), ball(3.4)];
+        let apart = separate(&bodies, &start, |a, b| balls_overlap(&bodies, a, b)).unwrap();
+        let moved = [0, 1, 2].map(|i| apart.placements[i].1.position.x - start[i].1.position.x);
+        for (found, expected) in moved.into_iter().zip([-1.0 / 3.0, 0.2 / 3.0, 0.8 / 3.0]) {
+            assert!((found - expected).abs() < 0.02, "{moved:?}");
+        }
+        assert!(!balls_overlap(
+            &bodies,
+            &apart.placements[0],
+            &apart.placements[1]
+        ));
+    }
+
+    /// A rod that is hit at its end turns more than it moves: by the equation at the head, its centre
+    /// moves by the share 1 / (2 + (arm / r)²) of the overlap, and the ball as much.
+    #[test]
+    fn a_rod_hit_at_its_end_turns() {
+        let rod: Vec<Vec3> = (-6..=6)
+            .map(|k| Vec3::new(0.0, f64::from(k), 0.0))
+            .collect();
+        let bodies = [atoms(&[Vec3::zeros()]), atoms(&rod)];
+        let mut hit = ball(1.8);
+        hit.1.position.y = 6.0;
+        let rod = (1, Pose::identity());
+        let apart = separate(&bodies, &[rod, hit], |a, b| balls_overlap(&bodies, a, b)).unwrap();
+        let share = 0.2 / (2.0 + 36.0 / 14.0);
+        let [rod, ball] = [0, 1].map(|place| apart.placements[place].1);
+        assert!((ball.position.x - 1.8 - share).abs() < 0.01, "{ball:?}");
+        assert!((rod.position.x + share).abs() < 0.01, "{rod:?}");
+        assert!(rod.rotation.angle() > 0.01, "{rod:?}");
+    }
 
     #[test]
-    fn free_placements_stay_and_hopeless_ones_are_an_error() {
-        let at = |x| {
-            (
-                0,
-                Pose {
-                    position: Vec3::new(x, 0.0, 0.0),
-                    ..Pose::identity()
-                },
-            )
-        };
-        let free = expand_until_free(&[at(0.0), at(3.0)], 1e-9, |_| false).unwrap();
-        assert_eq!(
-            (free.factor, free.placements),
-            (1.0, vec![at(0.0), at(3.0)])
-        );
-        assert!(expand_until_free(&[at(1.0), at(1.0)], 1e-9, |_| true).is_err());
+    fn bodies_in_one_place_are_an_error_and_free_ones_stay() {
+        let bodies = [atoms(&[Vec3::zeros()])];
+        let none = separate(&bodies, &[ball(0.0), ball(3.0)], |_, _| false).unwrap();
+        assert_eq!(none.placements, [ball(0.0), ball(3.0)]);
+        let error = separate(&bodies, &[ball(0.0), ball(1.0)], |_, _| true).unwrap_err();
+        assert!(error.to_string().contains("interlock"), "{error}");
     }
 }

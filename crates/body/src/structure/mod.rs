@@ -113,5 +113,6 @@ pub use report::{
     SkippedResidues,
 };
 pub use residue_key::ResidueKey;
+pub(crate) use selected::atom_count;
 pub use selected::{SelectedResidue, Selection};
 pub use selection::{MissingAtoms, SelectionSettings};

@@ -5,3 +5,4 @@ pub mod assembly_file;
 pub mod candidates;
 pub mod fluid;
 pub mod ring;
+pub mod structure;

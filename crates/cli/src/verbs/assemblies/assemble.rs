@@ -1,14 +1,16 @@
 //! `protomer assemble`: assemblies from a structure, from a ring or stack recipe, or as a fluid.
 
-use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::flags::body::{
+    ChainGroupArgs, ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings,
+};
 use crate::flags::space::SpaceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
-use clap::{Args, Subcommand};
-use protomer::assemblies::assemble::{StructureSettings, assemble_structure};
+use clap::{Args, Subcommand, ValueEnum};
 use protomer::assemblies::fluid::assemble_fluid;
 use protomer::assemblies::ring::{RingSettings, assemble_ring};
+use protomer::assemblies::structure::{CopyShapes, StructureSettings, assemble_structure};
 use protomer_body::assembly::RecipeSite;
 use protomer_common::range;
 use std::path::PathBuf;
@@ -28,11 +30,13 @@ enum From {
     Fluid(FluidArgs),
 }
 
-/// Decompose a structure: identical chains become one body, and each copy a pose.
+/// Decompose a structure: each chain becomes a body, or each of several files in one frame; identical
+/// ones become one body, and each copy a pose.
 #[derive(Debug, Args)]
 pub struct StructureArgs {
-    /// Structure file.
-    input: PathBuf,
+    /// Structure file, or several in one frame, such as a receptor and its ligand.
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
     /// Folder for the bodies and assembly.json.
     #[arg(short, long)]
     output: PathBuf,
@@ -44,11 +48,26 @@ pub struct StructureArgs {
     surface: SurfaceFlags,
     #[command(flatten)]
     core: CoreArgs,
-    /// Remove overlaps of the hard surfaces by the smallest uniform expansion.
+    #[command(flatten)]
+    bodies: ChainGroupArgs,
+    /// The shapes of copies.
+    #[arg(long, value_enum, default_value_t = Shapes::Fitting, help_heading = "Bodies")]
+    shapes: Shapes,
+    /// Remove overlaps by the least displacements and rotations of the bodies.
     #[arg(long)]
     relax: bool,
     #[command(flatten)]
     space: SpaceArgs,
+}
+
+/// The shapes of copies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Shapes {
+    /// That of the reference, but its own where a copy would overlap another body otherwise or lose
+    /// contacts of the structure.
+    Fitting,
+    /// That of the reference.
+    Shared,
 }
 
 /// A ring of bodies, or a stack of two rings, closed to contact. Bodies alternate around the ring.
@@ -116,11 +135,16 @@ impl StructureArgs {
     fn run(&self, front: &Front) -> Result<Reply> {
         let settings = StructureSettings {
             body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
+            joined: self.bodies.body.clone(),
+            shapes: match self.shapes {
+                Shapes::Fitting => CopyShapes::Fitting,
+                Shapes::Shared => CopyShapes::Shared,
+            },
             relax: self.relax,
             box_angstrom: self.space.box_angstrom()?,
             force: front.force(),
         };
-        let made = assemble_structure(&self.input, &self.output, &settings)?;
+        let made = assemble_structure(&self.inputs, &self.output, &settings)?;
         let warnings = made.warnings();
         Ok(Reply::data(made).with_notes(warnings))
     }

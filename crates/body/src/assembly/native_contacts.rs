@@ -1,0 +1,125 @@
+//! Contacts between residues of different units: pairs with heavy atoms within 4.5 Å.
+
+use super::cells::Cells;
+use super::copies::{BodyType, Chain};
+use super::placement::Placement;
+use super::units::Unit;
+use protomer_kernel::Vec3;
+use std::collections::BTreeSet;
+
+/// Residues with heavy atoms at most this far apart are in contact, Å.
+pub const CONTACT_ANGSTROM: f64 = 4.5;
+
+/// A residue by the number of its unit and its place there.
+type ResidueOfUnit = (usize, usize);
+
+/// Pairs of residues of different units that are in contact.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ResidueContacts(BTreeSet<(ResidueOfUnit, ResidueOfUnit)>);
+
+impl ResidueContacts {
+    /// The contacts in the coordinates of the structure.
+    pub fn native(units: &[Unit]) -> Self {
+        let mut atoms = Vec::new();
+        for (number, unit) in units.iter().enumerate() {
+            for (place, residue) in unit.residues.iter().enumerate() {
+                let heavy = residue.atoms.iter().filter(|atom| !atom.is_hydrogen());
+                atoms.extend(heavy.map(|atom| (atom.position, (number, place))));
+            }
+        }
+        Self::between(atoms)
+    }
+
+    /// The contacts between placed bodies, whose residues are those of the unit that each is a copy
+    /// of. `placements` has the copies of the first type, then those of the second, and so on.
+    pub fn of_placements(units: &[Unit], types: &[BodyType], placements: &[Placement]) -> Self {
+        let mut atoms = Vec::new();
+        let mut placed = placements.iter();
+        for of_type in types {
+            let reference = Chain::of(&units[of_type.unit]);
+            let origin = centroid(&units[of_type.unit]);
+            for (copy, (_, pose)) in of_type.copies.iter().zip(&mut placed) {
+                let places = reference.places_in(&Chain::of(&units[copy.unit]));
+                for (residue, place) in units[of_type.unit].residues.iter().zip(places) {
+                    let Some(place) = place else {
+                        continue;
+                    };
+                    for atom in residue.atoms.iter().filter(|atom| !atom.is_hydrogen()) {
+                        let position = pose.transform_point(&(atom.position - origin));
+                        atoms.push((position, (copy.unit, place)));
+                    }
+                }
+            }
+        }
+        Self::between(atoms)
+    }
+
+    fn between(atoms: Vec<(Vec3, ResidueOfUnit)>) -> Self {
+        let (positions, residues): (Vec<Vec3>, Vec<ResidueOfUnit>) = atoms.into_iter().unzip();
+        let mut found = BTreeSet::new();
+        Cells::new(positions, CONTACT_ANGSTROM).for_each_pair(CONTACT_ANGSTROM, |one, other| {
+            let (a, b) = (residues[one], residues[other]);
+            if a.0 != b.0 {
+                found.insert((a.min(b), a.max(b)));
+            }
+        });
+        Self(found)
+    }
+
+    /// Number of pairs.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The share of these contacts that others have too; `None` if there are none.
+    pub fn share_in(&self, others: &Self) -> Option<f64> {
+        let kept = self.0.intersection(&others.0).count();
+        (!self.is_empty()).then(|| kept as f64 / self.len() as f64)
+    }
+
+    /// For each unit, how many of these contacts it has, and how many of them others have too.
+    pub fn kept_by_unit(&self, others: &Self, units: usize) -> Vec<(usize, usize)> {
+        let mut counts = vec![(0, 0); units];
+        for contact in &self.0 {
+            let is_kept = usize::from(others.0.contains(contact));
+            for (unit, _) in [contact.0, contact.1] {
+                counts[unit].0 += 1;
+                counts[unit].1 += is_kept;
+            }
+        }
+        counts
+    }
+
+    /// The units with a contact to this one.
+    pub fn partners(&self, unit: usize) -> BTreeSet<usize> {
+        let mut partners = BTreeSet::new();
+        for (a, b) in &self.0 {
+            if a.0 == unit {
+                partners.insert(b.0);
+            } else if b.0 == unit {
+                partners.insert(a.0);
+            }
+        }
+        partners
+    }
+
+    /// The residues that have a contact.
+    pub fn residues(&self) -> BTreeSet<(usize, usize)> {
+        self.0.iter().flat_map(|(a, b)| [*a, *b]).collect()
+    }
+}
+
+/// The origin of the body that is made of a unit: the centroid of its atoms, Å.
+pub fn centroid(unit: &Unit) -> Vec3 {
+    let atoms = unit.residues.iter().flat_map(|residue| &residue.atoms);
+    let mut sum = Vec3::zeros();
+    for atom in atoms {
+        sum += atom.position;
+    }
+    sum / unit.atoms().max(1) as f64
+}

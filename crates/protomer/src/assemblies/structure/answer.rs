@@ -1,0 +1,196 @@
+//! What was made of a structure, for the terminal and as JSON.
+
+use super::checks::shortened;
+use super::shapes::OwnShape;
+use crate::bodies::ingest::BodyMeasures;
+use protomer_body::structure::SelectionReport;
+use protomer_common::answer::{Answer, columns, heading};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+/// A displacement by more than this, Å, opens the contacts of a structure.
+const LARGE_DISPLACEMENT_ANGSTROM: f64 = 1.0;
+
+/// What [`assemble_structure`](super::assemble_structure) found and did.
+#[derive(Debug, Clone, Serialize)]
+pub struct StructureAssembly {
+    /// The assembly file.
+    pub assembly: PathBuf,
+    /// The body files with the copies of each.
+    pub bodies: Vec<StructureBody>,
+    /// Names of the placed bodies, in the order of the assembly file.
+    pub placed: Vec<String>,
+    /// Pairs of placed bodies that overlapped as hard bodies.
+    pub overlaps: Vec<(usize, usize)>,
+    /// How far each placed body was moved to remove the overlaps: root mean square over its atoms, Å.
+    pub moved_angstrom: Vec<f64>,
+    /// Pairs of residues of different bodies with heavy atoms within 4.5 Å in the structure.
+    pub native_contacts: usize,
+    /// The share of them that the placed bodies have; `None` if there are none.
+    pub native_contacts_kept: Option<f64>,
+    /// Copies that keep a shape of their own, and why.
+    pub own_shapes: Vec<OwnShape>,
+    /// Edge of a cubic periodic box with room for the bodies beside each other, Å.
+    pub proposed_box_angstrom: f64,
+    /// Bodies that should be one, and the flag that makes them one.
+    pub proposals: Vec<String>,
+    /// Atoms left out of all chains, by reason.
+    pub skipped: BTreeMap<&'static str, usize>,
+    /// Warnings about the files and their chains, as `ingest` gives them, and about interfaces.
+    pub structure_warnings: Vec<String>,
+    /// The full report on the selection of atoms, of the first file.
+    pub selection: SelectionReport,
+    /// The same of further files.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub further_selections: Vec<SelectionReport>,
+    /// Whether the assembly has a periodic box already.
+    #[serde(skip)]
+    pub has_box: bool,
+}
+
+/// One kind of body of a structure.
+#[derive(Debug, Clone, Serialize)]
+pub struct StructureBody {
+    /// The body file.
+    pub file: PathBuf,
+    /// The unit it was made from: a chain, joined chains, or a file.
+    pub reference: String,
+    /// The units that are copies of it, the reference among them.
+    pub chains: Vec<String>,
+    /// Root mean square distance of each copy from the reference, Å.
+    pub rmsd_angstrom: Vec<f64>,
+    /// Its size and charge.
+    #[serde(flatten)]
+    pub measures: BodyMeasures,
+    /// Warnings about its surface.
+    pub warnings: Vec<String>,
+}
+
+impl StructureAssembly {
+    /// What a user should know before simulating it.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        for warning in self.structure_warnings.iter().chain(&self.proposals) {
+            warnings.push(format!("warning: {warning}"));
+        }
+        for body in &self.bodies {
+            for warning in &body.warnings {
+                let file = body.file.display();
+                warnings.push(format!("warning: {file}: {warning}"));
+            }
+        }
+        if self.placed.len() == 1 {
+            warnings.push(
+                "warning: this is a single body, which has nothing to fall apart from; ask for the \
+                 biological assembly with --assembly 1"
+                    .into(),
+            );
+        }
+        warnings.extend(self.large_displacements());
+        warnings
+    }
+
+    fn large_displacements(&self) -> Option<String> {
+        let places = self.moved_angstrom.iter().zip(&self.placed);
+        let moved = places.filter(|(moved, _)| **moved > LARGE_DISPLACEMENT_ANGSTROM);
+        let moved: Vec<String> = moved
+            .map(|(moved, name)| format!("{name} {moved:.1} Å"))
+            .collect();
+        (!moved.is_empty()).then(|| {
+            format!(
+                "warning: bodies moved far enough to open contacts of the structure ({}); bodies that \
+                 interlock are better made one with --body",
+                moved.join(", ")
+            )
+        })
+    }
+
+    /// A line for each body that stands for copies with a shape of their own.
+    fn own_shapes_in_words(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        for body in &self.bodies {
+            let own = self.own_shapes.iter();
+            let own: Vec<&OwnShape> = own.filter(|own| body.chains.contains(&own.copy)).collect();
+            let Some(first) = own.first() else {
+                continue;
+            };
+            let copies: Vec<String> = own.iter().map(|own| own.copy.clone()).collect();
+            let others: BTreeSet<&String> = own.iter().flat_map(|own| &own.would_overlap).collect();
+            let others: Vec<String> = others.into_iter().cloned().collect();
+            let lost: usize = own.iter().map(|own| own.would_lose_contacts).sum();
+            let otherwise = match others.len() {
+                0 => format!("lose {lost} native residue contacts"),
+                _ => format!("overlap {}", shortened(&others)),
+            };
+            let (keeps, they) = match copies.len() {
+                1 => ("keeps its own shape", "it"),
+                _ => ("keep their own shape", "they"),
+            };
+            lines.push(format!(
+                "{} {keeps}: with that of {} ({:.2} Å RMSD) {they} would {otherwise}",
+                shortened(&copies),
+                first.reference,
+                first.rmsd_angstrom
+            ));
+        }
+        lines
+    }
+
+    fn overlaps_in_words(&self) -> String {
+        let moved = self.moved_angstrom.iter().copied().fold(0.0, f64::max);
+        let contacts = match self.native_contacts_kept {
+            Some(kept) => format!(
+                "{:.1} % of {} native residue contacts left",
+                100.0 * kept,
+                self.native_contacts
+            ),
+            None => "no residues of different bodies in contact".into(),
+        };
+        match self.overlaps.len() {
+            0 => format!("no overlaps; {contacts}"),
+            pairs => format!(
+                "{pairs} pairs of bodies overlapped; moved apart by at most {moved:.2} Å; {contacts}"
+            ),
+        }
+    }
+}
+
+impl Answer for StructureAssembly {
+    fn text(&self) -> String {
+        let mut rows = vec![heading([
+            "body",
+            "atoms",
+            "residues",
+            "net charge (e)",
+            "copies",
+            "largest RMSD (Å)",
+        ])];
+        for body in &self.bodies {
+            let largest = body.rmsd_angstrom.iter().copied().fold(0.0, f64::max);
+            rows.push(vec![
+                body.file.display().to_string(),
+                body.measures.atoms.to_string(),
+                body.measures.residues.to_string(),
+                format!("{:+.2}", body.measures.net_charge_e),
+                body.chains.join(" "),
+                format!("{largest:.3}"),
+            ]);
+        }
+        let mut lines = vec![columns(&rows)];
+        for report in std::iter::once(&self.selection).chain(&self.further_selections) {
+            let skipped = report.skipped_in_words();
+            lines.extend(skipped.map(|skipped| format!("left out: {skipped}")));
+        }
+        lines.extend(self.own_shapes_in_words());
+        lines.push(self.overlaps_in_words());
+        if !self.has_box {
+            lines.push(format!(
+                "no periodic box; --box {:.0} has room for the bodies apart",
+                self.proposed_box_angstrom
+            ));
+        }
+        lines.push(self.assembly.display().to_string());
+        lines.join("\n")
+    }
+}
