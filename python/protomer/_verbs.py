@@ -3084,7 +3084,7 @@ def inspect(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
     memory_limit: int | str | None = None,
@@ -3127,8 +3127,8 @@ def inspect(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3343,7 +3343,7 @@ def pair(
     salt: str | Sequence[str] | None = None,
     salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
     ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
-    interaction: Literal["hard", "bare", "effective"] | None = None,
+    interaction: Literal["hard", "bare", "effective", "response"] | None = None,
     relative_error: float | str | None = None,
     b22_error: float | str | None = None,
     most_directions: int | str | None = None,
@@ -3530,7 +3530,7 @@ def simulate(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
@@ -3592,8 +3592,8 @@ def simulate(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3705,7 +3705,7 @@ def sweep(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
@@ -3774,8 +3774,8 @@ def sweep(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3905,7 +3905,7 @@ def residues(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
@@ -3958,8 +3958,8 @@ def residues(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -5675,7 +5675,7 @@ def bench(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
-    interaction: Literal["bare", "effective"] | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
@@ -5725,8 +5725,8 @@ def bench(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        Whether the charges of the bodies act, or their effective charges: those that give the potential
-        around bodies of low permittivity that salt does not enter [default: bare]
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius

@@ -253,3 +253,24 @@ def test_the_interpreter_is_free_while_a_verb_works(ring, tmp_path):
     thread.join()
     # Holding the interpreter, the verb would let the thread count before it and after it only.
     assert len(counted) > 10
+
+
+def test_the_binding_of_two_charges_is_that_of_the_command_line(tmp_path):
+    files = []
+    for name, line in [
+        ("lysine", "ATOM 1 NZ LYS A 1 0.0 0.0 0.0 1.0 2.0"),
+        ("aspartate", "ATOM 1 OD1 ASP B 1 3.8 0.0 0.0 -1.0 2.0"),
+    ]:
+        files.append(tmp_path / f"{name}.pqr")
+        files[-1].write_text(line + "\n")
+    found = pm.binding(*files, salt_molar=[0.05, 0.5])
+    printed = json.loads(command("binding", *files, "--salt=50mM,500mM", "--json"))
+    assert found.to_dict() == printed
+    low, high = found["conditions"]
+    assert (low["salt_effect_kt"], low["terms_kt"]["charges"]) == (0, low["energy_kt"])
+    # Salt weakens the attraction of opposite charges.
+    assert high["poisson_boltzmann_kt"] > low["poisson_boltzmann_kt"] and found["d_ln_k_d_ln_salt"] < 0
+    with pytest.raises(pm.ConfigError, match="binding needs a salt concentration"):
+        pm.binding(*files)
+    with pytest.raises(pm.ProtomerError, match="--body"):
+        pm.binding(*files, body=["A", "B"], salt="50mM")

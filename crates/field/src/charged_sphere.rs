@@ -1,5 +1,6 @@
 //! Atoms as spheres with a charge at their centre.
 
+use protomer_body::Site;
 use protomer_kernel::Vec3;
 
 /// An atom: a sphere with a charge at its centre.
@@ -11,6 +12,16 @@ pub struct ChargedSphere {
     pub radius_angstrom: f64,
     /// Charge, e.
     pub charge_e: f64,
+}
+
+impl From<&Site> for ChargedSphere {
+    fn from(site: &Site) -> Self {
+        Self {
+            centre: site.position,
+            radius_angstrom: site.radius_angstrom,
+            charge_e: site.charge_e,
+        }
+    }
 }
 
 /// Lowest and highest corner of the box around spheres, Å.

@@ -261,6 +261,11 @@ pub(crate) struct Stencil<const N: usize> {
 }
 
 impl<const N: usize> Stencil<N> {
+    /// The points with their weights.
+    pub(crate) fn weighted(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        self.points.iter().copied().zip(self.weights)
+    }
+
     /// The weighted sum of values at the points. Points without weight are not evaluated.
     pub(crate) fn interpolate(&self, value_at: impl Fn(usize) -> f64) -> f64 {
         let mut sum = 0.0;

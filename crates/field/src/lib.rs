@@ -21,6 +21,7 @@
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
 //! | [`binding`] | the charge part of a binding free energy: a complex minus its parts |
 //! | [`effective_charges`] | charges in salt water that stand for those inside a body |
+//! | [`solvent_response`] | what two bodies that displace water and ions do to the field of each other |
 //! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
@@ -40,6 +41,7 @@ mod grid;
 mod point_charges;
 pub mod poisson_boltzmann;
 mod screened_sum;
+pub mod solvent_response;
 pub mod surface;
 pub mod voxels;
 

@@ -15,6 +15,7 @@
 //! | [`energy`] | the seam: a model keeps the pair energies and decides; the direct sum is one such model |
 //! | [`contributions`] | what each residue, and each pair of residues, contributes to the energy |
 //! | [`desolvation`] | what charges lose where another body displaces solvent |
+//! | [`solvent_response`] | what the salt water that two bodies displace does to the field of each other |
 //! | [`hard`] | hard-body overlap, cheapest test first |
 //! | [`moves`] | trial moves of one body, geometric cluster moves, moves that form and dissolve contacts, step sizes |
 //! | [`surface_points`] | the vertices of a surface, about which bodies turn |
@@ -73,6 +74,7 @@ pub mod scatter;
 pub mod scattering;
 pub mod settings;
 pub mod simulation;
+pub mod solvent_response;
 mod sparse_rows;
 pub mod statistics;
 pub mod surface_points;

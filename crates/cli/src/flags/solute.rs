@@ -1,13 +1,13 @@
-//! The flags of effective charges.
+//! The flags of what acts between charges: bare, effective, or with the response of the solvent.
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::stability::effective::SoluteModel;
 use protomer_common::range;
 
-/// The inside of bodies, for effective charges.
+/// The inside of bodies, for effective charges and for the response of the solvent.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Effective charges")]
+#[command(next_help_heading = "Inside of the bodies")]
 pub struct SoluteArgs {
     /// Relative permittivity inside the bodies [default: 4].
     #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
@@ -37,12 +37,12 @@ impl SoluteArgs {
     }
 }
 
-/// Which charges act between the bodies of an assembly.
+/// What acts between the charges of an assembly.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Effective charges")]
+#[command(next_help_heading = "Inside of the bodies")]
 pub struct ChargesArgs {
-    /// Whether the charges of the bodies act, or their effective charges: those that give the
-    /// potential around bodies of low permittivity that salt does not enter [default: bare].
+    /// What the low permittivity of the bodies, which salt does not enter, does to the charges
+    /// [default: bare].
     #[arg(long, value_enum)]
     pub interaction: Option<Charges>,
     #[command(flatten)]
@@ -52,26 +52,53 @@ pub struct ChargesArgs {
 /// The charges of an interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Charges {
-    /// The charges of the bodies.
+    /// Nothing: the charges of the bodies in salt water everywhere.
     Bare,
-    /// Their effective charges.
+    /// Effective charges act, which give the potential around a body; from 3 Å on.
     Effective,
+    /// The charges of the bodies act, and to first order the response of the salt water that both
+    /// displace; for native contacts.
+    Response,
+}
+
+/// The inside of the bodies, by what it is for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Insides {
+    /// For effective charges.
+    pub effective: Option<SoluteModel>,
+    /// For the response of the solvent.
+    pub response: Option<SoluteModel>,
 }
 
 impl ChargesArgs {
-    /// The flags over the settings of a configuration; `None` for the charges of the bodies.
-    pub fn effective_charges(&self, present: Option<SoluteModel>) -> Result<Option<SoluteModel>> {
-        let present = match self.interaction {
-            Some(Charges::Effective) => Some(present.unwrap_or_default()),
-            Some(Charges::Bare) => None,
+    /// The flags over the settings of a configuration; neither for the bare charges.
+    ///
+    /// # Errors
+    /// For flags of an inside that nothing asks for.
+    pub fn insides(&self, present: Insides) -> Result<Insides> {
+        let usual = |inside: Option<SoluteModel>| Some(inside.unwrap_or_default());
+        let chosen = match self.interaction {
+            Some(Charges::Bare) => Insides::default(),
+            Some(Charges::Effective) => Insides {
+                effective: usual(present.effective),
+                response: None,
+            },
+            Some(Charges::Response) => Insides {
+                effective: None,
+                response: usual(present.response),
+            },
             None => present,
         };
-        if present.is_none() && self.solute.solute().is_some() {
+        let is_bare = chosen.effective.is_none() && chosen.response.is_none();
+        if is_bare && self.solute.solute().is_some() {
             bail!(
-                "--inner-permittivity and --ion-radius apply to effective charges only; add \
-                 --interaction effective, or leave them out"
+                "--inner-permittivity and --ion-radius apply to bodies with an inside only; add \
+                 --interaction effective or --interaction response, or leave them out"
             );
         }
-        Ok(present.map(|present| self.solute.over(present)))
+        Ok(Insides {
+            effective: chosen.effective.map(|inside| self.solute.over(inside)),
+            response: chosen.response.map(|inside| self.solute.over(inside)),
+        })
     }
 }

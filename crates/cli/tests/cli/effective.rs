@@ -258,3 +258,48 @@ fn what_has_no_effective_charges_is_told_what_to_do() {
         message(&output)
     );
 }
+
+/// The same term in every verb, on top of the bare charges, and refused where it has no meaning.
+#[test]
+fn the_response_of_the_solvent_is_added_to_the_bare_charges() {
+    const RESPONSE: &str = "--salt 100mM --interaction response --ion-radius 2";
+    let place = spheres();
+    let energy_kt = |choice: &str| {
+        let found = json(&run(&place, &format!("inspect pair.json {choice} --json")));
+        found["energy_kT"].as_f64().unwrap()
+    };
+    let (bare, response) = (energy_kt("--salt 100mM"), energy_kt(RESPONSE));
+    assert!((response - bare).abs() > 0.1, "{bare} {response}");
+    // 1 M is where the response counts as zero.
+    let strong = ["--salt 1M", "--salt 1M --interaction response"].map(energy_kt);
+    assert!((strong[0] - strong[1]).abs() < 1e-4, "{strong:?}");
+    let bench = format!("bench pair.json {RESPONSE} --energy direct --moves 20 --json");
+    json(&run(&place, &bench));
+    let of_pair = json(&run(
+        &place,
+        &format!(
+            "pair plus.body minus.body {RESPONSE} --relative-error 0.5 --most-directions 2048 --json"
+        ),
+    ));
+    let pose = &of_pair["conditions"][0]["poses"][0];
+    assert!(
+        pose["solvent_response_kt"].as_f64().unwrap() < 0.0,
+        "{of_pair}"
+    );
+    for (arguments, words) in [
+        ("--debye 9A", "needs the salt and the permittivity"),
+        ("--salt 100mM --cutoff 40", "leave out --cutoff"),
+        (
+            "--salt 100mM --desolvation",
+            "desolvation is that of effective charges",
+        ),
+        ("--salt 100mM --energy none", "hard bodies feel no charges"),
+    ] {
+        let refused = run(
+            &place,
+            &format!("inspect pair.json --interaction response {arguments}"),
+        );
+        assert_eq!(refused.status.code(), Some(1), "{arguments}");
+        assert!(message(&refused).contains(words), "{}", message(&refused));
+    }
+}

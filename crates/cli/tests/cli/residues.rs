@@ -18,7 +18,7 @@ fn place() -> TemporaryFolder {
 
 fn ingest(place: &TemporaryFolder, name: &str, mutations: &str) {
     is_ok(&place.run(&format!(
-        "ingest -q {STRUCTURE} -o . --name {name} --charges formal --density 0.5 --mutate {mutations}"
+        "ingest -q {STRUCTURE} -o . --name {name} --core surface --charges formal --density 0.5 --mutate {mutations}"
     )));
 }
 

@@ -93,6 +93,11 @@ impl Potential {
         self.reduced.values[point]
     }
 
+    /// u inside and φ outside at a point of the grid, kT/e.
+    pub(crate) fn reduced_at_point(&self, point: usize) -> f64 {
+        self.reduced.values[point]
+    }
+
     /// u inside and φ outside, kT/e, interpolated across the surface as if it were smooth there.
     pub(super) fn reduced_at(&self, place: &Vec3) -> Option<f64> {
         self.reduced.at(place)

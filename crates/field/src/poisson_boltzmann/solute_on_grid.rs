@@ -104,6 +104,26 @@ impl<'a> SoluteOnGrid<'a> {
         }
     }
 
+    /// The grid.
+    pub(crate) fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// What it was prepared with.
+    pub(crate) fn dielectric(&self) -> &DielectricModel {
+        &self.dielectric
+    }
+
+    /// Whether a point of the grid is inside the surface.
+    pub(crate) fn is_inside(&self, point: usize) -> bool {
+        self.sides.inside[point]
+    }
+
+    /// The part of the box around a point of the grid that ions reach, 0 to 1.
+    pub(crate) fn accessible_part(&self, point: usize) -> f64 {
+        f64::from(self.accessible[point]).min(1.0)
+    }
+
     /// The same solute with charges at the centres of these spheres. Their radii only serve the
     /// potential on the faces of the grid.
     ///

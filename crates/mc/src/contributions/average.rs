@@ -205,6 +205,7 @@ impl Averages {
                 charges_kt: mean(0),
                 contacts_kt: mean(1),
                 desolvation_kt: mean(2),
+                solvent_response_kt: 0.0,
             },
             touching: mean(3),
         }

@@ -41,6 +41,8 @@ pub enum Term {
     Contacts,
     /// What charges lose where the other body displaces solvent.
     Desolvation,
+    /// What the salt water that two bodies displace does to the field of each other.
+    SolventResponse,
 }
 
 /// The energy of a pose by terms, kT.
@@ -53,6 +55,9 @@ pub struct EnergyParts {
     /// What charges lose where the other body displaces solvent, kT.
     #[serde(default)]
     pub desolvation_kt: f64,
+    /// What the salt water that two bodies displace does to the field of each other, kT.
+    #[serde(default)]
+    pub solvent_response_kt: f64,
 }
 
 impl EnergyParts {
@@ -62,12 +67,13 @@ impl EnergyParts {
             Term::Charges => self.charges_kt += energy_kt,
             Term::Contacts => self.contacts_kt += energy_kt,
             Term::Desolvation => self.desolvation_kt += energy_kt,
+            Term::SolventResponse => self.solvent_response_kt += energy_kt,
         }
     }
 
     /// The sum of the terms, kT.
     pub fn total_kt(&self) -> f64 {
-        self.charges_kt + self.contacts_kt + self.desolvation_kt
+        self.charges_kt + self.contacts_kt + self.desolvation_kt + self.solvent_response_kt
     }
 }
 

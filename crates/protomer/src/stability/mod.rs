@@ -11,6 +11,7 @@ pub mod inspect;
 pub mod interaction;
 pub mod pair;
 pub mod residues;
+pub mod response;
 pub mod reweighting;
 pub mod run;
 pub mod sweep;

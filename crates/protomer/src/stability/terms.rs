@@ -1,15 +1,19 @@
-//! The terms of the energy beside the charges: attraction between residues, and desolvation.
+//! The terms of the energy beside the charges: attraction between residues, desolvation, and the
+//! response of the solvent.
 
 use crate::stability::contacts::ContactTerm;
 use crate::stability::effective::SoluteModel;
 use crate::stability::interaction::ScreenedCoulomb;
+use crate::stability::response::response_of;
 use anyhow::{Context, Result};
+use protomer_body::Body;
 use protomer_mc::BodyType;
 use protomer_mc::charges::ChargeCloud;
 use protomer_mc::desolvation::{Desolvation, DesolvationBody, Solute};
 use protomer_mc::energy::ContactPotential;
 use protomer_mc::energy::terms::Terms;
 use protomer_mc::pair::Contacts;
+use protomer_mc::solvent_response::{ResponseBody, SolventResponse};
 use std::sync::Arc;
 
 /// What acts beside the charges.
@@ -19,34 +23,37 @@ pub struct FurtherTerms {
     pub contacts: Option<ContactTerm>,
     /// The inside of bodies, where charges lose solvent to other bodies.
     pub desolvation: Option<SoluteModel>,
+    /// The inside of bodies, whose salt water responds to the charges of both.
+    pub response: Option<SoluteModel>,
 }
 
 /// The terms of several kinds of bodies in one medium, prepared once.
 pub struct PreparedTerms {
     contacts: Option<ContactPotential>,
     desolvation: Vec<Arc<DesolvationBody>>,
+    response: Vec<Arc<ResponseBody>>,
 }
 
 impl FurtherTerms {
     /// Whether there are none.
     pub fn is_none(&self) -> bool {
-        self.contacts.is_none() && self.desolvation.is_none()
+        self.contacts.is_none() && self.desolvation.is_none() && self.response.is_none()
     }
 
-    /// Prepares the terms for these kinds of bodies, each with its effective charges.
+    /// Prepares the terms for these kinds of bodies, each with the charges that interact.
     ///
     /// # Errors
     /// For a body without residues where contacts act, and for a medium in which desolvation is not
     /// known.
     pub fn prepare(
         &self,
-        kinds: &[(&BodyType, &ChargeCloud)],
+        kinds: &[(&Body, &BodyType, &ChargeCloud)],
         interaction: &ScreenedCoulomb,
     ) -> Result<PreparedTerms> {
         let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
         let contacts = match &self.contacts {
             Some(contacts) => {
-                for (kind, _) in kinds {
+                for (_, kind, _) in kinds {
                     contacts.require_beads(kind)?;
                 }
                 Some(contacts.potential(temperature_kelvin)?)
@@ -55,13 +62,20 @@ impl FurtherTerms {
         };
         let mut desolvation = Vec::new();
         if let Some(solute) = &self.desolvation {
-            for (kind, charges) in kinds {
+            for (_, kind, charges) in kinds {
                 desolvation.push(Arc::new(desolvated(kind, charges, interaction, solute)?));
+            }
+        }
+        let mut response = Vec::new();
+        if let Some(solute) = &self.response {
+            for (body, _, _) in kinds {
+                response.push(Arc::new(response_of(body, interaction, solute)?));
             }
         }
         Ok(PreparedTerms {
             contacts,
             desolvation,
+            response,
         })
     }
 }
@@ -95,6 +109,12 @@ impl PreparedTerms {
             terms
                 .0
                 .push(Arc::new(Desolvation::new(of(first), of(second))));
+        }
+        if !self.response.is_empty() {
+            let of = |kind: usize| Arc::clone(&self.response[kind]);
+            terms
+                .0
+                .push(Arc::new(SolventResponse::new(of(first), of(second))));
         }
         terms
     }

@@ -2,7 +2,7 @@
 
 use crate::flags::choices::{BenchPart, Energy};
 use crate::flags::medium::ConditionArgs;
-use crate::flags::solute::ChargesArgs;
+use crate::flags::solute::{Charges, ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
@@ -83,18 +83,19 @@ impl BenchArgs {
         };
         let assembly = Assembly::read(path)?;
         let usual = BenchSettings::default();
-        let effective_charges = self.acting.effective_charges(None)?;
+        let insides = self.acting.insides(Insides::default())?;
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
             energy,
             tolerance_kt: self.tolerance.tolerance,
-            effective_charges,
+            effective_charges: insides.effective,
             terms: FurtherTerms {
                 contacts: self.terms.contacts(None, ContactCore::Surface)?,
                 desolvation: self
                     .terms
                     .desolvation
-                    .then(|| effective_charges.unwrap_or_default()),
+                    .then(|| insides.effective.unwrap_or_default()),
+                response: insides.response,
             },
             seed: self.seed,
             ..usual
@@ -108,10 +109,14 @@ impl BenchArgs {
 
     fn on_own_states(&self, front: &Front) -> Result<Reply> {
         let settings = self.suite_settings()?;
-        if self.acting.effective_charges(None)?.is_some() {
+        if self
+            .acting
+            .interaction
+            .is_some_and(|charges| charges != Charges::Bare)
+        {
             bail!(
-                "the states that the program makes have no atoms to fit effective charges to; leave \
-                 out --interaction effective, or give an assembly"
+                "the states that the program makes have no atoms, which --interaction effective and \
+                 response need; leave it out, or give an assembly"
             );
         }
         let interaction = self.interaction_of_own_states()?;

@@ -2,7 +2,7 @@
 
 use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
-use crate::flags::solute::ChargesArgs;
+use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
@@ -63,8 +63,10 @@ impl InspectArgs {
             true => Some(self.conditions.interaction_for(energy)?),
             false => None,
         };
+        let insides = self.charges.insides(Insides::default())?;
         let settings = RunSettings {
-            effective_charges: self.charges.effective_charges(None)?,
+            effective_charges: insides.effective,
+            solvent_response: insides.response,
             contacts: self.terms.contacts(None, ContactCore::Surface)?,
             desolvation: self.terms.desolvation,
             ..inspection_settings(energy, self.tolerance.tolerance, self.contact_gap)

@@ -83,8 +83,11 @@ enum Interaction {
     /// The charges of the bodies, screened by salt.
     Bare,
     /// Effective charges: those that give the potential around bodies of low permittivity that salt
-    /// does not enter.
+    /// does not enter; from 3 Å on.
     Effective,
+    /// The charges of the bodies, and to first order the response of the salt water that both
+    /// displace; for native contacts.
+    Response,
 }
 
 /// What keeps two bodies apart.
@@ -164,8 +167,10 @@ impl PairArgs {
     /// Stored even where it is the default, so that a run keeps it if the default changes.
     fn effective_solute(&self) -> Option<SoluteModel> {
         match self.interaction {
-            Interaction::Effective => Some(self.solute.solute().unwrap_or_default()),
-            _ => self.solute.solute(),
+            Interaction::Effective | Interaction::Response => {
+                Some(self.solute.solute().unwrap_or_default())
+            }
+            Interaction::Hard | Interaction::Bare => self.solute.solute(),
         }
     }
 
@@ -193,6 +198,7 @@ impl PairArgs {
                 Interaction::Hard => Energies::Hard,
                 Interaction::Bare => Energies::Bare,
                 Interaction::Effective => Energies::Effective,
+                Interaction::Response => Energies::Response,
             },
             solute: self.effective_solute(),
             desolvation: self.terms.desolvation,

@@ -3,7 +3,7 @@
 use crate::flags::cache::CacheArgs;
 use crate::flags::choices::ExportViewer;
 use crate::flags::medium::ConditionArgs;
-use crate::flags::solute::ChargesArgs;
+use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -63,11 +63,13 @@ impl ResiduesArgs {
         let medium = self.conditions.medium.medium();
         let has_charges =
             self.charges.interaction.is_some() || self.charges.solute.solute().is_some();
+        let insides = self.charges.insides(Insides::default())?;
         let pose = PoseSettings {
             is_stated: medium != Default::default() || has_charges || self.terms.is_given(),
             run: RunSettings {
                 energy: Some(EnergyMode::Direct),
-                effective_charges: self.charges.effective_charges(None)?,
+                effective_charges: insides.effective,
+                solvent_response: insides.response,
                 contacts: self.terms.contacts(None, ContactCore::Surface)?,
                 desolvation: self.terms.desolvation,
                 medium,

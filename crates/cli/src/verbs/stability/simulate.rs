@@ -4,7 +4,7 @@ use crate::flags::choices::Energy;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
 use crate::flags::override_with;
-use crate::flags::solute::ChargesArgs;
+use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
@@ -97,7 +97,12 @@ impl RunArgs {
         settings.tolerance_kt = self.tolerance.tolerance.or(settings.tolerance_kt);
         // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
-        settings.effective_charges = self.charges.effective_charges(settings.effective_charges)?;
+        let insides = self.charges.insides(Insides {
+            effective: settings.effective_charges,
+            response: settings.solvent_response,
+        })?;
+        settings.effective_charges = insides.effective;
+        settings.solvent_response = insides.response;
         settings.contacts = self
             .terms
             .contacts(settings.contacts, ContactCore::Surface)?;

@@ -165,6 +165,7 @@ pub fn bench(
         effective_charges: settings.effective_charges,
         contacts: settings.terms.contacts,
         desolvation: settings.terms.desolvation.is_some(),
+        solvent_response: settings.terms.response,
         ..RunSettings::default()
     };
     run.check()?;

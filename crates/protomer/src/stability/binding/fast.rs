@@ -1,7 +1,10 @@
-//! The interaction of simulations for the pose of a complex, by terms.
+//! The interaction of simulations for the pose of a complex, by terms: the charges of the bodies, and
+//! the response of the salt water that both displace.
 
 use super::input::Partners;
+use super::settings::BindingSettings;
 use crate::assemblies::assembly_file::Assembly;
+use crate::stability::effective::SoluteModel;
 use crate::stability::inspect::inspection_settings;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings};
@@ -38,7 +41,7 @@ impl FastEnergy {
 impl FastInteraction {
     /// # Errors
     /// Names the body whose mesh does not bound a solid.
-    pub fn new(partners: &Partners) -> Result<Self> {
+    pub fn new(partners: &Partners, settings: &BindingSettings) -> Result<Self> {
         let pose = |number: usize| Pose {
             position: partners.bodies[number].provenance.origin_angstrom,
             ..Pose::identity()
@@ -53,7 +56,13 @@ impl FastInteraction {
         };
         Ok(Self {
             engine: Engine::new(assembly)?,
-            settings: inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM),
+            settings: RunSettings {
+                solvent_response: Some(SoluteModel {
+                    inner_permittivity: settings.inner_permittivity,
+                    ion_radius_angstrom: settings.ion_radius_angstrom,
+                }),
+                ..inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM)
+            },
         })
     }
 
@@ -65,7 +74,7 @@ impl FastInteraction {
         Ok(!overlapping_pairs(&self.engine.system()?).is_empty())
     }
 
-    /// The energy that `inspect` prints for this pose, by terms.
+    /// The energy that `inspect --interaction response` prints for this pose, by terms.
     ///
     /// # Errors
     /// If the energy is not finite.
@@ -99,5 +108,6 @@ fn name(term: Term) -> &'static str {
         Term::Charges => "charges",
         Term::Contacts => "contacts",
         Term::Desolvation => "desolvation",
+        Term::SolventResponse => "solvent_response",
     }
 }

@@ -61,7 +61,7 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
     for (number, ph) in inputs.ph.iter().enumerate() {
         let partners = inputs.at(*ph)?;
         let interface = Interface::of(&partners)?;
-        let fast = FastInteraction::new(&partners)?;
+        let fast = FastInteraction::new(&partners, settings)?;
         let charges = match settings.exchanges {
             true => exchanges::at_interface(&partners, &interface),
             false => Vec::new(),

@@ -66,12 +66,12 @@ pub fn effective_charges_of(
     Problem::new(body, interaction, solute)?.solve()
 }
 
-/// Checks that this medium has effective charges: the Poisson-Boltzmann equation needs salt and
-/// permittivity themselves, and what stands for a body does so at all distances.
+/// Checks that a choice of `--interaction` has this medium: the Poisson-Boltzmann equation needs salt
+/// and permittivity themselves, and what stands for a body does so at all distances.
 ///
 /// # Errors
 /// Without salt, where the medium was stated by lengths, and with a cut-off: says what to give.
-pub fn require_electrolyte(interaction: &ScreenedCoulomb) -> Result<()> {
+pub fn require_electrolyte(interaction: &ScreenedCoulomb, choice: &str) -> Result<()> {
     // Of two ways to compute one length.
     const ROUNDING: f64 = 1e-9;
     let electrolyte = &interaction.electrolyte;
@@ -85,16 +85,16 @@ pub fn require_electrolyte(interaction: &ScreenedCoulomb) -> Result<()> {
     let ratio = electrolyte.bjerrum_length_angstrom() / plain.bjerrum_length_angstrom();
     let Some(salt_molar) = salt_molar.filter(|_| (ratio - 1.0).abs() < ROUNDING) else {
         bail!(
-            "effective charges need the salt and the permittivity, not a Debye or Bjerrum length; \
+            "--interaction {choice} needs the salt and the permittivity, not a Debye or Bjerrum length; \
              give --salt 100mM, and --permittivity if it is not that of water"
         );
     };
     if salt_molar <= 0.0 {
-        bail!("effective charges are those in an electrolyte; give --salt above zero");
+        bail!("--interaction {choice} is that in an electrolyte; give --salt above zero");
     }
     if interaction.cutoff_angstrom.is_finite() {
         bail!(
-            "effective charges stand for a body at all distances; leave out --cutoff, or use \
+            "--interaction {choice} stands for a body at all distances; leave out --cutoff, or use \
              --interaction bare"
         );
     }

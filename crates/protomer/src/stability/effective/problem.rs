@@ -31,21 +31,13 @@ impl<'a> Problem<'a> {
         interaction: &ScreenedCoulomb,
         solute: &SoluteModel,
     ) -> Result<Self> {
-        require_electrolyte(interaction)?;
+        require_electrolyte(interaction, "effective")?;
         let mut dielectric = DielectricModel::new(interaction.electrolyte);
         dielectric.inner_permittivity = solute.inner_permittivity;
         dielectric.ion_radius_angstrom = solute.ion_radius_angstrom;
-        let mut spheres = Vec::with_capacity(body.sites.len());
-        for site in &body.sites {
-            spheres.push(ChargedSphere {
-                centre: site.position,
-                radius_angstrom: site.radius_angstrom,
-                charge_e: site.charge_e,
-            });
-        }
         Ok(Self {
             body,
-            spheres,
+            spheres: body.sites.iter().map(ChargedSphere::from).collect(),
             dielectric,
             settings: EffectiveChargeSettings::default(),
         })

@@ -133,7 +133,11 @@ impl<'a> Condition<'a> {
             potential.0.push(Arc::new(charged));
         }
         let kinds = [first.as_ref(), second.as_ref()];
-        let charged = [(kinds[0], &clouds[0]), (kinds[1], &clouds[1])];
+        let [of_first, of_second] = self.bodies;
+        let charged = [
+            (&*of_first.body, kinds[0], &clouds[0]),
+            (&*of_second.body, kinds[1], &clouds[1]),
+        ];
         let further = self.settings.further_terms();
         let prepared = further.prepare(&charged, &self.interaction)?;
         potential.0.extend(prepared.of(&kinds, 0, 1).0);

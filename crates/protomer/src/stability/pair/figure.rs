@@ -215,6 +215,7 @@ fn caption(result: &PairResult) -> String {
         Energies::Hard => "hard surfaces only",
         Energies::Bare => "bare charges",
         Energies::Effective => "effective charges",
+        Energies::Response => "charges, response of the solvent",
     };
     let contacts = match &settings.contacts {
         Some(contacts) => format!(", {}", contacts.describe()),

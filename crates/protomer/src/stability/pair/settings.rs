@@ -21,6 +21,19 @@ pub enum Energies {
     /// Their effective charges: those that give the potential around bodies of low permittivity
     /// that salt does not enter.
     Effective,
+    /// The charges of the bodies, and the response of the salt water that the bodies displace.
+    Response,
+}
+
+impl Energies {
+    /// The choice of `--interaction`, where bodies have an inside.
+    fn with_inside(self) -> Option<&'static str> {
+        match self {
+            Self::Hard | Self::Bare => None,
+            Self::Effective => Some("effective"),
+            Self::Response => Some("response"),
+        }
+    }
 }
 
 /// Everything that shapes the thermodynamics of a pair, beside the bodies.
@@ -55,7 +68,7 @@ pub struct PairRunSettings {
     /// The wanted standard error of B₂₂, mol mL/g², in the place of a relative one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub b22_error_mol_ml_per_g2: Option<f64>,
-    /// The inside of the bodies, for effective charges only.
+    /// The inside of the bodies, for effective charges and the response of the solvent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solute: Option<SoluteModel>,
     /// Whether charges lose solvent to the other body; with effective charges only.
@@ -123,10 +136,10 @@ impl PairRunSettings {
         if !(0.0..=1000.0).contains(&gap) {
             bail!("the contact gap is {gap} Å; give one from 0 to 1000 Å");
         }
-        if self.energies != Energies::Effective && self.solute.is_some() {
+        if self.energies.with_inside().is_none() && self.solute.is_some() {
             bail!(
-                "the inner permittivity and the ion radius apply to effective charges only; add \
-                 --interaction effective, or leave them out"
+                "the inner permittivity and the ion radius apply to bodies with an inside only; add \
+                 --interaction effective or --interaction response, or leave them out"
             );
         }
         if self.desolvation && self.energies != Energies::Effective {
@@ -141,8 +154,8 @@ impl PairRunSettings {
         }
         for salt_molar in self.salts() {
             let interaction = self.medium.interaction(salt_molar)?;
-            if self.energies == Energies::Effective {
-                require_electrolyte(&interaction)?;
+            if let Some(choice) = self.energies.with_inside() {
+                require_electrolyte(&interaction, choice)?;
             }
         }
         Ok(())
@@ -162,6 +175,8 @@ impl PairRunSettings {
         FurtherTerms {
             contacts: self.contacts,
             desolvation: self.desolvation.then(|| self.solute.unwrap_or_default()),
+            response: (self.energies == Energies::Response)
+                .then(|| self.solute.unwrap_or_default()),
         }
     }
 

@@ -99,7 +99,7 @@ impl ResiduesResult {
         let mut line = match self.effective_energy_kt {
             None => "energy: ".to_owned(),
             Some(energy_kt) => format!(
-                "energy with effective charges: {energy_kt:.2} kT\nenergy with the plain charges, which is shared \
+                "energy of the run: {energy_kt:.2} kT\nenergy with the plain charges, which is shared \
                  out: "
             ),
         };

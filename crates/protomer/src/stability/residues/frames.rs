@@ -312,8 +312,9 @@ impl Run {
         let medium = &self.settings.medium;
         let interaction = medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
-        let is_effective = engine.effective_bodies().is_some();
-        let plain = is_effective.then(|| self.engine.clone());
+        let is_shared =
+            engine.effective_bodies().is_none() && self.settings.solvent_response.is_none();
+        let plain = (!is_shared).then(|| self.engine.clone());
         let Some(directory) = &self.directory else {
             engine.check(&self.settings, &[interaction])?;
             let pose = self.assembly().poses.clone();

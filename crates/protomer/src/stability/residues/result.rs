@@ -217,8 +217,8 @@ pub struct MutationAtSalt {
     pub effective_frames: f64,
 }
 
-const EFFECTIVE: &str = "the run interacts by effective charges, which stand for the field around a body and not for its \
-                         residues; energies are shared out by the plain charges of the bodies";
+const EFFECTIVE: &str = "the energy is that of effective charges or holds the response of the solvent, which belong to \
+                         whole bodies and not to residues; it is shared out by the plain charges of the bodies";
 
 /// Pairs with less energy that never touch are left out, kT.
 pub const LEAST_KT: f64 = 0.01;

@@ -120,7 +120,10 @@ impl Engine {
     ) -> Result<Self> {
         if !further.is_none() {
             let kinds: Vec<&BodyType> = self.types.iter().map(AsRef::as_ref).collect();
-            let charged: Vec<_> = kinds.iter().map(|kind| (*kind, &kind.charges)).collect();
+            let bodies = self.assembly.bodies.iter().zip(&kinds);
+            let charged: Vec<_> = bodies
+                .map(|(body, kind)| (body.as_ref(), *kind, &kind.charges))
+                .collect();
             let prepared = further.prepare(&charged, interaction)?;
             let of = |first, second| Ok::<_, McError>(prepared.of(&kinds, first, second));
             self.terms = Some(TermsByType::new(kinds.len(), of)?);

@@ -75,6 +75,10 @@ pub struct RunSettings {
     /// the bodies themselves, as in all runs of earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_charges: Option<SoluteModel>,
+    /// The inside of the bodies, whose displaced salt water responds to the charges of both; `None`
+    /// for charges in salt water everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub solvent_response: Option<SoluteModel>,
     /// Attraction between residues.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contacts: Option<ContactTerm>,
@@ -239,6 +243,7 @@ impl Default for RunSettings {
             energy: None,
             tolerance_kt: None,
             effective_charges: None,
+            solvent_response: None,
             contacts: None,
             desolvation: false,
             medium: InteractionSettings::default(),
@@ -462,7 +467,7 @@ impl RunSettings {
         self.tolerance_of_energy_kt()?;
         self.check_equilibration()?;
         self.check_terms()?;
-        self.check_effective_charges()
+        self.check_interaction()
     }
 
     fn check_equilibration(&self) -> Result<()> {
@@ -513,21 +518,37 @@ impl RunSettings {
             desolvation: self
                 .desolvation
                 .then(|| self.effective_charges.unwrap_or_default()),
+            response: self.solvent_response,
         }
     }
 
-    fn check_effective_charges(&self) -> Result<()> {
-        if self.effective_charges.is_none() {
+    /// What `--interaction` was chosen, where not the bare charges.
+    fn choice(&self) -> Option<&'static str> {
+        match (self.effective_charges, self.solvent_response) {
+            (Some(_), _) => Some("effective"),
+            (None, Some(_)) => Some("response"),
+            (None, None) => None,
+        }
+    }
+
+    fn check_interaction(&self) -> Result<()> {
+        let Some(choice) = self.choice() else {
             return Ok(());
+        };
+        if self.effective_charges.is_some() && self.solvent_response.is_some() {
+            bail!(
+                "effective charges hold the response of the solvent already; leave out one of \
+                 effective_charges and solvent_response"
+            );
         }
         if self.energy == Some(EnergyMode::None) {
             bail!(
-                "hard bodies feel no charges, effective or not; leave out --interaction effective, \
-                 or choose another --energy than none"
+                "hard bodies feel no charges; leave out --interaction {choice}, or choose another \
+                 --energy than none"
             );
         }
         for salt_molar in &self.salt_molar {
-            require_electrolyte(&self.medium.interaction(Some(*salt_molar))?)?;
+            require_electrolyte(&self.medium.interaction(Some(*salt_molar))?, choice)?;
         }
         Ok(())
     }

@@ -1,0 +1,48 @@
+//! The response of the solvent to the bodies of a simulation, from their atoms.
+
+use crate::stability::effective::{SoluteModel, require_electrolyte};
+use crate::stability::interaction::ScreenedCoulomb;
+use anyhow::{Context, Result};
+use protomer_body::Body;
+use protomer_field::solvent_response::solvent_response;
+use protomer_field::{ChargedSphere, DielectricModel};
+use protomer_kernel::Vec3;
+use protomer_mc::solvent_response::{ResponseBody, ResponseGrid};
+
+/// Solves for the response of a body in a medium: two solves of the Poisson-Boltzmann equation.
+///
+/// # Errors
+/// As [`require_electrolyte`] and [`solvent_response`]; names the body.
+pub fn response_of(
+    body: &Body,
+    interaction: &ScreenedCoulomb,
+    solute: &SoluteModel,
+) -> Result<ResponseBody> {
+    require_electrolyte(interaction, "response")?;
+    let mut dielectric = DielectricModel::new(interaction.electrolyte);
+    dielectric.inner_permittivity = solute.inner_permittivity;
+    dielectric.ion_radius_angstrom = solute.ion_radius_angstrom;
+    let spheres: Vec<ChargedSphere> = body.sites.iter().map(ChargedSphere::from).collect();
+    let response = solvent_response(&spheres, &dielectric)
+        .with_context(|| format!("response of the solvent to body '{}'", body.name))?;
+    let table = response.table;
+    let grid = ResponseGrid {
+        origin_angstrom: Vec3::from(table.grid.origin_angstrom),
+        spacing_angstrom: table.grid.spacing_angstrom,
+        shape: table.grid.shape,
+        values: table.values,
+    };
+    let sites: Vec<_> = response
+        .sites
+        .iter()
+        .map(|site| {
+            let amounts = [
+                site.charge_e,
+                site.dielectric_angstrom3,
+                site.ionic_angstrom3,
+            ];
+            (site.place, amounts)
+        })
+        .collect();
+    Ok(ResponseBody::new(grid, &sites)?)
+}
