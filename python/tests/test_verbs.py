@@ -125,6 +125,15 @@ def test_both_values_of_every_repeated_flag_reach_the_program(tmp_path):
     assert settings["shape"] == ["polygon:4", "polygon:5"] and settings["share"] == [3.0, 1.0]
     calls("md run", "--shape", "--share")
 
+    dimer = Path(__file__).parents[2] / "data/structures/4e43.pdb.gz"
+    for body in (["A", "X"], ["X", "B"]):
+        with pytest.raises(pm.ProtomerError, match="no chain X"):
+            pm.assemble.structure(dimer, body=body, output=tmp_path / "dimer")
+        with pytest.raises(pm.ProtomerError, match="no chain X"):
+            pm.binding(dimer, body=body, salt="50mM")
+    calls("assemble structure", "--body")
+    calls("binding", "--body")
+
     # A new repeated flag needs a call here.
     assert called == repeated_flags()
 
@@ -267,7 +276,9 @@ def test_the_binding_of_two_charges_is_that_of_the_command_line(tmp_path):
     printed = json.loads(command("binding", *files, "--salt=50mM,500mM", "--json"))
     assert found.to_dict() == printed
     low, high = found["conditions"]
-    assert (low["salt_effect_kt"], low["terms_kt"]["charges"]) == (0, low["energy_kt"])
+    terms = low["terms_kt"]
+    total_kt = terms["charges"] + terms["solvent_response"]
+    assert low["salt_effect_kt"] == 0 and low["energy_kt"] == pytest.approx(total_kt)
     # Salt weakens the attraction of opposite charges.
     assert high["poisson_boltzmann_kt"] > low["poisson_boltzmann_kt"] and found["d_ln_k_d_ln_salt"] < 0
     with pytest.raises(pm.ConfigError, match="binding needs a salt concentration"):
