@@ -192,7 +192,7 @@ pub struct Draft {
     /// All settings by name.
     described: BTreeMap<String, String>,
     surface: SurfaceSettings,
-    /// What a native core is made of; `None` where the surface is hard.
+    /// Radii and offset of a native core; `None` where the surface is hard.
     core: Option<NativeCore>,
     selection: Option<SelectionReport>,
     /// Warnings of the reader.

@@ -36,7 +36,7 @@ impl HardCore {
     }
 }
 
-/// What a native core is made of.
+/// Radii and offset of a native core.
 #[derive(Debug, Clone)]
 pub(crate) struct NativeCore {
     /// Radius of each site, Å.

@@ -398,7 +398,7 @@ fn watched<T>(what: &str, interrupt: &Interrupt, work: impl FnOnce() -> T) -> T 
     out
 }
 
-/// What became of a command.
+/// Outcome of a command.
 enum Outcome {
     Answer,
     Error(String),

@@ -10,7 +10,7 @@
 //! complex and parts have in common then has the same error in both, which cancels (Gilson and Honig,
 //! Proteins 4, 7 (1988)).
 //!
-//! Two grids. The coarse one, [`COARSER`] times coarser, reaches far out and gives the fine one the
+//! Two grids. The coarse one, `COARSER` times coarser, reaches far out and gives the fine one the
 //! potential on its faces. The energies on both show the error. How a grid happens to cut the surface
 //! dominates that of a single energy, hardly depends on the salt, and cancels in its differences. Their error
 //! falls with the square of the spacing h, so they are extrapolated to h = 0 (Richardson):

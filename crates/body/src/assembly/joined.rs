@@ -18,7 +18,7 @@ const BASE_PAIR_ANGSTROM: (f64, f64) = (2.5, 3.3);
 /// Fewest base pairs of a duplex.
 const FEWEST_PAIRS: usize = 4;
 
-/// What joins two units.
+/// A bond or duplex that joins two units.
 #[derive(Debug, Clone, PartialEq)]
 pub enum JoinedBy {
     /// A disulfide bond between two residues.
@@ -46,7 +46,7 @@ impl fmt::Display for JoinedBy {
 pub struct Joined {
     /// The two units, the smaller number first.
     pub units: (usize, usize),
-    /// What joins them.
+    /// The bond or duplex between them.
     pub by: JoinedBy,
 }
 
@@ -194,7 +194,7 @@ impl<'a> Atoms<'a> {
     }
 }
 
-/// Its name and kind; purines have an atom N9.
+/// Name and kind of a nucleotide; purines have an atom N9.
 fn pairing_nitrogen(residue: &SelectedResidue) -> Option<(&'static str, PairingNitrogen)> {
     if residue.class != ResidueClass::Nucleotide {
         return None;

@@ -28,9 +28,9 @@ use std::collections::BTreeMap;
 /// The atoms of a body for [`separate`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoreAtoms {
-    /// Their positions in the body's frame, Å.
+    /// Positions in the frame of the body, Å.
     pub positions: Vec<Vec3>,
-    /// What is hard of each, a radius in Å.
+    /// Radii of the hard spheres at these positions, Å.
     pub radii_angstrom: Vec<f64>,
 }
 

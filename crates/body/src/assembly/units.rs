@@ -7,11 +7,11 @@ use std::sync::Arc;
 /// The residues that become one body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// Its chains, joined by commas, or another name.
+    /// Name: the chains joined by commas, or another one.
     pub name: String,
     /// Its chains. A copy has the chains that correspond to those of the original in the same order.
     pub chains: Vec<Arc<str>>,
-    /// Its residues in the order of the structure.
+    /// Residues in the order of the structure.
     pub residues: Vec<SelectedResidue>,
 }
 

@@ -33,11 +33,11 @@ use std::path::{Path, PathBuf};
 /// Whether copies of a unit have one shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CopyShapes {
-    /// That of the reference, unless a copy differs from it and would overlap another body or lose contacts
+    /// Shape of the reference, unless a copy differs from it and would overlap another body or lose contacts
     /// of the structure with it.
     #[default]
     Fitting,
-    /// That of the reference.
+    /// Shape of the reference.
     Shared,
 }
 
