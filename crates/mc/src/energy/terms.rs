@@ -4,6 +4,7 @@
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
+use std::ops::AddAssign;
 use std::sync::Arc;
 
 /// One term of the energy of two bodies beside their hard surfaces.
@@ -16,7 +17,8 @@ pub trait PairPotential: Send + Sync {
 
     /// Hands out which places of which body hold how much of the energy: body (0 or 1), place in the
     /// frame of that body (Å), energy (kT). A pair of places counts in full with both bodies;
-    /// displaced solvent counts with the body that displaces it.
+    /// displaced solvent counts with the body that displaces it, and the response of the solvent with
+    /// the charges and the volume that it acts on.
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64));
 
     /// Hands out which pairs of places hold how much of the energy, for a term that is a sum over
@@ -45,6 +47,18 @@ pub enum Term {
     SolventResponse,
 }
 
+impl Term {
+    /// Its name in answers.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Charges => "charges",
+            Self::Contacts => "contacts",
+            Self::Desolvation => "desolvation",
+            Self::SolventResponse => "solvent_response",
+        }
+    }
+}
+
 /// The energy of a pose by terms, kT.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyParts {
@@ -71,9 +85,28 @@ impl EnergyParts {
         }
     }
 
+    /// The part of one term, kT.
+    pub fn part_kt(&self, term: Term) -> f64 {
+        match term {
+            Term::Charges => self.charges_kt,
+            Term::Contacts => self.contacts_kt,
+            Term::Desolvation => self.desolvation_kt,
+            Term::SolventResponse => self.solvent_response_kt,
+        }
+    }
+
     /// The sum of the terms, kT.
     pub fn total_kt(&self) -> f64 {
         self.charges_kt + self.contacts_kt + self.desolvation_kt + self.solvent_response_kt
+    }
+}
+
+impl AddAssign for EnergyParts {
+    fn add_assign(&mut self, other: Self) {
+        self.charges_kt += other.charges_kt;
+        self.contacts_kt += other.contacts_kt;
+        self.desolvation_kt += other.desolvation_kt;
+        self.solvent_response_kt += other.solvent_response_kt;
     }
 }
 

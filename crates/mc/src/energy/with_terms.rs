@@ -5,7 +5,7 @@
 //! its promise.
 
 use super::reach::Reach;
-use super::terms::Terms;
+use super::terms::{EnergyParts, Term, Terms};
 use super::{Effort, EnergyModel, LevelReport, PairEnergy, Pairs, all_pairs, finite, sum_of_pairs};
 use crate::sparse_rows::PairTable;
 use crate::system::{Pair, System, Trial};
@@ -48,6 +48,37 @@ impl TermsByType {
     /// The terms of a pair of types.
     pub fn of(&self, (first, second): (usize, usize)) -> &Terms {
         &self.by_types[first * self.types + second]
+    }
+
+    /// The energies of the terms in a state of a system, kT: of each pair of bodies with an image in
+    /// reach, and without the charges.
+    pub fn parts_of_pairs(&self, system: &System) -> Vec<(usize, usize, EnergyParts)> {
+        let reach = self.reach(system);
+        let mut found = Vec::new();
+        for first in 0..system.len() {
+            for second in first + 1..system.len() {
+                let pair = system.pair(first, second);
+                let terms = self.of(pair.type_indices());
+                let mut parts = None;
+                for displacement in reach.images(&pair) {
+                    *parts.get_or_insert_default() +=
+                        terms.parts_kt(&pair.relative_image(&displacement));
+                }
+                found.extend(parts.map(|parts| (first, second, parts)));
+            }
+        }
+        found
+    }
+
+    /// The kinds of terms that act between any bodies.
+    pub fn kinds(&self) -> Vec<Term> {
+        let mut kinds = Vec::new();
+        for term in self.by_types.iter().flat_map(|terms| &terms.0) {
+            if !kinds.contains(&term.term()) {
+                kinds.push(term.term());
+            }
+        }
+        kinds
     }
 
     pub(crate) fn reach(&self, system: &System) -> Reach {

@@ -4,11 +4,18 @@ use crate::stability::effective::{self, EffectiveBody};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, require_room};
 use anyhow::Result;
-use protomer_common::answer::Answer;
+use protomer_common::answer::{Answer, columns};
 use protomer_kernel::units::kilojoule_per_mol_per_kt;
+use protomer_mc::System;
+use protomer_mc::energy::terms::{EnergyParts, Term};
+use protomer_mc::energy::{PairEnergy, TermsByType};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::observables::{contacts, r_g_angstrom};
 use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+
+/// Pairs of bodies in the table of terms.
+const PAIRS_SHOWN: usize = 10;
 
 /// The result of [`inspect`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -25,6 +32,11 @@ pub struct Inspection {
     pub energy_kilojoule_per_mol: Option<f64>,
     /// Energies of the pairs in range: first body, second body, kT.
     pub pair_energies: Vec<(usize, usize, f64)>,
+    /// The energy by terms, kT; null if no medium was stated.
+    pub terms_kt: Option<BTreeMap<&'static str, f64>>,
+    /// The same for the pairs in range, where more than the charges acts.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pair_terms: Vec<PairTerms>,
     /// The largest error bound of one of these energies, kT; zero for direct sums.
     pub error_bound_kt_per_pair: f64,
     /// Pairs whose surfaces are closer than the contact gap.
@@ -43,6 +55,19 @@ pub struct Inspection {
     /// What a user should know of these energies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
+}
+
+/// The energy of two bodies by terms.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PairTerms {
+    /// Number of the first body.
+    pub first: usize,
+    /// Number of the second body.
+    pub second: usize,
+    /// The kind of each.
+    pub names: [String; 2],
+    /// By the name of the term, kT.
+    pub terms_kt: BTreeMap<&'static str, f64>,
 }
 
 /// Inspects the present state of an assembly. Without a medium there are no energies.
@@ -82,6 +107,7 @@ pub fn inspect(
     let energy_kt = model.total_kt(&system);
     let mut warnings = effective::warnings(engine.effective_bodies().into_iter().flatten());
     warnings.extend(effective::near_contact_warning(&system, settings));
+    let pair_terms = pair_terms(engine, &system, &pairs);
     let temperature_kelvin = interaction.electrolyte.temperature_kelvin();
     Ok(Inspection {
         bodies: system.len(),
@@ -92,6 +118,11 @@ pub fn inspect(
             .iter()
             .map(|pair| (pair.first, pair.second, pair.total_kt()))
             .collect(),
+        terms_kt: Some(sum_of_terms(&pair_terms)),
+        pair_terms: match engine.terms() {
+            Some(_) => pair_terms,
+            None => Vec::new(),
+        },
         error_bound_kt_per_pair: model.error_bound_kt(&system),
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
@@ -100,6 +131,48 @@ pub fn inspect(
         effective_bodies: engine.effective_bodies().map(<[_]>::to_vec),
         warnings,
     })
+}
+
+/// The energies of pairs by terms; each term that acts stands for every pair.
+fn pair_terms(engine: &Engine, system: &System, pairs: &[PairEnergy]) -> Vec<PairTerms> {
+    let kinds = engine.terms().map_or_else(Vec::new, TermsByType::kinds);
+    let further = engine.terms().map(|terms| terms.parts_of_pairs(system));
+    let further: HashMap<(usize, usize), EnergyParts> = further
+        .into_iter()
+        .flatten()
+        .map(|(first, second, parts)| ((first, second), parts))
+        .collect();
+    let name = |body: usize| {
+        let assembly = engine.assembly();
+        assembly.bodies[assembly.kinds[body]].name.clone()
+    };
+    let terms_of = |pair: &PairEnergy| {
+        let parts = further.get(&(pair.first, pair.second));
+        let parts = parts.copied().unwrap_or_default();
+        let of_kind = |kind: &Term| (kind.name(), parts.part_kt(*kind));
+        let mut terms_kt: BTreeMap<_, _> = kinds.iter().map(of_kind).collect();
+        terms_kt.insert(Term::Charges.name(), pair.energy_kt);
+        terms_kt
+    };
+    let mut found = Vec::with_capacity(pairs.len());
+    for pair in pairs {
+        found.push(PairTerms {
+            first: pair.first,
+            second: pair.second,
+            names: [name(pair.first), name(pair.second)],
+            terms_kt: terms_of(pair),
+        });
+    }
+    found
+}
+
+/// The sums over all pairs.
+fn sum_of_terms(pairs: &[PairTerms]) -> BTreeMap<&'static str, f64> {
+    let mut sums = BTreeMap::from([(Term::Charges.name(), 0.0)]);
+    for (name, energy_kt) in pairs.iter().flat_map(|pair| &pair.terms_kt) {
+        *sums.entry(*name).or_default() += energy_kt;
+    }
+    sums
 }
 
 /// What the surfaces say.
@@ -111,6 +184,8 @@ fn without_energies(engine: &Engine, settings: &RunSettings) -> Result<Inspectio
         energy_kt: None,
         energy_kilojoule_per_mol: None,
         pair_energies: Vec::new(),
+        terms_kt: None,
+        pair_terms: Vec::new(),
         error_bound_kt_per_pair: 0.0,
         contacts: contacts(&system, settings.contact_gap_angstrom),
         r_g_angstrom: r_g_angstrom(&system, |_| 1.0),
@@ -149,6 +224,9 @@ impl Answer for Inspection {
                 self.pair_energies.len(),
                 error_bound(self.error_bound_kt_per_pair)
             );
+            if let (Some(terms_kt), false) = (&self.terms_kt, self.pair_terms.is_empty()) {
+                energy += &format!("\n{}", table_of_terms(&self.pair_terms, terms_kt));
+            }
         }
         format!(
             "{} bodies, {} contacts, overlaps: {overlaps}\n{energy}\nradius of gyration: {:.3} Å",
@@ -157,6 +235,35 @@ impl Answer for Inspection {
             self.r_g_angstrom
         )
     }
+}
+
+/// The strongest pairs of bodies by terms, and the sum over all.
+fn table_of_terms(pairs: &[PairTerms], sums: &BTreeMap<&'static str, f64>) -> String {
+    let total = |terms_kt: &BTreeMap<&'static str, f64>| terms_kt.values().sum::<f64>();
+    let line = |label: String, terms_kt: &BTreeMap<&'static str, f64>| {
+        let numbers = terms_kt.values().copied().chain([total(terms_kt)]);
+        let mut cells = vec![label];
+        cells.extend(numbers.map(|energy_kt| format!("{energy_kt:.2}")));
+        cells
+    };
+    let mut heading = vec!["energy (kT)".to_owned()];
+    heading.extend(sums.keys().map(|name| name.replace('_', " ")));
+    heading.push("sum".into());
+    let mut rows = vec![heading];
+    let mut strongest: Vec<&PairTerms> = pairs.iter().collect();
+    let size = |pair: &PairTerms| total(&pair.terms_kt).abs();
+    strongest.sort_by(|a, b| size(b).total_cmp(&size(a)));
+    for pair in strongest.iter().take(PAIRS_SHOWN) {
+        let [first, second] = &pair.names;
+        let label = format!("{} {first}, {} {second}", pair.first, pair.second);
+        rows.push(line(label, &pair.terms_kt));
+    }
+    match pairs.len() {
+        1 => {}
+        2..=PAIRS_SHOWN => rows.push(line("all pairs".into(), sums)),
+        all => rows.push(line(format!("all {all} pairs"), sums)),
+    }
+    columns(&rows)
 }
 
 /// The error bound (kT per pair of bodies) in words, to follow an energy; empty for a direct sum.

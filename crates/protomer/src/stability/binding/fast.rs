@@ -87,7 +87,7 @@ impl FastInteraction {
         for pair in model.pairs(&system) {
             charges_kt += pair.energy_kt;
         }
-        let mut terms_kt = BTreeMap::from([(name(Term::Charges), charges_kt)]);
+        let mut terms_kt = BTreeMap::from([(Term::Charges.name(), charges_kt)]);
         let poses = &engine.assembly().poses;
         let displacement = poses[1].position - poses[0].position;
         let relative = RelativePose::new(&poses[0], &poses[1], &displacement);
@@ -96,18 +96,8 @@ impl FastInteraction {
             .into_iter()
             .flat_map(|terms| &terms.of((0, 1)).0)
         {
-            *terms_kt.entry(name(term.term())).or_default() += term.energy_kt(&relative);
+            *terms_kt.entry(term.term().name()).or_default() += term.energy_kt(&relative);
         }
         Ok(FastEnergy { terms_kt })
-    }
-}
-
-/// The name of a term in the answer.
-fn name(term: Term) -> &'static str {
-    match term {
-        Term::Charges => "charges",
-        Term::Contacts => "contacts",
-        Term::Desolvation => "desolvation",
-        Term::SolventResponse => "solvent_response",
     }
 }
