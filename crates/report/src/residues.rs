@@ -140,6 +140,7 @@ impl Residues {
         for (key, name) in [
             ("contacts_kt", "attraction between residues"),
             ("desolvation_kt", "desolvation"),
+            ("solvent_response_kt", "response of the solvent"),
         ] {
             if mean(&energy[key]).is_some_and(|energy_kt| energy_kt != 0.0) {
                 rows.push((name, format!("{} kT", with_error(&energy[key], 1.0, 4))));

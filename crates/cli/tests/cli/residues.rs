@@ -278,3 +278,61 @@ fn a_run_is_shared_out_and_shown() {
     ));
     assert!(!place.path("run/residues").exists());
 }
+
+/// What `inspect` prints by terms adds up to the energy, and `residues` shares out the same terms.
+#[test]
+fn the_response_of_the_solvent_is_shared_out_among_residues() {
+    let place = two_peptides(FACING);
+    let pose = "two.json --salt 50mM --interaction response --contacts calvados3 --json";
+    let inspected = json(&place.run(&format!("inspect {pose}")).stdout);
+    let energy_kt = inspected["energy_kT"].as_f64().unwrap();
+    let terms = inspected["terms_kt"].as_object().unwrap();
+    let term = |name: &str| terms[name].as_f64().unwrap();
+    assert_eq!(terms.len(), 3);
+    let sum: f64 = terms.values().map(|term| term.as_f64().unwrap()).sum();
+    assert!((sum - energy_kt).abs() < 1e-9, "{sum} {energy_kt}");
+    assert_eq!(
+        inspected["pair_terms"][0]["terms_kt"],
+        inspected["terms_kt"]
+    );
+
+    let shared = json(&place.run(&format!("residues {pose}")).stdout);
+    assert_eq!(shared["shared_by"], "charges");
+    assert_eq!(shared["effective_energy_kt"], inspected["energy_kT"]);
+    let whole = |name: &str| shared["energy"][name]["mean"].as_f64().unwrap();
+    assert!((whole("charges_kt") - term("charges")).abs() < 1e-9);
+    assert!((whole("contacts_kt") - term("contacts")).abs() < 1e-9);
+    let mut of_residues = 0.0;
+    for row in shared["residues"].as_array().unwrap() {
+        of_residues += row["solvent_response_kt"].as_f64().unwrap();
+    }
+    let response_kt = whole("solvent_response_kt");
+    assert!((of_residues - response_kt).abs() < 1e-9);
+    // The energy of the run gathers charges on a lattice of 3 Å.
+    let gathered_kt = term("solvent_response");
+    assert!(gathered_kt.abs() > 0.2, "{gathered_kt}");
+    assert!(
+        (response_kt - gathered_kt).abs() < 0.2,
+        "{response_kt} {gathered_kt}"
+    );
+}
+
+/// The surface of a body belongs to its residues, and those without any are marked.
+#[test]
+fn buried_residues_are_marked() {
+    let place = place();
+    ingest(&place, "bpti", "A:D3K");
+    is_ok(&place.run("assemble ring -q bpti.body --members 2 -o two.json"));
+    let found = json(&place.run("residues two.json --salt 100mM --json").stdout);
+    let (mut area, mut buried) = (0.0, Vec::new());
+    for row in found["residues"].as_array().unwrap() {
+        area += row["surface_angstrom2"].as_f64().unwrap();
+        if row["buried"] == true {
+            buried.push(row["number"].as_i64().unwrap());
+        }
+    }
+    // As `ingest` prints it for this mesh.
+    assert!((area - 3173.37).abs() < 0.01, "{area}");
+    // Cysteines of the three disulfides, which lie in the middle.
+    assert_eq!(buried, [5, 51, 55]);
+}

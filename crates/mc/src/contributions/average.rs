@@ -43,11 +43,11 @@ struct Pairs {
     columns: usize,
 }
 
-/// Numbers of a residue: charges, contacts, desolvation, whether it touches.
-const OF_RESIDUE: usize = 4;
+/// Numbers of a residue: the four terms, whether it touches.
+const OF_RESIDUE: usize = 5;
 /// Numbers of a pair: charges, contacts, how many touch, whether any does.
 const OF_PAIR: usize = 4;
-const TOTALS: usize = 6;
+const TOTALS: usize = 7;
 
 /// What one residue contributes on average, per copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -131,6 +131,7 @@ impl Averages {
                     residue.parts.charges_kt,
                     residue.parts.contacts_kt,
                     residue.parts.desolvation_kt,
+                    residue.parts.solvent_response_kt,
                     touches,
                 ]);
                 for (sum, value) in row.iter_mut().zip(values) {
@@ -158,6 +159,7 @@ impl Averages {
             state.parts.charges_kt,
             state.parts.contacts_kt,
             state.parts.desolvation_kt,
+            state.parts.solvent_response_kt,
             state.outside_kt,
             state.apart_kt,
             alone as f64 / residues as f64,
@@ -205,9 +207,9 @@ impl Averages {
                 charges_kt: mean(0),
                 contacts_kt: mean(1),
                 desolvation_kt: mean(2),
-                solvent_response_kt: 0.0,
+                solvent_response_kt: mean(3),
             },
-            touching: mean(3),
+            touching: mean(4),
         }
     }
 
@@ -239,37 +241,37 @@ impl Averages {
         self.kinds[kind].residues
     }
 
-    /// The energy by terms: charges, contacts, desolvation, kT.
-    pub fn energy_kt(&self) -> [Mean; 3] {
-        [0, 1, 2].map(|index| self.total(index))
+    /// The energy by terms: charges, contacts, desolvation, response of the solvent, kT.
+    pub fn energy_kt(&self) -> [Mean; 4] {
+        [0, 1, 2, 3].map(|index| self.total(index))
     }
 
     /// The energy, kT.
     pub fn total_kt(&self) -> Mean {
-        let of_block = |block: &[f64; TOTALS]| block[0] + block[1] + block[2];
+        let of_block = |block: &[f64; TOTALS]| block[..4].iter().sum();
         let blocks: Vec<f64> = self.ended().iter().map(of_block).collect();
         mean_of_blocks(&blocks)
     }
 
     /// The part of the energy of the charges that comes from residues that touch nothing, kT.
     pub fn outside_kt(&self) -> Mean {
-        self.total(3)
+        self.total(4)
     }
 
     /// The same as a share of the energy of the charges; `None` where that is not known to be
     /// negative.
     pub fn outside_share(&self) -> Option<Mean> {
-        self.share_of_charges(3)
+        self.share_of_charges(4)
     }
 
     /// The share of the energy of the charges between residues that do not touch each other.
     pub fn apart_share(&self) -> Option<Mean> {
-        self.share_of_charges(4)
+        self.share_of_charges(5)
     }
 
     /// The share of the residues that touch nothing, over copies and frames.
     pub fn untouched_share(&self) -> Mean {
-        self.total(5)
+        self.total(6)
     }
 
     fn ended(&self) -> &[[f64; TOTALS]] {
@@ -299,9 +301,10 @@ impl Averages {
     }
 }
 
-fn with_total([charges, contacts, desolvation, touches]: [f64; 4]) -> [f64; 5] {
-    let total = charges + contacts + desolvation;
-    [charges, contacts, desolvation, touches, total]
+fn with_total(values: [f64; OF_RESIDUE]) -> [f64; OF_RESIDUE + 1] {
+    let [charges, contacts, desolvation, response, touches] = values;
+    let total = charges + contacts + desolvation + response;
+    [charges, contacts, desolvation, response, touches, total]
 }
 
 /// The mean of independent blocks of equal length.

@@ -8,7 +8,7 @@
 //!
 //! over the residues a, b of different bodies. A pair counts in full with both of its residues, so
 //! the e_a without the desolvation add up to twice the energy; solvent (d_a) counts with the residue
-//! that displaces it.
+//! that displaces it, and its response with the residue whose charges and volume it acts on.
 //!
 //! | module | one idea |
 //! |---|---|

@@ -70,8 +70,9 @@ pub struct StateEnergies {
 /// A pair of bodies: what the pairs of residues contribute, row after row.
 struct OfBodies {
     pairs: Vec<PairContribution>,
-    /// Solvent displaced by each residue of both bodies, kT.
-    desolvation_kt: [Vec<f64>; 2],
+    /// Terms that belong to single residues of both bodies: solvent that a residue displaces, and the
+    /// response of the solvent to its charges and its volume.
+    single: [Vec<EnergyParts>; 2],
 }
 
 impl Contributions {
@@ -161,7 +162,7 @@ impl Contributions {
         let (ours, theirs) = (&self.kinds[first], &self.kinds[second]);
         let mut found = OfBodies {
             pairs: vec![PairContribution::default(); ours.len() * theirs.len()],
-            desolvation_kt: [vec![0.0; ours.len()], vec![0.0; theirs.len()]],
+            single: [ours, theirs].map(|kind| vec![EnergyParts::default(); kind.len()]),
         };
         for displacement in self.reach_of_charges.images(pair) {
             let relative = pair.relative_image(&displacement);
@@ -229,10 +230,10 @@ impl Contributions {
         let columns = places[1].len();
         for term in &terms.of((first, second)).0 {
             let kind = term.term();
-            if kind == Term::Desolvation {
+            if matches!(kind, Term::Desolvation | Term::SolventResponse) {
                 term.shares(relative, &mut |body, place, energy_kt| {
                     if let Some(residue) = places[body].of_term(kind, place) {
-                        found.desolvation_kt[body][residue] += energy_kt;
+                        found.single[body][residue].add(kind, energy_kt);
                     }
                 });
                 continue;
@@ -289,13 +290,10 @@ impl StateEnergies {
                 self.apart_kt += pair.charges_kt;
             }
         }
-        for (copy, energies) in [bodies.first, bodies.second]
-            .into_iter()
-            .zip(&found.desolvation_kt)
-        {
-            for (residue, energy_kt) in self.residues[copy].iter_mut().zip(energies) {
-                residue.parts.desolvation_kt += energy_kt;
-                self.parts.desolvation_kt += energy_kt;
+        for (copy, energies) in [bodies.first, bodies.second].into_iter().zip(&found.single) {
+            for (residue, parts) in self.residues[copy].iter_mut().zip(energies) {
+                residue.parts += *parts;
+                self.parts += *parts;
             }
         }
     }

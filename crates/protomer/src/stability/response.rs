@@ -44,5 +44,8 @@ pub fn response_of(
             (site.place, amounts)
         })
         .collect();
-    Ok(ResponseBody::new(grid, &sites)?)
+    let charges = spheres
+        .iter()
+        .map(|sphere| (sphere.centre, sphere.charge_e));
+    Ok(ResponseBody::new(grid, &sites, charges.collect())?)
 }

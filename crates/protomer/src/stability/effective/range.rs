@@ -50,6 +50,6 @@ fn warning_that(happened: &str, has_desolvation: bool) -> String {
     };
     format!(
         "warning: {happened}: {terms} hold where surfaces are {LEAST_GAP_ANGSTROM} Å apart or more, and \
-         their energies at contact may be wrong by many kT; compare with --interaction bare"
+         their energies at contact may be wrong by many kT; --interaction response is made for contacts"
     )
 }

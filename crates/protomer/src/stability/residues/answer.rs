@@ -1,7 +1,7 @@
 //! The answer in words and as a figure.
 
 use super::mutations::FEWEST_EFFECTIVE_FRAMES;
-use super::result::{MutationRow, PairRow, ResidueRow, ResiduesResult};
+use super::result::{MutationRow, PairRow, ResidueRow, ResiduesResult, SharedBy};
 use protomer_common::answer::{Answer, columns};
 use protomer_mc::contributions::Mean;
 use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
@@ -99,50 +99,48 @@ impl ResiduesResult {
         let mut line = match self.effective_energy_kt {
             None => "energy: ".to_owned(),
             Some(energy_kt) => format!(
-                "energy of the run: {energy_kt:.2} kT\nenergy with the plain charges, which is shared \
-                 out: "
+                "energy of the run: {energy_kt:.2} kT\n{}",
+                match self.shared_by {
+                    SharedBy::PlainCharges => {
+                        "energy with the plain charges, which is shared out: "
+                    }
+                    SharedBy::Charges => "energy that is shared out: ",
+                }
             ),
         };
         line += &format!("{} kT", with_error(&self.energy.total_kt, 2));
-        let [contacts, desolvation] = self.has_terms();
-        if contacts || desolvation {
+        let terms = self.further_terms();
+        if !terms.is_empty() {
             line += &format!(": charges {}", with_error(&self.energy.charges_kt, 2));
         }
-        if contacts {
-            line += &format!(", contacts {}", with_error(&self.energy.contacts_kt, 2));
-        }
-        if desolvation {
-            let lost = with_error(&self.energy.desolvation_kt, 2);
-            line += &format!(", desolvation {lost}");
+        for (name, energy_kt, _) in &terms {
+            line += &format!(", {name} {}", with_error(energy_kt, 2));
         }
         line
     }
 
     fn residue_table(&self) -> String {
-        let has_terms = self.has_terms();
+        let terms = self.further_terms();
         let mut heading = vec!["residue".to_owned(), "energy per copy (kT)".into()];
-        if has_terms.contains(&true) {
+        if !terms.is_empty() {
             heading.push("charges".into());
         }
-        for (name, is_there) in ["contacts", "desolvation"].into_iter().zip(has_terms) {
-            if is_there {
-                heading.push(name.into());
-            }
-        }
-        heading.extend(["touching".to_owned(), "most with".into()]);
+        heading.extend(terms.iter().map(|(name, ..)| (*name).to_owned()));
+        heading.extend(["touching", "surface (Å²)", "most with"].map(str::to_owned));
         let mut rows = vec![heading];
         for row in self.strongest().into_iter().take(RESIDUES) {
             let mut cells = vec![row.name.full(), with_error(&row.energy_kt, 2)];
-            if has_terms.contains(&true) {
+            if !terms.is_empty() {
                 cells.push(format!("{:.2}", row.parts.charges_kt));
             }
-            let terms = [row.parts.contacts_kt, row.parts.desolvation_kt];
-            for (energy_kt, is_there) in terms.into_iter().zip(has_terms) {
-                if is_there {
-                    cells.push(format!("{energy_kt:.2}"));
-                }
+            for (_, _, of_residue) in &terms {
+                cells.push(format!("{:.2}", of_residue(&row.parts)));
             }
             cells.push(format!("{:.2}", row.touching));
+            cells.push(match row.buried {
+                true => format!("{:.0}, buried", row.surface_angstrom2),
+                false => format!("{:.0}", row.surface_angstrom2),
+            });
             cells.push(self.most_with(row).unwrap_or_default());
             rows.push(cells);
         }

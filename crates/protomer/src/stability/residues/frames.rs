@@ -312,9 +312,10 @@ impl Run {
         let medium = &self.settings.medium;
         let interaction = medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
-        let is_shared =
-            engine.effective_bodies().is_none() && self.settings.solvent_response.is_none();
-        let plain = (!is_shared).then(|| self.engine.clone());
+        let plain = engine
+            .effective_bodies()
+            .is_some()
+            .then(|| self.engine.clone());
         let Some(directory) = &self.directory else {
             engine.check(&self.settings, &[interaction])?;
             let pose = self.assembly().poses.clone();

@@ -2,7 +2,7 @@
 //! energy is, with the residues that matter most.
 
 use super::result::{PairRow, ResidueName, ResiduesResult};
-use protomer_plot::ColourMap;
+use protomer_plot::{ColourMap, literal};
 
 /// Rows and columns of a map.
 const MOST: usize = 16;
@@ -68,11 +68,16 @@ fn map(
         }
     }
     Some(ColourMap {
-        title: format!("{} of {first} and {second}", names.title),
+        title: format!(
+            "{} of {} and {}",
+            names.title,
+            literal(&first),
+            literal(&second)
+        ),
         caption: result.conditions(),
-        x: second,
+        x: literal(&second),
         columns: labels(&columns),
-        y: first,
+        y: literal(&first),
         rows: labels(&rows),
         quantity: names.quantity.into(),
         values,

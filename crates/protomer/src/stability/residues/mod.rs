@@ -7,6 +7,7 @@
 //! | `frames` | the bodies and the frames of a run, or the one pose of an assembly |
 //! | `bound` | frames in which the assembly holds |
 //! | `analysis` | from frames to averages |
+//! | `surface` | the part of a body's surface that each residue has |
 //! | `mutations` | exchanges of single charges, and the half salt they lead to |
 //! | `result` | the answer, as JSON has it |
 //! | `answer` | the answer in words and as a figure |
@@ -23,6 +24,7 @@ mod maps;
 mod mutations;
 mod result;
 mod settings;
+mod surface;
 mod tables;
 
 pub use files::FOLDER;
@@ -30,7 +32,7 @@ pub use maps::{contact_map, energy_map};
 pub(crate) use mutations::exchanges_of;
 pub use result::{
     Change, MutationAtSalt, MutationRow, PairRow, ResidueName, ResidueRow, ResiduesResult,
-    TermMeans, WholeEnergy,
+    SharedBy, TermMeans, WholeEnergy,
 };
 pub use settings::{PoseSettings, ResiduesSettings};
 
@@ -88,7 +90,7 @@ pub fn residues(
         anyhow::bail!("no salt concentration was chosen; give --salt 100mM");
     };
     let mut result = ResiduesResult::new(settings, &run, &shown, &at_salt, &averages);
-    if at_salt.plain.is_some() {
+    if result.shared_by == SharedBy::PlainCharges || result.has_response() {
         result.effective_energy_kt = Some(run.mean_energy_kt(&at_salt, shown.salt_molar)?);
     }
     if let Some(scan) = &scan {

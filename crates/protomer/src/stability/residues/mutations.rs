@@ -6,6 +6,7 @@
 use super::bound::AssemblyContacts;
 use super::frames::{AtSalt, Run, SweepAnswer};
 use super::result::{Change, MutationAtSalt, MutationRow, ResidueName};
+use super::surface;
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::Result;
 use protomer_body::chemistry::AminoAcid;
@@ -14,14 +15,11 @@ use protomer_body::chemistry::residue_names::force_field_amino_acid;
 use protomer_body::{Body, Residue};
 use protomer_mc::System;
 use protomer_mc::contributions::{
-    Averages, ChargeSites, Contributions, Mean, ResiduePlaces, Response, charge_sites,
-    mean_of_blocks, reweighted,
+    Averages, ChargeSites, Contributions, Mean, Response, charge_sites, mean_of_blocks, reweighted,
 };
 
 /// With fewer effective frames there is no number.
 pub const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
-/// A residue with less surface is inside, Å².
-const LEAST_AREA_ANGSTROM2: f64 = 10.0;
 /// Exchanges of residues that touch another body in more than this share of frames and copies are
 /// not recommended.
 const MOST_TOUCHING: f64 = 0.1;
@@ -72,11 +70,11 @@ impl Scan {
     pub fn of(run: &Run) -> Result<Self> {
         let (mut sites, mut exchanges) = (Vec::new(), Vec::new());
         for (kind, body) in run.assembly().bodies.iter().enumerate() {
-            let areas = areas_angstrom2(body);
+            let areas = surface::areas_angstrom2(body);
             for (residue, area) in areas.into_iter().enumerate() {
                 let possible = exchanges_of(body, residue);
                 let places = charge_sites(body, residue);
-                if area < LEAST_AREA_ANGSTROM2 || possible.is_empty() || places.is_empty() {
+                if surface::is_buried(area) || possible.is_empty() || places.is_empty() {
                     continue;
                 }
                 for (change, to, charge_change_e) in possible {
@@ -364,21 +362,6 @@ pub(crate) fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAci
     };
     let of = |(change, to): (Change, AminoAcid)| (change, to, charge_e(to) - charge_e(from));
     to.map(of).to_vec()
-}
-
-/// The area of each residue's part of the surface, Å²: a point of the mesh belongs to the residue of
-/// the nearest atom.
-fn areas_angstrom2(body: &Body) -> Vec<f64> {
-    let places = ResiduePlaces::of(body);
-    let mut areas = vec![0.0; body.residues.len()];
-    let vertices = &body.mesh.vertices;
-    let per_vertex = body.mesh.area_angstrom2() / vertices.len().max(1) as f64;
-    for vertex in vertices {
-        if let Some(residue) = places.nearest(vertex) {
-            areas[residue] += per_vertex;
-        }
-    }
-    areas
 }
 
 fn charges_of_residues(body: &Body) -> Vec<f64> {

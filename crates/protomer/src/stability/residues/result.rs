@@ -2,6 +2,7 @@
 
 use super::frames::{AtSalt, Run, ShownSalt};
 use super::settings::ResiduesSettings;
+use super::surface;
 use crate::stability::interaction::ScreenedCoulomb;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::{Body, Residue};
@@ -43,8 +44,8 @@ pub struct ResiduesResult {
     /// What stands against the energies of residues, in words; null where the charges of the bodies
     /// interact.
     pub charges_note: Option<&'static str>,
-    /// The mean energy of the run itself, with effective charges, kT; null where those of the bodies
-    /// interact.
+    /// The mean energy of the run itself, with effective charges or the response of the solvent, kT;
+    /// null where the charges of the bodies interact and nothing else.
     pub effective_energy_kt: Option<f64>,
     /// What a user should know of the energies.
     pub warnings: Vec<String>,
@@ -95,6 +96,8 @@ pub struct WholeEnergy {
     pub contacts_kt: Mean,
     /// What charges lose to other bodies.
     pub desolvation_kt: Mean,
+    /// The response of the solvent that the bodies displace.
+    pub solvent_response_kt: Mean,
 }
 
 /// The mean energy of a residue by terms, kT.
@@ -106,6 +109,9 @@ pub struct TermMeans {
     pub contacts_kt: f64,
     /// Solvent displaced by the residue.
     pub desolvation_kt: f64,
+    /// The response of the solvent to the residue's charges and volume, in the field of the other
+    /// bodies.
+    pub solvent_response_kt: f64,
 }
 
 /// The name of a residue.
@@ -136,6 +142,10 @@ pub struct ResidueRow {
     pub parts: TermMeans,
     /// Share of frames and copies in which it touches a residue of another body.
     pub touching: f64,
+    /// Its part of the surface of its own body, Å².
+    pub surface_angstrom2: f64,
+    /// Whether this is so little that the residue is buried in its own body.
+    pub buried: bool,
 }
 
 /// What one pair of residues contributes, over all pairs of bodies.
@@ -217,8 +227,14 @@ pub struct MutationAtSalt {
     pub effective_frames: f64,
 }
 
-const EFFECTIVE: &str = "the energy is that of effective charges or holds the response of the solvent, which belong to \
-                         whole bodies and not to residues; it is shared out by the plain charges of the bodies";
+const EFFECTIVE: &str = "the energy is that of effective charges, which belong to whole bodies and not to residues; it is \
+                         shared out by the plain charges of the bodies";
+const RESPONSE: &str = "the response of the solvent counts with the residues whose charges and volume it acts on, and not \
+                        with pairs; charges are at their own places there, so the sum may differ from the energy of the run by \
+                        some tenths of a kT";
+
+/// The name of a term, its energy in the assembly, and where that of a residue is.
+pub(super) type FurtherTerm = (&'static str, Mean, fn(&TermMeans) -> f64);
 
 /// Pairs with less energy that never touch are left out, kT.
 pub const LEAST_KT: f64 = 0.01;
@@ -234,8 +250,9 @@ impl ResiduesResult {
         let bodies = &run.assembly().bodies;
         let name = |kind: usize, residue: usize| ResidueName::of(&bodies[kind], residue);
         let mut residues = Vec::new();
-        for kind in 0..bodies.len() {
-            for residue in 0..averages.residues(kind) {
+        for (kind, body) in bodies.iter().enumerate() {
+            let areas = surface::areas_angstrom2(body);
+            for (residue, area) in areas.into_iter().enumerate() {
                 let found = averages.residue(kind, residue);
                 residues.push(ResidueRow {
                     name: name(kind, residue),
@@ -244,8 +261,11 @@ impl ResiduesResult {
                         charges_kt: found.parts.charges_kt,
                         contacts_kt: found.parts.contacts_kt,
                         desolvation_kt: found.parts.desolvation_kt,
+                        solvent_response_kt: found.parts.solvent_response_kt,
                     },
                     touching: found.touching,
+                    surface_angstrom2: area,
+                    buried: surface::is_buried(area),
                 });
             }
         }
@@ -270,7 +290,7 @@ impl ResiduesResult {
             }
         }
         pairs.sort_by(|a, b| a.energy_kt.mean.total_cmp(&b.energy_kt.mean));
-        let [charges_kt, contacts_kt, desolvation_kt] = averages.energy_kt();
+        let [charges_kt, contacts_kt, desolvation_kt, solvent_response_kt] = averages.energy_kt();
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
             input: settings.input.clone(),
@@ -288,7 +308,10 @@ impl ResiduesResult {
                 Some(_) => SharedBy::PlainCharges,
                 None => SharedBy::Charges,
             },
-            charges_note: at.plain.as_ref().map(|_| EFFECTIVE),
+            charges_note: match (&at.plain, solvent_response_kt.mean) {
+                (Some(_), _) => Some(EFFECTIVE),
+                (None, response_kt) => (response_kt != 0.0).then_some(RESPONSE),
+            },
             effective_energy_kt: None,
             warnings: Vec::new(),
             energy: WholeEnergy {
@@ -296,6 +319,7 @@ impl ResiduesResult {
                 charges_kt,
                 contacts_kt,
                 desolvation_kt,
+                solvent_response_kt,
             },
             residues_outside_contacts: averages.untouched_share(),
             outside_contacts_kt: averages.outside_kt(),
@@ -318,13 +342,25 @@ impl ResiduesResult {
         rows
     }
 
-    /// Whether any pair attracts by contacts, or any residue displaces solvent.
-    pub fn has_terms(&self) -> [bool; 2] {
-        let of = |mean: &Mean| mean.mean != 0.0;
-        [
-            of(&self.energy.contacts_kt),
-            of(&self.energy.desolvation_kt),
-        ]
+    /// The terms besides the charges that act: name, energy of the assembly, and that of a residue.
+    pub(super) fn further_terms(&self) -> Vec<FurtherTerm> {
+        let energy = &self.energy;
+        let all: [FurtherTerm; 3] = [
+            ("contacts", energy.contacts_kt, |parts| parts.contacts_kt),
+            ("desolvation", energy.desolvation_kt, |parts| {
+                parts.desolvation_kt
+            }),
+            ("response", energy.solvent_response_kt, |parts| {
+                parts.solvent_response_kt
+            }),
+        ];
+        let acts = |term: &FurtherTerm| term.1.mean != 0.0;
+        all.into_iter().filter(acts).collect()
+    }
+
+    /// Whether the solvent that the bodies displace responds to their charges.
+    pub(super) fn has_response(&self) -> bool {
+        self.energy.solvent_response_kt.mean != 0.0
     }
 }
 

@@ -14,7 +14,10 @@ pub fn residues(rows: &[ResidueRow]) -> Result<String> {
                 "charges_kt",
                 "contacts_kt",
                 "desolvation_kt",
+                "solvent_response_kt",
                 "touching",
+                "surface_angstrom2",
+                "buried",
             ]
             .map(str::to_owned),
         ),
@@ -27,7 +30,10 @@ pub fn residues(rows: &[ResidueRow]) -> Result<String> {
             row.parts.charges_kt.into(),
             row.parts.contacts_kt.into(),
             row.parts.desolvation_kt.into(),
+            row.parts.solvent_response_kt.into(),
             row.touching.into(),
+            row.surface_angstrom2.into(),
+            Cell::Integer(i64::from(row.buried)),
         ]);
         table.push(cells)?;
     }
