@@ -1,9 +1,10 @@
-"""B22 of lysozyme against salt, beside experiments: plain charges, effective charges, and contacts.
+"""B22 of lysozyme against salt, compared with experiments: plain charges, effective charges, the response of the solvent, and contacts.
 
-    python tests/validation/lysozyme_b22.py FOLDER_OF_STRUCTURES OUTPUT [--protomer PATH]
+    python tests/validation/lysozyme_b22.py FOLDER_OF_STRUCTURES OUTPUT [--protomer PATH] [--core native] [--salts 0.1,0.3]
 
 FOLDER_OF_STRUCTURES holds 4lzt, 6lyz, 1hel, 1aki and 5pti as .pdb.gz (https://files.rcsb.org/download/4LZT.pdb.gz). Writes
-OUTPUT/lysozyme-b22.csv and OUTPUT/lysozyme-b22.svg. Needs matplotlib. Runs that are done are not repeated.
+OUTPUT/lysozyme-b22.csv, and with the core of the page, the surface, OUTPUT/lysozyme-b22.svg. Needs matplotlib. Runs that are
+done are not repeated.
 """
 
 import argparse
@@ -43,12 +44,20 @@ MODELS = {
     f"effective charges, contacts × {STRENGTH:g}": contacts(STRENGTH),
     f"effective charges, contacts × {STRENGTH + UNCERTAINTY:g}": contacts(STRENGTH + UNCERTAINTY),
 }
+RESPONSE = ["--interaction", "response"]
+# What the other core is compared with: the three without an uncertain strength, and the response of the solvent.
+COMPARED = {
+    **{name: MODELS[name] for name in ["surface alone", "charges of the atoms", "effective charges"]},
+    f"effective charges, contacts × {STRENGTH:g}": contacts(STRENGTH),
+    "response": RESPONSE,
+    f"response, contacts × {STRENGTH:g}": [*RESPONSE, *contacts(STRENGTH)[2:]],
+}
 PREDICTED = ["6lyz", "1hel", "1aki", "5pti"]
 
 
-def body_with_hard_surface(protomer, structure, folder):
-    """The body of a structure whose surface is hard, as all figures of the page have it."""
-    subprocess.run([protomer, "ingest", structure, "--ph", PH, "--core", "surface", "-o", folder, "-q"], check=True)
+def body_with_core(protomer, structure, core, folder):
+    """The body of a structure; what is hard of it is its surface, as in the figure of the page, or its native core."""
+    subprocess.run([protomer, "ingest", structure, "--ph", PH, "--core", core, "-o", folder, "-q", "--force"], check=True)
     return folder / f"{structure.name.split('.')[0]}.body"
 
 
@@ -94,17 +103,22 @@ def main():
     parser.add_argument("structures", type=Path)
     parser.add_argument("output", type=Path)
     parser.add_argument("--protomer", default="target/release/protomer")
+    parser.add_argument("--core", choices=["surface", "native"], default="surface")
+    parser.add_argument("--salts", type=lambda text: [float(salt) for salt in text.split(",")], default=SALT_M)
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
     table = {}
-    runs = [("4lzt", name, flags, SALT_M) for name, flags in MODELS.items()]
+    has_hard_surface = arguments.core == "surface"
+    models = MODELS if has_hard_surface else COMPARED
+    runs = [("4lzt", name, flags, arguments.salts) for name, flags in models.items()]
     middle = f"effective charges, contacts × {STRENGTH:g}"
-    runs += [(body, middle, MODELS[middle], [0.1, 0.3, 1.0]) for body in PREDICTED]
+    if has_hard_surface:
+        runs += [(body, middle, MODELS[middle], [0.1, 0.3, 1.0]) for body in PREDICTED]
     for body, name, flags, salts in runs:
         directory = arguments.output / f"{body} {name}".replace(" ", "-").replace(",", "").replace("×", "x")
         structure = arguments.structures / f"{body}.pdb.gz"
-        hard = body_with_hard_surface(arguments.protomer, structure, arguments.output)
-        table[body, name] = b22(arguments.protomer, hard, flags, salts, directory)
+        made = body_with_core(arguments.protomer, structure, arguments.core, arguments.output)
+        table[body, name] = b22(arguments.protomer, made, flags, salts, directory)
         for salt, value, error in table[body, name]:
             print(f"{body}  {name:40}  {salt:5.2f} M  {value:7.2f} ± {error:.2f}", flush=True)
     with open(arguments.output / "lysozyme-b22.csv", "w", newline="") as file:
@@ -112,7 +126,8 @@ def main():
         writer.writerow(["structure", "model", "salt_M", "b22_1e-4_mol_ml_per_g2", "b22_error_1e-4_mol_ml_per_g2"])
         for (body, name), rows in table.items():
             writer.writerows([body, name, salt, f"{value:.3f}", f"{error:.3f}"] for salt, value, error in rows)
-    draw(table, arguments.output / "lysozyme-b22.svg")
+    if has_hard_surface:
+        draw(table, arguments.output / "lysozyme-b22.svg")
 
 
 if __name__ == "__main__":
