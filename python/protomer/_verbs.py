@@ -3074,6 +3074,7 @@ def inspect(
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
     contact_gap: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -3105,6 +3106,9 @@ def inspect(
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
@@ -3175,6 +3179,7 @@ def inspect(
             "--energy": energy,
             "--tolerance": tolerance,
             "--contact-gap": contact_gap,
+            "--model": model,
             "--contacts": contacts,
             "--contact-strength": contact_strength,
             "--desolvation": desolvation,
@@ -3211,8 +3216,8 @@ def binding(
     inner_permittivity: float | str | None = None,
     outer_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     chain: str | float | Sequence[str | float] | None = None,
-    model: int | str | None = None,
     assembly: str | float | Sequence[str | float] | None = None,
     altloc: str | float | Sequence[str | float] | None = None,
     keep_ligands: bool = False,
@@ -3220,6 +3225,7 @@ def binding(
     keep_hydrogens: bool = False,
     keep_nucleic_acids: bool = False,
     missing: Literal["keep", "skip", "fail"] | None = None,
+    structure_model: int | str | None = None,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
@@ -3257,10 +3263,11 @@ def binding(
         Relative permittivity of the solvent; that of water at the temperature if omitted
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     chain
         Chains, by author name; all if omitted
-    model
-        Model number; the first if omitted
     assembly
         Number of the biological assembly; the deposited coordinates if omitted
     altloc
@@ -3275,6 +3282,8 @@ def binding(
         Keep nucleic acids
     missing
         What to do with residues that lack heavy atoms [default: keep]
+    structure_model
+        Model number; the first if omitted
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -3318,8 +3327,8 @@ def binding(
             "--inner-permittivity": inner_permittivity,
             "--outer-permittivity": outer_permittivity,
             "--ion-radius": ion_radius,
-            "--chain": chain,
             "--model": model,
+            "--chain": chain,
             "--assembly": assembly,
             "--altloc": altloc,
             "--keep-ligands": keep_ligands,
@@ -3327,6 +3336,7 @@ def binding(
             "--keep-hydrogens": keep_hydrogens,
             "--keep-nucleic-acids": keep_nucleic_acids,
             "--missing": missing,
+            "--structure-model": structure_model,
             "--threads": threads,
             "--force": force,
         },
@@ -3344,6 +3354,7 @@ def pair(
     salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
     ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     interaction: Literal["hard", "bare", "effective", "response"] | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     relative_error: float | str | None = None,
     b22_error: float | str | None = None,
     most_directions: int | str | None = None,
@@ -3389,6 +3400,9 @@ def pair(
         pH values at which structure files are made into bodies, such as 4.5,7
     interaction
         What acts between the bodies beside their surfaces [default: bare]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     relative_error
         The wanted standard error of B2, relative to the larger of its magnitude and its hard part [default:
         0.004]
@@ -3479,6 +3493,7 @@ def pair(
             "--salt": salts("pair", salt, salt_molar),
             "--ph": ph,
             "--interaction": interaction,
+            "--model": model,
             "--relative-error": relative_error,
             "--b22-error": b22_error,
             "--most-directions": most_directions,
@@ -3530,6 +3545,7 @@ def simulate(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3591,6 +3607,9 @@ def simulate(
         Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -3667,6 +3686,7 @@ def simulate(
             "--trajectory-every": trajectory_every,
             "--energy": energy,
             "--tolerance": tolerance,
+            "--model": model,
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
@@ -3705,6 +3725,7 @@ def sweep(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3773,6 +3794,9 @@ def sweep(
         Energy model [default: the fastest that makes the decisions of the direct sum]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -3864,6 +3888,7 @@ def sweep(
             "--trajectory-every": trajectory_every,
             "--energy": energy,
             "--tolerance": tolerance,
+            "--model": model,
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
@@ -3905,6 +3930,7 @@ def residues(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3957,6 +3983,9 @@ def residues(
     cutoff
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -4020,6 +4049,7 @@ def residues(
             "--bjerrum": bjerrum,
             "--debye": debye,
             "--cutoff": cutoff,
+            "--model": model,
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
@@ -5678,6 +5708,7 @@ def bench(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    model: Literal["natural-1", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -5731,6 +5762,9 @@ def bench(
         Relative permittivity inside the bodies [default: 4]
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
+    model
+        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+        natural-1 for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
@@ -5791,6 +5825,7 @@ def bench(
             "--interaction": interaction,
             "--inner-permittivity": inner_permittivity,
             "--ion-radius": ion_radius,
+            "--model": model,
             "--contacts": contacts,
             "--contact-strength": contact_strength,
             "--desolvation": desolvation,

@@ -17,7 +17,7 @@ pub struct SelectionArgs {
     #[arg(long, value_delimiter = ',')]
     chain: Vec<String>,
     /// Model number; the first if omitted.
-    #[arg(long)]
+    #[arg(id = SelectionArgs::MODEL, long = "model", value_name = "MODEL")]
     model: Option<i32>,
     /// Number of the biological assembly; the deposited coordinates if omitted.
     #[arg(long)]
@@ -121,6 +121,9 @@ pub enum Cavities {
 }
 
 impl SelectionArgs {
+    /// The argument that chooses a model of a file, for verbs that call it otherwise.
+    pub const MODEL: &str = "structure_model";
+
     pub fn settings(&self) -> SelectionSettings {
         SelectionSettings {
             model: self.model,

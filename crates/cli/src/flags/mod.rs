@@ -7,6 +7,7 @@ pub mod choices;
 pub mod device;
 pub mod execution;
 pub mod medium;
+pub mod model;
 pub mod scheduler;
 pub mod solute;
 pub mod space;

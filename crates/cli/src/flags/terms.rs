@@ -32,6 +32,15 @@ pub enum Scale {
     KimHummer,
 }
 
+impl From<ContactScale> for Scale {
+    fn from(scale: ContactScale) -> Self {
+        match scale {
+            ContactScale::Calvados3 => Self::Calvados3,
+            ContactScale::KimHummer => Self::KimHummer,
+        }
+    }
+}
+
 impl TermsArgs {
     /// Whether any of the flags is given.
     pub fn is_given(&self) -> bool {

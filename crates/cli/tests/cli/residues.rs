@@ -336,3 +336,65 @@ fn buried_residues_are_marked() {
     // Cysteines of the three disulfides, which lie in the middle.
     assert_eq!(buried, [5, 51, 55]);
 }
+
+/// A model is its terms: every verb has the energies of the flags it stands for, and names it.
+#[test]
+fn a_model_stands_for_its_terms() {
+    let place = two_peptides(FACING);
+    let terms = "--interaction response --contacts calvados3 --contact-strength 0.75";
+    for verb in ["inspect two.json", "residues two.json"] {
+        let of_flags = |flags: &str| {
+            let output = place.run(&format!("{verb} --salt 100mM {flags} --json"));
+            is_ok(&output);
+            json(&output.stdout)
+        };
+        let named = of_flags("--model natural-1");
+        assert_eq!(named["model"], "natural-1", "{verb}");
+        assert_eq!(named, of_flags(terms), "{verb}");
+        let single = of_flags("--model natural-1 --contact-strength 0.5");
+        assert_eq!(single["model"], "own terms", "{verb}");
+        // Bodies with native cores have the terms of the thesis, and are not its bodies.
+        assert_eq!(of_flags("--interaction bare")["model"], "own terms");
+    }
+    let output = place.run("inspect two.json --salt 100mM --model thesis --json");
+    is_ok(&output);
+    assert!(
+        message(&output).contains("ingest it again"),
+        "{}",
+        message(&output)
+    );
+}
+
+/// The estimate of the affinity at another salt and pH moves by what charges do; a tiny interface is refused
+/// as a number.
+#[test]
+fn an_affinity_moves_with_salt_and_ph() {
+    let place = two_peptides(FACING);
+    let minus = std::fs::read_to_string(place.path("minus.pdb")).unwrap();
+    let mut lifted = String::new();
+    for line in minus.lines() {
+        let z: f64 = line[46..54].trim().parse().unwrap();
+        lifted += &format!("{}{:8.3}{}\n", &line[..46], z + 6.5, &line[54..]);
+    }
+    std::fs::write(place.path("lifted.pdb"), lifted).unwrap();
+    let output =
+        place.run("binding plus.pdb lifted.pdb --salt 50mM,1M --ph 7.4,2 --spacing 0.9 --json");
+    is_ok(&output);
+    assert!(
+        message(&output).contains("extrapolation"),
+        "{}",
+        message(&output)
+    );
+    let found = json(&output.stdout);
+    let of = |index: usize, key: &str| found["conditions"][index][key].as_f64().unwrap();
+    let kcal_per_kt = 1.987_204e-3 * 298.15;
+    let change = of(1, "delta_g_kcal_per_mol") - of(0, "delta_g_kcal_per_mol");
+    let by_salt = kcal_per_kt * of(1, "salt_effect_kt");
+    assert!(
+        (change - by_salt).abs() < 1e-6 && change > 0.1,
+        "{change} {by_salt}"
+    );
+    // At pH 2 the glutamates are neutral: nothing holds the peptides by charges.
+    assert!(of(2, "delta_g_kcal_per_mol") > of(0, "delta_g_kcal_per_mol") + 0.3);
+    assert_eq!(found["model"], "natural-1");
+}

@@ -24,6 +24,9 @@ pub struct Inspection {
     pub bodies: usize,
     /// Pairs of bodies that overlap.
     pub overlaps: Vec<(usize, usize)>,
+    /// Name of the model whose terms the energies have, or `own terms`; `None` without energies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<&'static str>,
     /// Total energy, kT; `None` if no medium was stated.
     #[serde(rename = "energy_kT")]
     pub energy_kt: Option<f64>,
@@ -112,6 +115,7 @@ pub fn inspect(
     Ok(Inspection {
         bodies: system.len(),
         overlaps: overlapping_pairs(&system),
+        model: Some(settings.model_name(&engine.assembly().bodies)),
         energy_kt: Some(energy_kt),
         energy_kilojoule_per_mol: Some(energy_kt * kilojoule_per_mol_per_kt(temperature_kelvin)),
         pair_energies: pairs
@@ -181,6 +185,7 @@ fn without_energies(engine: &Engine, settings: &RunSettings) -> Result<Inspectio
     Ok(Inspection {
         bodies: system.len(),
         overlaps: overlapping_pairs(&system),
+        model: None,
         energy_kt: None,
         energy_kilojoule_per_mol: None,
         pair_energies: Vec::new(),

@@ -1,5 +1,6 @@
 //! The behaviour of assemblies in salt water: simulations, sweeps over salt, comparisons.
 
+pub mod affinity;
 pub mod bench;
 pub mod binding;
 pub mod compare;
@@ -9,6 +10,7 @@ pub mod effective;
 pub mod energy_tables;
 pub mod inspect;
 pub mod interaction;
+pub mod model;
 pub mod pair;
 pub mod residues;
 pub mod response;

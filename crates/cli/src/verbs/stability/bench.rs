@@ -2,6 +2,7 @@
 
 use crate::flags::choices::{BenchPart, Energy};
 use crate::flags::medium::ConditionArgs;
+use crate::flags::model::ModelArgs;
 use crate::flags::solute::{Charges, ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
@@ -58,6 +59,8 @@ pub struct BenchArgs {
     #[command(flatten)]
     acting: ChargesArgs,
     #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
     terms: TermsArgs,
     #[command(flatten)]
     tables: TablesArgs,
@@ -83,14 +86,20 @@ impl BenchArgs {
         };
         let assembly = Assembly::read(path)?;
         let usual = BenchSettings::default();
-        let insides = self.acting.insides(Insides::default())?;
+        let insides = self
+            .model
+            .charges(&self.acting)
+            .insides(Insides::default())?;
         let settings = BenchSettings {
             moves: self.moves.unwrap_or(usual.moves),
             energy,
             tolerance_kt: self.tolerance.tolerance,
             effective_charges: insides.effective,
             terms: FurtherTerms {
-                contacts: self.terms.contacts(None, ContactCore::Surface)?,
+                contacts: self
+                    .model
+                    .terms(&self.terms)
+                    .contacts(None, ContactCore::Surface)?,
                 desolvation: self
                     .terms
                     .desolvation

@@ -1,6 +1,7 @@
 //! `protomer binding`: the charge part of the binding free energy of a complex.
 
 use crate::flags::body::{ChainGroupArgs, SelectionArgs};
+use crate::flags::model::ModelArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
@@ -13,6 +14,8 @@ use std::path::PathBuf;
 /// Solve the Poisson-Boltzmann equation for a complex and its two parts: the charge part of the binding
 /// free energy against salt and pH, its slope d ln K / d ln c, and the energy of the fast interaction.
 #[derive(Debug, Args)]
+// `--model` names what acts between the bodies here.
+#[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
 pub struct BindingArgs {
     /// Receptor, or the whole complex: a structure, PQR or body file.
     receptor: PathBuf,
@@ -50,6 +53,8 @@ pub struct BindingArgs {
     #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     ion_radius: f64,
     #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
     selection: SelectionArgs,
 }
 
@@ -70,6 +75,10 @@ impl BindingArgs {
             receptor: self.receptor.clone(),
             ligand: self.ligand.clone(),
             bodies: self.bodies.body.clone(),
+            model: self
+                .model
+                .model()
+                .unwrap_or(BindingSettings::default().model),
             selection: self.selection.settings(),
             ph: self.ph.clone(),
             salt_molar: quantity::salt_list(&self.salt)?,

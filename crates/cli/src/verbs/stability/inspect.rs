@@ -2,6 +2,7 @@
 
 use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
+use crate::flags::model::ModelArgs;
 use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
@@ -31,6 +32,8 @@ pub struct InspectArgs {
     #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
     #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
     terms: TermsArgs,
     #[command(flatten)]
     conditions: ConditionArgs,
@@ -51,23 +54,31 @@ impl InspectArgs {
         asked_for_charges
             || has_medium
             || self.tolerance.tolerance.is_some()
+            || self.model.model.is_some()
             || self.terms.is_given()
     }
 
     pub fn run(&self, front: &Front) -> Result<Reply> {
         front.warn(quantity::salt_warning(self.conditions.salt));
         let assembly = Assembly::read(&self.assembly)?;
+        front.warn(self.model.core_warning(&assembly));
         let engine = self.tables.engine(assembly, front)?;
         let energy = self.energy.unwrap_or(Energy::Direct).into();
         let interaction = match self.asks_for_energies() {
             true => Some(self.conditions.interaction_for(energy)?),
             false => None,
         };
-        let insides = self.charges.insides(Insides::default())?;
+        let insides = self
+            .model
+            .charges(&self.charges)
+            .insides(Insides::default())?;
         let settings = RunSettings {
             effective_charges: insides.effective,
             solvent_response: insides.response,
-            contacts: self.terms.contacts(None, ContactCore::Surface)?,
+            contacts: self
+                .model
+                .terms(&self.terms)
+                .contacts(None, ContactCore::Surface)?,
             desolvation: self.terms.desolvation,
             ..inspection_settings(energy, self.tolerance.tolerance, self.contact_gap)
         };

@@ -3,6 +3,7 @@
 use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
+use crate::flags::model::ModelArgs;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::flags::solute::SoluteArgs;
 use crate::flags::terms::TermsArgs;
@@ -12,7 +13,9 @@ use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer::stability::effective::SoluteModel;
+use protomer::stability::model::Model;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
+use protomer_body::BodySettings;
 use protomer_common::{quantity, range};
 use protomer_results::{End, Shard};
 use std::collections::HashSet;
@@ -36,9 +39,11 @@ pub struct PairArgs {
     /// pH values at which structure files are made into bodies, such as 4.5,7.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     ph: Vec<f64>,
-    /// What acts between the bodies beside their surfaces.
-    #[arg(long, value_enum, default_value_t = Interaction::Bare)]
-    interaction: Interaction,
+    /// What acts between the bodies beside their surfaces [default: bare].
+    #[arg(long, value_enum)]
+    interaction: Option<Interaction>,
+    #[command(flatten)]
+    model: ModelArgs,
     /// The wanted standard error of B2, relative to the larger of its magnitude and its hard part.
     #[arg(long, default_value_t = 0.004)]
     relative_error: f64,
@@ -104,8 +109,13 @@ impl PairArgs {
         self.scheduler.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
-        let bodies = PairBodies::read(&self.first, self.second.as_deref(), &settings.ph)?
-            .with_effective_store(self.cache.effective_store(front));
+        let body = self
+            .model
+            .model()
+            .map_or_else(BodySettings::default, Model::body_settings);
+        let bodies =
+            PairBodies::read_with(&self.first, self.second.as_deref(), &settings.ph, &body)?
+                .with_effective_store(self.cache.effective_store(front));
         for warning in &bodies.warnings {
             front.say(warning);
         }
@@ -166,7 +176,7 @@ impl PairArgs {
 
     /// Stored even where it is the default, so that a run keeps it if the default changes.
     fn effective_solute(&self) -> Option<SoluteModel> {
-        match self.interaction {
+        match self.interaction() {
             Interaction::Effective | Interaction::Response => {
                 Some(self.solute.solute().unwrap_or_default())
             }
@@ -174,10 +184,21 @@ impl PairArgs {
         }
     }
 
+    /// What acts between the charges, stated or by the model.
+    fn interaction(&self) -> Interaction {
+        let response = self.model.model().map(Model::solvent_response);
+        let by_model = match response {
+            Some(Some(_)) => Interaction::Response,
+            Some(None) | None => Interaction::Bare,
+        };
+        self.interaction.unwrap_or(by_model)
+    }
+
     fn contact_term(&self) -> Result<Option<ContactTerm>> {
+        let terms = self.model.terms(&self.terms);
         match self.core {
-            CoreChoice::Surface => self.terms.contacts(None, ContactCore::Surface),
-            CoreChoice::Beads => match self.terms.contacts(None, ContactCore::Beads)? {
+            CoreChoice::Surface => terms.contacts(None, ContactCore::Surface),
+            CoreChoice::Beads => match terms.contacts(None, ContactCore::Beads)? {
                 None => bail!(
                     "--core beads takes the cores of a contact term; add --contacts calvados3, or \
                      leave it out"
@@ -194,7 +215,7 @@ impl PairArgs {
                 None => Vec::new(),
             },
             ph: self.ph.clone(),
-            energies: match self.interaction {
+            energies: match self.interaction() {
                 Interaction::Hard => Energies::Hard,
                 Interaction::Bare => Energies::Bare,
                 Interaction::Effective => Energies::Effective,

@@ -3,6 +3,7 @@
 use crate::flags::cache::CacheArgs;
 use crate::flags::choices::ExportViewer;
 use crate::flags::medium::ConditionArgs;
+use crate::flags::model::ModelArgs;
 use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
@@ -50,6 +51,8 @@ pub struct ResiduesArgs {
     #[command(flatten)]
     conditions: ConditionArgs,
     #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
     charges: ChargesArgs,
     #[command(flatten)]
     terms: TermsArgs,
@@ -61,16 +64,23 @@ impl ResiduesArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         front.warn(quantity::salt_warning(self.conditions.salt));
         let medium = self.conditions.medium.medium();
-        let has_charges =
-            self.charges.interaction.is_some() || self.charges.solute.solute().is_some();
-        let insides = self.charges.insides(Insides::default())?;
+        let has_charges = self.model.model.is_some()
+            || self.charges.interaction.is_some()
+            || self.charges.solute.solute().is_some();
+        let insides = self
+            .model
+            .charges(&self.charges)
+            .insides(Insides::default())?;
         let pose = PoseSettings {
             is_stated: medium != Default::default() || has_charges || self.terms.is_given(),
             run: RunSettings {
                 energy: Some(EnergyMode::Direct),
                 effective_charges: insides.effective,
                 solvent_response: insides.response,
-                contacts: self.terms.contacts(None, ContactCore::Surface)?,
+                contacts: self
+                    .model
+                    .terms(&self.terms)
+                    .contacts(None, ContactCore::Surface)?,
                 desolvation: self.terms.desolvation,
                 medium,
                 ..RunSettings::default()

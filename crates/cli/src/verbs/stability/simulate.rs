@@ -3,6 +3,7 @@
 use crate::flags::choices::Energy;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
+use crate::flags::model::ModelArgs;
 use crate::flags::override_with;
 use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
@@ -64,6 +65,8 @@ pub struct RunArgs {
     #[command(flatten)]
     pub tolerance: ToleranceArgs,
     #[command(flatten)]
+    pub model: ModelArgs,
+    #[command(flatten)]
     pub charges: ChargesArgs,
     #[command(flatten)]
     pub terms: TermsArgs,
@@ -97,15 +100,15 @@ impl RunArgs {
         settings.tolerance_kt = self.tolerance.tolerance.or(settings.tolerance_kt);
         // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
-        let insides = self.charges.insides(Insides {
+        let charges = self.model.charges(&self.charges);
+        let insides = charges.insides(Insides {
             effective: settings.effective_charges,
             response: settings.solvent_response,
         })?;
         settings.effective_charges = insides.effective;
         settings.solvent_response = insides.response;
-        settings.contacts = self
-            .terms
-            .contacts(settings.contacts, ContactCore::Surface)?;
+        let terms = self.model.terms(&self.terms);
+        settings.contacts = terms.contacts(settings.contacts, ContactCore::Surface)?;
         settings.desolvation |= self.terms.desolvation;
         medium.override_in(&mut settings.medium);
         Ok(settings)
@@ -176,6 +179,7 @@ impl SimulateArgs {
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let assembly = Assembly::read(&self.assembly)?;
         let execution = self.run.execution.execution(front)?;
+        front.warn(self.run.model.core_warning(&assembly));
         let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
         say_limits(front, &engine, &settings)?;

@@ -4,11 +4,11 @@
 use super::input::Partners;
 use super::settings::BindingSettings;
 use crate::assemblies::assembly_file::Assembly;
-use crate::stability::effective::SoluteModel;
 use crate::stability::inspect::inspection_settings;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{EnergyMode, Engine, RunSettings};
 use anyhow::Result;
+use protomer_body::residue_contacts::beads_of;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Boundary, Pose};
 use protomer_mc::energy::terms::Term;
@@ -54,13 +54,15 @@ impl FastInteraction {
             sha256: String::new(),
             path: None,
         };
+        let has_beads = partners
+            .bodies
+            .iter()
+            .all(|body| !beads_of(body).is_empty());
         Ok(Self {
             engine: Engine::new(assembly)?,
             settings: RunSettings {
-                solvent_response: Some(SoluteModel {
-                    inner_permittivity: settings.inner_permittivity,
-                    ion_radius_angstrom: settings.ion_radius_angstrom,
-                }),
+                solvent_response: settings.model.solvent_response(),
+                contacts: settings.model.contacts().filter(|_| has_beads),
                 ..inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM)
             },
         })
@@ -74,7 +76,12 @@ impl FastInteraction {
         Ok(!overlapping_pairs(&self.engine.system()?).is_empty())
     }
 
-    /// The energy that `inspect --interaction response` prints for this pose, by terms.
+    /// Name of the model of this energy.
+    pub fn model_name(&self) -> &'static str {
+        self.settings.model_name(&self.engine.assembly().bodies)
+    }
+
+    /// The energy that `inspect` prints for this pose with the same model, by terms.
     ///
     /// # Errors
     /// If the energy is not finite.

@@ -65,7 +65,7 @@ impl Inputs {
             .collect();
         let body = BodySettings {
             selection: settings.selection.clone(),
-            ..BodySettings::default()
+            ..settings.model.body_settings()
         };
         let (mut files, mut warnings) = (Vec::new(), Vec::new());
         for path in &paths {
@@ -82,6 +82,11 @@ impl Inputs {
             settings: body,
             warnings,
         })
+    }
+
+    /// The pH at which structure files are charged where none is stated.
+    pub fn usual_ph(&self) -> f64 {
+        self.settings.sites.ph
     }
 
     /// The bodies at one pH.

@@ -1,11 +1,13 @@
 //! Which residues of two bodies touch, and whether the bodies are in one frame at all.
 
 use super::input::{Partners, in_frame};
+use crate::stability::affinity::{ContactAffinity, FARTHEST_CONTACT_ANGSTROM};
 use anyhow::{Result, bail};
+use protomer_body::chemistry::residue_names::parent_amino_acid;
 use protomer_body::structure::IncompleteResidue;
 use protomer_body::{Body, Residue};
 use protomer_kernel::Vec3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Heavy atoms nearer than this are a contact of their residues, Å.
 const CONTACT_ANGSTROM: f64 = 4.5;
@@ -26,8 +28,8 @@ const MOST_NAMED: usize = 12;
 pub(super) struct Interface {
     /// Distance of the closest heavy atoms, Å.
     pub closest_angstrom: f64,
-    /// Pairs of residues in contact.
-    pub contacts: BTreeSet<(u32, u32)>,
+    /// Distance of the closest heavy atoms of pairs of residues, Å, as far as contacts of any kind reach.
+    pub nearest_angstrom: BTreeMap<(u32, u32), f64>,
     /// Residues of each body at the interface.
     pub near: [BTreeSet<u32>; 2],
     /// What a user should know.
@@ -47,7 +49,7 @@ impl Interface {
         let [first, second] = partners.bodies.each_ref().map(|body| heavy_atoms(body));
         let mut found = Self {
             closest_angstrom: f64::INFINITY,
-            contacts: BTreeSet::new(),
+            nearest_angstrom: BTreeMap::new(),
             near: [BTreeSet::new(), BTreeSet::new()],
             warnings: Vec::new(),
         };
@@ -61,9 +63,10 @@ impl Interface {
                     found.near[1].extend(b.residue);
                 }
                 if let (true, Some(a), Some(b)) =
-                    (distance < CONTACT_ANGSTROM, a.residue, b.residue)
+                    (distance < FARTHEST_CONTACT_ANGSTROM, a.residue, b.residue)
                 {
-                    found.contacts.insert((a, b));
+                    let nearest = found.nearest_angstrom.entry((a, b)).or_insert(distance);
+                    *nearest = nearest.min(distance);
                 }
                 if distance < CONFLICT_ANGSTROM {
                     in_conflict[0].insert(i);
@@ -78,7 +81,25 @@ impl Interface {
         found.require_one_frame(partners, shares)?;
         found.warn_of_place(in_conflict[0].len().max(in_conflict[1].len()));
         found.warn_of_missing_atoms(partners);
+        found.warn_of_residues_without_scale(partners);
         Ok(found)
+    }
+
+    /// Pairs of residues in contact.
+    pub fn contacts(&self) -> usize {
+        let distances = self.nearest_angstrom.values();
+        distances
+            .filter(|distance| **distance < CONTACT_ANGSTROM)
+            .count()
+    }
+
+    /// The contacts as the calibrated affinity counts them.
+    pub fn affinity(&self, partners: &Partners) -> ContactAffinity {
+        let residues = partners
+            .bodies
+            .each_ref()
+            .map(|body| body.residues.as_slice());
+        ContactAffinity::new(residues, &self.nearest_angstrom)
     }
 
     fn require_one_frame(&self, partners: &Partners, in_conflict: [f64; 2]) -> Result<()> {
@@ -111,11 +132,32 @@ impl Interface {
                 self.closest_angstrom
             ));
         }
-        if self.contacts.is_empty() {
+        if self.contacts() == 0 {
             self.warnings.push(format!(
                 "warning: no residues touch, the closest atoms are {:.1} Å apart: this is no complex; if the \
                  ligand is in another frame, superpose it first",
                 self.closest_angstrom
+            ));
+        }
+    }
+
+    /// Names what is at the interface and no amino acid.
+    fn warn_of_residues_without_scale(&mut self, partners: &Partners) {
+        let mut names = BTreeSet::new();
+        for (body, near) in partners.bodies.iter().zip(&self.near) {
+            let residues = near.iter().map(|index| &body.residues[*index as usize]);
+            names.extend(
+                residues
+                    .filter(|residue| parent_amino_acid(&residue.name).is_none())
+                    .map(|residue| residue.name.clone()),
+            );
+        }
+        if !names.is_empty() {
+            let names: Vec<String> = names.into_iter().collect();
+            self.warnings.push(format!(
+                "warning: {} at the interface: the estimate of the affinity and the attraction between residues count \
+                 amino acids only, so both leave this out; take the charge part alone as a result",
+                names.join(", ")
             ));
         }
     }

@@ -7,12 +7,14 @@
 //! | `settings` | what is asked |
 //! | `input` | two bodies in one frame, from two files or from the chains of one |
 //! | `interface` | which residues touch, and whether the bodies are in one frame at all |
+//! | `estimate` | the calibrated estimate of the affinity against salt and pH |
 //! | `fast` | the interaction of simulations for the pose, by terms |
 //! | `exchanges` | what single exchanges of charge at the interface would change |
 //! | `result` | the answer, as JSON has it |
 //! | `answer` | the answer in words |
 
 mod answer;
+mod estimate;
 mod exchanges;
 mod fast;
 mod input;
@@ -24,6 +26,7 @@ pub use result::{Binding, BindingCondition, BoundBody, ExchangeRow, SlopeAtPh};
 pub use settings::BindingSettings;
 
 use anyhow::Result;
+use estimate::Estimate;
 use exchanges::InterfaceCharge;
 use fast::FastInteraction;
 use input::{Inputs, Partners};
@@ -76,7 +79,9 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
         let End::Finished(energy) = solved else {
             return Ok(End::Stopped);
         };
-        found.add(*ph, settings, &energy, &fast)?;
+        let contacts = interface.affinity(&partners);
+        let estimate = Estimate::new(&inputs, &partners, contacts, *ph, settings, &energy)?;
+        found.add(*ph, settings, &energy, &fast, &estimate)?;
         found.add_exchanges(*ph, &charges, &energy);
     }
     found.finish();

@@ -1,10 +1,12 @@
 //! The charge part of a binding free energy, as JSON has it.
 
+use super::estimate::Estimate;
 use super::exchanges::{InterfaceCharge, rows};
 use super::fast::FastInteraction;
 use super::input::{Inputs, Partners};
 use super::interface::Interface;
 use super::settings::BindingSettings;
+use crate::stability::affinity::{ContactAffinity, ERROR_KCAL_PER_MOL};
 use crate::stability::residues::{Change, ResidueName};
 use anyhow::Result;
 use protomer_field::Grid;
@@ -19,6 +21,8 @@ const RESOLVED_PART: f64 = 0.3;
 /// The charge part of the binding free energy of a complex.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Binding {
+    /// Name of the model of the fast interaction, or `own terms`.
+    pub model: &'static str,
     /// The two bodies.
     pub bodies: Vec<BoundBody>,
     /// Whether the hard bodies overlap.
@@ -27,6 +31,8 @@ pub struct Binding {
     pub native_contacts: usize,
     /// Distance of the closest heavy atoms, Å.
     pub closest_angstrom: f64,
+    /// What the calibrated estimate of the affinity rests on.
+    pub affinity: ContactAffinity,
     /// Slope d ln K / d ln c of the association constant with the salt concentration at the first pH,
     /// from the charge part alone; null with a single salt.
     pub d_ln_k_d_ln_salt: Option<f64>,
@@ -85,6 +91,10 @@ pub struct BindingCondition {
     pub salt_effect_kt: f64,
     /// The expected error of the difference from the grids, kT.
     pub salt_effect_error_kt: f64,
+    /// Calibrated estimate of the standard binding free energy at 1 M, kcal/mol.
+    pub delta_g_kcal_per_mol: f64,
+    /// Its error in the calibration, kcal/mol.
+    pub delta_g_error_kcal_per_mol: f64,
     /// Energy of the fast interaction for the same pose, kT.
     pub energy_kt: f64,
     /// The same by terms, kT.
@@ -127,10 +137,12 @@ pub struct ExchangeRow {
 impl Binding {
     pub(super) fn new(settings: &BindingSettings, inputs: &Inputs) -> Self {
         Self {
+            model: settings.model.name(),
             bodies: Vec::new(),
             overlaps: false,
             native_contacts: 0,
             closest_angstrom: f64::NAN,
+            affinity: ContactAffinity::default(),
             d_ln_k_d_ln_salt: None,
             d_ln_k_d_ln_salt_error: None,
             conditions: Vec::new(),
@@ -167,10 +179,13 @@ impl Binding {
                 net_charge_e: body.net_charge_e(),
             });
         }
+        self.model = fast.model_name();
         self.overlaps = fast.overlaps()?;
-        self.native_contacts = interface.contacts.len();
+        self.native_contacts = interface.contacts();
         self.closest_angstrom = interface.closest_angstrom;
+        self.affinity = interface.affinity(partners);
         self.warnings.extend(interface.warnings.iter().cloned());
+        self.warnings.extend(self.affinity.warning());
         Ok(())
     }
 
@@ -181,6 +196,7 @@ impl Binding {
         settings: &BindingSettings,
         energy: &BindingEnergy,
         fast: &FastInteraction,
+        estimate: &Estimate,
     ) -> Result<()> {
         let medium = settings.medium();
         let before = self.conditions.len();
@@ -193,6 +209,8 @@ impl Binding {
                 error_kt: found.error_kt,
                 salt_effect_kt: found.salt_effect_kt,
                 salt_effect_error_kt: found.salt_effect_error_kt,
+                delta_g_kcal_per_mol: estimate.delta_g_kcal_per_mol(found.salt_effect_kt),
+                delta_g_error_kcal_per_mol: ERROR_KCAL_PER_MOL,
                 energy_kt: of_pose.total_kt(),
                 terms_kt: of_pose.terms_kt,
             });
@@ -267,6 +285,8 @@ mod tests {
             error_kt: 0.0,
             salt_effect_kt,
             salt_effect_error_kt: 0.0,
+            delta_g_kcal_per_mol: 0.0,
+            delta_g_error_kcal_per_mol: 0.0,
             energy_kt: 0.0,
             terms_kt: BTreeMap::new(),
         }

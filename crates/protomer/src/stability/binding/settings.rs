@@ -1,7 +1,9 @@
 //! What is asked of a complex.
 
+use super::estimate::salts_to_solve;
 use crate::bodies::chain_groups::ChainNames;
 use crate::stability::interaction::InteractionSettings;
+use crate::stability::model::Model;
 use anyhow::{Result, bail};
 use protomer_body::structure::SelectionSettings;
 use protomer_common::range;
@@ -18,6 +20,8 @@ pub struct BindingSettings {
     pub ligand: Option<PathBuf>,
     /// The chains of the two bodies; empty for a file each, or for the two chains of one file.
     pub bodies: Vec<ChainNames>,
+    /// What acts between the bodies, for the energy of simulations.
+    pub model: Model,
     /// Which atoms of structure files to use.
     pub selection: SelectionSettings,
     /// pH values at which structure files are charged; the usual one if empty.
@@ -46,6 +50,7 @@ impl Default for BindingSettings {
             receptor: PathBuf::new(),
             ligand: None,
             bodies: Vec::new(),
+            model: Model::Natural1,
             selection: SelectionSettings::default(),
             ph: Vec::new(),
             salt_molar: Vec::new(),
@@ -66,7 +71,7 @@ impl BindingSettings {
     /// The default of [`Self::margin_angstrom`].
     pub const MARGIN_ANGSTROM: f64 = 10.0;
 
-    /// The solvent at each salt concentration.
+    /// The solvent at each salt concentration to solve for.
     ///
     /// # Errors
     /// Without a salt concentration, and for a number out of range.
@@ -78,9 +83,9 @@ impl BindingSettings {
             range::PH.require("ph", *ph)?;
         }
         let medium = self.medium();
-        let mut electrolytes = Vec::with_capacity(self.salt_molar.len());
-        for salt_molar in &self.salt_molar {
-            electrolytes.push(medium.interaction(Some(*salt_molar))?.electrolyte);
+        let mut electrolytes = Vec::new();
+        for salt_molar in salts_to_solve(self) {
+            electrolytes.push(medium.interaction(Some(salt_molar))?.electrolyte);
         }
         Ok(electrolytes)
     }

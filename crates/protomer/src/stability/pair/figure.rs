@@ -261,6 +261,7 @@ mod tests {
     fn result(conditions: Vec<ConditionResult>) -> PairResult {
         PairResult {
             version: String::new(),
+            model: String::new(),
             input_sha256: String::new(),
             bodies: ["a", "a"].map(str::to_owned),
             settings: PairRunSettings::default(),

@@ -59,6 +59,19 @@ impl PairBodies {
     /// For a file that cannot be read, and for pH values where both files are bodies, whose charges
     /// are fixed.
     pub fn read(first: &Path, second: Option<&Path>, ph: &[f64]) -> Result<Self> {
+        Self::read_with(first, second, ph, &BodySettings::default())
+    }
+
+    /// As [`PairBodies::read`], with these settings for structure files.
+    ///
+    /// # Errors
+    /// As [`PairBodies::read`].
+    pub fn read_with(
+        first: &Path,
+        second: Option<&Path>,
+        ph: &[f64],
+        settings: &BodySettings,
+    ) -> Result<Self> {
         let files = [first, second.unwrap_or(first)];
         let are_equal = files[0] == files[1] || sha256(files[0])? == sha256(files[1])?;
         if !ph.is_empty() && files.iter().all(|file| is_body_file(file)) {
@@ -75,10 +88,10 @@ impl PairBodies {
         };
         let (mut pairs, mut warnings) = (Vec::new(), Vec::new());
         for ph in &ph {
-            let first = prepare(files[0], *ph, &mut warnings)?;
+            let first = prepare(files[0], *ph, settings, &mut warnings)?;
             let second = match are_equal {
                 true => first.clone(),
-                false => prepare(files[1], *ph, &mut warnings)?,
+                false => prepare(files[1], *ph, settings, &mut warnings)?,
             };
             pairs.push([first, second]);
         }
@@ -118,6 +131,12 @@ impl PairBodies {
             );
         }
         Ok(bodies)
+    }
+
+    /// The two bodies at the first pH.
+    pub(super) fn first_pair(&self) -> Vec<Arc<Body>> {
+        let bodies = self.pairs.iter().flatten().take(2);
+        bodies.map(|prepared| Arc::clone(&prepared.body)).collect()
     }
 
     /// What [`PairBodies::of_results`] needs of a record.
@@ -167,12 +186,17 @@ fn sha256(file: &Path) -> Result<String> {
     Ok(sha256_hex(&bytes))
 }
 
-fn prepare(file: &Path, ph: Option<f64>, warnings: &mut Vec<String>) -> Result<Prepared> {
+fn prepare(
+    file: &Path,
+    ph: Option<f64>,
+    settings: &BodySettings,
+    warnings: &mut Vec<String>,
+) -> Result<Prepared> {
     let body = match is_body_file(file) {
         true => body_file::read(file)?.0,
         false => {
             let name = stem(file);
-            let mut settings = BodySettings::default();
+            let mut settings = settings.clone();
             settings.sites.ph = ph.unwrap_or(settings.sites.ph);
             let built = read_and_build(file, &name, &settings)?;
             let of_file = |warning: &String| format!("warning: {}: {warning}", file.display());

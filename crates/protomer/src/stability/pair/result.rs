@@ -23,6 +23,9 @@ const ANGSTROM3_PER_MILLILITRE: f64 = 1e24;
 pub struct PairResult {
     /// Version of the program.
     pub version: String,
+    /// Name of the model whose terms these are, or `own terms`.
+    #[serde(default)]
+    pub model: String,
     /// SHA-256 of the two files.
     pub input_sha256: String,
     /// Names of the two bodies.
@@ -212,6 +215,7 @@ impl PairResult {
     ) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
+            model: settings.model_name(&bodies.first_pair()).into(),
             input_sha256: bodies.sha256.clone(),
             bodies: bodies.names().map(str::to_owned),
             settings: settings.clone(),

@@ -3,12 +3,15 @@
 use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::{ContactDefinition, InteractionSettings};
+use crate::stability::model::name_of_terms;
 use crate::stability::run::salt_label;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
+use protomer_body::Body;
 use protomer_mc::pair::{Core, Estimator, PairSettings};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// What acts between two bodies beside their surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -178,6 +181,12 @@ impl PairRunSettings {
             response: (self.energies == Energies::Response)
                 .then(|| self.solute.unwrap_or_default()),
         }
+    }
+
+    /// Name of the model whose terms these are.
+    pub(super) fn model_name(&self, bodies: &[Arc<Body>]) -> &'static str {
+        let has_own_charges = matches!(self.energies, Energies::Bare | Energies::Response);
+        name_of_terms(&self.further_terms(), has_own_charges, bodies)
     }
 
     /// What keeps the bodies apart.

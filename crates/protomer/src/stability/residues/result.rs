@@ -15,6 +15,8 @@ use std::path::PathBuf;
 pub struct ResiduesResult {
     /// The version of the program.
     pub version: String,
+    /// Name of the model whose terms the energies have, or `own terms`.
+    pub model: &'static str,
     /// The assembly file, or the directory of the run.
     pub input: PathBuf,
     /// The identity of the run, or the hash of the assembly with its bodies.
@@ -293,6 +295,7 @@ impl ResiduesResult {
         let [charges_kt, contacts_kt, desolvation_kt, solvent_response_kt] = averages.energy_kt();
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
+            model: run.settings.model_name(bodies),
             input: settings.input.clone(),
             identity: run.identity.clone(),
             salt_chosen: shown.why,

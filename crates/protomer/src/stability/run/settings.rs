@@ -3,12 +3,15 @@
 use crate::stability::contacts::{ContactCore, ContactTerm};
 use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::{ContactDefinition, InteractionSettings};
+use crate::stability::model::name_of_terms;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
+use protomer_body::Body;
 use protomer_common::range;
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Settings of a simulation or of each simulation of a sweep. They contain everything that can
 /// change a result, and nothing else: two runs with equal settings on equal input give equal
@@ -520,6 +523,13 @@ impl RunSettings {
                 .then(|| self.effective_charges.unwrap_or_default()),
             response: self.solvent_response,
         }
+    }
+
+    /// Name of the model of these bodies with these terms.
+    pub fn model_name(&self, bodies: &[Arc<Body>]) -> &'static str {
+        let has_own_charges =
+            self.effective_charges.is_none() && self.energy != Some(EnergyMode::None);
+        name_of_terms(&self.further_terms(), has_own_charges, bodies)
     }
 
     /// What `--interaction` was chosen, where not the bare charges.

@@ -489,6 +489,7 @@ impl Campaign for Sweep<'_> {
             stability: Stability::new(self.settings, &replicas, native, is_open),
             exchanges,
             version: env!("CARGO_PKG_VERSION").into(),
+            model: self.settings.model_name(&assembly.bodies),
             input_sha256: assembly.sha256.clone(),
             bodies: assembly.len(),
             concentration_molar: assembly.concentration_molar(),

@@ -10,6 +10,8 @@ use serde::Serialize;
 pub struct SweepResult {
     /// Version of the program.
     pub version: String,
+    /// Name of the model whose terms these are, or `own terms`.
+    pub model: &'static str,
     /// SHA-256 of the assembly and its bodies.
     pub input_sha256: String,
     /// Number of bodies.

@@ -1,0 +1,74 @@
+//! The flag that names a model.
+
+use super::solute::{Charges, ChargesArgs};
+use super::terms::{Scale, TermsArgs};
+use clap::{Args, ValueEnum};
+use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::model::Model;
+
+/// What acts between the bodies, as one choice.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ModelArgs {
+    /// What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+    /// natural-1 for binding].
+    #[arg(long, value_enum)]
+    pub model: Option<ModelChoice>,
+}
+
+/// The named models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ModelChoice {
+    /// For natural proteins: --interaction response --contacts calvados3 --contact-strength 0.75, for bodies
+    /// with native cores.
+    #[value(name = "natural-1")]
+    Natural1,
+    /// That of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
+    Thesis,
+}
+
+impl From<ModelChoice> for Model {
+    fn from(choice: ModelChoice) -> Self {
+        match choice {
+            ModelChoice::Natural1 => Self::Natural1,
+            ModelChoice::Thesis => Self::Thesis,
+        }
+    }
+}
+
+impl ModelArgs {
+    /// The named model, if any.
+    pub fn model(&self) -> Option<Model> {
+        self.model.map(Into::into)
+    }
+
+    /// A warning for bodies that were made for another model than the named one.
+    pub fn core_warning(&self, assembly: &Assembly) -> Option<String> {
+        self.model()?.core_warning(&assembly.bodies)
+    }
+
+    /// The flags of the charges, with what the model says where they say nothing.
+    pub fn charges(&self, flags: &ChargesArgs) -> ChargesArgs {
+        let charges = |model: Model| match model.solvent_response() {
+            Some(_) => Charges::Response,
+            None => Charges::Bare,
+        };
+        ChargesArgs {
+            interaction: flags.interaction.or(self.model().map(charges)),
+            solute: flags.solute.clone(),
+        }
+    }
+
+    /// The flags of the further terms, with what the model says where they say nothing.
+    pub fn terms(&self, flags: &TermsArgs) -> TermsArgs {
+        let mut terms = flags.clone();
+        let Some(model) = self.model().filter(|_| flags.contacts.is_none()) else {
+            return terms;
+        };
+        let contacts = model.contacts();
+        terms.contacts = Some(contacts.map_or(Scale::None, |term| term.scale.into()));
+        terms.contact_strength = terms
+            .contact_strength
+            .or(contacts.map(|term| term.strength));
+        terms
+    }
+}

@@ -1,0 +1,149 @@
+//! A calibrated estimate of the standard binding free energy of a complex, from the contacts of its
+//! residues.
+//!
+//! ```text
+//! ΔG° = G + Σ s(d_ij) (-ε (λ_i + λ_j)/2 + p π_i π_j)
+//! ```
+//!
+//! The sum is over pairs of residues of the two bodies. d is the distance of their closest heavy atoms;
+//! s falls from 1 at 5 Å to 0 at 6 Å. ε and λ are those of Calvados 3, as published, at strength 1. π is 1
+//! for uncharged polar residues (Asn, Gln, His, Ser, Thr): a pair of them gives up more hydration than it
+//! gains. G and p are the two numbers that were fitted, to the 45 complexes of
+//! `docs/validation/natural-complexes.md`; G holds what all complexes share, among it the loss of
+//! translation and rotation.
+//!
+//! The estimate is a regression, not an integral over poses: it knows nothing of the shape of the well.
+
+use protomer_body::Residue;
+use protomer_body::chemistry::AminoAcid;
+use protomer_body::chemistry::residue_names::parent_amino_acid;
+use protomer_body::residue_contacts::ContactScale;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Residues farther apart than this are not in contact, Å.
+pub const FARTHEST_CONTACT_ANGSTROM: f64 = 6.0;
+/// Residues nearer than this are fully in contact, Å.
+const FULL_CONTACT_ANGSTROM: f64 = 5.0;
+/// G, kcal/mol: fitted.
+const CONSTANT_KCAL_PER_MOL: f64 = -5.01;
+/// p, kcal/mol: fitted.
+const POLAR_PAIR_KCAL_PER_MOL: f64 = 0.251;
+/// Error of an estimate, kcal/mol: root mean square over the complexes of the fit, each left out of the
+/// fit for its own estimate.
+pub const ERROR_KCAL_PER_MOL: f64 = 1.63;
+/// Contacts of the complexes of the fit, from the fewest to the most.
+const CALIBRATED_CONTACTS: [f64; 2] = [29.0, 124.0];
+/// kJ in a kcal.
+const KILOJOULES: f64 = 4.184;
+
+/// The contacts between the residues of two bodies, as the estimate counts them.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct ContactAffinity {
+    /// Sum of s over all pairs of amino acids.
+    pub contacts: f64,
+    /// Sum of s over the pairs of polar residues.
+    pub polar_contacts: f64,
+    /// Attraction of the scale, kcal/mol.
+    pub attraction_kcal_per_mol: f64,
+}
+
+impl ContactAffinity {
+    /// The contacts between the residues of two bodies; `nearest_angstrom` has the distance of the closest heavy atoms of pairs
+    /// of residues, at least of all those in contact.
+    pub fn new(residues: [&[Residue]; 2], nearest_angstrom: &BTreeMap<(u32, u32), f64>) -> Self {
+        let mut found = Self::default();
+        for ((first, second), distance_angstrom) in nearest_angstrom {
+            let pair = (
+                amino_acid(residues[0], *first),
+                amino_acid(residues[1], *second),
+            );
+            if let (Some(first), Some(second)) = pair {
+                found.add(first, second, share_of_contact(*distance_angstrom));
+            }
+        }
+        found
+    }
+
+    fn add(&mut self, first: AminoAcid, second: AminoAcid, share: f64) {
+        let depth_kj_per_mol = ContactScale::Calvados3.depth_kj_per_mol(first, second);
+        self.contacts += share;
+        self.attraction_kcal_per_mol -= share * depth_kj_per_mol / KILOJOULES;
+        if is_polar(first) && is_polar(second) {
+            self.polar_contacts += share;
+        }
+    }
+
+    /// The standard binding free energy at 1 M, kcal/mol.
+    pub fn delta_g_kcal_per_mol(&self) -> f64 {
+        CONSTANT_KCAL_PER_MOL
+            + self.attraction_kcal_per_mol
+            + POLAR_PAIR_KCAL_PER_MOL * self.polar_contacts
+    }
+
+    /// A warning for an interface that is smaller or larger than all those of the fit.
+    pub fn warning(&self) -> Option<String> {
+        let [fewest, most] = CALIBRATED_CONTACTS;
+        (!(fewest..=most).contains(&self.contacts)).then(|| {
+            format!(
+                "warning: {:.0} contacts of residues, where the complexes that the affinity is calibrated on have \
+                 {fewest:.0} to {most:.0}: the estimate is an extrapolation; do not use it as a number",
+                self.contacts
+            )
+        })
+    }
+}
+
+/// s: 1 up to 5 Å, 0 from 6 Å on.
+fn share_of_contact(distance_angstrom: f64) -> f64 {
+    let width_angstrom = FARTHEST_CONTACT_ANGSTROM - FULL_CONTACT_ANGSTROM;
+    ((FARTHEST_CONTACT_ANGSTROM - distance_angstrom) / width_angstrom).clamp(0.0, 1.0)
+}
+
+fn amino_acid(residues: &[Residue], index: u32) -> Option<AminoAcid> {
+    parent_amino_acid(&residues[index as usize].name)
+}
+
+fn is_polar(amino_acid: AminoAcid) -> bool {
+    use AminoAcid::{Asn, Gln, His, Ser, Thr};
+    matches!(amino_acid, Asn | Gln | His | Ser | Thr)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn residues(names: &[&str]) -> Vec<Residue> {
+        let residue = |name: &&str| Residue {
+            chain: "A".into(),
+            number: 1,
+            insertion_code: String::new(),
+            name: (*name).to_owned(),
+            charge_e: 0.0,
+            hydropathy: None,
+        };
+        names.iter().map(residue).collect()
+    }
+
+    #[test]
+    fn contacts_end_between_five_and_six_angstrom() {
+        for (distance, share) in [(2.8, 1.0), (5.0, 1.0), (5.25, 0.75), (6.0, 0.0), (9.0, 0.0)] {
+            assert!((share_of_contact(distance) - share).abs() < 1e-12);
+        }
+    }
+
+    /// By hand: Trp-Phe in full contact, Ser-Gln in half contact, a ligand that counts for nothing.
+    #[test]
+    fn an_interface_of_two_pairs_is_summed_by_hand() {
+        let (first, second) = (residues(&["TRP", "SER", "HEM"]), residues(&["PHE", "GLN"]));
+        let nearest = BTreeMap::from([((0, 0), 3.5), ((1, 1), 5.5), ((2, 0), 3.0)]);
+        let found = ContactAffinity::new([&first, &second], &nearest);
+        let by_hand = -0.2 * (1.033_450_123_574_512 + 0.890_644_935_549_986_6) / 2.0
+            - 0.5 * 0.2 * (0.447_314_257_269_317_6 + 0.314_344_979_166_913_3) / 2.0;
+        assert!((found.attraction_kcal_per_mol - by_hand).abs() < 1e-12);
+        assert_eq!((found.contacts, found.polar_contacts), (1.5, 0.5));
+        let total = CONSTANT_KCAL_PER_MOL + by_hand + 0.5 * POLAR_PAIR_KCAL_PER_MOL;
+        assert!((found.delta_g_kcal_per_mol() - total).abs() < 1e-12);
+        assert!(found.warning().is_some());
+    }
+}

@@ -1,0 +1,141 @@
+//! Named models: what acts between bodies, as one choice.
+//!
+//! | name | charges | attraction between residues | hard core |
+//! |---|---|---|---|
+//! | `natural-1` | those of the bodies, with the response of the solvent | Calvados 3, times 0.75 | native |
+//! | `thesis` | those of the bodies | none | the surface |
+//!
+//! `natural-1` is recommended for natural proteins. Its strength of the attraction is the one number that was fitted: to the second
+//! virial coefficients of lysozyme at pH 4.5. A model never changes under its name; a better one gets the next number.
+
+use super::contacts::{ContactCore, ContactTerm};
+use super::effective::SoluteModel;
+use super::terms::FurtherTerms;
+use protomer_body::residue_contacts::ContactScale;
+use protomer_body::{Body, BodySettings, HardCore};
+use std::sync::Arc;
+
+/// Name of terms that are no model's.
+pub const OWN_TERMS: &str = "own terms";
+
+/// A named model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// For natural proteins.
+    Natural1,
+    /// That of the thesis: charges in salt water, and hard surfaces.
+    Thesis,
+}
+
+impl Model {
+    /// All of them.
+    pub const ALL: [Self; 2] = [Self::Natural1, Self::Thesis];
+
+    /// The name by which users choose it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Natural1 => "natural-1",
+            Self::Thesis => "thesis",
+        }
+    }
+
+    /// Attraction between residues.
+    pub fn contacts(self) -> Option<ContactTerm> {
+        match self {
+            Self::Natural1 => Some(ContactTerm {
+                scale: ContactScale::Calvados3,
+                strength: 0.75,
+                core: ContactCore::Surface,
+            }),
+            Self::Thesis => None,
+        }
+    }
+
+    /// The inside of the bodies, whose displaced salt water responds to the charges of both.
+    pub fn solvent_response(self) -> Option<SoluteModel> {
+        match self {
+            Self::Natural1 => Some(SoluteModel::default()),
+            Self::Thesis => None,
+        }
+    }
+
+    /// What of a body is hard.
+    pub fn core(self) -> HardCore {
+        match self {
+            Self::Natural1 => HardCore::Native,
+            Self::Thesis => HardCore::Surface,
+        }
+    }
+
+    /// The settings that make bodies of structure files for this model.
+    pub fn body_settings(self) -> BodySettings {
+        let mut settings = BodySettings::default();
+        // Points without elements have no native core; their surface is hard unless the model insists.
+        settings.surface.core = Some(self.core()).filter(|core| *core == HardCore::Surface);
+        settings
+    }
+
+    /// The model with these terms between bodies whose own charges interact; `None` if no model has them.
+    pub fn with_terms(terms: &FurtherTerms) -> Option<Self> {
+        let is_it = |model: &Self| {
+            terms.desolvation.is_none()
+                && terms.response == model.solvent_response()
+                && terms.contacts == model.contacts()
+        };
+        Self::ALL.into_iter().find(is_it)
+    }
+
+    /// The first body of residues whose hard core is not that of the model.
+    fn other_core(self, bodies: &[Arc<Body>]) -> Option<&Body> {
+        let is_native = self.core() == HardCore::Native;
+        let is_other = |body: &&Body| !body.residues.is_empty() && body.core.is_some() != is_native;
+        bodies.iter().map(AsRef::as_ref).find(is_other)
+    }
+
+    /// A warning for bodies whose hard core is not that of the model.
+    pub fn core_warning(self, bodies: &[Arc<Body>]) -> Option<String> {
+        let other = self.other_core(bodies)?;
+        Some(format!(
+            "warning: the model {} is meant for bodies made with --core {}, which '{}' is not: its energies at contact \
+             are another model's; ingest it again",
+            self.name(),
+            self.core().name(),
+            other.name
+        ))
+    }
+}
+
+/// The name of the model of these bodies with these terms, `has_own_charges` where the charges of the bodies
+/// themselves interact.
+pub fn name_of_terms(
+    terms: &FurtherTerms,
+    has_own_charges: bool,
+    bodies: &[Arc<Body>],
+) -> &'static str {
+    let is_whole = |model: &Model| has_own_charges && model.other_core(bodies).is_none();
+    let model = Model::with_terms(terms).filter(is_whole);
+    model.map_or(OWN_TERMS, Model::name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_are_named_by_the_model_that_has_them() {
+        for model in Model::ALL {
+            let terms = FurtherTerms {
+                contacts: model.contacts(),
+                desolvation: None,
+                response: model.solvent_response(),
+            };
+            assert_eq!(name_of_terms(&terms, true, &[]), model.name());
+            assert_eq!(name_of_terms(&terms, false, &[]), OWN_TERMS);
+            let desolvated = FurtherTerms {
+                desolvation: Some(SoluteModel::default()),
+                ..terms
+            };
+            assert_eq!(name_of_terms(&desolvated, true, &[]), OWN_TERMS);
+        }
+    }
+}
