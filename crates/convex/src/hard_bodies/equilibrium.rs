@@ -14,9 +14,13 @@
 //! **Drift.** In equilibrium nothing has a trend. A straight line is fitted to the means of `BLOCKS` blocks of the
 //! packing fraction or of the mean height, and the error of its slope is that of their scatter about it.
 //!
+//! **Error of the pressure.** The pressure of single states scatters by much more than the slow changes of the volume
+//! move it, so its own correlations hide them. Its error counts the part that follows the packing fraction, or the
+//! mean height, with the error of that.
+//!
 //! **Samples.** Both need a series that is long compared with its own correlations.
 
-use super::result::{mean_and_error, with_error};
+use super::result::{mean_and_error_following, with_error};
 use protomer_kernel::statistics::summarize;
 use serde::{Deserialize, Serialize};
 
@@ -69,7 +73,7 @@ pub(super) struct Series<'a> {
 
 impl Equilibrium {
     pub(super) fn of(series: &Series<'_>) -> Self {
-        let (pressure, pressure_error) = mean_and_error(series.pressure);
+        let (pressure, pressure_error) = mean_and_error_following(series.pressure, series.kept);
         let drift = drift(series.kept);
         let samples = summarize(series.kept).effective_samples;
         let mut found = Self {
@@ -214,6 +218,7 @@ fn drift(series: &[f64]) -> Option<(f64, f64)> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use super::super::result::mean_and_error;
     use super::*;
     use protomer_kernel::random::CounterRng;
 
@@ -266,6 +271,41 @@ mod tests {
         assert!(reached >= 395, "{reached}");
         // The square of Student's t with eight degrees of freedom has the mean 8/6.
         assert!((scaled - 8.0 / 6.0).abs() < 0.3, "{scaled}");
+    }
+
+    /// A crystal of 108 spheres has such a pressure: noise of 6.6 kT per volume, under which 1.5 follow the volume.
+    #[test]
+    fn the_error_of_the_pressure_counts_what_follows_the_volume_under_noise() {
+        let (runs, length) = (200, 4000);
+        let (mut squared, mut counted, mut by_itself) = (0.0, 0.0, 0.0);
+        for seed in 0..runs {
+            let volume = noise(seed, length, 40.0);
+            let pairs = volume.iter().zip(noise(1000 + seed, length, 0.2));
+            let pressure: Vec<f64> = pairs
+                .map(|(x, noise)| 25.0 + 0.6 * x + 11.4 * noise)
+                .collect();
+            let (mean, error) = mean_and_error_following(&pressure, &volume);
+            squared += (mean - 25.0).powi(2);
+            counted += error.unwrap().powi(2);
+            by_itself += mean_and_error(&pressure).1.unwrap().powi(2);
+        }
+        assert!(
+            (squared / counted - 1.0).abs() < 0.3,
+            "{}",
+            squared / counted
+        );
+        assert!(squared / by_itself > 1.7, "{}", squared / by_itself);
+    }
+
+    /// A series that follows nothing keeps the error that it has by itself.
+    #[test]
+    fn noise_that_follows_nothing_keeps_its_error() {
+        let (pressure, volume) = (noise(1, 4000, 3.0), noise(2, 4000, 3.0));
+        let (_, error) = mean_and_error_following(&pressure, &volume);
+        let (_, by_itself) = mean_and_error(&pressure);
+        assert!((error.unwrap() / by_itself.unwrap() - 1.0).abs() < 0.1);
+        let fixed = vec![0.5; 4000];
+        assert_eq!(mean_and_error_following(&pressure, &fixed).1, by_itself);
     }
 
     #[test]

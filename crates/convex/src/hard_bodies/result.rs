@@ -255,6 +255,36 @@ pub(super) fn mean_and_error(series: &[f64]) -> (f64, Option<f64>) {
     (summary.mean, Some(error).filter(|error| error.is_finite()))
 }
 
+/// The mean of a noisy series that follows a slow one, as the pressure of the bodies follows the volume, and its
+/// standard error.
+///
+/// Its own correlations do not show how well the mean is known: where noise hides the part that follows, they seem
+/// to end at once. The straight line that gives the noisy series from the slow one takes this part out,
+///
+/// ```text
+/// y = ȳ + s (x - x̄) + r,   s = ⟨δx δy⟩/⟨δx²⟩,   error² = s² (error of x̄)² + (error of r̄)²
+/// ```
+///
+/// The slow series is the control variate (Lavenberg and Welch, Management Sci. 27, 322 (1981)).
+pub(super) fn mean_and_error_following(series: &[f64], slow: &[f64]) -> (f64, Option<f64>) {
+    let (mean, own_error) = mean_and_error(series);
+    let (slow_mean, slow_error) = mean_and_error(slow);
+    let (mut products, mut squares) = (0.0, 0.0);
+    for (y, x) in series.iter().zip(slow) {
+        products += (y - mean) * (x - slow_mean);
+        squares += (x - slow_mean).powi(2);
+    }
+    if squares == 0.0 {
+        return (mean, own_error);
+    }
+    let slope = products / squares;
+    let pairs = series.iter().zip(slow);
+    let rest: Vec<f64> = pairs.map(|(y, x)| y - slope * (x - slow_mean)).collect();
+    let (_, rest_error) = mean_and_error(&rest);
+    let error = slow_error.zip(rest_error);
+    (mean, error.map(|(slow, rest)| (slope * slow).hypot(rest)))
+}
+
 /// The tilt factors of a box; none where its angles are right.
 pub(super) fn tilt_factors<const D: usize>(space: &PeriodicBox<D>) -> Vec<f64> {
     match space.is_rectangular() {

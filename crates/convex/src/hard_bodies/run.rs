@@ -7,7 +7,8 @@
 use super::equilibrium::{Equilibrium, Series};
 use super::log::LogRow;
 use super::result::{
-    DepletantResult, HardBodyResult, MeanBox, WallsResult, mean_and_error, tilt_factors,
+    DepletantResult, HardBodyResult, MeanBox, WallsResult, mean_and_error,
+    mean_and_error_following, tilt_factors,
 };
 use super::settings::{Freedom, HardBodySettings};
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
@@ -404,7 +405,6 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     fn answer(&self, open: &mut Open<D>, directory: &Path) -> Result<HardBodyResult> {
         let rows = &open.rows;
         let factors: Vec<f64> = rows.iter().map(|row| row.compressibility_factor).collect();
-        let (factor, factor_error) = mean_and_error(&factors);
         let insertions: Option<Vec<f64>> =
             rows.iter().map(|row| row.insertion_probability).collect();
         let insertion = insertions
@@ -428,9 +428,14 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             write_once(&directory.join(PROFILE), profile(open).as_bytes(), true)?;
         }
         let packings: Vec<f64> = rows.iter().map(|row| row.packing_fraction).collect();
-        let (packing, packing_error) = match self.settings.pressure {
-            Some(_) => mean_and_error(&packings),
-            None => (self.settings.packing_fraction, None),
+        let is_pressed = self.settings.pressure.is_some();
+        let (packing, packing_error) = match is_pressed {
+            true => mean_and_error(&packings),
+            false => (self.settings.packing_fraction, None),
+        };
+        let (factor, factor_error) = match is_pressed {
+            true => mean_and_error_following(&factors, &packings),
+            false => mean_and_error(&factors),
         };
         let system = open.simulation.system();
         let first = depletants.first();
