@@ -62,6 +62,7 @@ const TETRAHEDRON_STL: &str = "solid t\nfacet\nouter loop\nvertex 0 0 0\nvertex 
                                endsolid\n";
 const BALLS: &str = "0 0 0 1.7\n1.5 0 0 1.7\n0 1.5 0.2 1.5\n";
 const IONS: &str = "ATOM 1 I ION 1 0.0 0.0 0.0 1.0 3.0\nATOM 2 I ION 1 4.0 1.0 0.0 -1.0 2.0\n";
+const ION: &str = "ATOM 1 I ION 1 0.0 0.0 7.0 1.0 2.0\n";
 const LATTICE: &str =
     "rows = 2\ncolumns = 2\nr0 = 0.2\nsteps = 40\ntime_step = 1e-2\ntrajectory_every = 10\n";
 const NET: &str = "cell_angstrom = [[2.0, 0.0], [0.0, 4.0]]\nnodes_angstrom = [[0.0, 0.0]]\nrods = [\n\
@@ -81,16 +82,26 @@ const GLYCINE: &str = "ATOM      1  N   GLY A   1       0.000   0.000   0.000  1
                        ATOM      2  CA  GLY A   1       1.460   0.000   0.000  1.00  0.00\n\
                        ATOM      3  C   GLY A   1       2.000   1.420   0.000  1.00  0.00\n\
                        ATOM      4  O   GLY A   1       1.300   2.440   0.000  1.00  0.00\n";
+/// Two glycines that touch, in two chains.
+const COMPLEX: &str = "ATOM      1  N   GLY A   1       0.000   0.000   0.000  1.00  0.00\n\
+                       ATOM      2  CA  GLY A   1       1.460   0.000   0.000  1.00  0.00\n\
+                       ATOM      3  C   GLY A   1       2.000   1.420   0.000  1.00  0.00\n\
+                       ATOM      4  O   GLY A   1       1.300   2.440   0.000  1.00  0.00\n\
+                       ATOM      5  N   GLY B   1       0.000   0.000   3.800  1.00  0.00\n\
+                       ATOM      6  CA  GLY B   1       1.460   0.000   3.800  1.00  0.00\n\
+                       ATOM      7  C   GLY B   1       2.000   1.420   3.800  1.00  0.00\n\
+                       ATOM      8  O   GLY B   1       1.300   2.440   3.800  1.00  0.00\n";
 const MANIFEST: &str = "file,label,cluster,name\nglycine.pdb,a,c1,s1\nglycine.pdb,b,c2,s2\n\
                         glycine.pdb,a,c3,s3\nglycine.pdb,b,c4,s4\nglycine.pdb,a,c5,s5\nglycine.pdb,b,c6,s6\n\
                         glycine.pdb,a,c7,s7\nglycine.pdb,b,c8,s8\nglycine.pdb,a,c9,s9\nglycine.pdb,b,c10,s10\n";
 
-const FILES: [(&str, &str); 16] = [
+const FILES: [(&str, &str); 18] = [
     ("x.obj", CUBE_OBJ),
     ("x.ply", TETRAHEDRON_PLY),
     ("x.stl", TETRAHEDRON_STL),
     ("x.xyzr", BALLS),
     ("x.pqr", IONS),
+    ("ion.pqr", ION),
     ("lattice.toml", LATTICE),
     ("net.toml", NET),
     ("md.toml", DISKS),
@@ -101,6 +112,7 @@ const FILES: [(&str, &str); 16] = [
     ("pairs.json", PAIRS),
     ("state.json", STATE),
     ("glycine.pdb", GLYCINE),
+    ("complex.pdb", COMPLEX),
     ("manifest.csv", MANIFEST),
 ];
 
@@ -160,7 +172,7 @@ const fn of_results(
     }
 }
 
-const CASES: [Case; 39] = [
+const CASES: [Case; 42] = [
     of_file(
         "cube.off",
         Form::Bytes,
@@ -196,6 +208,21 @@ const CASES: [Case; 39] = [
         "x.pqr",
         Form::Bytes,
         "ingest {}/x.pqr --density 0.2 -o {}/o",
+    ),
+    of_file(
+        "complex.pdb",
+        Form::Bytes,
+        "binding {}/complex.pdb --body A --body B --salt 100mM --spacing 0.9 --margin 2",
+    ),
+    of_file(
+        "ion.pqr",
+        Form::Bytes,
+        "binding {}/glycine.pdb {}/ion.pqr --salt 100mM --spacing 0.9 --margin 2",
+    ),
+    of_file(
+        "complex.pdb",
+        Form::Bytes,
+        "assemble structure {}/complex.pdb --body A --body B --relax --shapes shared -o {}/o --force",
     ),
     of_file("ring.json", Form::Json, "inspect {}/ring.json"),
     of_file("ring.json", Form::Bytes, "inspect {}/ring.json"),
@@ -533,7 +560,7 @@ fn inputs_per_case() -> u64 {
 }
 
 #[test]
-#[ignore = "57 096 inputs, seven minutes of processor time"]
+#[ignore = "61 488 inputs, seven minutes of processor time"]
 fn many_damaged_inputs_give_answers_or_errors() {
     run(&CASES, 0, inputs_per_case());
 }

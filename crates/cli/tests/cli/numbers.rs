@@ -13,7 +13,7 @@ const LONGEST: Duration = Duration::from_secs(120);
 
 /// Verbs with arguments that make them cheap; OUT is a new name each time. Verbs that are not here read what only long
 /// commands make, and have tests of their own.
-const CHEAP: [&str; 37] = [
+const CHEAP: [&str; 40] = [
     "ingest tiny.pdb -o OUT",
     "surface tiny.pqr",
     "potential tiny.pqr --salt 100mM --spacing 1 --margin 5 --no-error-estimate",
@@ -27,13 +27,16 @@ const CHEAP: [&str; 37] = [
     "hpmc free-volume --shape cube --crystal simple-cubic --packing-fraction 0.2 --depletant-radius 0.1 --lines 10",
     "free-energy --shape rod:1 --crystal row --bodies 8 --packing-fraction 0.5 --equilibration 5 --sweeps 10 -o OUT",
     "phase-diagram --size-ratio 0.5 --reservoir 0.4",
-    "assemble structure tiny.pdb -o OUT",
+    "assemble structure complex.pdb --body A --body B --relax --shapes shared -o OUT",
     "assemble ring a.body b.body --members 4 -o OUT.json",
     "assemble fluid a.body b.body --counts 2,2 --box 100 -o OUT.json",
     "candidates a.body b.body --ring 4 --stack 2 -o OUT",
     "inspect ring.json --salt 200mM --energy direct",
+    "inspect glycines.json --salt 200mM --interaction response",
+    "binding complex.pdb --body A --body B --salt 200mM --spacing 0.9 --margin 5 --exchanges",
     "pair a.body b.body --salt 200mM --relative-error 0.5 --most-directions 64",
     "simulate ring.json --salt 200mM --sweeps 10 --equilibration 2 --log-every 5 --energy direct -o OUT",
+    "simulate glycines.json --salt 200mM --sweeps 10 --equilibration 2 --log-every 5 --interaction response -o OUT",
     "sweep ring.json --salt 200mM --replicas 1 --sweeps 10 --equilibration 2 --log-every 5 --energy direct -o OUT",
     "residues glycines -o OUT",
     "reweight sweep",
@@ -73,10 +76,10 @@ fn set() -> String {
 
 fn folder() -> TemporaryFolder {
     let place = TemporaryFolder::new();
-    let atom = |number: u32, name: &str, x: f64, y: f64, rest: &str| {
-        format!("ATOM  {number:>5}  {name:<3} GLY A   1    {x:8.3}{y:8.3}   0.000{rest}\n")
+    let atom = |number: u32, name: &str, chain: &str, [x, y, z]: [f64; 3], rest: &str| {
+        format!("ATOM  {number:>5}  {name:<3} GLY {chain}   1    {x:8.3}{y:8.3}{z:8.3}{rest}\n")
     };
-    let glycine = |rest: &str| {
+    let glycine = |chain: &str, z: f64, rest: &str| {
         [
             ("N", 0.0, 0.0),
             ("CA", 1.46, 0.0),
@@ -85,12 +88,17 @@ fn folder() -> TemporaryFolder {
         ]
         .iter()
         .zip(1..)
-        .map(|((name, x, y), number)| atom(number, name, *x, *y, rest))
+        .map(|((name, x, y), number)| atom(number, name, chain, [*x, *y, z], rest))
         .collect::<String>()
     };
+    let occupied = "  1.00  0.00";
     for (name, text) in [
-        ("tiny.pdb", glycine("  1.00  0.00")),
-        ("tiny.pqr", glycine("  0.5000 1.8500")),
+        ("tiny.pdb", glycine("A", 0.0, occupied)),
+        (
+            "complex.pdb",
+            glycine("A", 0.0, occupied) + &glycine("B", 3.8, occupied),
+        ),
+        ("tiny.pqr", glycine("A", 0.0, "  0.5000 1.8500")),
         ("glycines.json", GLYCINES.into()),
         (
             "pairs.json",
