@@ -105,7 +105,7 @@ fn mean_over_shapes(of: impl Fn([f64; 3]) -> f64) -> f64 {
 fn an_ideal_gas_has_its_volumes_and_shapes_in_space() {
     let point = HardBody::<3>::ball(1e-4).unwrap();
     let start = Start::fluid(12, 12.0 * point.volume / 8.0);
-    let boxes = boxes(&pressed(1.3, Freedom::Shape), &point, &start, 20_000);
+    let boxes = boxes(&pressed(1.3, Freedom::Shape), &point, &start, 8000);
     assert_volumes(&boxes, 12.0, 1.3);
     for axis in 0..3 {
         let found = mean(&boxes, |space| logarithm(space, axis));
@@ -134,7 +134,7 @@ fn an_ideal_gas_has_its_volumes_and_shapes_in_space() {
 fn an_ideal_gas_has_its_areas_and_shapes_in_a_plane() {
     let point = HardBody::<2>::ball(1e-4).unwrap();
     let start = Start::fluid(12, 12.0 * point.volume / 8.0);
-    let boxes = boxes(&pressed(1.3, Freedom::Shape), &point, &start, 20_000);
+    let boxes = boxes(&pressed(1.3, Freedom::Shape), &point, &start, 8000);
     assert_volumes(&boxes, 12.0, 1.3);
     let bound = 2.0_f64.ln();
     let exact = bound / (2.0 * bound).tanh() - 0.5;
@@ -178,7 +178,7 @@ fn a_sheared_crystal_becomes_cubic() {
     let crystal = Crystal::new(&cell, &ball, 108, 0.54).unwrap();
     let begun = crystal.space;
     let start = Start::Crystal(crystal);
-    let boxes = boxes(&pressed(25.0, Freedom::Shape), &ball, &start, 4000);
+    let boxes = boxes(&pressed(25.0, Freedom::Shape), &ball, &start, 2000);
     for number in 0..3 {
         let tilt = |space: &PeriodicBox<3>| space.tilt_factors()[number];
         assert!(tilt(&begun).abs() > 0.04 && logarithm(&begun, 1) > 0.04);
