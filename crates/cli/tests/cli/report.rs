@@ -267,15 +267,15 @@ fn the_viewer_has_the_shapes_and_the_potential_of_every_charge() {
     }
 }
 
-/// Two copies of the bundled peptide under these conditions.
-fn pair(conditions: &str) -> TemporaryFolder {
+/// Two copies of the bundled peptide at two salts and two pH values.
+fn pair() -> TemporaryFolder {
     let place = TemporaryFolder::new();
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures");
     std::fs::copy(data.join("1bd2_short.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
-    is_ok(&place.run(&format!(
-        "pair peptide.pdb.gz {conditions} --contacts calvados3 --relative-error 0.5 \
-         --most-directions 256 --seed 3 -q -o pair"
-    )));
+    is_ok(&place.run(
+        "pair peptide.pdb.gz --salt 30mM,300mM --ph 4,9 --contacts calvados3 --relative-error 0.5 \
+         --most-directions 256 --seed 3 -q -o pair",
+    ));
     place
 }
 
@@ -291,10 +291,16 @@ fn best_energies(table: &str, body: &str) -> BTreeMap<String, f64> {
         .collect()
 }
 
+/// One pair for all that its page shows, since it takes seconds to compute.
 #[test]
-fn a_pair_has_a_map_and_surfaces_with_the_energies_of_residues() {
-    let place = pair("--salt 30mM,300mM --ph 4,9");
-    let (html, sections) = page(&place, "pair");
+fn a_pair_has_a_map_and_surfaces_as_long_as_its_files_are_there() {
+    let place = pair();
+    has_a_map_and_surfaces_with_the_energies_of_residues(&place);
+    has_no_surfaces_without_its_files(&place);
+}
+
+fn has_a_map_and_surfaces_with_the_energies_of_residues(place: &TemporaryFolder) {
+    let (html, sections) = page(place, "pair");
     assert_eq!(
         sections,
         [
@@ -409,11 +415,9 @@ fn a_pair_has_a_map_and_surfaces_with_the_energies_of_residues() {
     );
 }
 
-#[test]
-fn a_pair_whose_files_are_gone_has_a_page_without_surfaces() {
-    let place = pair("--salt 300mM --ph 4");
+fn has_no_surfaces_without_its_files(place: &TemporaryFolder) {
     std::fs::rename(place.path("peptide.pdb.gz"), place.path("moved.pdb.gz")).unwrap();
-    let (html, sections) = page(&place, "pair");
+    let (html, sections) = page(place, "pair");
     assert!(html.contains("the files of the bodies were not found"));
     assert!(
         !sections.contains(&"Bodies".to_owned()) && sections.contains(&"Bound poses".to_owned())
@@ -422,7 +426,7 @@ fn a_pair_whose_files_are_gone_has_a_page_without_surfaces() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/structures");
     std::fs::copy(data.join("4e43.pdb.gz"), place.path("peptide.pdb.gz")).unwrap();
     assert!(
-        page(&place, "pair")
+        page(place, "pair")
             .0
             .contains("is not what these results were made from")
     );
