@@ -268,7 +268,7 @@ fn the_number_of_changes_of_the_box_can_be_chosen() {
         if let Some(pressure) = &mut settings.pressure {
             pressure.changes_per_sweep = Some(changes);
         }
-        let boxes = boxes(&settings, &point, &start, 4000);
+        let boxes = boxes(&settings, &point, &start, 2500);
         let volume = mean(&boxes, |space| space.volume());
         assert_mean(&volume, 13.0 / 1.3, 0.5, "volume");
         let squared = mean(&boxes, |space| logarithm(space, 0).powi(2));
