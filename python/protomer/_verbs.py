@@ -133,7 +133,7 @@ def ingest(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        What to do with residues that lack heavy atoms [default: keep]
+        Treatment of residues that lack heavy atoms [default: keep]
     ph
         pH of the protonation equilibria [default: 7.4]
     charges
@@ -156,7 +156,7 @@ def ingest(
         Move the surface inward by this much, Å; for a body with a native core, move that core instead, by 0.5
         if omitted
     core
-        What of the body is hard; native for structures and surface for PQR files if omitted
+        Hard part of the body; native for structures and surface for PQR files if omitted
     export
         Also write the mesh and the charges in these formats
     stream
@@ -1739,7 +1739,7 @@ class _Assemble:
         keep_nucleic_acids
             Keep nucleic acids
         missing
-            What to do with residues that lack heavy atoms [default: keep]
+            Treatment of residues that lack heavy atoms [default: keep]
         ph
             pH of the protonation equilibria [default: 7.4]
         charges
@@ -1762,11 +1762,11 @@ class _Assemble:
             Move the surface inward by this much, Å; for a body with a native core, move that core instead, by
             0.5 if omitted
         core
-            What of the body is hard; native for structures and surface for PQR files if omitted
+            Hard part of the body; native for structures and surface for PQR files if omitted
         body
             Chains that make up one body, such as H,L; once for each body
         shapes
-            The shapes of copies [default: fitting]
+            Shapes of copies [default: fitting]
         relax
             Remove overlaps by the least displacements and rotations of the bodies
         box
@@ -3131,7 +3131,7 @@ def inspect(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3281,7 +3281,7 @@ def binding(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        What to do with residues that lack heavy atoms [default: keep]
+        Treatment of residues that lack heavy atoms [default: keep]
     structure_model
         Model number; the first if omitted
     threads
@@ -3611,7 +3611,7 @@ def simulate(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3798,7 +3798,7 @@ def sweep(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3987,7 +3987,7 @@ def residues(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -5756,7 +5756,7 @@ def bench(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
+        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]

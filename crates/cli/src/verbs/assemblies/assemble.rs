@@ -50,7 +50,7 @@ pub struct StructureArgs {
     core: CoreArgs,
     #[command(flatten)]
     bodies: ChainGroupArgs,
-    /// The shapes of copies.
+    /// Shapes of copies.
     #[arg(long, value_enum, default_value_t = Shapes::Fitting, help_heading = "Bodies")]
     shapes: Shapes,
     /// Remove overlaps by the least displacements and rotations of the bodies.
@@ -63,10 +63,10 @@ pub struct StructureArgs {
 /// The shapes of copies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shapes {
-    /// That of the reference, but its own where a copy would overlap another body otherwise or lose
-    /// contacts of the structure.
+    /// Copies have the shape of the reference, or their own where they would otherwise overlap another
+    /// body or lose contacts of the structure.
     Fitting,
-    /// That of the reference.
+    /// Copies have the shape of the reference.
     Shared,
 }
 
