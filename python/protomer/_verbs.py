@@ -133,7 +133,7 @@ def ingest(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        Treatment of residues that lack heavy atoms [default: keep]
+        What to do with residues that lack heavy atoms [default: keep]
     ph
         pH of the protonation equilibria [default: 7.4]
     charges
@@ -156,7 +156,7 @@ def ingest(
         Move the surface inward by this much, Å; for a body with a native core, move that core instead, by 0.5
         if omitted
     core
-        Hard part of the body; native for structures and surface for PQR files if omitted
+        What of the body is hard; native for structures and surface for PQR files if omitted
     export
         Also write the mesh and the charges in these formats
     stream
@@ -1739,7 +1739,7 @@ class _Assemble:
         keep_nucleic_acids
             Keep nucleic acids
         missing
-            Treatment of residues that lack heavy atoms [default: keep]
+            What to do with residues that lack heavy atoms [default: keep]
         ph
             pH of the protonation equilibria [default: 7.4]
         charges
@@ -1762,11 +1762,11 @@ class _Assemble:
             Move the surface inward by this much, Å; for a body with a native core, move that core instead, by
             0.5 if omitted
         core
-            Hard part of the body; native for structures and surface for PQR files if omitted
+            What of the body is hard; native for structures and surface for PQR files if omitted
         body
             Chains that make up one body, such as H,L; once for each body
         shapes
-            Shapes of copies [default: fitting]
+            The shapes of copies [default: fitting]
         relax
             Remove overlaps by the least displacements and rotations of the bodies
         box
@@ -3074,7 +3074,7 @@ def inspect(
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
     contact_gap: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -3131,7 +3131,7 @@ def inspect(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3210,13 +3210,17 @@ def binding(
     body: str | float | Sequence[str | float] | None = None,
     ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     temperature: float | str | None = None,
+    no_kd: bool = False,
+    seed: int | str | None = None,
     exchanges: bool = False,
     spacing: float | str | None = None,
     margin: float | str | None = None,
     inner_permittivity: float | str | None = None,
     outer_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: float | str | None = None,
     chain: str | float | Sequence[str | float] | None = None,
     assembly: str | float | Sequence[str | float] | None = None,
     altloc: str | float | Sequence[str | float] | None = None,
@@ -3250,6 +3254,10 @@ def binding(
         pH values at which structure files are charged, such as 6,7.4 [default: 7.4]
     temperature
         Temperature, K [default: 298.15]
+    no_kd
+        Leave out the integration of the dissociation constant over the poses around the given one
+    seed
+        Seed of the random numbers of the integration [default: 1]
     exchanges
         Find what each exchange of charge at the interface (heavy atoms within 5 Å of the partner) would
         change, at the first salt: two more solves for each residue
@@ -3266,6 +3274,10 @@ def binding(
     model
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
+    contacts
+        Attraction between residues, by a published scale [default: none]
+    contact_strength
+        What multiplies the attraction of the scale [default: 1]
     chain
         Chains, by author name; all if omitted
     assembly
@@ -3281,7 +3293,7 @@ def binding(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        Treatment of residues that lack heavy atoms [default: keep]
+        What to do with residues that lack heavy atoms [default: keep]
     structure_model
         Model number; the first if omitted
     threads
@@ -3321,6 +3333,8 @@ def binding(
             "--body": body,
             "--ph": ph,
             "--temperature": temperature,
+            "--no-kd": no_kd,
+            "--seed": seed,
             "--exchanges": exchanges,
             "--spacing": spacing,
             "--margin": margin,
@@ -3328,6 +3342,8 @@ def binding(
             "--outer-permittivity": outer_permittivity,
             "--ion-radius": ion_radius,
             "--model": model,
+            "--contacts": contacts,
+            "--contact-strength": contact_strength,
             "--chain": chain,
             "--assembly": assembly,
             "--altloc": altloc,
@@ -3354,7 +3370,7 @@ def pair(
     salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
     ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     interaction: Literal["hard", "bare", "effective", "response"] | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     relative_error: float | str | None = None,
     b22_error: float | str | None = None,
     most_directions: int | str | None = None,
@@ -3545,7 +3561,7 @@ def simulate(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3611,7 +3627,7 @@ def simulate(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3725,7 +3741,7 @@ def sweep(
     trajectory_every: int | str | None = None,
     energy: Literal["direct", "certified", "calibrated", "approximate", "none"] | None = None,
     tolerance: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3798,7 +3814,7 @@ def sweep(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -3930,7 +3946,7 @@ def residues(
     bjerrum: float | str | None = None,
     debye: float | str | None = None,
     cutoff: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
@@ -3987,7 +4003,7 @@ def residues(
         What acts between the bodies, as one choice; other flags change single terms of it [default: none;
         natural-1 for binding]
     interaction
-        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
@@ -5708,7 +5724,7 @@ def bench(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
-    model: Literal["natural-1", "thesis"] | None = None,
+    model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -5756,7 +5772,7 @@ def bench(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        Effect of the inside of the bodies, of low permittivity and without salt, on the charges [default:
+        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]

@@ -44,7 +44,7 @@ def complexes(folder, output, protomer):
         if not answer.exists():
             parts = [folder / f"{entry.lower()}_{part}_bound.pdb.gz" for part in ("receptor", "ligand")]
             salts = ",".join(f"{salt:g}M" for salt in SALTS_MOLAR)
-            command = [protomer, "binding", *parts, "--salt", salts, "--json", "-q"]
+            command = [protomer, "binding", *parts, "--salt", salts, "--no-kd", "--json", "-q"]
             done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
             if done.returncode != 0:
                 raise SystemExit(f"{entry}: {done.stderr}")
@@ -131,7 +131,7 @@ def tables(rows):
 def draw(path, rows, predicted):
     measured = np.array([r["measured_kcal_per_mol"] for r in rows])
     salt = np.array([r["salt_effect_kcal_per_mol"] for r in rows])
-    figure, axes = plt.subplots(figsize=(5.6, 4.6), layout="constrained")
+    figure, axes = plt.subplots(figsize=(6.2, 4.9), layout="constrained")
     ends = np.array([-16.5, -4.5])
     axes.fill_between(ends, ends - 1.63, ends + 1.63, color="0.92", linewidth=0)
     axes.plot(ends, ends, color="0.5", linewidth=1)
@@ -143,7 +143,9 @@ def draw(path, rows, predicted):
     for r, x, y in zip(rows, measured, predicted):
         if abs(x - y) > 2.4:
             axes.annotate(r["entry"], (x, y), xytext=(5, 3), textcoords="offset points", fontsize=7)
-    axes.set(xlim=ends, ylim=ends, xlabel="measured ΔG° (kcal/mol)", ylabel="estimated ΔG° (kcal/mol), complex left out of the fit", aspect="equal")
+    axes.set(xlim=ends, ylim=ends, aspect="equal")
+    axes.set_xlabel("measured ΔG° (kcal/mol)")
+    axes.set_ylabel("estimated ΔG°, left out of the fit (kcal/mol)")
     figure.savefig(path, metadata={"Date": None})
 
 

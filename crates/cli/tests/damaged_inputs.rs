@@ -212,12 +212,12 @@ const CASES: [Case; 42] = [
     of_file(
         "complex.pdb",
         Form::Bytes,
-        "binding {}/complex.pdb --body A --body B --salt 100mM --spacing 0.9 --margin 2",
+        "binding {}/complex.pdb --body A --body B --salt 100mM --spacing 0.9 --margin 2 --no-kd",
     ),
     of_file(
         "ion.pqr",
         Form::Bytes,
-        "binding {}/glycine.pdb {}/ion.pqr --salt 100mM --spacing 0.9 --margin 2",
+        "binding {}/glycine.pdb {}/ion.pqr --salt 100mM --spacing 0.9 --margin 2 --no-kd",
     ),
     of_file(
         "complex.pdb",

@@ -45,6 +45,8 @@ pub enum Purpose {
     PairOrientation = 8,
     /// The search for bound poses of two bodies.
     PairDescent = 9,
+    /// Poses of one bound state.
+    BoundState = 10,
     /// The order in which samples are dealt into the parts of a split.
     Split = 60,
     /// Samples drawn with replacement for a confidence interval.

@@ -45,6 +45,12 @@ pub struct BodyType {
 }
 
 impl BodyType {
+    /// Square of the radius of gyration of a sphere with the volume of this body, Å².
+    pub fn square_of_gyration_angstrom2(&self) -> f64 {
+        let radius = (0.75 / std::f64::consts::PI * self.volume_angstrom3).cbrt();
+        0.6 * radius * radius
+    }
+
     /// A body type from a hard surface and point charges (position in Å, charge in e).
     ///
     /// # Errors

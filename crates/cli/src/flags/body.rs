@@ -37,7 +37,7 @@ pub struct SelectionArgs {
     /// Keep nucleic acids.
     #[arg(long)]
     keep_nucleic_acids: bool,
-    /// Treatment of residues that lack heavy atoms.
+    /// What to do with residues that lack heavy atoms.
     #[arg(long, value_enum, default_value_t = Missing::Keep)]
     missing: Missing,
 }
@@ -97,7 +97,7 @@ pub struct SurfaceFlags {
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct CoreArgs {
-    /// Hard part of the body; native for structures and surface for PQR files if omitted.
+    /// What of the body is hard; native for structures and surface for PQR files if omitted.
     #[arg(long, value_enum)]
     core: Option<Core>,
 }

@@ -1,7 +1,7 @@
 //! The flag that names a model.
 
 use super::solute::{Charges, ChargesArgs};
-use super::terms::{Scale, TermsArgs};
+use super::terms::{ContactArgs, Scale, TermsArgs};
 use clap::{Args, ValueEnum};
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::model::Model;
@@ -18,10 +18,13 @@ pub struct ModelArgs {
 /// The named models.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ModelChoice {
-    /// For natural proteins: --interaction response --contacts calvados3 --contact-strength 0.75, for bodies
-    /// with native cores.
+    /// For complexes with native contacts: --interaction response --contacts calvados3 --contact-strength 1.9, for
+    /// bodies with native cores.
     #[value(name = "natural-1")]
     Natural1,
+    /// For proteins in solution, whose surfaces meet anywhere: the same with --contact-strength 0.75.
+    #[value(name = "solution-1")]
+    Solution1,
     /// That of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
     Thesis,
 }
@@ -30,6 +33,7 @@ impl From<ModelChoice> for Model {
     fn from(choice: ModelChoice) -> Self {
         match choice {
             ModelChoice::Natural1 => Self::Natural1,
+            ModelChoice::Solution1 => Self::Solution1,
             ModelChoice::Thesis => Self::Thesis,
         }
     }
@@ -60,15 +64,21 @@ impl ModelArgs {
 
     /// The flags of the further terms, with what the model says where they say nothing.
     pub fn terms(&self, flags: &TermsArgs) -> TermsArgs {
-        let mut terms = flags.clone();
+        TermsArgs {
+            attraction: self.attraction(&flags.attraction),
+            ..flags.clone()
+        }
+    }
+
+    fn attraction(&self, flags: &ContactArgs) -> ContactArgs {
         let Some(model) = self.model().filter(|_| flags.contacts.is_none()) else {
-            return terms;
+            return flags.clone();
         };
         let contacts = model.contacts();
-        terms.contacts = Some(contacts.map_or(Scale::None, |term| term.scale.into()));
-        terms.contact_strength = terms
-            .contact_strength
-            .or(contacts.map(|term| term.strength));
-        terms
+        let strength = contacts.map(|term| term.strength);
+        ContactArgs {
+            contacts: Some(contacts.map_or(Scale::None, |term| term.scale.into())),
+            contact_strength: flags.contact_strength.or(strength),
+        }
     }
 }

@@ -41,7 +41,7 @@ impl SoluteArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inside of the bodies")]
 pub struct ChargesArgs {
-    /// Effect of the inside of the bodies, of low permittivity and without salt, on the charges
+    /// What the low permittivity of the bodies, which salt does not enter, does to the charges
     /// [default: bare].
     #[arg(long, value_enum)]
     pub interaction: Option<Charges>,

@@ -6,16 +6,24 @@ use protomer::stability::contacts::{ContactCore, ContactTerm};
 use protomer_body::residue_contacts::ContactScale;
 use protomer_common::range;
 
-/// Attraction between residues, and desolvation.
+/// Attraction between residues.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Further terms")]
-pub struct TermsArgs {
+pub struct ContactArgs {
     /// Attraction between residues, by a published scale [default: none].
     #[arg(long, value_enum)]
     pub contacts: Option<Scale>,
     /// What multiplies the attraction of the scale [default: 1].
     #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     pub contact_strength: Option<f64>,
+}
+
+/// Attraction between residues, and desolvation.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Further terms")]
+pub struct TermsArgs {
+    #[command(flatten)]
+    pub attraction: ContactArgs,
     /// Count what charges lose where other bodies displace solvent; with effective charges.
     #[arg(long)]
     pub desolvation: bool,
@@ -44,14 +52,30 @@ impl From<ContactScale> for Scale {
 impl TermsArgs {
     /// Whether any of the flags is given.
     pub fn is_given(&self) -> bool {
-        self.contacts.is_some() || self.contact_strength.is_some() || self.desolvation
+        self.attraction.contacts.is_some()
+            || self.attraction.contact_strength.is_some()
+            || self.desolvation
     }
 
+    /// As [`ContactArgs::over`].
+    ///
+    /// # Errors
+    /// As [`ContactArgs::over`].
+    pub fn contacts(
+        &self,
+        present: Option<ContactTerm>,
+        core: ContactCore,
+    ) -> Result<Option<ContactTerm>> {
+        self.attraction.over(present, core)
+    }
+}
+
+impl ContactArgs {
     /// The flags over the contact term of a configuration; `None` without one.
     ///
     /// # Errors
     /// For a strength without a scale.
-    pub fn contacts(
+    pub fn over(
         &self,
         present: Option<ContactTerm>,
         core: ContactCore,

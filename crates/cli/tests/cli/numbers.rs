@@ -33,7 +33,7 @@ const CHEAP: [&str; 40] = [
     "candidates a.body b.body --ring 4 --stack 2 -o OUT",
     "inspect ring.json --salt 200mM --energy direct",
     "inspect glycines.json --salt 200mM --interaction response",
-    "binding complex.pdb --body A --body B --salt 200mM --spacing 0.9 --margin 5 --exchanges",
+    "binding complex.pdb --body A --body B --salt 200mM --spacing 0.9 --margin 5 --exchanges --no-kd",
     "pair a.body b.body --salt 200mM --relative-error 0.5 --most-directions 64",
     "simulate ring.json --salt 200mM --sweeps 10 --equilibration 2 --log-every 5 --energy direct -o OUT",
     "simulate glycines.json --salt 200mM --sweeps 10 --equilibration 2 --log-every 5 --interaction response -o OUT",

@@ -341,7 +341,7 @@ fn buried_residues_are_marked() {
 #[test]
 fn a_model_stands_for_its_terms() {
     let place = two_peptides(FACING);
-    let terms = "--interaction response --contacts calvados3 --contact-strength 0.75";
+    let terms = "--interaction response --contacts calvados3 --contact-strength 1.9";
     for verb in ["inspect two.json", "residues two.json"] {
         let of_flags = |flags: &str| {
             let output = place.run(&format!("{verb} --salt 100mM {flags} --json"));
@@ -397,4 +397,18 @@ fn an_affinity_moves_with_salt_and_ph() {
     // At pH 2 the glutamates are neutral: nothing holds the peptides by charges.
     assert!(of(2, "delta_g_kcal_per_mol") > of(0, "delta_g_kcal_per_mol") + 0.3);
     assert_eq!(found["model"], "natural-1");
+    // Two seeds of the integrated constant agree within their errors; one is weighted from the other salt.
+    let again = place.run("binding plus.pdb lifted.pdb --salt 1M --seed 2 --spacing 0.9 --json");
+    is_ok(&again);
+    let again = json(&again.stdout);
+    let other = again["conditions"][0]["log10_kd_molar"].as_f64().unwrap();
+    let error = of(1, "log10_kd_error");
+    assert!(error < 0.3, "{error}");
+    let apart = (of(1, "log10_kd_molar") - other).abs();
+    assert!(
+        apart < 4.0 * 2.0_f64.sqrt() * error.max(0.05),
+        "{apart} {error}"
+    );
+    let none = place.run("binding plus.pdb lifted.pdb --salt 1M --no-kd --spacing 0.9 --json");
+    assert!(json(&none.stdout)["conditions"][0]["log10_kd_molar"].is_null());
 }

@@ -24,6 +24,7 @@
 //! | [`estimator`] | pilot, adaptation, replicas with error bars |
 //! | `replicas` | a mean over replicas and its error |
 //! | [`profile`] | the potential of mean force |
+//! | [`bound_state`] | the association constant of one bound pose |
 //! | [`wells`] | bound poses: local minima of the energy, each once |
 //!
 //! A few narrow wells can decide B₂, and uniform orientations miss them. A pilot therefore looks for
@@ -33,6 +34,7 @@
 //! error comes from independent replicas.
 
 mod approach;
+pub mod bound_state;
 pub mod estimator;
 mod orientation;
 pub mod potential;
@@ -43,11 +45,13 @@ mod replicas;
 pub mod wells;
 
 pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};
+pub use bound_state::{BoundState, BoundStateSettings};
 pub use estimator::{Estimator, PairSettings, PairThermodynamics};
 pub use potential::{Charged, Contacts};
 pub use wells::BoundPose;
 
 use crate::BodyType;
+use protomer_kernel::Pose;
 use protomer_kernel::overlap::{comes_within, overlaps};
 use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
@@ -81,6 +85,11 @@ pub enum Core {
 const CORE_ENERGY_KT: f64 = 30.0;
 
 impl BodyPair {
+    /// Energy beside the hard surfaces, kT, of a pose of the second body in the frame of the first.
+    pub fn energy_kt(&self, pose: &Pose) -> f64 {
+        self.potential.energy_kt(&bound_state::relative(pose))
+    }
+
     /// Whether the bodies overlap at a pose of the second in the frame of the first.
     fn excludes(&self, second_in_first: &RelativePose) -> bool {
         match self.core {

@@ -106,12 +106,19 @@ struct Different {
     are_equal: bool,
 }
 
+/// Mean square displacement of the points of a body that is shifted and turned, Å².
+pub(super) fn square_displacement(
+    square_shift_angstrom2: f64,
+    turn_rad: f64,
+    square_of_gyration_angstrom2: f64,
+) -> f64 {
+    square_shift_angstrom2 + 4.0 / 3.0 * (1.0 - turn_rad.cos()) * square_of_gyration_angstrom2
+}
+
 impl Different {
     fn new(pair: &BodyPair, are_equal: bool) -> Self {
-        // The radius of gyration of a sphere with the body's volume.
-        let radius = (0.75 / std::f64::consts::PI * pair.second.volume_angstrom3).cbrt();
         Self {
-            square_of_gyration: 0.6 * radius * radius,
+            square_of_gyration: pair.second.square_of_gyration_angstrom2(),
             are_equal,
         }
     }
@@ -134,8 +141,11 @@ impl Different {
     /// The mean square distance of the points of the second body at two poses, Å².
     fn square_distance(&self, a: &Pose, b: &Pose) -> f64 {
         let turn: Rotation = a.rotation.inverse() * b.rotation;
-        let cosine = UnitQuaternion::angle(&turn).cos();
-        let turned = 4.0 / 3.0 * (1.0 - cosine) * self.square_of_gyration;
-        (a.position - b.position).norm_squared() + turned
+        let square_shift = (a.position - b.position).norm_squared();
+        square_displacement(
+            square_shift,
+            UnitQuaternion::angle(&turn),
+            self.square_of_gyration,
+        )
     }
 }

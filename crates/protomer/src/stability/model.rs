@@ -2,11 +2,13 @@
 //!
 //! | name | charges | attraction between residues | hard core |
 //! |---|---|---|---|
-//! | `natural-1` | those of the bodies, with the response of the solvent | Calvados 3, times 0.75 | native |
+//! | `natural-1` | those of the bodies, with the response of the solvent | Calvados 3, times 1.9 | native |
+//! | `solution-1` | the same | Calvados 3, times 0.75 | native |
 //! | `thesis` | those of the bodies | none | the surface |
 //!
-//! `natural-1` is recommended for natural proteins. Its strength of the attraction is the one number that was fitted: to the second
-//! virial coefficients of lysozyme at pH 4.5. A model never changes under its name; a better one gets the next number.
+//! Each strength is one number that was fitted: that of `natural-1` to the affinities of complexes, whose surfaces are made for each
+//! other, and that of `solution-1` to the second virial coefficients of lysozyme at pH 4.5, where any surface meets any other. No one
+//! strength serves both. A model never changes under its name; a better one gets the next number.
 
 use super::contacts::{ContactCore, ContactTerm};
 use super::effective::SoluteModel;
@@ -21,32 +23,37 @@ pub const OWN_TERMS: &str = "own terms";
 /// A named model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
-    /// For natural proteins.
+    /// For complexes with native contacts.
     Natural1,
+    /// For proteins in solution, whose surfaces meet anywhere.
+    Solution1,
     /// That of the thesis: charges in salt water, and hard surfaces.
     Thesis,
 }
 
 impl Model {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Natural1, Self::Thesis];
+    pub const ALL: [Self; 3] = [Self::Natural1, Self::Solution1, Self::Thesis];
 
     /// The name by which users choose it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Natural1 => "natural-1",
+            Self::Solution1 => "solution-1",
             Self::Thesis => "thesis",
         }
     }
 
     /// Attraction between residues.
     pub fn contacts(self) -> Option<ContactTerm> {
+        let calvados = |strength| ContactTerm {
+            scale: ContactScale::Calvados3,
+            strength,
+            core: ContactCore::Surface,
+        };
         match self {
-            Self::Natural1 => Some(ContactTerm {
-                scale: ContactScale::Calvados3,
-                strength: 0.75,
-                core: ContactCore::Surface,
-            }),
+            Self::Natural1 => Some(calvados(1.9)),
+            Self::Solution1 => Some(calvados(0.75)),
             Self::Thesis => None,
         }
     }
@@ -54,7 +61,7 @@ impl Model {
     /// The inside of the bodies, whose displaced salt water responds to the charges of both.
     pub fn solvent_response(self) -> Option<SoluteModel> {
         match self {
-            Self::Natural1 => Some(SoluteModel::default()),
+            Self::Natural1 | Self::Solution1 => Some(SoluteModel::default()),
             Self::Thesis => None,
         }
     }
@@ -62,7 +69,7 @@ impl Model {
     /// What of a body is hard.
     pub fn core(self) -> HardCore {
         match self {
-            Self::Natural1 => HardCore::Native,
+            Self::Natural1 | Self::Solution1 => HardCore::Native,
             Self::Thesis => HardCore::Surface,
         }
     }

@@ -50,7 +50,7 @@ pub struct StructureArgs {
     core: CoreArgs,
     #[command(flatten)]
     bodies: ChainGroupArgs,
-    /// Shapes of copies.
+    /// The shapes of copies.
     #[arg(long, value_enum, default_value_t = Shapes::Fitting, help_heading = "Bodies")]
     shapes: Shapes,
     /// Remove overlaps by the least displacements and rotations of the bodies.
@@ -63,10 +63,10 @@ pub struct StructureArgs {
 /// The shapes of copies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shapes {
-    /// Copies have the shape of the reference, or their own where they would otherwise overlap another
-    /// body or lose contacts of the structure.
+    /// That of the reference, but its own where a copy would overlap another body otherwise or lose
+    /// contacts of the structure.
     Fitting,
-    /// Copies have the shape of the reference.
+    /// That of the reference.
     Shared,
 }
 

@@ -2,11 +2,13 @@
 
 use crate::flags::body::{ChainGroupArgs, SelectionArgs};
 use crate::flags::model::ModelArgs;
+use crate::flags::terms::ContactArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::stability::binding::{BindingSettings, binding};
+use protomer::stability::contacts::ContactCore;
 use protomer_common::{quantity, range};
 use protomer_results::End;
 use std::path::PathBuf;
@@ -33,6 +35,12 @@ pub struct BindingArgs {
     /// Temperature, K.
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
+    /// Leave out the integration of the dissociation constant over the poses around the given one.
+    #[arg(long)]
+    no_kd: bool,
+    /// Seed of the random numbers of the integration.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
     /// Find what each exchange of charge at the interface (heavy atoms within 5 Å of the partner) would
     /// change, at the first salt: two more solves for each residue.
     #[arg(long)]
@@ -55,6 +63,8 @@ pub struct BindingArgs {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
+    attraction: ContactArgs,
+    #[command(flatten)]
     selection: SelectionArgs,
 }
 
@@ -71,14 +81,18 @@ impl BindingArgs {
     }
 
     fn settings(&self) -> Result<BindingSettings> {
+        let model = self
+            .model
+            .model()
+            .unwrap_or(BindingSettings::default().model);
         Ok(BindingSettings {
             receptor: self.receptor.clone(),
             ligand: self.ligand.clone(),
             bodies: self.bodies.body.clone(),
-            model: self
-                .model
-                .model()
-                .unwrap_or(BindingSettings::default().model),
+            model,
+            contacts: self
+                .attraction
+                .over(model.contacts(), ContactCore::Surface)?,
             selection: self.selection.settings(),
             ph: self.ph.clone(),
             salt_molar: quantity::salt_list(&self.salt)?,
@@ -88,6 +102,8 @@ impl BindingArgs {
             ion_radius_angstrom: self.ion_radius,
             spacing_angstrom: self.spacing,
             margin_angstrom: self.margin,
+            integrates: !self.no_kd,
+            seed: self.seed,
             exchanges: self.exchanges,
         })
     }

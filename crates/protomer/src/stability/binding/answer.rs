@@ -57,6 +57,7 @@ impl Binding {
             "effect of salt (kT)",
             "error",
             "affinity (kcal/mol)",
+            "log10 K_D integrated (M)",
             "fast interaction (kT)",
         ])];
         for of in &self.conditions {
@@ -68,6 +69,7 @@ impl Binding {
                 format!("{:+.2}", of.salt_effect_kt),
                 format!("{:.2}", of.salt_effect_error_kt),
                 format!("{:.1}", of.delta_g_kcal_per_mol),
+                integrated_in_words(of),
                 terms_in_words(of),
             ]);
         }
@@ -104,6 +106,13 @@ impl Binding {
 
 fn ph_in_words(ph: Option<f64>) -> String {
     ph.map_or("-".into(), |ph| format!("{ph:.2}"))
+}
+
+fn integrated_in_words(of: &BindingCondition) -> String {
+    match (of.log10_kd_molar, of.log10_kd_error) {
+        (Some(value), Some(error)) => format!("{value:.1} ± {error:.1}"),
+        _ => "-".into(),
+    }
 }
 
 /// The energy of the fast interaction; with its terms where there are several.

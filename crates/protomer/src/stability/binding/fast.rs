@@ -13,6 +13,7 @@ use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Boundary, Pose};
 use protomer_mc::energy::terms::Term;
 use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::pair::BodyPair;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -23,6 +24,13 @@ const CONTACT_GAP_ANGSTROM: f64 = 5.0;
 pub(super) struct FastInteraction {
     engine: Engine,
     settings: RunSettings,
+}
+
+/// The same bodies in one medium.
+pub(super) struct FastMedium {
+    engine: Engine,
+    settings: RunSettings,
+    interaction: ScreenedCoulomb,
 }
 
 /// The energy of a pose.
@@ -62,7 +70,7 @@ impl FastInteraction {
             engine: Engine::new(assembly)?,
             settings: RunSettings {
                 solvent_response: settings.model.solvent_response(),
-                contacts: settings.model.contacts().filter(|_| has_beads),
+                contacts: settings.contacts.filter(|_| has_beads),
                 ..inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM)
             },
         })
@@ -81,24 +89,40 @@ impl FastInteraction {
         self.settings.model_name(&self.engine.assembly().bodies)
     }
 
+    /// The two bodies in a medium; the response of the solvent is solved here.
+    ///
+    /// # Errors
+    /// If the response cannot be solved.
+    pub fn in_medium(&self, interaction: &ScreenedCoulomb) -> Result<FastMedium> {
+        Ok(FastMedium {
+            engine: self.engine.in_medium(&self.settings, interaction)?,
+            settings: self.settings.clone(),
+            interaction: *interaction,
+        })
+    }
+}
+
+impl FastMedium {
     /// The energy that `inspect` prints for this pose with the same model, by terms.
     ///
     /// # Errors
     /// If the energy is not finite.
-    pub fn energy(&self, interaction: &ScreenedCoulomb) -> Result<FastEnergy> {
-        let engine = self.engine.in_medium(&self.settings, interaction)?;
-        let system = engine.system()?;
-        let mut model = engine.energy_model(&self.settings, interaction)?;
+    pub fn energy(&self) -> Result<FastEnergy> {
+        let system = self.engine.system()?;
+        let mut model = self
+            .engine
+            .energy_model(&self.settings, &self.interaction)?;
         model.reset(&system)?;
         let mut charges_kt = 0.0;
         for pair in model.pairs(&system) {
             charges_kt += pair.energy_kt;
         }
         let mut terms_kt = BTreeMap::from([(Term::Charges.name(), charges_kt)]);
-        let poses = &engine.assembly().poses;
+        let poses = &self.engine.assembly().poses;
         let displacement = poses[1].position - poses[0].position;
         let relative = RelativePose::new(&poses[0], &poses[1], &displacement);
-        for term in engine
+        for term in self
+            .engine
             .terms()
             .into_iter()
             .flat_map(|terms| &terms.of((0, 1)).0)
@@ -106,5 +130,24 @@ impl FastInteraction {
             *terms_kt.entry(term.term().name()).or_default() += term.energy_kt(&relative);
         }
         Ok(FastEnergy { terms_kt })
+    }
+
+    /// The bodies and what acts between them, with tables of the charges for many energies.
+    ///
+    /// # Errors
+    /// If the charges have no screening.
+    pub fn pair(&self, for_many: bool) -> Result<BodyPair> {
+        let gap_angstrom = self.settings.contact_gap_angstrom;
+        self.engine
+            .body_pair(&self.interaction, gap_angstrom, for_many)
+    }
+
+    /// The second body in the frame of the first; both have the orientation of their file.
+    pub fn pose(&self) -> Pose {
+        let poses = &self.engine.assembly().poses;
+        Pose {
+            position: poses[1].position - poses[0].position,
+            ..Pose::identity()
+        }
     }
 }

@@ -8,12 +8,14 @@
 //! | `input` | two bodies in one frame, from two files or from the chains of one |
 //! | `interface` | which residues touch, and whether the bodies are in one frame at all |
 //! | `estimate` | the calibrated estimate of the affinity against salt and pH |
+//! | `bound_state` | the dissociation constant of the pose by integration |
 //! | `fast` | the interaction of simulations for the pose, by terms |
 //! | `exchanges` | what single exchanges of charge at the interface would change |
 //! | `result` | the answer, as JSON has it |
 //! | `answer` | the answer in words |
 
 mod answer;
+mod bound_state;
 mod estimate;
 mod exchanges;
 mod fast;
@@ -22,6 +24,7 @@ mod interface;
 mod result;
 mod settings;
 
+pub use bound_state::BoundStateSummary;
 pub use result::{Binding, BindingCondition, BoundBody, ExchangeRow, SlopeAtPh};
 pub use settings::BindingSettings;
 
@@ -81,7 +84,10 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
         };
         let contacts = interface.affinity(&partners);
         let estimate = Estimate::new(&inputs, &partners, contacts, *ph, settings, &energy)?;
-        found.add(*ph, settings, &energy, &fast, &estimate)?;
+        found.add(*ph, settings, &energy, &fast, &estimate, execution)?;
+        if execution.interrupt.is_requested() {
+            return Ok(End::Stopped);
+        }
         found.add_exchanges(*ph, &charges, &energy);
     }
     found.finish();

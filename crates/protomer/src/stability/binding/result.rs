@@ -1,5 +1,6 @@
 //! The charge part of a binding free energy, as JSON has it.
 
+use super::bound_state::{BoundStateSummary, Sampled};
 use super::estimate::Estimate;
 use super::exchanges::{InterfaceCharge, rows};
 use super::fast::FastInteraction;
@@ -7,10 +8,12 @@ use super::input::{Inputs, Partners};
 use super::interface::Interface;
 use super::settings::BindingSettings;
 use crate::stability::affinity::{ContactAffinity, ERROR_KCAL_PER_MOL};
+use crate::stability::model::OWN_TERMS;
 use crate::stability::residues::{Change, ResidueName};
 use anyhow::Result;
 use protomer_field::Grid;
 use protomer_field::binding::BindingEnergy;
+use protomer_results::Execution;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -40,6 +43,9 @@ pub struct Binding {
     pub d_ln_k_d_ln_salt_error: Option<f64>,
     /// Each pH with each salt.
     pub conditions: Vec<BindingCondition>,
+    /// The bound state at each pH and the first salt.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub bound_states: Vec<BoundStateSummary>,
     /// The slope at each pH.
     pub slopes: Vec<SlopeAtPh>,
     /// Exchanges of charge at the interface, at the first salt.
@@ -95,6 +101,11 @@ pub struct BindingCondition {
     pub delta_g_kcal_per_mol: f64,
     /// Its error in the calibration, kcal/mol.
     pub delta_g_error_kcal_per_mol: f64,
+    /// log₁₀ of the dissociation constant in mol/L that the energies of the model give by integration over the
+    /// poses around the given one; null if it was not requested, or nothing has room there.
+    pub log10_kd_molar: Option<f64>,
+    /// Its standard error.
+    pub log10_kd_error: Option<f64>,
     /// Energy of the fast interaction for the same pose, kT.
     pub energy_kt: f64,
     /// The same by terms, kT.
@@ -137,7 +148,7 @@ pub struct ExchangeRow {
 impl Binding {
     pub(super) fn new(settings: &BindingSettings, inputs: &Inputs) -> Self {
         Self {
-            model: settings.model.name(),
+            model: OWN_TERMS,
             bodies: Vec::new(),
             overlaps: false,
             native_contacts: 0,
@@ -146,6 +157,7 @@ impl Binding {
             d_ln_k_d_ln_salt: None,
             d_ln_k_d_ln_salt_error: None,
             conditions: Vec::new(),
+            bound_states: Vec::new(),
             slopes: Vec::new(),
             exchanges: settings.exchanges.then(Vec::new),
             temperature_kelvin: settings.temperature_kelvin,
@@ -197,11 +209,28 @@ impl Binding {
         energy: &BindingEnergy,
         fast: &FastInteraction,
         estimate: &Estimate,
+        execution: &Execution,
     ) -> Result<()> {
         let medium = settings.medium();
         let before = self.conditions.len();
-        for (salt_molar, found) in settings.salt_molar.iter().zip(&energy.at_salts) {
-            let of_pose = fast.energy(&medium.interaction(Some(*salt_molar))?)?;
+        let mut sampled: Option<Sampled> = None;
+        for (number, found) in energy
+            .at_salts
+            .iter()
+            .take(settings.salt_molar.len())
+            .enumerate()
+        {
+            let salt_molar = &settings.salt_molar[number];
+            let in_medium = fast.in_medium(&medium.interaction(Some(*salt_molar))?)?;
+            let of_pose = in_medium.energy()?;
+            let dissociation = match &sampled {
+                Some(sampled) => Some(sampled.dissociation_in(&in_medium)?),
+                None if number == 0 && settings.integrates => {
+                    sampled = Sampled::new(&in_medium, self.overlaps, settings.seed, execution)?;
+                    sampled.as_ref().map(Sampled::dissociation)
+                }
+                None => None,
+            };
             self.conditions.push(BindingCondition {
                 salt_molar: *salt_molar,
                 ph,
@@ -211,9 +240,15 @@ impl Binding {
                 salt_effect_error_kt: found.salt_effect_error_kt,
                 delta_g_kcal_per_mol: estimate.delta_g_kcal_per_mol(found.salt_effect_kt),
                 delta_g_error_kcal_per_mol: ERROR_KCAL_PER_MOL,
+                log10_kd_molar: dissociation.map(|found| found.log10_kd_molar),
+                log10_kd_error: dissociation.map(|found| found.log10_kd_error),
                 energy_kt: of_pose.total_kt(),
                 terms_kt: of_pose.terms_kt,
             });
+        }
+        if let Some(sampled) = sampled {
+            self.bound_states.push(sampled.summary(ph));
+            self.warnings.extend(sampled.warnings());
         }
         let at_ph = &self.conditions[before..];
         self.slopes.push(SlopeAtPh {
@@ -287,6 +322,8 @@ mod tests {
             salt_effect_error_kt: 0.0,
             delta_g_kcal_per_mol: 0.0,
             delta_g_error_kcal_per_mol: 0.0,
+            log10_kd_molar: None,
+            log10_kd_error: None,
             energy_kt: 0.0,
             terms_kt: BTreeMap::new(),
         }

@@ -2,6 +2,7 @@
 
 use super::estimate::salts_to_solve;
 use crate::bodies::chain_groups::ChainNames;
+use crate::stability::contacts::ContactTerm;
 use crate::stability::interaction::InteractionSettings;
 use crate::stability::model::Model;
 use anyhow::{Result, bail};
@@ -20,8 +21,10 @@ pub struct BindingSettings {
     pub ligand: Option<PathBuf>,
     /// The chains of the two bodies; empty for a file each, or for the two chains of one file.
     pub bodies: Vec<ChainNames>,
-    /// What acts between the bodies, for the energy of simulations.
+    /// The model that says which bodies are made and how charges interact, for the energy of simulations.
     pub model: Model,
+    /// Attraction between residues, for the same energy.
+    pub contacts: Option<ContactTerm>,
     /// Which atoms of structure files to use.
     pub selection: SelectionSettings,
     /// pH values at which structure files are charged; the usual one if empty.
@@ -40,6 +43,10 @@ pub struct BindingSettings {
     pub spacing_angstrom: f64,
     /// Least distance of the atoms from the faces of the fine grid, Å.
     pub margin_angstrom: f64,
+    /// Whether to integrate the dissociation constant over the poses around the given one.
+    pub integrates: bool,
+    /// Seed of the random numbers of the integration.
+    pub seed: u64,
     /// Whether to find what single exchanges of charge at the interface would change.
     pub exchanges: bool,
 }
@@ -51,6 +58,7 @@ impl Default for BindingSettings {
             ligand: None,
             bodies: Vec::new(),
             model: Model::Natural1,
+            contacts: Model::Natural1.contacts(),
             selection: SelectionSettings::default(),
             ph: Vec::new(),
             salt_molar: Vec::new(),
@@ -60,6 +68,8 @@ impl Default for BindingSettings {
             ion_radius_angstrom: 2.0,
             spacing_angstrom: Self::SPACING_ANGSTROM,
             margin_angstrom: Self::MARGIN_ANGSTROM,
+            integrates: true,
+            seed: 1,
             exchanges: false,
         }
     }

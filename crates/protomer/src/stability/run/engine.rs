@@ -14,6 +14,7 @@ use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
+use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -134,6 +135,40 @@ impl Engine {
     /// The assembly.
     pub fn assembly(&self) -> &Assembly {
         &self.assembly
+    }
+
+    /// The first two bodies and what acts between them, for integrals over their poses; with tables of their charges
+    /// where many energies are needed.
+    ///
+    /// # Errors
+    /// If the charges have no screening.
+    pub fn body_pair(
+        &self,
+        interaction: &ScreenedCoulomb,
+        contact_gap_angstrom: f64,
+        with_tables: bool,
+    ) -> Result<BodyPair> {
+        let kind = |number: usize| Arc::clone(&self.types[self.assembly.kinds[number]]);
+        let (first, second) = (kind(0), kind(1));
+        let charged = Charged::new(interaction.yukawa()?, &first.charges, &second.charges)?;
+        let charged = match with_tables {
+            true => charged.with_tables(Arc::ptr_eq(&first, &second)),
+            false => charged,
+        };
+        let mut potential = Terms(vec![Arc::new(charged)]);
+        if let Some(terms) = &self.terms {
+            let kinds = &self.assembly.kinds;
+            potential
+                .0
+                .extend(terms.of((kinds[0], kinds[1])).0.iter().cloned());
+        }
+        Ok(BodyPair {
+            first,
+            second,
+            potential,
+            core: Core::Surfaces,
+            contact_gap_angstrom,
+        })
     }
 
     /// What acts beside the charges; `None` if nothing does.
