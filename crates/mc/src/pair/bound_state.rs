@@ -78,6 +78,9 @@ const LEFT: f64 = 1e-3;
 const MOST_TRIES: u64 = 2000;
 /// Accepted steps that a walk should have.
 const WANTED_STEPS: f64 = 12.0;
+/// Shortest step of a walk, in differences of live poses; the longest is one. Shorter ones mix too slowly: with 0.05 the
+/// integral of a harmonic well comes out 28 % too large.
+const SHORTEST: f64 = 0.25;
 /// Fewest and most steps of a walk.
 const STEPS: (f64, f64) = (16.0, 160.0);
 /// Poses drawn from each run.
@@ -365,7 +368,7 @@ impl Region {
         for _ in 0..steps {
             let (a, b) = (other(rng), other(rng));
             let scale =
-                0.05_f64.powf(rng.uniform()) * (if rng.uniform() < 0.5 { 1.0 } else { -1.0 });
+                SHORTEST.powf(rng.uniform()) * (if rng.uniform() < 0.5 { 1.0 } else { -1.0 });
             let place = walk.end.place + scale * (live[a].place - live[b].place);
             let (mark, uniform) = (rng.uniform(), rng.uniform());
             let density = |place: &Vector6<f64>| rotation_density(parts(place).1.norm());
@@ -652,7 +655,7 @@ mod tests {
         let by_shift = (2.0 * PI).powf(1.5) / (20.0_f64 * 60.0 * 5.0).sqrt();
         let by_turn = over_rotations(|angle| (-0.5 * 900.0 * angle * angle).exp());
         let exact = 30.0 + (by_shift * by_turn).ln();
-        let mut squares = Vec::new();
+        let (mut squares, mut bias) = (Vec::new(), 0.0);
         for seed in 0..20 {
             let settings = BoundStateSettings {
                 seed,
@@ -662,9 +665,12 @@ mod tests {
             assert!(state.ln_association_error < 0.5);
             let deviation = (state.ln_association_angstrom3 - exact) / state.ln_association_error;
             squares.push(deviation.powi(2));
+            bias += deviation / 20.0;
         }
+        // Of 20 independent deviations of one, the mean has an error of 0.22.
+        assert!(bias.abs() < 0.7, "{bias}");
         let mean = squares.iter().sum::<f64>() / 20.0;
-        assert!((0.3..2.5).contains(&mean), "{squares:?}");
+        assert!((0.3..2.0).contains(&mean), "{squares:?}");
     }
 
     #[test]
