@@ -12,6 +12,9 @@ pub const VACUUM_PERMITTIVITY_FARAD_PER_METRE: f64 = 8.854_187_818_8e-12;
 /// Particles per Å³ at a concentration of 1 mol/L.
 pub const NUMBER_DENSITY_PER_MOLAR: f64 = AVOGADRO_PER_MOL * 1e-27;
 
+/// Kilojoules in a thermochemical kilocalorie.
+pub const KILOJOULES_PER_KILOCALORIE: f64 = 4.184;
+
 /// The thermal energy of one mole, k_B T N_A in kJ/mol: what one kT is worth.
 ///
 /// ```

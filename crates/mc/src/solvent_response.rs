@@ -27,7 +27,7 @@ pub struct ResponseGrid {
     pub values: Vec<[f32; 3]>,
 }
 
-/// What the response of one kind of body in one medium needs.
+/// Tables and sites of one kind of body in one medium, for the response.
 #[derive(Debug)]
 pub struct ResponseBody {
     grid: ResponseGrid,

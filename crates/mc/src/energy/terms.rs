@@ -48,7 +48,7 @@ pub enum Term {
 }
 
 impl Term {
-    /// Its name in answers.
+    /// Name of the term in answers.
     pub fn name(self) -> &'static str {
         match self {
             Self::Charges => "charges",

@@ -54,12 +54,14 @@ impl Default for BoundStateSettings {
 pub struct BoundState {
     /// Natural logarithm of K_A in Å³.
     pub ln_association_angstrom3: f64,
-    /// Its standard error.
+    /// Standard error of that logarithm.
     pub ln_association_error: f64,
     /// Mean energy, kT.
     pub mean_energy_kt: f64,
-    /// Lowest energy that was met, kT.
+    /// Lowest energy of all sampled poses, kT.
     pub lowest_energy_kt: f64,
+    /// Pose of the lowest energy.
+    pub lowest_pose: Pose,
     /// Displacement of that pose from the given one, Å (root mean square).
     pub lowest_displacement_angstrom: f64,
     /// Root mean square displacement from the given pose over the state, Å.
@@ -147,7 +149,7 @@ impl Live {
     }
 }
 
-/// What one run found.
+/// Result of one run.
 struct Nested {
     /// Poses with the logarithms of their weights in the integral.
     poses: Vec<(Live, f64)>,
@@ -409,6 +411,7 @@ impl Region {
             ln_association_error: spread.max(expected).sqrt(),
             mean_energy_kt: 0.0,
             lowest_energy_kt: f64::INFINITY,
+            lowest_pose: self.about,
             lowest_displacement_angstrom: 0.0,
             displacement_angstrom: 0.0,
             share_at_limit: 0.0,
@@ -426,6 +429,7 @@ impl Region {
             }
             if pose.energy_kt < state.lowest_energy_kt {
                 state.lowest_energy_kt = pose.energy_kt;
+                state.lowest_pose = self.pose(&pose.place);
                 state.lowest_displacement_angstrom = square.sqrt();
             }
         }

@@ -18,6 +18,7 @@ use protomer_body::Residue;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::chemistry::residue_names::parent_amino_acid;
 use protomer_body::residue_contacts::ContactScale;
+use protomer_kernel::units::KILOJOULES_PER_KILOCALORIE;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -34,8 +35,6 @@ const POLAR_PAIR_KCAL_PER_MOL: f64 = 0.251;
 pub const ERROR_KCAL_PER_MOL: f64 = 1.63;
 /// Contacts of the complexes of the fit, from the fewest to the most.
 const CALIBRATED_CONTACTS: [f64; 2] = [29.0, 124.0];
-/// kJ in a kcal.
-const KILOJOULES: f64 = 4.184;
 
 /// The contacts between the residues of two bodies, as the estimate counts them.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
@@ -68,7 +67,7 @@ impl ContactAffinity {
     fn add(&mut self, first: AminoAcid, second: AminoAcid, share: f64) {
         let depth_kj_per_mol = ContactScale::Calvados3.depth_kj_per_mol(first, second);
         self.contacts += share;
-        self.attraction_kcal_per_mol -= share * depth_kj_per_mol / KILOJOULES;
+        self.attraction_kcal_per_mol -= share * depth_kj_per_mol / KILOJOULES_PER_KILOCALORIE;
         if is_polar(first) && is_polar(second) {
             self.polar_contacts += share;
         }

@@ -1,21 +1,22 @@
 //! The dissociation constant of the pose by integration over the poses around it.
 //!
-//! The first salt is sampled. For the others the poses that were drawn are weighted by the change of their energy,
-//! which is nearly the same for all of them.
+//! The poses are sampled at the first salt, without the response of the solvent: it costs most of an energy, and is
+//! nearly the same for all poses of a well. Each salt then weights the poses by the change of their energy.
 
 use super::fast::FastMedium;
 use anyhow::Result;
+use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use protomer_mc::pair::{BodyPair, BoundState, BoundStateSettings};
 use protomer_results::Execution;
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
-/// Å³ per molecule at 1 mol/L.
-const ANGSTROM3_AT_ONE_MOLAR: f64 = 1_660.539_067_2;
 /// A lowest pose farther than this from the given one is another pose, Å.
 const SAME_POSE_ANGSTROM: f64 = 2.0;
 /// The lowest energy met may lie this far above the given pose, kT.
 const MISSED_KT: f64 = 1.0;
+/// Fewest poses, by weight, that a constant may rest on.
+const FEWEST_POSES: f64 = 20.0;
 /// With a larger share of the state near its limit, the limit decides.
 const MOST_AT_LIMIT: f64 = 0.1;
 
@@ -40,21 +41,27 @@ pub struct BoundStateSummary {
     pub evaluations: u64,
 }
 
-/// log₁₀ of K_D in mol/L and its standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Dissociation {
-    pub log10_kd_molar: f64,
-    pub log10_kd_error: f64,
-}
-
 /// A sampled bound state, and the bodies that it was sampled with.
 pub(super) struct Sampled {
+    /// The bodies without the response of the solvent.
     pair: BodyPair,
     state: BoundState,
-    /// Energy of the given pose, kT.
+    /// Energy of the given pose without the response, kT.
     given_kt: f64,
     /// Whether the hard bodies overlap in the given pose.
     overlaps: bool,
+}
+
+/// A sampled state in one medium.
+pub(super) struct Weighted {
+    pub log10_kd_molar: f64,
+    pub log10_kd_error: f64,
+    ln_association_angstrom3: f64,
+    mean_energy_kt: f64,
+    /// Energy of the lowest pose that was sampled, kT.
+    lowest_energy_kt: f64,
+    /// Number of poses that would carry the same information with equal weights.
+    effective_poses: f64,
 }
 
 impl Sampled {
@@ -68,7 +75,7 @@ impl Sampled {
         seed: u64,
         execution: &Execution,
     ) -> Result<Option<Self>> {
-        let pair = medium.pair(true)?;
+        let pair = medium.pair_without_response()?;
         let settings = BoundStateSettings {
             seed,
             ..BoundStateSettings::default()
@@ -84,55 +91,54 @@ impl Sampled {
         }))
     }
 
-    /// K_D at the salt that was sampled.
-    pub fn dissociation(&self) -> Dissociation {
-        dissociation(
-            self.state.ln_association_angstrom3,
-            self.state.ln_association_error,
-        )
-    }
-
-    /// K_D in another medium: ln K_A grows by ln <exp(-ΔU)> over the poses.
+    /// The state in a medium: ln K_A grows by ln <exp(-ΔU)> over the poses.
     ///
     /// # Errors
     /// If the charges have no screening.
-    pub fn dissociation_in(&self, medium: &FastMedium) -> Result<Dissociation> {
-        let other = medium.pair(false)?;
-        let mut factors = Vec::with_capacity(self.state.samples.len());
+    pub fn in_medium(&self, medium: &FastMedium) -> Result<Weighted> {
+        let whole = medium.pair()?;
+        let (mut sum, mut squares, mut energies) = (0.0, 0.0, 0.0);
         for pose in &self.state.samples {
-            let change_kt = other.energy_kt(pose) - self.pair.energy_kt(pose);
-            factors.push((-change_kt).exp());
+            let energy_kt = whole.energy_kt(pose);
+            let weight = (self.pair.energy_kt(pose) - energy_kt).exp();
+            sum += weight;
+            squares += weight * weight;
+            energies += weight * energy_kt;
         }
-        let count = factors.len() as f64;
-        let mean = factors.iter().sum::<f64>() / count;
-        let spread = factors
-            .iter()
-            .map(|factor| (factor - mean).powi(2))
-            .sum::<f64>();
-        let variance = spread / (count * (count - 1.0)) / mean.powi(2);
-        Ok(dissociation(
-            self.state.ln_association_angstrom3 + mean.ln(),
-            (self.state.ln_association_error.powi(2) + variance).sqrt(),
-        ))
+        let count = self.state.samples.len() as f64;
+        let mean = sum / count;
+        let variance = (squares / count / mean.powi(2) - 1.0) / (count - 1.0);
+        let ln_association_angstrom3 = self.state.ln_association_angstrom3 + mean.ln();
+        let ln_error = (self.state.ln_association_error.powi(2) + variance).sqrt();
+        Ok(Weighted {
+            log10_kd_molar: -(NUMBER_DENSITY_PER_MOLAR.ln() + ln_association_angstrom3) / LN_10,
+            log10_kd_error: ln_error / LN_10,
+            ln_association_angstrom3,
+            mean_energy_kt: energies / sum,
+            lowest_energy_kt: whole.energy_kt(&self.state.lowest_pose),
+            effective_poses: sum.powi(2) / squares,
+        })
     }
 
-    pub fn summary(&self, ph: Option<f64>) -> BoundStateSummary {
+    /// The state in the medium that it was sampled in.
+    pub fn summary(&self, ph: Option<f64>, weighted: &Weighted) -> BoundStateSummary {
         let state = &self.state;
         BoundStateSummary {
             ph,
-            mean_energy_kt: state.mean_energy_kt,
-            lowest_energy_kt: state.lowest_energy_kt,
+            mean_energy_kt: weighted.mean_energy_kt,
+            lowest_energy_kt: weighted.lowest_energy_kt,
             lowest_displacement_angstrom: state.lowest_displacement_angstrom,
             displacement_angstrom: state.displacement_angstrom,
             // ΔG = <U> - TΔS, and K_A in units of 1/(mol/L) is exp(-ΔG).
-            entropy_loss_kt: -(state.ln_association_angstrom3 - ANGSTROM3_AT_ONE_MOLAR.ln())
-                - state.mean_energy_kt,
+            entropy_loss_kt: -NUMBER_DENSITY_PER_MOLAR.ln()
+                - weighted.ln_association_angstrom3
+                - weighted.mean_energy_kt,
             share_at_limit: state.share_at_limit,
             evaluations: state.evaluations,
         }
     }
 
-    /// What a user should know of this state.
+    /// Warnings about this state.
     pub fn warnings(&self) -> Vec<String> {
         let (state, mut warnings) = (&self.state, Vec::new());
         if !self.overlaps && state.lowest_energy_kt > self.given_kt + MISSED_KT {
@@ -160,9 +166,15 @@ impl Sampled {
     }
 }
 
-fn dissociation(ln_association_angstrom3: f64, ln_error: f64) -> Dissociation {
-    Dissociation {
-        log10_kd_molar: (ANGSTROM3_AT_ONE_MOLAR.ln() - ln_association_angstrom3) / LN_10,
-        log10_kd_error: ln_error / LN_10,
+impl Weighted {
+    /// A warning if too few poses carry the weight.
+    pub fn warning(&self, salt_molar: f64) -> Option<String> {
+        (self.effective_poses < FEWEST_POSES).then(|| {
+            format!(
+                "warning: at {salt_molar} M the integrated K_D rests on {:.0} poses of the first salt, and its error is \
+                 uncertain; give this salt first, or alone",
+                self.effective_poses
+            )
+        })
     }
 }

@@ -10,12 +10,10 @@ use crate::stability::affinity::ContactAffinity;
 use anyhow::Result;
 use protomer_field::binding::BindingEnergy;
 use protomer_kernel::potential::Yukawa;
-use protomer_kernel::units::kilojoule_per_mol_per_kt;
+use protomer_kernel::units::{KILOJOULES_PER_KILOCALORIE, kilojoule_per_mol_per_kt};
 
 /// Salt at which the contacts alone give the estimate, mol/L.
 const REFERENCE_SALT_MOLAR: f64 = 0.15;
-/// kJ in a kcal.
-const KILOJOULES: f64 = 4.184;
 
 /// The estimate at one pH.
 pub(super) struct Estimate {
@@ -58,7 +56,8 @@ impl Estimate {
             contacts,
             ph_effect_kt: ph_effect_kt(inputs, partners, ph, settings)?,
             reference_effect_kt: found.map_or(0.0, |found| found.salt_effect_kt),
-            kcal_per_mol_per_kt: kilojoule_per_mol_per_kt(settings.temperature_kelvin) / KILOJOULES,
+            kcal_per_mol_per_kt: kilojoule_per_mol_per_kt(settings.temperature_kelvin)
+                / KILOJOULES_PER_KILOCALORIE,
         })
     }
 

@@ -132,14 +132,29 @@ impl FastMedium {
         Ok(FastEnergy { terms_kt })
     }
 
-    /// The bodies and what acts between them, with tables of the charges for many energies.
+    /// The bodies and what acts between them.
     ///
     /// # Errors
     /// If the charges have no screening.
-    pub fn pair(&self, for_many: bool) -> Result<BodyPair> {
+    pub fn pair(&self) -> Result<BodyPair> {
         let gap_angstrom = self.settings.contact_gap_angstrom;
         self.engine
-            .body_pair(&self.interaction, gap_angstrom, for_many)
+            .body_pair(&self.interaction, gap_angstrom, false)
+    }
+
+    /// The same without the response of the solvent, with tables of the charges for many energies.
+    ///
+    /// # Errors
+    /// If the charges have no screening.
+    pub fn pair_without_response(&self) -> Result<BodyPair> {
+        let gap_angstrom = self.settings.contact_gap_angstrom;
+        let mut pair = self
+            .engine
+            .body_pair(&self.interaction, gap_angstrom, true)?;
+        pair.potential
+            .0
+            .retain(|term| term.term() != Term::SolventResponse);
+        Ok(pair)
     }
 
     /// The second body in the frame of the first; both have the orientation of their file.

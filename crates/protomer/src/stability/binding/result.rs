@@ -34,7 +34,7 @@ pub struct Binding {
     pub native_contacts: usize,
     /// Distance of the closest heavy atoms, Å.
     pub closest_angstrom: f64,
-    /// What the calibrated estimate of the affinity rests on.
+    /// Contacts that the calibrated estimate of the affinity rests on.
     pub affinity: ContactAffinity,
     /// Slope d ln K / d ln c of the association constant with the salt concentration at the first pH,
     /// from the charge part alone; null with a single salt.
@@ -99,12 +99,12 @@ pub struct BindingCondition {
     pub salt_effect_error_kt: f64,
     /// Calibrated estimate of the standard binding free energy at 1 M, kcal/mol.
     pub delta_g_kcal_per_mol: f64,
-    /// Its error in the calibration, kcal/mol.
+    /// Error of that estimate in the calibration, kcal/mol.
     pub delta_g_error_kcal_per_mol: f64,
     /// log₁₀ of the dissociation constant in mol/L that the energies of the model give by integration over the
     /// poses around the given one; null if it was not requested, or nothing has room there.
     pub log10_kd_molar: Option<f64>,
-    /// Its standard error.
+    /// Standard error of log10_kd_molar.
     pub log10_kd_error: Option<f64>,
     /// Energy of the fast interaction for the same pose, kT.
     pub energy_kt: f64,
@@ -223,14 +223,20 @@ impl Binding {
             let salt_molar = &settings.salt_molar[number];
             let in_medium = fast.in_medium(&medium.interaction(Some(*salt_molar))?)?;
             let of_pose = in_medium.energy()?;
-            let dissociation = match &sampled {
-                Some(sampled) => Some(sampled.dissociation_in(&in_medium)?),
-                None if number == 0 && settings.integrates => {
-                    sampled = Sampled::new(&in_medium, self.overlaps, settings.seed, execution)?;
-                    sampled.as_ref().map(Sampled::dissociation)
-                }
+            if number == 0 && settings.integrates {
+                sampled = Sampled::new(&in_medium, self.overlaps, settings.seed, execution)?;
+            }
+            let weighted = match &sampled {
+                Some(sampled) => Some(sampled.in_medium(&in_medium)?),
                 None => None,
             };
+            if let (Some(sampled), Some(weighted)) = (&sampled, &weighted) {
+                self.warnings.extend(weighted.warning(*salt_molar));
+                if number == 0 {
+                    self.bound_states.push(sampled.summary(ph, weighted));
+                    self.warnings.extend(sampled.warnings());
+                }
+            }
             self.conditions.push(BindingCondition {
                 salt_molar: *salt_molar,
                 ph,
@@ -240,15 +246,11 @@ impl Binding {
                 salt_effect_error_kt: found.salt_effect_error_kt,
                 delta_g_kcal_per_mol: estimate.delta_g_kcal_per_mol(found.salt_effect_kt),
                 delta_g_error_kcal_per_mol: ERROR_KCAL_PER_MOL,
-                log10_kd_molar: dissociation.map(|found| found.log10_kd_molar),
-                log10_kd_error: dissociation.map(|found| found.log10_kd_error),
+                log10_kd_molar: weighted.as_ref().map(|found| found.log10_kd_molar),
+                log10_kd_error: weighted.as_ref().map(|found| found.log10_kd_error),
                 energy_kt: of_pose.total_kt(),
                 terms_kt: of_pose.terms_kt,
             });
-        }
-        if let Some(sampled) = sampled {
-            self.bound_states.push(sampled.summary(ph));
-            self.warnings.extend(sampled.warnings());
         }
         let at_ph = &self.conditions[before..];
         self.slopes.push(SlopeAtPh {
