@@ -3107,8 +3107,8 @@ def inspect(
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
@@ -3272,8 +3272,8 @@ def binding(
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
@@ -3415,10 +3415,10 @@ def pair(
     ph
         pH values at which structure files are made into bodies, such as 4.5,7
     interaction
-        What acts between the bodies beside their surfaces [default: bare]
+        Interaction of the bodies apart from their hard cores [default: bare]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     relative_error
         The wanted standard error of B2, relative to the larger of its magnitude and its hard part [default:
         0.004]
@@ -3624,8 +3624,8 @@ def simulate(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -3811,8 +3811,8 @@ def sweep(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -4000,8 +4000,8 @@ def residues(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     interaction
         What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
         bare]
@@ -5779,8 +5779,8 @@ def bench(
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     model
-        What acts between the bodies, as one choice; other flags change single terms of it [default: none;
-        natural-1 for binding]
+        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
+        for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength

@@ -1,15 +1,18 @@
 //! The flag that names a model.
 
-use super::solute::{Charges, ChargesArgs};
+use super::solute::{Charges, ChargesArgs, Insides};
 use super::terms::{ContactArgs, Scale, TermsArgs};
+use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer::assemblies::assembly_file::Assembly;
+use protomer::stability::contacts::ContactCore;
 use protomer::stability::model::Model;
+use protomer::stability::run::RunSettings;
 
-/// What acts between the bodies, as one choice.
+/// Choice of a named model.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ModelArgs {
-    /// What acts between the bodies, as one choice; other flags change single terms of it [default: none;
+    /// Model of what acts between the bodies; other flags change single terms of it [default: none;
     /// natural-1 for binding].
     #[arg(long, value_enum)]
     pub model: Option<ModelChoice>,
@@ -48,6 +51,27 @@ impl ModelArgs {
     /// A warning for bodies that were made for another model than the named one.
     pub fn core_warning(&self, assembly: &Assembly) -> Option<String> {
         self.model()?.core_warning(&assembly.bodies)
+    }
+
+    /// Settings of a pose with what acts by the model and the flags.
+    ///
+    /// # Errors
+    /// For flags that contradict each other.
+    pub fn acting(
+        &self,
+        charges: &ChargesArgs,
+        terms: &TermsArgs,
+        usual: RunSettings,
+    ) -> Result<RunSettings> {
+        let insides = self.charges(charges).insides(Insides::default())?;
+        let terms = self.terms(terms);
+        Ok(RunSettings {
+            effective_charges: insides.effective,
+            solvent_response: insides.response,
+            contacts: terms.contacts(None, ContactCore::Surface)?,
+            desolvation: terms.desolvation,
+            ..usual
+        })
     }
 
     /// The flags of the charges, with what the model says where they say nothing.

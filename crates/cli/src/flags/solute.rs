@@ -37,7 +37,7 @@ impl SoluteArgs {
     }
 }
 
-/// What acts between the charges of an assembly.
+/// Interaction between the charges of an assembly.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inside of the bodies")]
 pub struct ChargesArgs {

@@ -109,7 +109,7 @@ impl<'a> SoluteOnGrid<'a> {
         &self.grid
     }
 
-    /// What it was prepared with.
+    /// Dielectric model of the preparation.
     pub(crate) fn dielectric(&self) -> &DielectricModel {
         &self.dielectric
     }

@@ -49,10 +49,10 @@ const MARGIN_DEBYE_LENGTHS: f64 = 2.0;
 const LEAST_MARGIN_ANGSTROM: f64 = 16.0;
 const LARGEST_MARGIN_ANGSTROM: f64 = 28.0;
 
-/// What a body does to others in a medium, and what others do to it.
+/// Response between a body and others in one medium.
 #[derive(Debug, Clone)]
 pub struct SolventResponse {
-    /// What the body does to charges and volume at a place.
+    /// Table of what charges and volume feel near the body.
     pub table: ResponseTable,
     /// Where its own charges and its volume are.
     pub sites: Vec<ResponseSite>,
@@ -69,7 +69,7 @@ pub struct SolventResponse {
 /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
 /// let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.1)?);
 /// let response = solvent_response(&[ion], &model)?;
-/// // What another charge feels at 8 Å, in kT/e, beside the screened Coulomb potential.
+/// // The potential at 8 Å in kT/e, without the screened Coulomb potential.
 /// let [per_charge, _, _] = response.table.at(&Vec3::new(8.0, 0.0, 0.0));
 /// assert!(per_charge.abs() > 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -17,7 +17,7 @@ const MARGIN_ANGSTROM: f64 = 1.0;
 /// A lattice point of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponseSite {
-    /// Its place, Å.
+    /// Position, Å.
     pub place: Vec3,
     /// Charge, e.
     pub charge_e: f64,
@@ -48,7 +48,7 @@ pub(super) fn gather(spheres: &[ChargedSphere], solute: &SoluteOnGrid<'_>) -> Ve
     lattice.sites()
 }
 
-/// What the points of a lattice hold: charge, volume of low permittivity, volume without ions.
+/// Contents of the points of a lattice: charge, volume of low permittivity, volume without ions.
 struct Lattice {
     grid: Grid,
     held: Vec<[f64; 3]>,

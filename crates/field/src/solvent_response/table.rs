@@ -116,7 +116,7 @@ fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Gr
     values
 }
 
-/// What one of the two media contributes.
+/// Contribution of one of the two media.
 struct Part<'a> {
     solute: &'a SoluteOnGrid<'a>,
     potential: &'a Potential,

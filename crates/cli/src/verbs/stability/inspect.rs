@@ -3,7 +3,7 @@
 use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
-use crate::flags::solute::{ChargesArgs, Insides};
+use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::flags::tolerance::ToleranceArgs;
@@ -12,9 +12,7 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::stability::contacts::ContactCore;
 use protomer::stability::inspect::{inspect, inspection_settings};
-use protomer::stability::run::RunSettings;
 use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
@@ -68,20 +66,8 @@ impl InspectArgs {
             true => Some(self.conditions.interaction_for(energy)?),
             false => None,
         };
-        let insides = self
-            .model
-            .charges(&self.charges)
-            .insides(Insides::default())?;
-        let settings = RunSettings {
-            effective_charges: insides.effective,
-            solvent_response: insides.response,
-            contacts: self
-                .model
-                .terms(&self.terms)
-                .contacts(None, ContactCore::Surface)?,
-            desolvation: self.terms.desolvation,
-            ..inspection_settings(energy, self.tolerance.tolerance, self.contact_gap)
-        };
+        let usual = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
+        let settings = self.model.acting(&self.charges, &self.terms, usual)?;
         let found = inspect(&engine, &settings, interaction)?;
         let warnings = found.warnings.clone();
         Ok(Reply::data(found).with_notes(warnings))

@@ -39,7 +39,7 @@ pub struct PairArgs {
     /// pH values at which structure files are made into bodies, such as 4.5,7.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     ph: Vec<f64>,
-    /// What acts between the bodies beside their surfaces [default: bare].
+    /// Interaction of the bodies apart from their hard cores [default: bare].
     #[arg(long, value_enum)]
     interaction: Option<Interaction>,
     #[command(flatten)]
@@ -184,7 +184,7 @@ impl PairArgs {
         }
     }
 
-    /// What acts between the charges, stated or by the model.
+    /// Interaction of the charges, stated or by the model.
     fn interaction(&self) -> Interaction {
         let response = self.model.model().map(Model::solvent_response);
         let by_model = match response {

@@ -4,13 +4,12 @@ use crate::flags::cache::CacheArgs;
 use crate::flags::choices::ExportViewer;
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
-use crate::flags::solute::{ChargesArgs, Insides};
+use crate::flags::solute::ChargesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::stability::contacts::ContactCore;
 use protomer::stability::residues::{PoseSettings, ResiduesSettings, residues};
 use protomer::stability::run::{EnergyMode, RunSettings};
 use protomer_common::{quantity, range};
@@ -67,24 +66,14 @@ impl ResiduesArgs {
         let has_charges = self.model.model.is_some()
             || self.charges.interaction.is_some()
             || self.charges.solute.solute().is_some();
-        let insides = self
-            .model
-            .charges(&self.charges)
-            .insides(Insides::default())?;
+        let usual = RunSettings {
+            energy: Some(EnergyMode::Direct),
+            ..RunSettings::default()
+        };
+        let acting = self.model.acting(&self.charges, &self.terms, usual)?;
         let pose = PoseSettings {
             is_stated: medium != Default::default() || has_charges || self.terms.is_given(),
-            run: RunSettings {
-                energy: Some(EnergyMode::Direct),
-                effective_charges: insides.effective,
-                solvent_response: insides.response,
-                contacts: self
-                    .model
-                    .terms(&self.terms)
-                    .contacts(None, ContactCore::Surface)?,
-                desolvation: self.terms.desolvation,
-                medium,
-                ..RunSettings::default()
-            },
+            run: RunSettings { medium, ..acting },
         };
         let settings = ResiduesSettings {
             input: self.input.clone(),
