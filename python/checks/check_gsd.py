@@ -2,7 +2,7 @@
 
     pip install gsd numpy
     python python/checks/check_gsd.py trajectory.gsd
-    PROTOMER_GSD_CHECK=/tmp/check.gsd cargo test -p protomer-io --test gsd && \
+    PROTOMER_GSD_CHECK=/tmp/check.gsd cargo test -p protomer-io --test integration gsd:: && \
         python python/checks/check_gsd.py --reference /tmp/check.gsd
 
 Every trajectory is checked against the schema. With --reference the file is the one that the test suite writes, of
@@ -49,7 +49,7 @@ def check_schema(trajectory):
 
 
 def check_reference(path, trajectory):
-    """The values of `crates/io/tests/gsd.rs`."""
+    """The values of `crates/io/tests/integration/gsd.rs`."""
     require(len(trajectory) == 300, f"{len(trajectory)} frames instead of 300")
     for k, frame in enumerate(trajectory):
         particles = frame.particles

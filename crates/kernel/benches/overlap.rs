@@ -14,7 +14,7 @@
 )]
 
 mod cpu_time;
-#[path = "../tests/overlap_support/mod.rs"]
+#[path = "../tests/integration/overlap_support/mod.rs"]
 mod overlap_support;
 
 use cpu_time::{cpu_seconds, is_asked_for, seconds_per_call};

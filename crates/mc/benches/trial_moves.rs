@@ -101,7 +101,7 @@ fn system(folder: &Path, mesh: &str) -> System {
     System::new(vec![kind("a"), kind("b")], &bodies, boundary).expect("the state is valid")
 }
 
-include!("../tests/common/bench_states.rs");
+include!("../tests/integration/common/bench_states.rs");
 
 /// Processor time of this thread.
 fn cpu_seconds() -> f64 {

@@ -25,7 +25,7 @@
 //! Two promises hold for every run. The same command continues it, whatever ended it. A run that
 //! was interrupted anywhere and continued equals an uninterrupted one byte for byte.
 //!
-//! `tests/walk/mod.rs` is a complete engine in a few dozen lines, a template for new ones.
+//! `tests/integration/walk/mod.rs` is a complete engine in a few dozen lines, a template for new ones.
 
 mod at_work;
 pub mod campaign;

@@ -1,0 +1,14 @@
+//! Integration tests of `protomer-hpmc`, one module per subject.
+
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+mod box_moves;
+mod common;
+mod few_bodies;
+mod fields;
+mod fluids;
+mod free_energy;
+mod pieces;
+mod static_free_volume;
+mod theory;
+mod virial;

@@ -1,0 +1,16 @@
+//! Integration tests of `protomer-md`, one module per subject.
+
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "tests fail by panicking"
+)]
+
+mod degenerate;
+mod dynamics;
+mod ellipsoids;
+mod ensembles;
+mod near;
+mod pair;
+mod poses;

@@ -1,0 +1,7 @@
+//! Integration tests of `protomer-results`, one module per subject.
+
+#![allow(clippy::panic, clippy::unwrap_used, reason = "tests fail by panicking")]
+
+mod killed;
+mod life;
+mod walk;
