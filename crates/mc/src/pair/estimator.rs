@@ -6,6 +6,7 @@ use super::profile::{Bins, MeanForceRow, mean_force, over_directions};
 use super::proposal::{Proposal, Width};
 use super::radial::{RaySample, hard_ray};
 use super::replicas::mean_and_error;
+use super::wells::apart;
 use crate::{McError, Result};
 use protomer_kernel::Pose;
 use protomer_kernel::random::{CounterRng, Purpose};
@@ -33,7 +34,8 @@ const ROUNDS: u64 = 3;
 const CAPS: usize = 384;
 /// Samples kept in memory at a time.
 const CHUNK: u64 = 1024;
-/// The lowest energies kept as starts for the search for bound poses.
+/// Poses kept as starts for the search for bound poses: the lowest of each well, so that one deep well does
+/// not hide all others.
 const KEPT_POSES: usize = 64;
 
 const fn width(direction_rad: f64, rotation_rad: f64) -> Width {
@@ -270,7 +272,7 @@ impl Estimator {
         self.plan = Some(plan);
     }
 
-    /// The lowest energies met, the lowest first.
+    /// The lowest energy met in each well, the lowest first.
     pub fn lowest(&self) -> &[Found] {
         &self.lowest
     }
@@ -501,7 +503,7 @@ impl Estimator {
         self.lowest.append(&mut found);
         self.lowest
             .sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
-        self.lowest.truncate(KEPT_POSES);
+        self.lowest = apart(pair, std::mem::take(&mut self.lowest), KEPT_POSES);
     }
 
     fn rng(&self, step: u32, number: u64) -> CounterRng {

@@ -19,9 +19,9 @@ pub struct BoundPose {
 }
 
 /// Starts that are brought down to a minimum.
-const MOST_STARTS: usize = 16;
+const MOST_STARTS: usize = 64;
 /// Poses that are returned.
-const MOST_POSES: usize = 12;
+const MOST_POSES: usize = 24;
 /// Trial moves of one descent.
 const TRIALS: u32 = 1200;
 /// Temperature at the start and at the end of a descent, in units of kT.
@@ -40,25 +40,34 @@ pub fn bound_poses(
     seed: u64,
 ) -> Vec<BoundPose> {
     let different = Different::new(pair, are_equal);
-    let mut apart: Vec<BoundPose> = Vec::new();
-    for start in starts {
-        let pose = BoundPose {
-            energy_kt: start.energy_kt,
-            pose: start.pose,
-        };
-        different.keep(&mut apart, pose, MOST_STARTS);
-    }
+    let starts = starts.iter().map(|start| BoundPose {
+        energy_kt: start.energy_kt,
+        pose: start.pose,
+    });
+    let apart = different.bound(starts, MOST_STARTS);
     let descend = |(number, start): (usize, &BoundPose)| {
         let mut rng = CounterRng::for_purpose(seed, number as u32, 0, Purpose::PairDescent);
         descend(pair, start, &mut rng)
     };
     let mut minima: Vec<BoundPose> = apart.par_iter().enumerate().map(descend).collect();
     minima.sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
-    let mut poses = Vec::new();
-    for minimum in minima {
-        different.keep(&mut poses, minimum, MOST_POSES);
+    different.bound(minima, MOST_POSES)
+}
+
+/// The first of these poses that are unlike all before them, up to a number of poses. In the order of their
+/// energies, that is the lowest pose of each well.
+pub(super) fn apart(pair: &BodyPair, found: Vec<Found>, most: usize) -> Vec<Found> {
+    let different = Different::new(pair, false);
+    let mut kept: Vec<Found> = Vec::with_capacity(most);
+    for found in found {
+        if kept.len() == most {
+            break;
+        }
+        if different.is_new(kept.iter().map(|kept| &kept.pose), &found.pose) {
+            kept.push(found);
+        }
     }
-    poses
+    kept
 }
 
 /// A Monte Carlo walk that cools down, with steps that shrink with the temperature; the lowest pose
@@ -123,14 +132,21 @@ impl Different {
         }
     }
 
-    /// Adds a pose that is unlike all there are, up to a number of poses.
-    fn keep(&self, poses: &mut Vec<BoundPose>, pose: BoundPose, most: usize) {
-        let is_known = poses
-            .iter()
-            .any(|known| self.are_same(&known.pose, &pose.pose));
-        if pose.energy_kt < 0.0 && !is_known && poses.len() < most {
-            poses.push(pose);
+    /// The first of these poses that are bound and unlike all before them, up to a number of poses.
+    fn bound(&self, found: impl IntoIterator<Item = BoundPose>, most: usize) -> Vec<BoundPose> {
+        let mut poses: Vec<BoundPose> = Vec::new();
+        for pose in found {
+            let is_new = self.is_new(poses.iter().map(|kept| &kept.pose), &pose.pose);
+            if pose.energy_kt < 0.0 && is_new && poses.len() < most {
+                poses.push(pose);
+            }
         }
+        poses
+    }
+
+    /// Whether a pose is unlike all of these.
+    fn is_new<'a>(&self, mut kept: impl Iterator<Item = &'a Pose>, pose: &Pose) -> bool {
+        !kept.any(|kept| self.are_same(kept, pose))
     }
 
     fn are_same(&self, a: &Pose, b: &Pose) -> bool {
