@@ -36,6 +36,20 @@ pub trait Answer: Serialize {
     }
 }
 
+/// A number with the name of what is counted.
+///
+/// ```
+/// use protomer_common::answer::counted;
+/// assert_eq!(counted(1, "body", "bodies"), "1 body");
+/// assert_eq!(counted(0, "body", "bodies"), "0 bodies");
+/// ```
+pub fn counted(number: usize, one: &str, many: &str) -> String {
+    match number {
+        1 => format!("1 {one}"),
+        _ => format!("{number} {many}"),
+    }
+}
+
 /// An answer with its type erased.
 pub trait AnyAnswer {
     /// As [`Answer::text`].

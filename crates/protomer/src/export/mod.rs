@@ -26,7 +26,7 @@ pub use values::ResidueValues;
 
 use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, WrittenChain};
-use protomer_common::answer::Answer;
+use protomer_common::answer::{Answer, counted};
 use protomer_common::output_file::{refuse_to_replace, require_folder, write_once};
 use protomer_io::atomic::write_atomically;
 use serde::Serialize;
@@ -109,13 +109,6 @@ impl Answer for ExportReport {
             text += &format!("\nscript: {}", script.display());
         }
         text
-    }
-}
-
-fn counted(number: usize, one: &str, many: &str) -> String {
-    match number {
-        1 => format!("1 {one}"),
-        _ => format!("{number} {many}"),
     }
 }
 

@@ -18,6 +18,7 @@ use protomer_body::Residue;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::chemistry::residue_names::parent_amino_acid;
 use protomer_body::residue_contacts::ContactScale;
+use protomer_common::answer::counted;
 use protomer_kernel::units::KILOJOULES_PER_KILOCALORIE;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -80,14 +81,20 @@ impl ContactAffinity {
             + POLAR_PAIR_KCAL_PER_MOL * self.polar_contacts
     }
 
+    /// The rounded number of contacts, with what it counts.
+    pub(super) fn contacts_in_words(&self) -> String {
+        let number = self.contacts.round() as usize;
+        counted(number, "contact of residues", "contacts of residues")
+    }
+
     /// A warning for an interface that is smaller or larger than all those of the fit.
     pub fn warning(&self) -> Option<String> {
         let [fewest, most] = CALIBRATED_CONTACTS;
         (!(fewest..=most).contains(&self.contacts)).then(|| {
             format!(
-                "warning: {:.0} contacts of residues, where the complexes that the affinity is calibrated on have \
+                "warning: {}, where the complexes that the affinity is calibrated on have \
                  {fewest:.0} to {most:.0}: the estimate is an extrapolation; do not use it as a number",
-                self.contacts
+                self.contacts_in_words()
             )
         })
     }

@@ -2,7 +2,7 @@
 
 use super::result::{Binding, BindingCondition, ExchangeRow};
 use crate::stability::affinity::ERROR_KCAL_PER_MOL;
-use protomer_common::answer::{Answer, columns, heading};
+use protomer_common::answer::{Answer, columns, counted, heading};
 
 impl Answer for Binding {
     fn text(&self) -> String {
@@ -41,10 +41,10 @@ impl Binding {
 
     fn interface_in_words(&self) -> String {
         let overlaps = if self.overlaps { "yes" } else { "no" };
-        let plural = if self.native_contacts == 1 { "" } else { "s" };
+        let contacts = counted(self.native_contacts, "residue contact", "residue contacts");
         format!(
-            "{} residue contact{plural}, closest atoms {:.2} Å apart, hard bodies overlap: {overlaps}",
-            self.native_contacts, self.closest_angstrom
+            "{contacts}, closest atoms {:.2} Å apart, hard bodies overlap: {overlaps}",
+            self.closest_angstrom
         )
     }
 
@@ -78,9 +78,9 @@ impl Binding {
 
     fn affinity_in_words(&self) -> String {
         format!(
-            "affinity: standard binding free energy at 1 M, estimated from {:.0} contacts of residues and the effect of \
+            "affinity: standard binding free energy at 1 M, estimated from {} and the effect of \
              salt and pH; calibrated on 45 complexes with an error of {ERROR_KCAL_PER_MOL:.1} kcal/mol",
-            self.affinity.contacts
+            self.affinity.contacts_in_words()
         )
     }
 

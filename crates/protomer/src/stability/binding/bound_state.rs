@@ -5,6 +5,7 @@
 
 use super::fast::FastMedium;
 use anyhow::Result;
+use protomer_common::answer::counted;
 use protomer_kernel::units::NUMBER_DENSITY_PER_MOLAR;
 use protomer_mc::pair::{BodyPair, BoundState, BoundStateSettings};
 use protomer_results::Execution;
@@ -171,9 +172,9 @@ impl Weighted {
     pub fn warning(&self, salt_molar: f64) -> Option<String> {
         (self.effective_poses < FEWEST_POSES).then(|| {
             format!(
-                "warning: at {salt_molar} M the integrated K_D rests on {:.0} poses of the first salt, and its error is \
+                "warning: at {salt_molar} M the integrated K_D rests on {} of the first salt, and its error is \
                  uncertain; give this salt first, or alone",
-                self.effective_poses
+                counted(self.effective_poses.round() as usize, "pose", "poses")
             )
         })
     }

@@ -252,10 +252,13 @@ fn groups(
         .map(|(_, chain)| chain)
         .collect();
     if !left.is_empty() {
-        warnings.push(format!(
-            "warning: chains {} belong to no body and are left out",
-            left.join(", ")
-        ));
+        warnings.push(match &*left {
+            [chain] => format!("warning: chain {chain} belongs to no body and is left out"),
+            chains => format!(
+                "warning: chains {} belong to no body and are left out",
+                chains.join(", ")
+            ),
+        });
     }
     Ok(groups)
 }

@@ -6,6 +6,7 @@ use anyhow::{Result, bail};
 use protomer_body::chemistry::residue_names::parent_amino_acid;
 use protomer_body::structure::IncompleteResidue;
 use protomer_body::{Body, Residue};
+use protomer_common::answer::counted;
 use protomer_kernel::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -126,8 +127,9 @@ impl Interface {
 
     fn warn_of_place(&mut self, in_conflict: usize) {
         if in_conflict > 0 {
+            let atoms = counted(in_conflict, "atom is", "atoms are");
             self.warnings.push(format!(
-                "warning: {in_conflict} atoms are within {CONFLICT_ANGSTROM} Å of atoms of the other body \
+                "warning: {atoms} within {CONFLICT_ANGSTROM} Å of atoms of the other body \
                  ({:.2} Å at least): their charges dominate the energy; check the structure, or relax it first",
                 self.closest_angstrom
             ));
