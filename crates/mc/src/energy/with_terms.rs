@@ -1,8 +1,8 @@
 //! Short-ranged terms beside any model of the charges.
 //!
-//! The terms are computed exactly for each trial. Their change is taken from the budget, and the
-//! model of the charges decides with what is left: a decision by levels or with certificates keeps
-//! its promise.
+//! The terms are functions of the pose alone, computed for each trial. Their change is taken from the
+//! budget, and the model of the charges decides with what is left: a decision by levels or with
+//! certificates keeps its promise.
 
 use super::reach::Reach;
 use super::terms::{EnergyParts, Term, Terms};

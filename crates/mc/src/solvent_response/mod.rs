@@ -1,0 +1,251 @@
+//! The response of the solvent that two bodies displace, as a term of their energy.
+//!
+//! A body has a table, what it does to charge and to displaced volume at a place, and sites, where its
+//! own charge and volume are (`protomer_field::solvent_response` has the equation and makes both). The
+//! energy of a pose is the sum over the sites of each body in the table of the other. Sites gather the
+//! charges of several residues, so shares of residues come from the charges at their own places.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `lookup` | four numbers at each point of a grid, and between the points |
+//! | `quadratics` | the table as a polynomial about each point of a coarser grid |
+//! | `blocks` | sites gathered in blocks, whose moments stand for them where the table is smooth |
+
+mod blocks;
+mod lookup;
+mod quadratics;
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests;
+
+use crate::energy::terms::{PairPotential, Term};
+use crate::{McError, Result};
+use blocks::{Block, Estimate, LEVELS, View};
+use lookup::{Lookup, SinglePose, Site};
+use protomer_kernel::Vec3;
+use protomer_kernel::pose::RelativePose;
+use quadratics::{Near, Quadratics};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Number of blocks whose polynomials are loaded together.
+const TOGETHER: usize = 16;
+
+/// Charge (e), volume of low permittivity and volume without ions (Å³).
+pub type Amounts = [f64; 3];
+
+/// Values on the points of a grid, with x running fastest.
+#[derive(Debug, Clone)]
+pub struct ResponseGrid {
+    /// The lowest corner in the frame of the body, Å.
+    pub origin_angstrom: Vec3,
+    /// Distance between neighbouring points, Å.
+    pub spacing_angstrom: f64,
+    /// Points along x, y and z.
+    pub shape: [usize; 3],
+    /// Energy per amount, kT/e and kT/Å³.
+    pub values: Vec<[f32; 3]>,
+}
+
+/// Tables and sites of one kind of body in one medium, for the response.
+#[derive(Debug)]
+pub struct ResponseBody {
+    table: Lookup,
+    /// The table for the blocks of each level.
+    quadratics: [Quadratics; LEVELS],
+    /// Blocks of blocks of sites, by level.
+    blocks: [Vec<Block>; LEVELS],
+    sites: Vec<Site>,
+    /// The charges at their own places (Å, e).
+    charges: Vec<(Vec3, f64)>,
+    /// The farthest site from the origin, Å.
+    radius_angstrom: f64,
+    /// The farthest corner of the grid from the origin, Å.
+    reach_angstrom: f64,
+}
+
+impl ResponseBody {
+    /// A table, the sites of the same body, and its charges (Å, e), which the sites hold as well.
+    ///
+    /// # Errors
+    /// [`McError::BadSetting`] for a grid without cells, or with another number of values than points.
+    pub fn new(
+        grid: ResponseGrid,
+        sites: &[(Vec3, Amounts)],
+        charges: Vec<(Vec3, f64)>,
+    ) -> Result<Self> {
+        let points: usize = grid.shape.iter().product();
+        let has_cells = grid.shape.iter().all(|points| *points > 1);
+        if !has_cells || grid.values.len() != points || grid.spacing_angstrom <= 0.0 {
+            return Err(McError::BadSetting {
+                setting: "points of the solvent's response",
+                value: points as f64,
+                requirement: "two at least along each axis, with a value each",
+            });
+        }
+        let values = grid.values.iter().map(|[a, b, c]| [*a, *b, *c, 0.0]);
+        let table = Lookup {
+            origin_angstrom: grid.origin_angstrom,
+            spacing_angstrom: grid.spacing_angstrom,
+            shape: grid.shape,
+            values: values.collect(),
+        };
+        let low = table.origin_angstrom.abs();
+        let reach_angstrom = low.sup(&table.high_angstrom().abs()).norm();
+        let radius_angstrom = sites
+            .iter()
+            .fold(0.0, |radius: f64, (place, _)| radius.max(place.norm()));
+        let sites: Vec<Site> = sites.iter().map(site).collect();
+        let (blocks, sites) = Block::gather(&sites);
+        Ok(Self {
+            quadratics: std::array::from_fn(|level| {
+                Quadratics::new(&table, &blocks::resolution(level))
+            }),
+            table,
+            blocks,
+            sites,
+            charges,
+            radius_angstrom,
+            reach_angstrom,
+        })
+    }
+
+    /// The energy of another body's sites in the table of this one, at a pose of the other body in the
+    /// frame of this one, kT.
+    fn acting_on(&self, other: &Self, pose: &RelativePose) -> f64 {
+        let touches = self
+            .table
+            .touches_sphere(&pose.translation, other.radius_angstrom);
+        match touches {
+            true => {
+                let largest = 0..other.blocks[0].len();
+                self.energy_of_blocks(other, 0, largest, &View::new(pose))
+            }
+            false => 0.0,
+        }
+    }
+
+    /// The energy of blocks of a level, each by its moments or by its parts, kT.
+    fn energy_of_blocks(
+        &self,
+        other: &Self,
+        level: usize,
+        blocks: Range<usize>,
+        view: &View,
+    ) -> f64 {
+        let quadratics = &self.quadratics[level];
+        let mut sum_kt = 0.0;
+        for blocks in other.blocks[level][blocks].chunks(TOGETHER) {
+            // Loops without decisions first: the processor waits for all polynomials together, not one by one.
+            let mut places = [Near::default(); TOGETHER];
+            for (block, near) in blocks.iter().zip(&mut places) {
+                *near = quadratics.near(&view.pose.transform(&block.centre));
+            }
+            let mut estimates = [Estimate::default(); TOGETHER];
+            for ((block, near), estimate) in blocks.iter().zip(&places).zip(&mut estimates) {
+                *estimate = block.estimate(quadratics.polynomial(near));
+            }
+            for ((block, near), estimate) in blocks.iter().zip(&places).zip(&estimates) {
+                if quadratics.is_beyond(near) {
+                    continue;
+                }
+                sum_kt += match estimate.is_enough {
+                    true => {
+                        let polynomial = quadratics.polynomial(near);
+                        let varying_kt = block.varying_kt(polynomial, &near.offset_angstrom, view);
+                        f64::from(estimate.constant_kt + varying_kt)
+                    }
+                    false => self.energy_of_parts(other, level, block, view),
+                };
+            }
+        }
+        sum_kt
+    }
+
+    /// The energy of the parts of a block of a level, kT.
+    fn energy_of_parts(&self, other: &Self, level: usize, block: &Block, view: &View) -> f64 {
+        let parts = block.parts.clone();
+        match level + 1 < LEVELS {
+            true => self.energy_of_blocks(other, level + 1, parts, view),
+            false => self.energy_of_sites(&other.sites[parts], &view.pose),
+        }
+    }
+
+    /// The energy of sites one by one, kT.
+    fn energy_of_sites(&self, sites: &[Site], pose: &SinglePose) -> f64 {
+        let mut sum_kt = 0.0;
+        for site in sites {
+            sum_kt += self.table.energy_kt(site, pose);
+        }
+        sum_kt
+    }
+}
+
+fn site((place, amounts): &(Vec3, Amounts)) -> Site {
+    let [charge, dielectric, ionic] = amounts.map(|amount| amount as f32);
+    Site {
+        place: [0, 1, 2].map(|axis| place[axis] as f32),
+        amounts: [charge, dielectric, ionic, 0.0],
+    }
+}
+
+/// The response of the solvent to two bodies.
+#[derive(Debug, Clone)]
+pub struct SolventResponse {
+    first: Arc<ResponseBody>,
+    second: Arc<ResponseBody>,
+}
+
+impl SolventResponse {
+    /// Two bodies.
+    pub fn new(first: Arc<ResponseBody>, second: Arc<ResponseBody>) -> Self {
+        Self { first, second }
+    }
+}
+
+impl PairPotential for SolventResponse {
+    fn term(&self) -> Term {
+        Term::SolventResponse
+    }
+
+    fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+        let inverse = second_in_first.inverse();
+        self.first.acting_on(&self.second, second_in_first)
+            + self.second.acting_on(&self.first, &inverse)
+    }
+
+    fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        let inverse = second_in_first.inverse();
+        let acting = [
+            (0, &self.second, &self.first, &inverse),
+            (1, &self.first, &self.second, second_in_first),
+        ];
+        for (number, acting, other, pose) in acting {
+            let pose = SinglePose::new(pose);
+            let mut share = |site: &Site, place: &Vec3| {
+                let energy_kt = acting.table.energy_kt(site, &pose);
+                if energy_kt != 0.0 {
+                    take(number, place, energy_kt);
+                }
+            };
+            for (place, charge_e) in &other.charges {
+                share(&site(&(*place, [*charge_e, 0.0, 0.0])), place);
+            }
+            for gathered in &other.sites {
+                let mut volume = *gathered;
+                volume.amounts[0] = 0.0;
+                share(&volume, &Vec3::from(gathered.place.map(f64::from)));
+            }
+        }
+    }
+
+    fn reach_angstrom(&self, _: f64) -> f64 {
+        let of_first = self.first.reach_angstrom + self.second.radius_angstrom;
+        let of_second = self.second.reach_angstrom + self.first.radius_angstrom;
+        of_first.max(of_second)
+    }
+
+    fn tail_angstrom3(&self, _: f64) -> f64 {
+        0.0
+    }
+}

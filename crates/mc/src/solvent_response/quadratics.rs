@@ -1,0 +1,334 @@
+//! A table as a quadratic polynomial about each point of a coarser grid.
+//!
+//! ```text
+//! V(g + u) = a + b · u + uᵀ C u
+//! ```
+//!
+//! The polynomials are fitted by least squares to the table within a ball about the point g. What they leave of the
+//! table in the ball says how far they can be trusted there: much at the surface of the body, where the table is
+//! not smooth, and little in the solvent.
+
+use super::lookup::{Lanes, Lookup};
+use rayon::prelude::*;
+
+/// Coefficients of a polynomial: of 1; of x, y, z; of x², y², z²; of xy, xz, yz.
+pub(super) const COEFFICIENTS: usize = 10;
+
+/// Samples along the radius of a ball, about; more make no difference.
+const SAMPLES_ALONG_RADIUS: f64 = 4.5;
+/// The least radius, in samples: with its 19 samples a polynomial is still determined.
+const LEAST_RADIUS: f64 = 1.5;
+/// Share of the largest remainder in a ball that counts, if it is more than the root mean square: a corner of the
+/// ball may reach into the surface of the body.
+const SHARE_OF_LARGEST: f64 = 0.3;
+
+/// Numbers of a polynomial: three for each coefficient, and the remainders.
+const NUMBERS: usize = 3 * COEFFICIENTS + 2;
+
+/// Polynomials about the points of a grid, x running fastest; the last one, zero, is for places beyond the grid.
+#[derive(Debug)]
+pub(super) struct Quadratics {
+    origin_angstrom: [f32; 3],
+    spacing_angstrom: f32,
+    shape: [usize; 3],
+    polynomials: Vec<Polynomial>,
+}
+
+/// The coefficients in kT per amount and powers of Å, and what they leave of the table.
+// The tables of two bodies are larger than the near caches, and most of the time goes to waiting for them. So a
+// polynomial is two lines of the cache: three numbers per coefficient, and 16 bits per remainder at the end.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(128))]
+pub(super) struct Polynomial([f32; NUMBERS]);
+
+/// A place, by the polynomial next to it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Near {
+    number: u32,
+    /// From the point of the polynomial to the place, Å.
+    pub offset_angstrom: [f32; 3],
+}
+
+impl Polynomial {
+    const ZERO: Self = Self([0.0; NUMBERS]);
+
+    fn new(coefficients: &[[f32; 3]; COEFFICIENTS], remainders: [f32; 3]) -> Self {
+        let mut numbers = [0.0; NUMBERS];
+        numbers[..3 * COEFFICIENTS].copy_from_slice(coefficients.as_flattened());
+        // The upper half of a number, rounded up.
+        let [first, second, third] = remainders.map(|remainder| match remainder {
+            0.0 => 0,
+            remainder => (remainder.to_bits() >> 16) + 1,
+        });
+        numbers[NUMBERS - 2] = f32::from_bits(first << 16 | second);
+        numbers[NUMBERS - 1] = f32::from_bits(third << 16);
+        Self(numbers)
+    }
+
+    /// A coefficient for a kind of amount. The fourth lane has no meaning: it makes four numbers of three.
+    #[inline(always)]
+    pub fn coefficient(&self, number: usize, lane: usize) -> f32 {
+        self.0[3 * number + lane]
+    }
+
+    /// What the polynomial leaves of the table around it, kT per amount.
+    #[inline(always)]
+    pub fn remainders(&self) -> [f32; 3] {
+        let (first, second) = (self.0[NUMBERS - 2].to_bits(), self.0[NUMBERS - 1].to_bits());
+        [
+            f32::from_bits(first & 0xffff_0000),
+            f32::from_bits(first << 16),
+            f32::from_bits(second),
+        ]
+    }
+}
+
+/// How a table is approximated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Resolution {
+    /// Distance between polynomials, Å; rounded to a multiple of the spacing of the table.
+    pub spacing_angstrom: f64,
+    /// Radius of the balls, Å.
+    pub radius_angstrom: f64,
+    /// The grid reaches so far beyond the table, Å.
+    pub margin_angstrom: f64,
+}
+
+impl Quadratics {
+    pub fn new(table: &Lookup, resolution: &Resolution) -> Self {
+        let steps = (resolution.spacing_angstrom / table.spacing_angstrom)
+            .round()
+            .max(1.0);
+        let spacing_angstrom = steps * table.spacing_angstrom;
+        let margin = (resolution.margin_angstrom / spacing_angstrom).ceil();
+        let points = |points: usize| ((points - 1) as f64 / steps).ceil() + 1.0 + 2.0 * margin;
+        let shape = table.shape.map(|along| points(along) as usize);
+        let ball = Ball::new(resolution.radius_angstrom, table.spacing_angstrom);
+        let [nx, ny, nz] = shape;
+        let mut polynomials: Vec<Polynomial> = (0..nx * ny * nz)
+            .into_par_iter()
+            .map(|number| {
+                let point = [number % nx, number / nx % ny, number / (nx * ny)];
+                let from_first = |place| (place as i64 - margin as i64) * steps as i64;
+                ball.fit(table, point.map(from_first))
+            })
+            .collect();
+        polynomials.push(Polynomial::ZERO);
+        let low = table.origin_angstrom.add_scalar(-margin * spacing_angstrom);
+        Self {
+            origin_angstrom: [0, 1, 2].map(|axis| low[axis] as f32),
+            spacing_angstrom: spacing_angstrom as f32,
+            shape,
+            polynomials,
+        }
+    }
+
+    /// The polynomial next to a place (Å).
+    #[inline(always)]
+    pub fn near(&self, place: &[f32; 3]) -> Near {
+        let per_angstrom = 1.0 / self.spacing_angstrom;
+        let (mut point, mut offset_angstrom) = ([0; 3], [0.0; 3]);
+        let mut is_inside = true;
+        for axis in 0..3 {
+            let steps = (place[axis] - self.origin_angstrom[axis]) * per_angstrom + 0.5;
+            is_inside &= steps >= 0.0 && steps < self.shape[axis] as f32;
+            let whole = steps as i32;
+            point[axis] = whole as usize;
+            offset_angstrom[axis] = (steps - 0.5 - whole as f32) * self.spacing_angstrom;
+        }
+        let number = match is_inside {
+            true => (point[2] * self.shape[1] + point[1]) * self.shape[0] + point[0],
+            false => self.polynomials.len() - 1,
+        };
+        Near {
+            number: number as u32,
+            offset_angstrom,
+        }
+    }
+
+    #[inline(always)]
+    pub fn polynomial(&self, near: &Near) -> &Polynomial {
+        &self.polynomials[near.number as usize]
+    }
+
+    /// Whether a place is beyond the grid.
+    #[inline(always)]
+    pub fn is_beyond(&self, near: &Near) -> bool {
+        near.number as usize + 1 == self.polynomials.len()
+    }
+}
+
+/// The samples of a ball, and sums over them. Odd powers have sums of zero, so that the normal equations of b and of
+/// the mixed terms of C are one number each.
+struct Ball {
+    /// Points of the table, from that at the centre.
+    points: Vec<[i64; 3]>,
+    monomials: Vec<[f64; COEFFICIENTS]>,
+    /// Σ x²
+    second: f64,
+    /// Σ x⁴
+    fourth: f64,
+    /// Σ x² y²
+    mixed: f64,
+}
+
+impl Ball {
+    fn new(radius_angstrom: f64, spacing_angstrom: f64) -> Self {
+        let stride = (radius_angstrom / (SAMPLES_ALONG_RADIUS * spacing_angstrom))
+            .floor()
+            .max(1.0);
+        let radius = (radius_angstrom / (stride * spacing_angstrom)).max(LEAST_RADIUS);
+        let reach = radius as i64;
+        let mut points = Vec::new();
+        for z in -reach..=reach {
+            for y in -reach..=reach {
+                for x in -reach..=reach {
+                    if (x * x + y * y + z * z) as f64 <= radius * radius {
+                        points.push([x, y, z].map(|along| along * stride as i64));
+                    }
+                }
+            }
+        }
+        let place = |point: &[i64; 3]| point.map(|along| along as f64 * spacing_angstrom);
+        let monomials: Vec<_> = points.iter().map(|point| monomials(place(point))).collect();
+        let sum = |number: &dyn Fn(&[f64; COEFFICIENTS]) -> f64| monomials.iter().map(number).sum();
+        Self {
+            second: sum(&|of| of[4]),
+            fourth: sum(&|of| of[4] * of[4]),
+            mixed: sum(&|of| of[4] * of[5]),
+            points,
+            monomials,
+        }
+    }
+
+    /// The polynomial about a point of a table.
+    fn fit(&self, table: &Lookup, centre: [i64; 3]) -> Polynomial {
+        let value =
+            |point: &[i64; 3]| table.at_point([0, 1, 2].map(|axis| centre[axis] + point[axis]));
+        let values: Vec<Lanes> = self.points.iter().map(value).collect();
+        let (mut found, mut remainders) = ([[0.0; 3]; COEFFICIENTS], [0.0; 3]);
+        for lane in 0..3 {
+            if values.iter().all(|value| value[lane] == 0.0) {
+                continue;
+            }
+            let mut sums = [0.0; COEFFICIENTS];
+            for (value, monomials) in values.iter().zip(&self.monomials) {
+                for (sum, monomial) in sums.iter_mut().zip(monomials) {
+                    *sum += monomial * f64::from(value[lane]);
+                }
+            }
+            let coefficients = self.solve(&sums);
+            let remainder = |(value, monomials): (&Lanes, &[f64; COEFFICIENTS])| {
+                let terms = coefficients.iter().zip(monomials);
+                terms.map(|(of, monomial)| of * monomial).sum::<f64>() - f64::from(value[lane])
+            };
+            let (mut squares, mut largest) = (0.0, 0.0_f64);
+            for remainder in values.iter().zip(&self.monomials).map(remainder) {
+                squares += remainder * remainder;
+                largest = largest.max(remainder.abs());
+            }
+            let typical = (squares / values.len() as f64).sqrt();
+            remainders[lane] = typical.max(SHARE_OF_LARGEST * largest) as f32;
+            for (of, coefficient) in found.iter_mut().zip(coefficients) {
+                of[lane] = coefficient as f32;
+            }
+        }
+        Polynomial::new(&found, remainders)
+    }
+
+    /// The coefficients from the sums of value times monomial: the trace of C decouples from its other part.
+    fn solve(&self, sums: &[f64; COEFFICIENTS]) -> [f64; COEFFICIENTS] {
+        let (count, second) = (self.points.len() as f64, self.second);
+        let (fourth, mixed) = (self.fourth, self.mixed);
+        let of_squares = sums[4] + sums[5] + sums[6];
+        let trace = (of_squares - 3.0 * second * sums[0] / count)
+            / (fourth + 2.0 * mixed - 3.0 * second * second / count);
+        let constant = (sums[0] - second * trace) / count;
+        let square = |sum: f64| (sum - second * constant - mixed * trace) / (fourth - mixed);
+        [
+            constant,
+            sums[1] / second,
+            sums[2] / second,
+            sums[3] / second,
+            square(sums[4]),
+            square(sums[5]),
+            square(sums[6]),
+            sums[7] / mixed,
+            sums[8] / mixed,
+            sums[9] / mixed,
+        ]
+    }
+}
+
+/// What the coefficients multiply.
+pub(super) fn monomials([x, y, z]: [f64; 3]) -> [f64; COEFFICIENTS] {
+    [1.0, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use protomer_kernel::Vec3;
+
+    fn table(value: impl Fn(&Vec3) -> f64) -> Lookup {
+        let mut table = Lookup {
+            origin_angstrom: Vec3::new(-14.0, -15.0, -16.0),
+            spacing_angstrom: 1.0,
+            shape: [29, 31, 33],
+            values: Vec::new(),
+        };
+        for number in 0..29 * 31 * 33 {
+            let point = [number % 29, number / 29 % 31, number / (29 * 31)];
+            let place = table.origin_angstrom + Vec3::from(point.map(|along| along as f64));
+            table.values.push([value(&place) as f32, 0.0, 1.0, 0.0]);
+        }
+        table
+    }
+
+    const RESOLUTION: Resolution = Resolution {
+        spacing_angstrom: 3.0,
+        radius_angstrom: 4.0,
+        margin_angstrom: 3.0,
+    };
+
+    #[test]
+    fn a_quadratic_table_is_found_again() {
+        let value =
+            |x: &Vec3| 2.0 + 0.5 * x.x - x.y + 0.1 * x.x * x.x - 0.3 * x.y * x.z + 0.2 * x.z * x.z;
+        let quadratics = Quadratics::new(&table(value), &RESOLUTION);
+        let place = Vec3::new(3.2, -2.1, 4.4);
+        let near = quadratics.near(&[3.2, -2.1, 4.4]);
+        let polynomial = quadratics.polynomial(&near);
+        let terms = monomials(near.offset_angstrom.map(f64::from));
+        let mut found = [0.0; 3];
+        for (number, monomial) in terms.into_iter().enumerate() {
+            for (lane, found) in found.iter_mut().enumerate() {
+                *found += f64::from(polynomial.coefficient(number, lane)) * monomial;
+            }
+        }
+        assert!((found[0] - value(&place)).abs() < 1e-5, "{found:?}");
+        assert!((found[2] - 1.0).abs() < 1e-6, "{found:?}");
+        let remainders = polynomial.remainders();
+        assert!(remainders.iter().all(|lane| *lane < 1e-5), "{remainders:?}");
+    }
+
+    #[test]
+    fn remainders_are_kept_or_rounded_up() {
+        let given = [0.0, 1.234e-3, 7.9];
+        let kept = Polynomial::new(&[[-1.0; 3]; COEFFICIENTS], given).remainders();
+        for (kept, given) in kept.iter().zip(given) {
+            assert!((given..=1.01 * given).contains(kept), "{kept} {given}");
+        }
+    }
+
+    #[test]
+    fn a_step_is_no_polynomial_and_neither_is_the_end_of_a_table() {
+        let quadratics = Quadratics::new(&table(|x| f64::from(u8::from(x.x > 2.0))), &RESOLUTION);
+        let remainder =
+            |place: [f32; 3]| quadratics.polynomial(&quadratics.near(&place)).remainders();
+        assert!(remainder([2.0, 0.0, 0.0])[0] > 0.1);
+        assert!(remainder([-8.0, 0.0, 0.0])[0] < 1e-6);
+        assert!(remainder([13.0, 0.0, 0.0])[2] > 0.1);
+        assert!(quadratics.is_beyond(&quadratics.near(&[40.0, 0.0, 0.0])));
+    }
+}
