@@ -107,12 +107,23 @@ impl BodyPair {
                 false => Some(self.potential.energy_kt(&relative)),
             }
         };
+        self.bound_state_with(about, settings, &energy_kt, goes_on)
+    }
+
+    /// The same with another energy, which may leave out poses.
+    pub(super) fn bound_state_with(
+        &self,
+        about: &Pose,
+        settings: &BoundStateSettings,
+        energy_kt: &EnergyOfPose<'_>,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<BoundState>> {
         let region = Region {
             about: *about,
             square_of_gyration_angstrom2: self.second.square_of_gyration_angstrom2(),
             limit_angstrom: settings.limit_angstrom,
         };
-        sample(&region, &energy_kt, settings, goes_on)
+        sample(&region, energy_kt, settings, goes_on)
     }
 }
 
@@ -124,7 +135,7 @@ pub(super) fn relative(pose: &Pose) -> RelativePose {
 }
 
 /// Energy of a pose, kT; `None` at overlap.
-type EnergyOfPose<'a> = dyn Fn(&Pose) -> Option<f64> + Sync + 'a;
+pub(super) type EnergyOfPose<'a> = dyn Fn(&Pose) -> Option<f64> + Sync + 'a;
 
 /// The poses around one, by displacement and rotation vector.
 struct Region {

@@ -292,7 +292,7 @@ impl Estimator {
         let centres = is_comparison.then(|| self.centres());
         let count = self.settings.pilot_directions;
         let mut drawn = Vec::new();
-        self.draw(pair, step, &proposal, count, |sample, density| {
+        self.draw_and_keep(pair, step, &proposal, count, |sample, density| {
             drawn.push(Explored {
                 orientation: sample.orientation,
                 step,
@@ -439,7 +439,7 @@ impl Estimator {
         let count = plan.rounds.last().copied().unwrap_or(0);
         let mut replica = self.replicas[number].clone();
         replica.directions += count;
-        self.draw(pair, step, &plan.proposal, count, |sample, density| {
+        self.draw_and_keep(pair, step, &plan.proposal, count, |sample, density| {
             replica.add(&sample, 1.0 / density);
         });
         self.replicas[number] = replica;
@@ -469,9 +469,49 @@ impl Estimator {
         (covered, open)
     }
 
+    /// Draws other directions than the replicas, a quarter of one's, for what lies outside of wells that are
+    /// integrated apart; their number.
+    pub(super) fn draw_rest(
+        &self,
+        pair: &BodyPair,
+        replica: u32,
+        take: impl FnMut(RaySample, f64),
+    ) -> u64 {
+        let Some(plan) = &self.plan else { return 0 };
+        let count = plan.rounds.iter().sum::<u64>().div_ceil(4).max(64);
+        let step = Self::steps(&self.settings) as u32 + replica;
+        self.draw(pair, step, &plan.proposal, count, take);
+        count
+    }
+
+    /// As [`draw`](Self::draw), and keeps the lowest poses.
+    fn draw_and_keep(
+        &mut self,
+        pair: &BodyPair,
+        step: u32,
+        proposal: &Proposal,
+        count: u64,
+        mut take: impl FnMut(RaySample, f64),
+    ) {
+        let mut found = std::mem::take(&mut self.lowest);
+        self.draw(pair, step, proposal, count, |sample, density| {
+            if let Some(point) = sample.lowest() {
+                found.push(Found {
+                    pose: sample.orientation.pose(point.distance_angstrom),
+                    energy_kt: point.energy_kt,
+                });
+            }
+            if found.len() >= 2 * CHUNK as usize {
+                found = lowest_apart(pair, std::mem::take(&mut found));
+            }
+            take(sample, density);
+        });
+        self.lowest = lowest_apart(pair, found);
+    }
+
     /// Draws `count` orientations and hands each sample with its density to `take`, in order.
     fn draw(
-        &mut self,
+        &self,
         pair: &BodyPair,
         step: u32,
         proposal: &Proposal,
@@ -486,33 +526,38 @@ impl Estimator {
             let density = proposal.density(&orientation, count);
             (RaySample::new(pair, orientation, end, &mut rng), density)
         };
-        let mut found = Vec::new();
         for start in (0..count).step_by(CHUNK as usize) {
             let numbers = start..(start + CHUNK).min(count);
             let samples: Vec<_> = numbers.into_par_iter().map(one).collect();
             for (sample, density) in samples {
-                if let Some(point) = sample.lowest() {
-                    found.push(Found {
-                        pose: sample.orientation.pose(point.distance_angstrom),
-                        energy_kt: point.energy_kt,
-                    });
-                }
                 take(sample, density);
             }
         }
-        self.lowest.append(&mut found);
-        self.lowest
-            .sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
-        self.lowest = apart(pair, std::mem::take(&mut self.lowest), KEPT_POSES);
     }
 
     fn rng(&self, step: u32, number: u64) -> CounterRng {
         CounterRng::for_purpose(self.settings.seed, step, number, Purpose::PairOrientation)
     }
 
+    /// How much is sampled.
+    pub fn settings(&self) -> &PairSettings {
+        &self.settings
+    }
+
+    /// Volume that is covered up to contact, and its standard error, Å³.
+    pub(super) fn covered_angstrom3(&self) -> (f64, f64) {
+        let covered = |replica: &Replica| over_directions(replica.covered);
+        mean_and_error(&self.replicas.iter().map(covered).collect::<Vec<f64>>())
+    }
+
+    /// What is beyond the ends of the rays, ∫ (exp(-U) - 1) d³R, Å³.
+    pub(super) fn tail_angstrom3(pair: &BodyPair) -> f64 {
+        pair.potential.tail_angstrom3(end_angstrom(pair))
+    }
+
     /// The averages over the replicas made so far.
     pub fn thermodynamics(&self, pair: &BodyPair) -> PairThermodynamics {
-        let tail = pair.potential.tail_angstrom3(end_angstrom(pair));
+        let tail = Self::tail_angstrom3(pair);
         let over = |value: &dyn Fn(&Replica) -> f64| {
             let values: Vec<f64> = self.replicas.iter().map(value).collect();
             mean_and_error(&values)
@@ -556,6 +601,12 @@ impl Replica {
             self.bins.add(point, weight);
         }
     }
+}
+
+/// The lowest pose of each well, the lowest first.
+fn lowest_apart(pair: &BodyPair, mut found: Vec<Found>) -> Vec<Found> {
+    found.sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
+    apart(pair, found, KEPT_POSES)
 }
 
 /// Where integrals along a ray end, Å.

@@ -26,6 +26,7 @@
 //! | [`profile`] | the potential of mean force |
 //! | [`bound_state`] | the association constant of one bound pose |
 //! | [`wells`] | bound poses: local minima of the energy, each once |
+//! | [`deep_wells`] | wells that decide the association constant, integrated one by one, and the sampled rest |
 //!
 //! A few narrow wells can decide B₂, and uniform orientations miss them. A pilot therefore looks for
 //! them with distributions that narrow step by step around what contributes, and the production
@@ -35,6 +36,7 @@
 
 mod approach;
 pub mod bound_state;
+pub mod deep_wells;
 pub mod estimator;
 mod orientation;
 pub mod potential;
@@ -46,6 +48,7 @@ pub mod wells;
 
 pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};
 pub use bound_state::{BoundState, BoundStateSettings};
+pub use deep_wells::{Well, WellIntegral, Wells};
 pub use estimator::{Estimator, PairSettings, PairThermodynamics};
 pub use potential::{Charged, Contacts};
 pub use wells::BoundPose;

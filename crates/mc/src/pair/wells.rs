@@ -110,7 +110,7 @@ fn relative(pose: &Pose) -> RelativePose {
 }
 
 /// Tells poses apart.
-struct Different {
+pub(super) struct Different {
     square_of_gyration: f64,
     are_equal: bool,
 }
@@ -125,11 +125,16 @@ pub(super) fn square_displacement(
 }
 
 impl Different {
-    fn new(pair: &BodyPair, are_equal: bool) -> Self {
+    pub(super) fn new(pair: &BodyPair, are_equal: bool) -> Self {
         Self {
             square_of_gyration: pair.second.square_of_gyration_angstrom2(),
             are_equal,
         }
+    }
+
+    /// Whether both bodies are the same.
+    pub(super) fn are_equal(&self) -> bool {
+        self.are_equal
     }
 
     /// The first of these poses that are bound and unlike all before them, up to a number of poses.
@@ -150,12 +155,20 @@ impl Different {
     }
 
     fn are_same(&self, a: &Pose, b: &Pose) -> bool {
-        let near = |a: &Pose, b: &Pose| self.square_distance(a, b) < SAME_POSE_ANGSTROM.powi(2);
-        near(a, b) || (self.are_equal && near(a, &b.inverse()))
+        self.square_distance_as_complexes(a, b) < SAME_POSE_ANGSTROM.powi(2)
+    }
+
+    /// The mean square distance of two poses, Å²; of equal bodies a pose and its inverse are one.
+    pub(super) fn square_distance_as_complexes(&self, a: &Pose, b: &Pose) -> f64 {
+        let square = self.square_distance(a, b);
+        match self.are_equal {
+            true => square.min(self.square_distance(a, &b.inverse())),
+            false => square,
+        }
     }
 
     /// The mean square distance of the points of the second body at two poses, Å².
-    fn square_distance(&self, a: &Pose, b: &Pose) -> f64 {
+    pub(super) fn square_distance(&self, a: &Pose, b: &Pose) -> f64 {
         let turn: Rotation = a.rotation.inverse() * b.rotation;
         let square_shift = (a.position - b.position).norm_squared();
         square_displacement(

@@ -3,19 +3,21 @@
 use super::input::Prepared;
 use super::pose_files;
 use super::residues::{self, RESIDUES, residue_energies};
-use super::result::{ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
+use super::result::{Association, ConditionResult, PoseResult, b22_per_b2, mean_force_to_csv};
 use super::settings::{Energies, PairRunSettings, label};
 use crate::stability::effective::range::out_of_range;
 use crate::stability::effective::{self, EffectiveStore};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Error, Result, bail};
+use protomer_common::answer::counted;
 use protomer_field::effective_charges::EffectiveCharges;
 use protomer_io::atomic::write_atomically;
 use protomer_kernel::overlap::comes_within;
 use protomer_kernel::{Pose, RelativePose};
 use protomer_mc::charges::ChargeCloud;
-use protomer_mc::pair::wells::bound_poses;
-use protomer_mc::pair::{BodyPair, BoundPose, Charged, Estimator, PairSettings, Term, Terms};
+use protomer_mc::pair::{
+    BodyPair, Charged, Estimator, PairSettings, Term, Terms, Well, WellIntegral, Wells,
+};
 use protomer_results::{ResultKind, Run, Turn, Work};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -40,6 +42,8 @@ pub struct Condition<'a> {
 /// An estimate in memory.
 pub struct State {
     estimator: Estimator,
+    /// What is found after the estimate.
+    wells: Option<Wells>,
     pair: BodyPair,
     effective: Option<[EffectiveCharges; 2]>,
 }
@@ -49,6 +53,8 @@ pub struct State {
 #[serde(deny_unknown_fields)]
 pub struct Saved {
     estimator: Estimator,
+    #[serde(default)]
+    wells: Option<Wells>,
 }
 
 impl<'a> Condition<'a> {
@@ -166,11 +172,15 @@ impl<'a> Condition<'a> {
     }
 
     /// A warning if the search for bound poses went far below what the sampling has met: such a well
-    /// is not in B₂, nor in its error.
-    fn deep_well(&self, estimator: &Estimator, poses: &[BoundPose]) -> Option<String> {
+    /// is not in B₂, nor in its error. Wells that are integrated are in both.
+    fn deep_well(&self, estimator: &Estimator, wells: &Wells) -> Option<String> {
         // The minimum of a well that is sampled lies a few kT below the samples.
         const USUAL_KT: f64 = 6.0;
-        let (sampled, lowest) = (estimator.lowest().first()?, poses.first()?);
+        if wells.are_integrated() {
+            return None;
+        }
+        let found = wells.wells();
+        let (sampled, lowest) = (estimator.lowest().first()?, found.first()?.pose);
         (lowest.energy_kt < sampled.energy_kt - USUAL_KT).then(|| {
             format!(
                 "warning: {}: a pose of {:.1} kT lies far below the lowest sampled ({:.1} kT), so B2 and \
@@ -183,31 +193,50 @@ impl<'a> Condition<'a> {
         })
     }
 
+    /// A warning if the integration of a well did not come down to its minimum.
+    fn narrow_well(&self, wells: &[Well]) -> Option<String> {
+        const MISSED_KT: f64 = 1.0;
+        let is_narrow = |well: &&Well| {
+            let missed = |of: &WellIntegral| of.lowest.energy_kt > of.minimum_kt + MISSED_KT;
+            well.integral.as_ref().is_some_and(missed)
+        };
+        let narrow = wells.iter().filter(is_narrow).count();
+        let integrated = wells.iter().filter(|well| well.integral.is_some()).count();
+        (narrow > 0).then(|| {
+            format!(
+                "warning: {}: the integration does not resolve {narrow} of {}: narrow minima were not met again, so K_D is \
+                 too large; compare seeds",
+                self.label(),
+                counted(integrated, "well", "wells")
+            )
+        })
+    }
+
     /// A warning if the surfaces of a bound pose are too near for effective charges.
-    fn poses_too_near(&self, pair: &BodyPair, poses: &[BoundPose]) -> Option<String> {
+    fn poses_too_near(&self, pair: &BodyPair, wells: &[Well]) -> Option<String> {
         if self.settings.energies != Energies::Effective {
             return None;
         }
         let (first, second) = (&pair.first.shape, &pair.second.shape);
-        let is_near = |pose: &BoundPose| {
-            let pose = &pose.pose;
+        let is_near = |well: &&Well| {
+            let pose = &well.pose.pose;
             let relative = RelativePose::new(&Pose::identity(), pose, &pose.position);
             comes_within(first, second, &relative, effective::LEAST_GAP_ANGSTROM)
         };
-        let near = poses.iter().filter(|pose| is_near(pose)).count();
-        let surfaces = format!("the surfaces of {near} of {} bound poses", poses.len());
+        let near = wells.iter().filter(is_near).count();
+        let surfaces = format!("the surfaces of {near} of {} bound poses", wells.len());
         (near > 0).then(|| out_of_range(&surfaces, self.settings.desolvation))
     }
 
-    fn result(&self, state: &State) -> ConditionResult {
+    fn result(&self, state: &State, wells: &Wells) -> ConditionResult {
         let State {
             estimator, pair, ..
         } = state;
-        let seed = self.settings.sampling.seed;
-        let poses = match self.settings.is_hard() {
-            true => Vec::new(),
-            false => bound_poses(pair, estimator.lowest(), self.are_equal(), seed),
-        };
+        let found = wells.wells();
+        let thermodynamics = wells.thermodynamics(pair, estimator);
+        let association = Association::new(self.are_equal(), &thermodynamics);
+        let pose = |well: &Well| PoseResult::new(pair, well, &association);
+        let poses = found.iter().map(pose).collect();
         let net_effective = state
             .effective
             .as_ref()
@@ -217,8 +246,9 @@ impl<'a> Condition<'a> {
             warnings.extend(effective::warning(&of.body, charges));
         }
         warnings.dedup();
-        warnings.extend(self.deep_well(estimator, &poses));
-        warnings.extend(self.poses_too_near(pair, &poses));
+        warnings.extend(self.deep_well(estimator, wells));
+        warnings.extend(self.narrow_well(&found));
+        warnings.extend(self.poses_too_near(pair, &found));
         ConditionResult {
             net_effective_charge_e: net_effective,
             warnings,
@@ -227,11 +257,8 @@ impl<'a> Condition<'a> {
                 self.are_equal(),
                 self.ph,
                 self.interaction,
-                estimator.thermodynamics(pair),
-                poses
-                    .iter()
-                    .map(|pose| PoseResult::new(pair, pose))
-                    .collect(),
+                thermodynamics,
+                poses,
             )
         }
     }
@@ -259,39 +286,62 @@ impl Run for Condition<'_> {
     }
 
     fn open(&self, _: &Path, saved: Option<Saved>) -> Result<State> {
-        let estimator = match saved {
+        let sampling = self.sampling()?;
+        let (estimator, wells) = match saved {
             Some(saved) => {
-                saved.estimator.check(&self.sampling()?)?;
-                saved.estimator
+                saved.estimator.check(&sampling)?;
+                if let Some(wells) = &saved.wells {
+                    wells.check(&sampling)?;
+                }
+                (saved.estimator, saved.wells)
             }
-            None => Estimator::new(self.sampling()?)?,
+            None => (Estimator::new(sampling)?, None),
         };
         let effective = self.effective_charges()?;
         let pair = self.pair(effective.as_ref())?;
         Ok(State {
             estimator,
+            wells,
             pair,
             effective,
         })
     }
 
     fn done(&self, state: &State) -> u64 {
-        state.estimator.done()
+        let of_wells = |wells: &Wells| wells.done(state.estimator.settings());
+        state.estimator.done() + state.wells.as_ref().map_or(0, of_wells)
     }
 
-    fn advance(&self, state: &mut State, _: &Turn<'_>) -> Result<()> {
-        state.estimator.advance(&state.pair);
+    fn advance(&self, state: &mut State, turn: &Turn<'_>) -> Result<()> {
+        let State {
+            estimator,
+            wells,
+            pair,
+            ..
+        } = state;
+        if estimator.done() < Estimator::steps(estimator.settings()) {
+            estimator.advance(pair);
+            return Ok(());
+        }
+        match wells {
+            None => *wells = Some(Wells::find(pair, estimator, self.are_equal())),
+            Some(wells) => wells.advance(pair, estimator, &|| !turn.must_stop())?,
+        }
         Ok(())
     }
 
     fn save(&self, state: &mut State) -> Result<Saved> {
         Ok(Saved {
             estimator: state.estimator.clone(),
+            wells: state.wells.clone(),
         })
     }
 
     fn answer(&self, state: &mut State, directory: &Path) -> Result<ConditionResult> {
-        let mut result = self.result(state);
+        let Some(wells) = &state.wells else {
+            bail!("{}: the wells were not looked for", self.label());
+        };
+        let mut result = self.result(state, wells);
         let bodies = self.bodies.each_ref().map(|of| &*of.body);
         let by_plain_charges = self.with_plain_charges(state)?;
         result.residues_by_plain_charges = by_plain_charges.is_some();

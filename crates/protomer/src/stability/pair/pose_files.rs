@@ -133,6 +133,9 @@ ATOM      2  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
             parts: EnergyParts::default(),
             position_angstrom: [8.0 + index as f64, 0.0, 0.0],
             orientation_wxyz: [0.5, 0.5, -0.5, 0.5],
+            share: None,
+            log10_kd_molar: None,
+            log10_kd_error: None,
         };
         (0..number).map(pose).collect()
     }

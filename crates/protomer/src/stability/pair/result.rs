@@ -10,8 +10,9 @@ use protomer_kernel::Pose;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::units::AVOGADRO_PER_MOL;
 use protomer_mc::pair::profile::MeanForceRow;
-use protomer_mc::pair::{BodyPair, BoundPose, EnergyParts, PairThermodynamics};
+use protomer_mc::pair::{BodyPair, EnergyParts, PairThermodynamics, Well};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::LN_10;
 
 /// Å³ in a litre.
 const ANGSTROM3_PER_LITRE: f64 = 1e27;
@@ -100,6 +101,38 @@ pub struct PoseResult {
     pub position_angstrom: [f64; 3],
     /// Its orientation, a quaternion, scalar first.
     pub orientation_wxyz: [f64; 4],
+    /// Share of its well in the association constant; null where wells were not integrated one by one.
+    #[serde(default)]
+    pub share: Option<f64>,
+    /// log₁₀ of the dissociation constant of its well alone, in mol/L.
+    #[serde(default)]
+    pub log10_kd_molar: Option<f64>,
+    /// Standard error of that logarithm.
+    #[serde(default)]
+    pub log10_kd_error: Option<f64>,
+}
+
+/// How poses in contact become a constant of association.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Association {
+    /// N/2 · N pairs of equal bodies stand for N · N of different ones.
+    pairs: f64,
+    /// ∫ exp(-U) over all poses in contact, Å³.
+    volume_angstrom3: f64,
+}
+
+impl Association {
+    pub fn new(are_equal: bool, found: &PairThermodynamics) -> Self {
+        Self {
+            pairs: if are_equal { 0.5 } else { 1.0 },
+            volume_angstrom3: found.association_volume_angstrom3,
+        }
+    }
+
+    /// Dissociation constant of poses with this ∫ exp(-U), mol/L.
+    fn kd_molar(&self, volume_angstrom3: f64) -> f64 {
+        ANGSTROM3_PER_LITRE / (self.pairs * volume_angstrom3 * AVOGADRO_PER_MOL)
+    }
 }
 
 /// A completed part of the conditions.
@@ -125,12 +158,9 @@ impl ConditionResult {
         let electrolyte = &interaction.electrolyte;
         let debye = electrolyte.debye_length_angstrom();
         let per_b2 = b22_per_b2(bodies);
-        // N/2 · N pairs of equal bodies stand for N · N of different ones.
-        let pairs = if are_equal { 0.5 } else { 1.0 };
-        let association_litre_per_mol =
-            pairs * found.association_volume_angstrom3 / ANGSTROM3_PER_LITRE * AVOGADRO_PER_MOL;
+        let association = Association::new(are_equal, &found);
         let is_bound = found.association_volume_angstrom3 > found.contact_volume_angstrom3;
-        let kd_molar = is_bound.then_some(1.0 / association_litre_per_mol);
+        let kd_molar = is_bound.then(|| association.kd_molar(association.volume_angstrom3));
         let relative_error =
             found.association_volume_error_angstrom3 / found.association_volume_angstrom3;
         Self {
@@ -185,14 +215,20 @@ impl ConditionResult {
 }
 
 impl PoseResult {
-    pub(super) fn new(pair: &BodyPair, bound: &BoundPose) -> Self {
+    pub(super) fn new(pair: &BodyPair, found: &Well, association: &Association) -> Self {
+        let bound = found.pose;
         let pose = bound.pose;
+        let integral = found.integral.as_ref();
+        let volume = integral.map(|integral| integral.association_volume_angstrom3);
         let relative = RelativePose::new(&Pose::identity(), &pose, &pose.position);
         Self {
             energy_kt: bound.energy_kt,
             parts: pair.potential.parts_kt(&relative),
             position_angstrom: pose.position.into(),
             orientation_wxyz: pose.wxyz(),
+            share: volume.map(|volume| volume / association.volume_angstrom3),
+            log10_kd_molar: volume.map(|volume| association.kd_molar(volume).log10()),
+            log10_kd_error: integral.map(|integral| integral.relative_error / LN_10),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::stability::run::salt_label;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_body::Body;
-use protomer_mc::pair::{Core, Estimator, PairSettings};
+use protomer_mc::pair::{Core, Estimator, PairSettings, Wells};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -209,7 +209,7 @@ impl PairRunSettings {
 
     /// Steps of one condition.
     pub(super) fn steps(&self) -> u64 {
-        Estimator::steps(&self.sampling)
+        Estimator::steps(&self.sampling) + Wells::steps(&self.sampling)
     }
 }
 
