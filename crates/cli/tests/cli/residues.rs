@@ -412,3 +412,23 @@ fn an_affinity_moves_with_salt_and_ph() {
     let none = place.run("binding plus.pdb lifted.pdb --salt 1M --no-kd --spacing 0.9 --json");
     assert!(json(&none.stdout)["conditions"][0]["log10_kd_molar"].is_null());
 }
+
+/// The chains of the protease interlock: within 5 Å hardly a pose is free, so the state has a narrower limit.
+#[test]
+#[ignore = "takes half a minute of processor time"]
+fn interlocked_chains_have_a_constant() {
+    let place = place();
+    let output = place.run(
+        "binding data/structures/4e43.pdb.gz --body A --body B --salt 150mM --spacing 0.9 --json",
+    );
+    is_ok(&output);
+    let found = json(&output.stdout);
+    let state = &found["bound_states"][0];
+    assert!(state["limit_angstrom"].as_f64().unwrap() < 5.0);
+    assert!(state["share_at_limit"].as_f64().unwrap() < 0.05);
+    let condition = &found["conditions"][0];
+    assert!(condition["log10_kd_error"].as_f64().unwrap() < 0.3);
+    // The pose has -64 kT, and binding costs 12 to 25 kT of freedom.
+    let log10_kd = condition["log10_kd_molar"].as_f64().unwrap();
+    assert!((-24.0..-16.0).contains(&log10_kd), "{log10_kd}");
+}

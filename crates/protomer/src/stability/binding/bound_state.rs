@@ -12,6 +12,8 @@ use protomer_results::Execution;
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
+/// Limits of the state that are tried, Å: bodies that interlock leave room to hardly any pose within the widest.
+const LIMITS_ANGSTROM: [f64; 3] = [5.0, 2.5, 1.25];
 /// A lowest pose farther than this from the given one is another pose, Å.
 const SAME_POSE_ANGSTROM: f64 = 2.0;
 /// The lowest energy met may lie this far above the given pose, kT.
@@ -36,6 +38,8 @@ pub struct BoundStateSummary {
     pub displacement_angstrom: f64,
     /// Loss of entropy of translation and rotation against 1 mol/L, -TΔS in kT.
     pub entropy_loss_kt: f64,
+    /// Poses nearer than this to the given one are the state, Å (root mean square displacement).
+    pub limit_angstrom: f64,
     /// Share of the state beyond four fifths of the limit of 5 Å.
     pub share_at_limit: f64,
     /// Energies that were computed.
@@ -47,6 +51,7 @@ pub(super) struct Sampled {
     /// The bodies without the response of the solvent.
     pair: BodyPair,
     state: BoundState,
+    limit_angstrom: f64,
     /// Energy of the given pose without the response, kT.
     given_kt: f64,
     /// Whether the hard bodies overlap in the given pose.
@@ -77,19 +82,25 @@ impl Sampled {
         execution: &Execution,
     ) -> Result<Option<Self>> {
         let pair = medium.pair_without_response()?;
-        let settings = BoundStateSettings {
-            seed,
-            ..BoundStateSettings::default()
-        };
-        let goes_on = || !execution.interrupt.is_requested();
-        let state = pair.bound_state(&medium.pose(), &settings, &goes_on)?;
         let given_kt = pair.energy_kt(&medium.pose());
-        Ok(state.map(|state| Self {
-            pair,
-            state,
-            given_kt,
-            overlaps,
-        }))
+        let goes_on = || !execution.interrupt.is_requested();
+        for limit_angstrom in LIMITS_ANGSTROM {
+            let settings = BoundStateSettings {
+                seed,
+                limit_angstrom,
+                ..BoundStateSettings::default()
+            };
+            if let Some(state) = pair.bound_state(&medium.pose(), &settings, &goes_on)? {
+                return Ok(Some(Self {
+                    pair,
+                    state,
+                    limit_angstrom,
+                    given_kt,
+                    overlaps,
+                }));
+            }
+        }
+        Ok(None)
     }
 
     /// The state in a medium: ln K_A grows by ln <exp(-ΔU)> over the poses.
@@ -134,6 +145,7 @@ impl Sampled {
             entropy_loss_kt: -NUMBER_DENSITY_PER_MOLAR.ln()
                 - weighted.ln_association_angstrom3
                 - weighted.mean_energy_kt,
+            limit_angstrom: self.limit_angstrom,
             share_at_limit: state.share_at_limit,
             evaluations: state.evaluations,
         }
@@ -158,14 +170,20 @@ impl Sampled {
         }
         if state.share_at_limit > MOST_AT_LIMIT {
             warnings.push(format!(
-                "warning: {:.0} % of the bound state lie more than 4 Å from the given pose, and its limit is 5 Å: the model holds \
-                 no well there, so the integrated K_D means little",
-                100.0 * state.share_at_limit
+                "warning: {:.0} % of the bound state lie more than {} Å from the given pose, and its limit is {} Å: the model \
+                 holds no well there, so the integrated K_D means little",
+                100.0 * state.share_at_limit,
+                0.8 * self.limit_angstrom,
+                self.limit_angstrom
             ));
         }
         warnings
     }
 }
+
+/// Message for a pose around which no state could be sampled.
+pub(super) const NO_ROOM: &str = "warning: no K_D is integrated: the bodies interlock, and of the poses within 1.25 Å \
+    of the given one fewer than one in 2000 is free of overlap; the calibrated affinity does not need it";
 
 impl Weighted {
     /// A warning if too few poses carry the weight.

@@ -1,6 +1,6 @@
 //! The charge part of a binding free energy, as JSON has it.
 
-use super::bound_state::{BoundStateSummary, Sampled};
+use super::bound_state::{BoundStateSummary, NO_ROOM, Sampled};
 use super::estimate::Estimate;
 use super::exchanges::{InterfaceCharge, rows};
 use super::fast::FastInteraction;
@@ -225,6 +225,9 @@ impl Binding {
             let of_pose = in_medium.energy()?;
             if number == 0 && settings.integrates {
                 sampled = Sampled::new(&in_medium, self.overlaps, settings.seed, execution)?;
+                if sampled.is_none() && !execution.interrupt.is_requested() {
+                    self.warnings.push(NO_ROOM.to_owned());
+                }
             }
             let weighted = match &sampled {
                 Some(sampled) => Some(sampled.in_medium(&in_medium)?),
