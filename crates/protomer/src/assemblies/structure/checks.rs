@@ -113,9 +113,8 @@ pub(super) fn gaps_in_interfaces(files: &[File], units: &[NamedUnit]) -> Vec<Str
         return Vec::new();
     }
     vec![format!(
-        "{} residues within {INTERFACE_ANGSTROM} Å of another body lack atoms, so contacts and charges are \
-         missing there: {}; rebuild the side chains in a modelling program",
-        listed.len(),
+        "residues within {INTERFACE_ANGSTROM} Å of another body lack atoms, so contacts and charges are missing \
+         there: {}; rebuild the side chains in a modelling program",
         shortened(&listed)
     )]
 }

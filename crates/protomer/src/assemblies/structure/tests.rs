@@ -113,6 +113,45 @@ fn a_structure_is_taken_apart_with_all_that_ingest_says_of_it() {
     );
 }
 
+#[test]
+fn side_chains_that_lack_atoms_at_an_interface_are_named() {
+    let warnings = |z, is_whole| {
+        let text = chain('A', 0.0, true) + &chain('B', z, is_whole);
+        made(&[text], &settings()).unwrap().0.warnings().join("\n")
+    };
+    let wanted = "missing there: LYS B:1; rebuild the side chains";
+    assert!(warnings(4.0, false).contains(wanted));
+    assert!(!warnings(4.0, true).contains("rebuild"));
+    assert!(!warnings(15.0, false).contains("rebuild"));
+}
+
+/// A strand of four nucleotides with the ring nitrogens that pair, 3.4 Å apart along z.
+fn strand(chain: char, residue: &str, pairing: &str, x: f64) -> String {
+    let ring = if pairing == "N1" { "N9" } else { "N1" };
+    let outwards = x.signum() * 4.0;
+    let nucleotide = |number: i32| {
+        let z = 3.4 * f64::from(number);
+        atom(pairing, residue, chain, number, [x, 0.0, z])
+            + &atom(ring, residue, chain, number, [x + outwards, 0.0, z])
+    };
+    (1..=4).map(nucleotide).collect()
+}
+
+#[test]
+fn strands_of_a_duplex_are_a_proposal_with_their_flag() {
+    let mut settings = settings();
+    settings.body.selection.keep_nucleic_acids = true;
+    let paired = strand('I', " DA", "N1", -1.45) + &strand('J', " DT", "N3", 1.45);
+    let (duplex, _) = made(&[paired], &settings).unwrap();
+    assert_eq!(
+        duplex.proposals,
+        ["I and J belong together, by 4 base pairs; --body I,J makes them one body"]
+    );
+    let equal = strand('I', " DA", "N1", -1.45) + &strand('J', " DA", "N1", 1.45);
+    let (equal, _) = made(&[equal], &settings).unwrap();
+    assert!(equal.proposals.is_empty(), "{:?}", equal.proposals);
+}
+
 /// A line of an atom.
 fn atom(name: &str, residue: &str, chain: char, number: i32, [x, y, z]: [f64; 3]) -> String {
     let element = &name[..1];
