@@ -1,7 +1,8 @@
 //! Cases of the command line: each folder of `tests/golden` holds a `command` (one `protomer` call
 //! per line, words separated by spaces, `$DATA` for the folder of the bundled data), its input
 //! files, and the `expected` transcript: exit code, stdout and stderr of each call. The calls run
-//! in a copy of the folder, so that no path of the machine is shown.
+//! in a copy of the folder, so that no path of the machine is shown. A line `settings DIR` prints what
+//! identifies a result: its stored settings, kind, verb and hash.
 //!
 //! `UPDATE_GOLDEN=1 cargo test -p protomer-cli --test golden` writes the transcripts anew; read the
 //! difference before committing it.
@@ -32,6 +33,18 @@ fn link(target: &Path, link: &Path) {
     );
 }
 
+/// The settings file of a result, and the lines of its record that say which result it is.
+fn identity(directory: &Path) -> String {
+    let mut text = std::fs::read_to_string(directory.join("run.toml")).unwrap();
+    let record = std::fs::read_to_string(directory.join("run.json")).unwrap();
+    for key in ["kind", "verb", "identity"] {
+        let start = format!("  \"{key}\": ");
+        let lines = record.lines().filter(|line| line.starts_with(&start));
+        text.extend(lines.map(|line| format!("{line}\n")));
+    }
+    text
+}
+
 /// Runs every line of the case's command in a copy of its folder and writes down what happened.
 fn transcript(case: &Path) -> String {
     let folder = tempfile::tempdir().unwrap();
@@ -42,6 +55,10 @@ fn transcript(case: &Path) -> String {
     let command = std::fs::read_to_string(case.join("command")).unwrap();
     let mut transcript = String::new();
     for line in command.lines().filter(|line| !line.trim().is_empty()) {
+        if let Some(directory) = line.strip_prefix("settings ") {
+            transcript += &format!("$ {line}\n{}", identity(&folder.path().join(directory)));
+            continue;
+        }
         let mut program = Command::new(env!("CARGO_BIN_EXE_protomer"));
         common::cleaned(&mut program);
         program.args(
