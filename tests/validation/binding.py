@@ -159,7 +159,7 @@ def some_by_apbs(arguments):
         row = {"entry": entry.upper()}
         salts = f"{1000 * SALTS[0]:g}mM,{1000 * SALTS[-1]:g}mM"
         for spacing in map(float, arguments.own_spacings.split(",")):
-            words = [arguments.protomer, "binding", *[file.resolve() for file in files], "--salt", salts, "--json", "-q"]
+            words = [arguments.protomer, "binding", *[file.resolve() for file in files], "--salt", salts, "--json", "--no-kd", "-q"]
             words += ["--outer-permittivity", PERMITTIVITY, "--spacing", spacing, "-j", 1]
             done = run_once(arguments.output / f"{entry}_{spacing:g}A.json", words)
             high = json.loads(done["output"])["conditions"][-1]
