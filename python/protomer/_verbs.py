@@ -599,9 +599,9 @@ class _Shape:
         pairs
             JSON file with the pairs
         potential
-            Which points of the bodies repel each other [default: smooth]
+            Points of the bodies that repel each other [default: smooth]
         central
-            The energy between the centroids, added to that of the points [default: none]
+            Energy between the centroids, added to that of the points [default: none]
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
@@ -919,20 +919,20 @@ class _Md:
         packing_fraction
             Part of the space that bodies with their layer fill [default: 0.5]
         potential
-            Which points of the bodies repel each other [default: smooth]
+            Points of the bodies that repel each other [default: smooth]
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
             Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched off
             smoothly from 0.8 of that on [default: 2.5]
         central
-            The energy between the centroids [default: none]
+            Energy between the centroids [default: none]
         time_step
-            Time step [default: 1e-4]
+            Time step [default: 0.0001]
         steps
             Run to this many steps after the preparation [default: 10000]
         ensemble
-            What keeps the temperature, and the pressure [default: nve]
+            Bath that keeps the temperature, and the pressure [default: nve]
         temperature
             kT at the start and of the bath, in units of epsilon [default: 1]
         pressure
@@ -950,7 +950,7 @@ class _Md:
         equilibrate_steps
             Steps with a bath after the compression [default: 8000]
         preparation_time_step
-            Time step of compression and equilibration [default: 5e-4]
+            Time step of compression and equilibration [default: 0.0005]
         log_every
             Steps between rows of the log [default: 100]
         trajectory_every

@@ -86,7 +86,10 @@ fn arrows_point_the_way_the_architecture_says() {
         ),
         ("protomer-plot", &["protomer-io"]),
         ("protomer-results", &["protomer-io"]),
-        ("protomer-common", &["protomer-io", "protomer-plot"]),
+        (
+            "protomer-common",
+            &["protomer-io", "protomer-kernel", "protomer-plot"],
+        ),
         (
             "protomer",
             &[

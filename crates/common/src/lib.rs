@@ -8,6 +8,7 @@
 //! | [`quantity`] | numbers with units, such as `150mM` |
 //! | [`range`] | ranges of numbers, checked where they enter |
 //! | [`remedy`] | errors of the operating system with what to do about them |
+//! | [`mod@settings`] | settings that are declared once |
 //! | [`cpu_time`] | processor time of a piece of work |
 
 pub mod answer;
@@ -17,3 +18,4 @@ pub mod output_file;
 pub mod quantity;
 pub mod range;
 pub mod remedy;
+pub mod settings;

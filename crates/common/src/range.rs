@@ -39,6 +39,10 @@ pub const WAVE_NUMBER: Range = Range::new(1e-6, 10.0, "Å⁻¹");
 pub const SHARE: Range = Range::new(0.0, 1.0, "");
 /// Factors of energies, and energies over kT.
 pub const STRENGTH: Range = Range::new(-1e6, 1e6, "");
+/// Quantities in reduced units that are positive; beyond, products and powers of them are no numbers.
+pub const POSITIVE: Range = Range::new(1e-9, 1e9, "");
+/// Quantities in reduced units that may be zero.
+pub const NOT_NEGATIVE: Range = Range::new(0.0, 1e6, "");
 /// Tolerances and wanted errors.
 pub const TOLERANCE: Range = Range::new(1e-12, 1e6, "");
 /// Time limits, a thousand years at most.
@@ -189,6 +193,12 @@ impl Count {
     /// From the least number to the largest.
     pub const fn new(least: u64, most: u64) -> Self {
         Self { least, most }
+    }
+
+    /// The same from another least number on.
+    #[must_use]
+    pub const fn at_least(self, least: u64) -> Self {
+        Self { least, ..self }
     }
 
     /// Refuses the value of a key that is outside.

@@ -19,6 +19,7 @@
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
 //! | [`shape`] | convex shapes, and what is known of them exactly |
+//! | [`setting`] | values of settings by kind, and enums whose names and texts users see |
 //! | [`sparse`] | symmetric sparse systems of a fixed pattern |
 //! | [`statistics`] | averages of correlated series and their errors |
 //!
@@ -39,6 +40,7 @@ pub mod point_record;
 pub mod pose;
 pub mod potential;
 pub mod random;
+pub mod setting;
 pub mod shape;
 pub mod sparse;
 pub mod statistics;

@@ -9,6 +9,7 @@ pub mod execution;
 pub mod medium;
 pub mod model;
 pub mod scheduler;
+pub mod settings;
 pub mod solute;
 pub mod space;
 pub mod tables;

@@ -40,7 +40,7 @@ pub struct Begun {
 pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     settings.check()?;
     let mut kinds = Vec::new();
-    for name in &settings.shape {
+    for name in settings.shape.iter() {
         let kind = kind(name, settings.rounding)?;
         kinds.push(match settings.keep_size {
             true => kind,
@@ -181,6 +181,7 @@ fn with_layer(kind: &Kind) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use protomer_common::settings::Words;
 
     #[test]
     fn the_layer_is_that_of_the_thesis() {
@@ -210,7 +211,7 @@ mod tests {
         });
         assert!(no_steps.contains("--compress-steps"), "{no_steps}");
         let unknown = complaint(DynamicsSettings {
-            shape: vec!["egg".into()],
+            shape: "egg".into(),
             ..settings
         });
         assert!(
@@ -222,7 +223,7 @@ mod tests {
     #[test]
     fn mixtures_have_their_shares_and_parts_their_places() {
         let settings = DynamicsSettings {
-            shape: vec!["polygon:3".into(), "disk".into()],
+            shape: Words(vec!["polygon:3".into(), "disk".into()]),
             share: vec![3.0, 1.0],
             bodies: 40,
             packing_fraction: 0.2,

@@ -2,14 +2,15 @@
 
 use protomer_convex::dynamics::log::LogRow;
 use protomer_convex::dynamics::run::run_dynamics;
-use protomer_convex::dynamics::settings::{DynamicsSettings, EnsembleName, Potential};
+use protomer_convex::dynamics::settings::{DynamicsSettings, EnsembleName};
 use protomer_io::gsd::{ChunkData, GsdFile};
+use protomer_md::pair::Form;
 use protomer_results::{Execution, log};
 use std::path::Path;
 
 fn short(shape: &str) -> DynamicsSettings {
     DynamicsSettings {
-        shape: vec![shape.into()],
+        shape: shape.into(),
         bodies: 64,
         packing_fraction: 0.3,
         ensemble: EnsembleName::Nvt,
@@ -95,7 +96,7 @@ fn disks_and_balls_and_brownian_bodies_move_too() {
         let settings = DynamicsSettings {
             ensemble,
             bodies: 100,
-            potential: Potential::Contact,
+            potential: Form::Contact,
             friction: 50.0,
             ..short(shape)
         };

@@ -23,27 +23,27 @@ use super::radial::Radial;
 use super::{PairForces, Placed};
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::Vec3;
+use protomer_kernel::choices;
 use protomer_kernel::shape::closest::ClosestPoints;
 use protomer_kernel::shape::polytope::Polytope;
-use serde::{Deserialize, Serialize};
 
 /// Nearer than this part of the circumradius to the plane of a face, a point lies on it.
 const ON_FACE: f64 = 1e-10;
 /// Singular values below this part of the largest are zero.
 const SINGULAR: f64 = 1e-10;
 
-/// The energy between the centroids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Central {
-    /// None.
-    None,
-    /// With ε_s = ε.
-    Conservative,
-    /// Eq. 4.6 with the force as printed.
-    Printed,
-    /// The energy of eq. 4.6 with its gradient.
-    Gradient,
+choices! {
+    /// Energy between the centroids.
+    pub enum Central {
+        /// None.
+        None = "none",
+        /// With epsilon_s = epsilon.
+        Conservative = "conservative",
+        /// Eq. 4.6 with its force as printed, which is not the gradient.
+        Printed = "printed",
+        /// The energy of eq. 4.6 with its gradient.
+        Gradient = "gradient",
+    }
 }
 
 /// Adds the central term; `radial` has the length σ.

@@ -31,6 +31,7 @@ pub mod terms;
 use crate::{Error, Result};
 use central::Central;
 use features::Features;
+use protomer_kernel::choices;
 use protomer_kernel::shape::closest::closest_points;
 use protomer_kernel::shape::polytope::Polytope;
 use protomer_kernel::{Pose, Vec3};
@@ -40,15 +41,16 @@ use terms::Terms;
 /// σ_c over σ.
 pub const CONTACT_RATIO: f64 = 0.15;
 
-/// Which points of two bodies feel each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
-    /// The closest points.
-    Contact,
-    /// Corners and edges of the faces that look at each other, as published.
-    FaceSum,
-    /// Corners and edges of both bodies, smoothly.
-    Smooth,
+choices! {
+    /// Points of two bodies that repel each other.
+    pub enum Form {
+        /// The closest points alone; torques jump where faces are parallel.
+        Contact = "contact",
+        /// Corners and edges of the two faces that look at each other, as published.
+        FaceSum = "face-sum",
+        /// Corners and edges of both bodies, with forces that are the exact gradient.
+        Smooth = "smooth",
+    }
 }
 
 /// What two bodies feel of each other.

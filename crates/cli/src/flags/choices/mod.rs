@@ -45,44 +45,6 @@ choices! {
 }
 
 choices! {
-    /// The energy between the centroids of bodies in motion.
-    CentralTerm for protomer_convex::dynamics::settings::CentralName {
-        /// None.
-        None,
-        /// That of the published potential with epsilon_s = epsilon.
-        Conservative,
-    }
-}
-
-choices! {
-    /// Which points of two bodies in motion repel each other.
-    ContactPotential for protomer_convex::dynamics::settings::Potential {
-        /// The closest points alone; torques jump where faces are parallel.
-        Contact,
-        /// Corners and edges of the two faces that look at each other, as published.
-        FaceSum,
-        /// Corners and edges of both bodies, with forces that are the exact gradient.
-        Smooth,
-    }
-}
-
-choices! {
-    /// What keeps the temperature of bodies in motion, and the pressure.
-    DynamicsEnsemble for protomer_convex::dynamics::settings::EnsembleName {
-        /// Nothing: the energy is kept.
-        Nve,
-        /// Stochastic rescaling of all momenta together; dynamics stay those of the bodies.
-        Nvt,
-        /// The same at constant pressure: now and then the box is scaled at random.
-        Npt,
-        /// Friction and noise on each body.
-        Langevin,
-        /// Overdamped motion.
-        Brownian,
-    }
-}
-
-choices! {
     /// Where the replicas of a sweep start.
     ReplicaStarts for protomer::stability::run::Starts {
         /// All from the assembly.

@@ -1,8 +1,9 @@
 //! `protomer shape contact`: energies, forces and torques of pairs of convex shapes.
 
+use crate::flags::settings::choice;
 use crate::reply::Reply;
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_common::range;
 use protomer_convex::shapes::contact::contacts;
 use protomer_md::pair::central::Central;
@@ -22,12 +23,12 @@ use std::path::PathBuf;
 pub struct ContactArgs {
     /// JSON file with the pairs.
     pairs: PathBuf,
-    /// Which points of the bodies repel each other.
-    #[arg(long, value_enum, default_value_t = Potential::Smooth)]
-    potential: Potential,
-    /// The energy between the centroids, added to that of the points.
-    #[arg(long, value_enum, default_value_t = CentralForm::None)]
-    central: CentralForm,
+    /// Points of the bodies that repel each other.
+    #[arg(long, value_parser = choice::<Form>(), default_value = "smooth")]
+    potential: Form,
+    /// Energy between the centroids, added to that of the points.
+    #[arg(long, value_parser = choice::<Central>(), default_value = "none")]
+    central: Central,
     /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     attraction: f64,
@@ -37,60 +38,15 @@ pub struct ContactArgs {
     attraction_cut_off: f64,
 }
 
-/// The energy between the centroids.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum CentralForm {
-    /// None.
-    None,
-    /// With epsilon_s = epsilon.
-    Conservative,
-    /// Eq. 4.6 with its force as printed, which is not the gradient.
-    Printed,
-    /// The energy of eq. 4.6 with its gradient.
-    Gradient,
-}
-
-impl From<CentralForm> for Central {
-    fn from(form: CentralForm) -> Self {
-        match form {
-            CentralForm::None => Central::None,
-            CentralForm::Conservative => Central::Conservative,
-            CentralForm::Printed => Central::Printed,
-            CentralForm::Gradient => Central::Gradient,
-        }
-    }
-}
-
-/// Which points of two bodies repel each other.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Potential {
-    /// The closest points alone; torques jump where faces are parallel.
-    Contact,
-    /// Corners and edges of the two faces that look at each other, as published.
-    FaceSum,
-    /// Corners and edges of both bodies, with forces that are the exact gradient.
-    Smooth,
-}
-
-impl From<Potential> for Form {
-    fn from(potential: Potential) -> Self {
-        match potential {
-            Potential::Contact => Form::Contact,
-            Potential::FaceSum => Form::FaceSum,
-            Potential::Smooth => Form::Smooth,
-        }
-    }
-}
-
 impl ContactArgs {
     pub fn run(&self) -> Result<Reply> {
         let interaction = Interaction {
-            form: self.potential.into(),
+            form: self.potential,
             attraction: Attraction {
                 strength: self.attraction,
                 cut_off: self.attraction_cut_off,
             },
-            central: self.central.into(),
+            central: self.central,
         };
         Ok(Reply::data(contacts(&self.pairs, interaction)?))
     }

@@ -1,0 +1,173 @@
+//! Values of settings by kind: numbers, switches, and enums whose names and texts users see.
+
+use crate::Number;
+
+/// Kinds of values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A number.
+    Real,
+    /// A whole number.
+    Whole,
+    /// On or off.
+    Switch,
+    /// One of these names.
+    Choice(&'static [Choice]),
+    /// Words, one or several.
+    Words,
+    /// Numbers, none or several.
+    Reals,
+}
+
+/// One of the names that a setting may have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// The word in files and on the command line.
+    pub name: &'static str,
+    /// Lines of its description.
+    pub text: &'static [&'static str],
+}
+
+/// A type that a setting may have.
+pub trait Setting {
+    /// Kind of the values.
+    const KIND: Kind;
+
+    /// Whether the setting is left out of files.
+    fn is_absent(&self) -> bool {
+        false
+    }
+
+    /// The value as the help shows it as a default; `None` to show nothing.
+    fn text(&self) -> Option<String>;
+}
+
+impl Setting for f64 {
+    const KIND: Kind = Kind::Real;
+
+    fn text(&self) -> Option<String> {
+        Some(Number(*self).to_string())
+    }
+}
+
+impl Setting for u64 {
+    const KIND: Kind = Kind::Whole;
+
+    fn text(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+impl Setting for usize {
+    const KIND: Kind = Kind::Whole;
+
+    fn text(&self) -> Option<String> {
+        Some(self.to_string())
+    }
+}
+
+impl Setting for bool {
+    const KIND: Kind = Kind::Switch;
+
+    fn text(&self) -> Option<String> {
+        None
+    }
+}
+
+impl<T: Setting> Setting for Option<T> {
+    const KIND: Kind = T::KIND;
+
+    fn is_absent(&self) -> bool {
+        self.is_none()
+    }
+
+    fn text(&self) -> Option<String> {
+        self.as_ref().and_then(T::text)
+    }
+}
+
+impl Setting for Vec<f64> {
+    const KIND: Kind = Kind::Reals;
+
+    fn is_absent(&self) -> bool {
+        self.is_empty()
+    }
+
+    fn text(&self) -> Option<String> {
+        None
+    }
+}
+
+/// A type with one value for each name. [`choices!`](crate::choices) implements it.
+pub trait Choices: Copy + 'static {
+    /// The names in the order of declaration.
+    const CHOICES: &'static [Choice];
+
+    /// The word of this value.
+    fn name(self) -> &'static str;
+
+    /// The value of a word; `None` for another word.
+    fn from_name(name: &str) -> Option<Self>;
+}
+
+/// Declares an enum whose variants are chosen by name. Serde writes the names.
+///
+/// ```
+/// use protomer_kernel::setting::Choices;
+///
+/// protomer_kernel::choices! {
+///     /// Ends of a chain.
+///     pub enum End {
+///         /// Carries the amine.
+///         Amino = "n",
+///         /// Carries the acid.
+///         Carboxyl = "c",
+///     }
+/// }
+///
+/// assert_eq!(End::from_name("c"), Some(End::Carboxyl));
+/// assert_eq!((End::Amino.name(), End::CHOICES[0].text), ("n", &[" Carries the amine."][..]));
+/// ```
+#[macro_export]
+macro_rules! choices {
+    (
+        $(#[doc = $about:literal])*
+        $visible:vis enum $name:ident {
+            $($(#[doc = $text:literal])* $variant:ident = $word:literal),* $(,)?
+        }
+    ) => {
+        $(#[doc = $about])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, ::serde::Serialize, ::serde::Deserialize)]
+        $visible enum $name {
+            $($(#[doc = $text])* #[serde(rename = $word)] $variant),*
+        }
+
+        impl $crate::setting::Choices for $name {
+            const CHOICES: &'static [$crate::setting::Choice] = &[
+                $($crate::setting::Choice { name: $word, text: &[$($text),*] }),*
+            ];
+
+            fn name(self) -> &'static str {
+                match self {
+                    $(Self::$variant => $word),*
+                }
+            }
+
+            fn from_name(name: &str) -> Option<Self> {
+                match name {
+                    $($word => Some(Self::$variant),)*
+                    _ => None,
+                }
+            }
+        }
+
+        impl $crate::setting::Setting for $name {
+            const KIND: $crate::setting::Kind =
+                $crate::setting::Kind::Choice(<Self as $crate::setting::Choices>::CHOICES);
+
+            fn text(&self) -> Option<String> {
+                Some($crate::setting::Choices::name(*self).to_owned())
+            }
+        }
+    };
+}
