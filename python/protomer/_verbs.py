@@ -133,11 +133,11 @@ def ingest(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        What to do with residues that lack heavy atoms [default: keep]
+        Treatment of residues that lack heavy atoms [default: keep]
     ph
         pH of the protonation equilibria [default: 7.4]
     charges
-        Where the charges sit [default: force-field]
+        Model of the charges [default: force-field]
     mutate
         Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
     density
@@ -148,7 +148,7 @@ def ingest(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities; if omitted, a body drops them and `surface` keeps them
+        Treatment of cavities; if omitted, a body drops them and `surface` keeps them
     interior_radius
         A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
         because other bodies may be inside [default: 10]
@@ -156,9 +156,9 @@ def ingest(
         Move the surface inward by this much, Å; for a body with a native core, move that core instead, by 0.5
         if omitted
     core
-        What of the body is hard; native for structures and surface for PQR files if omitted
+        Hard core of the body; native for structures and surface for PQR files if omitted
     export
-        Also write the mesh and the charges in these formats
+        Write the mesh and the charges in these formats as well
     stream
         For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output folder
         instead of the answer, memory is bounded, and the same command continues
@@ -328,7 +328,7 @@ def surface(
     probe
         Probe radius, Å [default: 1.4]
     cavities
-        What to do with cavities; if omitted, a body drops them and `surface` keeps them
+        Treatment of cavities; if omitted, a body drops them and `surface` keeps them
     interior_radius
         A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never filled,
         because other bodies may be inside [default: 10]
@@ -605,8 +605,8 @@ class _Shape:
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
-            Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly
-            from 0.8 of that on [default: 2.5]
+            Cut-off of the attraction, in units of its length; inf for none. It is switched off smoothly from
+            0.8 of that on [default: 2.5]
         threads
             Threads to use; 0 means all [default: 0]
         force
@@ -907,8 +907,7 @@ class _Md:
             File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C; convex
             parts of a concave body joined by +. Several times for a mixture [default: polygon:4]
         share
-            How many bodies of each shape there are, in proportion: once for each --shape [default: equal
-            numbers]
+            Relative number of bodies of each shape: once for each --shape [default: equal numbers]
         rounding
             Radius by which the shapes are rounded, in the unit of their points, before they are scaled
             [default: 0]
@@ -923,7 +922,7 @@ class _Md:
         attraction
             Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones [default: 0]
         attraction_cut_off
-            Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched off
+            Cut-off of the attraction, in units of sigma_c (of sigma for the central term); it is switched off
             smoothly from 0.8 of that on [default: 2.5]
         central
             Energy between the centroids [default: none]
@@ -1084,8 +1083,8 @@ class _Hpmc:
         bodies
             Number of bodies [default: 216]
         start
-            How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
-            hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
+            Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp,
+            diamond, hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
         turn
             Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space
         box
@@ -1099,7 +1098,7 @@ class _Hpmc:
         equilibration
             Sweeps in which the steps are tuned and nothing is measured [default: 2000]
         sweeps
-            Sweeps after that; a sweep is one trial move per body [default: 10000]
+            Sweeps after the equilibration; a sweep is one trial move per body [default: 10000]
         sample_every
             Sweeps between measurements [default: 5]
         trajectory_every
@@ -1235,8 +1234,8 @@ class _Hpmc:
         bodies
             Number of bodies [default: 216]
         start
-            How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
-            hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
+            Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp,
+            diamond, hexagonal-diamond; square, hexagonal; row), or the file of a unit cell [default: fluid]
         turn
             Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space
         box
@@ -1250,7 +1249,7 @@ class _Hpmc:
         equilibration
             Sweeps in which the steps are tuned and nothing is measured [default: 2000]
         sweeps
-            Sweeps after that; a sweep is one trial move per body [default: 10000]
+            Sweeps after the equilibration; a sweep is one trial move per body [default: 10000]
         sample_every
             Sweeps between measurements [default: 5]
         trajectory_every
@@ -1463,7 +1462,7 @@ def free_energy(
     equilibration
         Sweeps at each strength in which steps are tuned and nothing is measured [default: 2000]
     sweeps
-        Sweeps after that, per strength on average [default: 20000]
+        Sweeps after the equilibration, per strength on average [default: 20000]
     seed
         Seed of the random numbers [default: 1]
     time_limit
@@ -1739,11 +1738,11 @@ class _Assemble:
         keep_nucleic_acids
             Keep nucleic acids
         missing
-            What to do with residues that lack heavy atoms [default: keep]
+            Treatment of residues that lack heavy atoms [default: keep]
         ph
             pH of the protonation equilibria [default: 7.4]
         charges
-            Where the charges sit [default: force-field]
+            Model of the charges [default: force-field]
         mutate
             Point mutations, such as A:K45E,B:N12D; side chains are replaced in place
         density
@@ -1754,7 +1753,7 @@ class _Assemble:
         probe
             Probe radius, Å [default: 1.4]
         cavities
-            What to do with cavities; if omitted, a body drops them and `surface` keeps them
+            Treatment of cavities; if omitted, a body drops them and `surface` keeps them
         interior_radius
             A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors are never
             filled, because other bodies may be inside [default: 10]
@@ -1762,7 +1761,7 @@ class _Assemble:
             Move the surface inward by this much, Å; for a body with a native core, move that core instead, by
             0.5 if omitted
         core
-            What of the body is hard; native for structures and surface for PQR files if omitted
+            Hard core of the body; native for structures and surface for PQR files if omitted
         body
             Chains that make up one body, such as H,L; once for each body
         shapes
@@ -3107,12 +3106,12 @@ def inspect(
     contact_gap
         Surfaces closer than this are in contact, Å [default: 5]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     salt
@@ -3131,8 +3130,7 @@ def inspect(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
-        bare]
+        Effect on the charges of the low permittivity of the bodies, which salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3272,12 +3270,12 @@ def binding(
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     chain
         Chains, by author name; all if omitted
     assembly
@@ -3293,7 +3291,7 @@ def binding(
     keep_nucleic_acids
         Keep nucleic acids
     missing
-        What to do with residues that lack heavy atoms [default: keep]
+        Treatment of residues that lack heavy atoms [default: keep]
     structure_model
         Model number; the first if omitted
     threads
@@ -3417,8 +3415,8 @@ def pair(
     interaction
         Interaction of the bodies apart from their hard cores [default: bare]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     relative_error
         The wanted standard error of B2, relative to the larger of its magnitude and its hard part [default:
         0.004]
@@ -3434,12 +3432,12 @@ def pair(
         Compute only a part of the conditions, such as 2/8, alongside other processes in the same directory;
         the command without this flag collects the parts [default: 1/1]
     core
-        What keeps the bodies apart: their surfaces, or the cores of the beads of the contact term [default:
+        Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term [default:
         surface]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     inner_permittivity
@@ -3624,11 +3622,10 @@ def simulate(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
-        bare]
+        Effect on the charges of the low permittivity of the bodies, which salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3636,7 +3633,7 @@ def simulate(
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     time_limit
@@ -3782,7 +3779,7 @@ def sweep(
         Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for none [default:
         0]
     starts
-        Where the replicas start [default: assembly]
+        Starting states of the replicas [default: assembly]
     shard
         Run only a part of the simulations, such as 2/8, alongside other processes in the same directory; the
         command without this flag collects the parts [default: 1/1]
@@ -3811,11 +3808,10 @@ def sweep(
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
-        bare]
+        Effect on the charges of the low permittivity of the bodies, which salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -3823,7 +3819,7 @@ def sweep(
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     time_limit
@@ -3972,7 +3968,7 @@ def residues(
         Folder of tables, maps and a structure coloured by energy [default: residues in the directory of a
         run; none for an assembly]
     mutations
-        Also scan exchanges of single charges on the surfaces, and the half salt they lead to
+        Scan exchanges of single charges on the surfaces as well, and the half salt they lead to
     include_touching
         With --mutations: also list exchanges of residues that touch another body. Their energy changes by
         more than their charge does, which the scan does not know
@@ -3981,7 +3977,7 @@ def residues(
     frames
         Frames that are used for each salt concentration [default: 200]
     script
-        Also write a script that shows the structure, coloured by energy
+        Write a script that shows the structure, coloured by energy
     assembly
         Assembly file of a run, if it has moved
     salt
@@ -4000,11 +3996,10 @@ def residues(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
-        bare]
+        Effect on the charges of the low permittivity of the bodies, which salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
@@ -4012,7 +4007,7 @@ def residues(
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     no_cache
@@ -4581,7 +4576,7 @@ class _Lattice:
         output
             The page [default: lattice.html in the directory]
         frames
-            Also write the frames as SVG files into this directory
+            Write the frames as SVG files into this directory as well
         most_frames
             Maximum number of frames, evenly spaced over the run [default: 1000]
         threads
@@ -4964,11 +4959,11 @@ def export(
     assembly
         Assembly file of a simulation, if it has moved
     values
-        What the B factors of the residues hold; zero if omitted
+        Contents of the B factors of the residues; zero if omitted
     gather
         Shift copies by box lengths, so that a cluster across the border of a periodic box is in one piece
     script
-        Also write a script that opens the file, shows surfaces and colours each copy
+        Write a script that opens the file, shows surfaces and colours each copy
     threads
         Threads to use; 0 means all [default: 0]
     force
@@ -5037,9 +5032,9 @@ def scattering(
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> ScatteringResult:
-    """What light and X-rays see of an assembly or of the trajectories of a run: cluster sizes, hydrodynamic
-    radii as dynamic light scattering averages them, S(q) of the centres, P(q) of the bodies and I(q) of the
-    whole.
+    """Compute the scattering of light and X-rays by an assembly or by the trajectories of a run: cluster sizes,
+    hydrodynamic radii as dynamic light scattering averages them, S(q) of the centres, P(q) of the bodies and
+    I(q) of the whole.
 
     Parameters
     ----------
@@ -5176,7 +5171,7 @@ def train(
         Settings (TOML), such as the best.toml of a search or the settings.toml of another training; flags
         override them
     ablate
-        Also train on every subset of the channels
+        Train on every subset of the channels as well
     ablation_seeds
         Number of seeds per subset [default: 3]
     target
@@ -5194,7 +5189,7 @@ def train(
     fractions
         Shares of training, validation and test [default: 0.7,0.15,0.15]
     scaling
-        How channels are scaled [default: robust]
+        Scaling of the channels [default: robust]
     permutations
         Exchanges of labels in the permutation test [default: 1000]
     rotations
@@ -5408,7 +5403,7 @@ def tune(
     seed
         Seed of the drawn settings, split, weights, order and rotations [default: 1]
     vary_channels
-        Also try subsets of the channels
+        Try subsets of the channels as well
     shard
         Run only a part of the trials, such as 2/8, alongside other processes in the same directory, until it
         has to wait for other parts; the command without this flag collects the results [default: 1/1]
@@ -5427,7 +5422,7 @@ def tune(
     fractions
         Shares of training, validation and test [default: 0.7,0.15,0.15]
     scaling
-        How channels are scaled [default: robust]
+        Scaling of the channels [default: robust]
     permutations
         Exchanges of labels in the permutation test [default: 1000]
     rotations
@@ -5572,7 +5567,7 @@ def voxelize(
     most_incomplete
         Structures are excluded if a larger share of their residues lacks heavy atoms [default: 0.25]
     bodies
-        Also make the bodies in this folder, as `protomer ingest --stream` does; each structure is read,
+        Make the bodies in this folder as well, as `protomer ingest --stream` does; each structure is read,
         charged and given its exact surface only once
     density
         With --bodies: mesh vertices per Å² [default: 1]
@@ -5746,7 +5741,7 @@ def bench(
     moves
         Trial moves [default: 10000; without an assembly, as many as the direct sum makes in a few seconds]
     energy
-        How energies are computed [default: the fastest way that decides as the direct sum; without an
+        Method of computing energies [default: the fastest way that decides as the direct sum; without an
         assembly, each way]
     tolerance
         Largest likely error of the energy of two bodies, kT, with --energy approximate [default: 0.001]
@@ -5772,19 +5767,18 @@ def bench(
         Cut-off distance, for comparison with calculations that have one; energies are then summed directly.
         No cut-off if omitted
     interaction
-        What the low permittivity of the bodies, which salt does not enter, does to the charges [default:
-        bare]
+        Effect on the charges of the low permittivity of the bodies, which salt does not enter [default: bare]
     inner_permittivity
         Relative permittivity inside the bodies [default: 4]
     ion_radius
         Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2]
     model
-        Model of what acts between the bodies; other flags change single terms of it [default: none; natural-1
-        for binding]
+        Model of the interactions between the bodies; other flags change single terms of it [default: none;
+        natural-1 for binding]
     contacts
         Attraction between residues, by a published scale [default: none]
     contact_strength
-        What multiplies the attraction of the scale [default: 1]
+        Factor on the attraction of the scale [default: 1]
     desolvation
         Count what charges lose where other bodies displace solvent; with effective charges
     memory_limit

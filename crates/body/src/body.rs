@@ -24,7 +24,7 @@ pub struct Body {
     pub residues: Vec<Residue>,
     /// Volume, centroid and inertia of the solid inside the mesh.
     pub mass_properties: MassProperties,
-    /// Where the body comes from.
+    /// Provenance of the body.
     pub provenance: Provenance,
 }
 
@@ -61,7 +61,7 @@ pub struct Residue {
     pub hydropathy: Option<f64>,
 }
 
-/// Where a body comes from, in enough detail to make it again.
+/// Provenance of a body, in enough detail to make it again.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// The input file as the user named it.

@@ -18,13 +18,13 @@ use std::ops::RangeInclusive;
 /// Every setting that affects a body.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BodySettings {
-    /// Which atoms to use.
+    /// Selection of atoms.
     pub selection: SelectionSettings,
-    /// How to charge them.
+    /// Settings of the charges.
     pub sites: SiteSettings,
     /// Mutations.
     pub mutations: Vec<Mutation>,
-    /// Which surface to make.
+    /// Settings of the surface.
     pub surface: SurfaceSettings,
 }
 
@@ -47,8 +47,8 @@ pub struct SurfaceSettings {
     /// A cavity into which a ball of this radius fits is an enclosed interior, Å. Its wall is
     /// always kept, because other bodies may be in there.
     pub interior_radius_angstrom: f64,
-    /// What of the body is hard; `None` for a native core where the elements of the atoms are known
-    /// and the surface otherwise.
+    /// Part of the body that is hard; `None` for a native core where the elements of the atoms are
+    /// known and the surface otherwise.
     pub core: Option<HardCore>,
     /// Distance by which the hard core is moved inward, Å: a native core, or the surface if that is
     /// what is hard. `None` for [`HardCore::NATIVE_OFFSET_ANGSTROM`] and 0.
@@ -83,15 +83,15 @@ impl Default for SurfaceSettings {
 pub struct BuiltBody {
     /// The body.
     pub body: Body,
-    /// What was selected from the structure; `None` for bare points.
+    /// Report of the selection from the structure; `None` for bare points.
     pub selection: Option<SelectionReport>,
-    /// How far the body's mesh is from the exact surface.
+    /// Deviation of the body's mesh from the exact surface.
     pub deviation: Deviation,
     /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
-/// Where the text of a body comes from.
+/// Source of the text of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Source<'a> {
     /// The file as the user named it.
@@ -418,7 +418,7 @@ pub fn surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<Su
     settings.mesh_of(exact_surface_of_sites(sites, settings)?)
 }
 
-/// The same before it is meshed.
+/// The surface of [`surface_of_sites`] before it is meshed.
 fn exact_surface_of_sites(sites: &[Site], settings: &SurfaceSettings) -> Result<ExactSurface> {
     settings.check()?;
     let atoms = sites.iter();

@@ -1,6 +1,6 @@
 //! The one error type of this crate.
 
-/// What can go wrong between a structure file and a body.
+/// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
@@ -11,17 +11,17 @@ pub enum BodyError {
         file: String,
         /// Line, counted from one; zero for the whole file.
         line: usize,
-        /// What is wrong.
+        /// Cause of the error.
         cause: String,
-        /// What the user can do.
+        /// Remedy: what the user can do.
         remedy: String,
     },
     /// A selection, option or table entry that does not fit the structure.
     #[error("{cause}; {remedy}")]
     Invalid {
-        /// What is wrong, naming the residue, chain or option.
+        /// Cause of the error, naming the residue, chain or option.
         cause: String,
-        /// What the user can do.
+        /// Remedy: what the user can do.
         remedy: String,
     },
     /// A Cα trace: a protein without any other atoms.
@@ -40,9 +40,9 @@ pub enum BodyError {
         second + 1
     )]
     Interlocked {
-        /// The first, by its place in the list.
+        /// The first body, by its place in the list.
         first: usize,
-        /// The second.
+        /// The second body, by its place in the list.
         second: usize,
     },
     /// A box too full for another body to be inserted at random.

@@ -27,7 +27,7 @@ impl HardCore {
     /// Distance by which a native core is moved inward unless the user says otherwise, Å.
     pub const NATIVE_OFFSET_ANGSTROM: f64 = 0.5;
 
-    /// The name by which a body records it.
+    /// The name by which a body records its hard core.
     pub fn name(self) -> &'static str {
         match self {
             Self::Native => "native",

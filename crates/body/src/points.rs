@@ -61,7 +61,7 @@ pub(crate) fn sift_points(file: &str, points: &[PointRecord]) -> Result<SiftedPo
 
 /// Refuses points whose bonds N-CA have the length of another unit.
 fn refuse_other_unit(file: &str, points: &[PointRecord]) -> Result<()> {
-    /// Fewer bonds may be bad ones.
+    /// Least number of bonds for a verdict: fewer may be bad ones.
     const FEWEST: usize = 4;
     let mut nitrogen: Option<&PointRecord> = None;
     let mut lengths = Vec::new();

@@ -70,7 +70,7 @@ pub(crate) fn selection_warnings(report: &SelectionReport) -> Vec<String> {
     warnings
 }
 
-/// That one of several models is used, unless the user chose it.
+/// Warning that one of several models is used, unless the user chose it.
 fn model_warning(report: &SelectionReport) -> Vec<String> {
     if report.models < 2 || report.is_model_chosen {
         return Vec::new();
@@ -225,7 +225,7 @@ fn disulfide_warnings(bonds: &[Disulfide]) -> Vec<String> {
     warnings
 }
 
-/// What was done with the cavities of a surface.
+/// Warnings about the cavities of a surface that were filled or kept.
 pub(crate) fn cavity_warnings(
     cavities: &FilledCavities,
     interior_radius_angstrom: f64,

@@ -15,9 +15,9 @@ pub fn keep_freed_memory() {
 
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod glibc {
-    /// Blocks from this size on are given back when they are freed, bytes.
+    /// Size from which blocks are given back when they are freed, bytes.
     const LARGE_BLOCK_BYTES: i32 = 4 << 20;
-    /// This much free memory is kept per arena, bytes.
+    /// Free memory that is kept per arena, bytes.
     const KEPT_BYTES: i32 = 64 << 20;
 
     pub fn keep_freed_memory() {

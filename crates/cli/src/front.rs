@@ -9,12 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// How long a step that does not ask for signals may go on after one. Then the process ends: results
-/// appear only when they are complete, so the same command continues from what was saved.
+/// Time for which a step that does not ask for signals may go on after one. Then the process ends:
+/// results appear only when they are complete, so the same command continues from what was saved.
 const DEAF_FOR: Duration = Duration::from_millis(1500);
-/// The same for work that has heard the signal, and finishes a structure or writes what it has done.
+/// Time for which work that has heard the signal may go on, to finish a structure or write what it
+/// has done.
 const SILENT_FOR: Duration = Duration::from_secs(6);
-/// How often the process looks whether the signal has been heard.
+/// Interval between checks whether the signal has been heard.
 const LOOKS_EVERY: Duration = Duration::from_millis(100);
 /// Exit code of work that was stopped early and can be continued.
 const STOPPED: i32 = 3;
@@ -29,7 +30,7 @@ pub struct Front {
 }
 
 impl Front {
-    /// A person at a terminal.
+    /// The front of a person at a terminal.
     pub fn terminal(flags: Global) -> Self {
         let bar = Arc::new(Bar::on_terminal(&flags));
         Self {
@@ -40,7 +41,7 @@ impl Front {
         }
     }
 
-    /// A program, which reads answers but not notes.
+    /// The front of a program, which reads answers but not notes.
     pub fn program(flags: Global, host: Host) -> Self {
         let bar = Arc::new(Bar::for_listener(host.progress.clone()));
         Self {
@@ -166,7 +167,7 @@ fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
     .context("cannot listen for Ctrl-C")
 }
 
-/// How long nobody has asked whether to stop, after a signal.
+/// Time for which nobody has asked whether to stop, after a signal.
 struct Silence {
     heard: u64,
     since: Instant,

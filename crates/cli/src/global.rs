@@ -25,7 +25,7 @@ pub struct Global {
     /// Print errors only.
     #[arg(short, long, global = true)]
     pub quiet: bool,
-    /// Also print settings and timings.
+    /// Print settings and timings as well.
     #[arg(short, long, global = true)]
     pub verbose: bool,
     /// Do not draw progress bars.

@@ -322,9 +322,9 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
     ("man", ["man", "man -o ~/.local/share/man/man1"]),
 ];
 
-/// How wide the list of verbs is, at most.
+/// Largest width of the list of verbs.
 const WIDTH: usize = 100;
-/// Where the descriptions of verbs begin.
+/// Column at which the descriptions of verbs begin.
 const INDENT: usize = 17;
 
 /// The command line as clap derives it from the flags, with what this module adds.
@@ -385,7 +385,7 @@ pub fn examples_of(path: &str) -> &'static [&'static str] {
     }
 }
 
-/// The same for this verb and those below it; `path` is its name after that of the program.
+/// Adds the examples of this verb and those below it; `path` is its name after that of the program.
 fn with_examples(verb: Command, path: &str) -> Command {
     let verb = verb.mut_args(minus_is_no_flag);
     let verb = match examples_of(path) {
@@ -400,8 +400,8 @@ fn with_examples(verb: Command, path: &str) -> Command {
     })
 }
 
-/// A flag takes a number below zero as its value; whether it may be negative is then said in its own
-/// words.
+/// Lets a flag take a number below zero as its value; the flag itself then states whether it may be
+/// negative.
 fn minus_is_no_flag(arg: Arg) -> Arg {
     let takes_value = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append);
     match takes_value && !arg.is_positional() && !arg.is_allow_hyphen_values_set() {

@@ -11,7 +11,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-/// The bar shows the time that has passed, even while nothing is done.
+/// Interval between updates of the bar, which shows the time that has passed even while nothing is
+/// done.
 const TICK: Duration = Duration::from_millis(500);
 
 /// Receives the progress of long work: units done, total units (0: unknown), and the name of a
@@ -21,9 +22,9 @@ pub type ProgressListener = Arc<dyn Fn(u64, u64, &str) + Send + Sync>;
 /// A program that calls a verb.
 #[derive(Clone, Default)]
 pub struct Host {
-    /// Receives progress.
+    /// Listener that receives progress.
     pub progress: Option<ProgressListener>,
-    /// Checked by long work instead of signals.
+    /// Interrupt that long work checks instead of signals.
     pub interrupt: Option<Interrupt>,
 }
 
@@ -55,7 +56,7 @@ impl Bar {
         }
     }
 
-    /// Calls to a listening program.
+    /// A bar that calls a listening program.
     pub fn for_listener(listener: Option<ProgressListener>) -> Self {
         Self::new(ProgressBar::hidden(), listener)
     }
@@ -121,7 +122,7 @@ fn style() -> Result<ProgressStyle, TemplateError> {
     Ok(style.with_key("left", left).with_key("rate", rate))
 }
 
-/// Units per second, where they are so fast that the number says something.
+/// Writes the units per second, where they are so fast that the number says something.
 fn rate(state: &ProgressState, out: &mut dyn fmt::Write) {
     let rate = state.per_sec();
     if rate >= 0.05 && state.pos() > 0 {
@@ -129,7 +130,7 @@ fn rate(state: &ProgressState, out: &mut dyn fmt::Write) {
     }
 }
 
-/// The time that is left; unknown before the first unit is done.
+/// Writes the time that is left; unknown before the first unit is done.
 fn left(state: &ProgressState, out: &mut dyn fmt::Write) {
     let _ = match state.pos() {
         0 => out.write_str("?"),

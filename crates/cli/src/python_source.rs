@@ -63,7 +63,7 @@ const PLAIN_VERBS: [&str; 1] = ["framework tables"];
 /// The flag whose text needs a unit: its function also has the keyword [`SALT_MOLAR`] for numbers.
 const SALT: &str = "salt";
 const SALT_MOLAR: &str = "salt_molar";
-/// Verbs that do not go without it.
+/// Verbs that require the flag [`SALT`].
 const SALT_IS_REQUIRED: [&str; 2] = ["binding", "potential"];
 /// Files that may also be objects: verb, argument, class.
 const OBJECTS: [(&str, &str, &str); 20] = [
@@ -88,7 +88,7 @@ const OBJECTS: [(&str, &str, &str); 20] = [
     ("sweep", "assembly", "Assembly"),
     ("bench", "assembly", "Assembly"),
 ];
-/// What every verb may raise.
+/// Errors that every verb may raise.
 const RAISES: [(&str, &str); 4] = [
     (
         "MissingFileError",
@@ -101,7 +101,7 @@ const RAISES: [(&str, &str); 4] = [
         "For any other error; all of them are of this class",
     ),
 ];
-/// What verbs with these flags raise too.
+/// Further errors of verbs with these flags.
 const RAISES_WITH: [(&str, &str, &str); 1] = [(
     "time_limit",
     "StoppedError",

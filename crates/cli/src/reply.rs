@@ -8,7 +8,7 @@ use protomer_results::End;
 use serde_json::Value;
 use std::io::Write;
 
-/// How a verb ended.
+/// Outcome of a verb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// Everything is done.
@@ -29,7 +29,7 @@ pub enum Outcome {
 /// ```
 pub struct Reply {
     answer: Option<Box<dyn AnyAnswer + Send>>,
-    /// Printed instead of the text of the answer.
+    /// Text that is printed instead of that of the answer.
     text: Option<String>,
     /// Whether the text is the requested data rather than a summary: `--quiet` prints data too.
     is_data: bool,
@@ -40,13 +40,14 @@ pub struct Reply {
 
 /// A line in addition to the answer.
 enum Note {
-    /// Unless quiet.
+    /// A line that is printed unless quiet.
     Remark(String),
-    /// Unless quiet; the answer contains it as well, so that Python need not warn of it.
+    /// A line that is printed unless quiet; the answer contains it as well, so that Python need not
+    /// warn of it.
     Repeated(String),
-    /// Unless quiet or JSON, where the answer contains it.
+    /// A line that is printed unless quiet or JSON, where the answer contains it.
     Summary(String),
-    /// Always.
+    /// A line that is always printed.
     Error(String),
 }
 
@@ -162,7 +163,7 @@ impl Reply {
         Self { failure, ..self }
     }
 
-    /// How the verb ended.
+    /// Outcome of the verb.
     pub fn outcome(&self) -> Outcome {
         self.outcome
     }

@@ -599,3 +599,44 @@ fn scripts_build_the_crate_with_the_binary() {
     }
     assert!(builds > 2);
 }
+
+/// First words of doc comments that do not say what they are about. Rustdoc and Python show each comment alone.
+const HEADLESS: &[&str] = &[
+    "Also", "As", "Both", "How", "If", "It", "Its", "None", "Not", "Nothing", "Of", "So", "Such",
+    "That", "Their", "These", "They", "This", "Those", "What", "When", "Where", "Which",
+];
+
+#[test]
+fn doc_comments_begin_with_a_noun_or_a_verb() {
+    let mut headless = Vec::new();
+    for row in rows() {
+        let folders = ["src", "rust"].map(|name| row.folder.join(name));
+        for path in folders
+            .iter()
+            .filter(|folder| folder.is_dir())
+            .flat_map(|folder| sources(folder))
+        {
+            let text = std::fs::read_to_string(&path).unwrap();
+            let mut goes_on = false;
+            for (number, line) in text.lines().enumerate() {
+                let comment = line.trim_start().strip_prefix("///");
+                let first = comment.and_then(|words| words.split_whitespace().next());
+                let first = first.map(|word| word.trim_matches(['.', ',', ':', ';']));
+                if !goes_on && first.is_some_and(|word| HEADLESS.contains(&word)) {
+                    headless.push(format!(
+                        "{}:{}: {}",
+                        path.display(),
+                        number + 1,
+                        line.trim()
+                    ));
+                }
+                goes_on = comment.is_some();
+            }
+        }
+    }
+    assert!(
+        headless.is_empty(),
+        "begin these comments with what they describe:\n{}",
+        headless.join("\n")
+    );
+}

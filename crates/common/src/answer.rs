@@ -52,10 +52,10 @@ pub fn counted(number: usize, one: &str, many: &str) -> String {
 
 /// An answer with its type erased.
 pub trait AnyAnswer {
-    /// As [`Answer::text`].
+    /// The text for a reader; see [`Answer::text`].
     fn text(&self) -> String;
 
-    /// As [`Answer::figure`].
+    /// The figure, if there is anything to draw; see [`Answer::figure`].
     fn figure(&self) -> Option<Figure>;
 
     /// The answer as JSON text.

@@ -66,7 +66,7 @@ impl InputFile {
         })
     }
 
-    /// The SHA-256 alone, without decompression.
+    /// Computes the SHA-256 of a file as stored, without decompression.
     ///
     /// # Errors
     /// Names the file.

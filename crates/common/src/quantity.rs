@@ -3,7 +3,7 @@
 use crate::range::SALT;
 use anyhow::{Result, bail};
 
-/// Above this concentration (mol/L) a salt is warned of.
+/// Concentration above which a salt is warned of, mol/L.
 const USUAL_SALT_MOLAR: f64 = 1.0;
 
 /// Parses a salt concentration in mol/L from `150mM` or `0.15M`. Only zero needs no unit: a bare

@@ -61,7 +61,7 @@ pub const TABLE_ROWS: Count = Count::new(1, 1000);
 pub const DIRECTIONS: Count = Count::new(1, 1_000_000);
 /// Trial moves of a measurement that has no checkpoints.
 pub const MOVES: Count = Count::new(1, 1_000_000_000);
-/// The same, or none.
+/// Trial moves of a measurement that has no checkpoints, or none.
 pub const MOVES_OR_NONE: Count = Count::new(0, 1_000_000_000);
 /// Channels of a block of a network.
 pub const CHANNELS: Count = Count::new(1, 1024);
@@ -88,7 +88,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// From the least number to the largest, with their unit.
+    /// The range from the least number to the largest, with their unit.
     pub const fn new(least: f64, most: f64, unit: &'static str) -> Self {
         Self {
             least,
@@ -98,7 +98,7 @@ impl Range {
         }
     }
 
-    /// The same and zero.
+    /// The same range with zero added.
     pub const fn or_zero(self) -> Self {
         Self {
             has_zero: true,
@@ -111,7 +111,7 @@ impl Range {
         (self.least..=self.most).contains(&value) || self.has_zero && value == 0.0
     }
 
-    /// Refuses the value of a key that is outside.
+    /// Refuses the value of a key that is outside the range.
     ///
     /// # Errors
     /// Names the key, the value and the range.
@@ -190,18 +190,18 @@ pub struct Count {
 }
 
 impl Count {
-    /// From the least number to the largest.
+    /// The range from the least number to the largest.
     pub const fn new(least: u64, most: u64) -> Self {
         Self { least, most }
     }
 
-    /// The same from another least number on.
+    /// The same range with another least number.
     #[must_use]
     pub const fn at_least(self, least: u64) -> Self {
         Self { least, ..self }
     }
 
-    /// Refuses the value of a key that is outside.
+    /// Refuses the value of a key that is outside the range.
     ///
     /// # Errors
     /// Names the key, the value and the range.

@@ -4,7 +4,8 @@ use anyhow::Error;
 use protomer_io::IoError;
 use std::io::{self, ErrorKind};
 
-/// An error in full; if the operating system is its cause and nothing in it says what to do, with that.
+/// An error in full, with a remedy if the operating system is its cause and nothing in it says what
+/// to do.
 ///
 /// ```
 /// use anyhow::Context;

@@ -1,6 +1,6 @@
 //! Settings that are declared once: name, type, text, default and range of each stand in one place.
 //!
-//! [`settings!`](crate::settings) makes the struct, its default, its form in TOML, and a table of the settings. The
+//! [`settings!`](crate::settings!) makes the struct, its default, its form in TOML, and a table of the settings. The
 //! command line and the reference build their flags from this table.
 
 use crate::range::{Count, Range};
@@ -16,14 +16,14 @@ pub struct Declaration {
     pub key: &'static str,
     /// Description in one paragraph.
     pub text: String,
-    /// Kind of its values.
+    /// Kind of the values.
     pub kind: Kind,
     /// The default, or what happens without a value; `None` if that needs no words.
     pub default: Option<String>,
 }
 
 impl Declaration {
-    /// From the parts of a declaration.
+    /// Makes a declaration from its parts.
     pub fn new<T: Setting>(
         key: &'static str,
         lines: &[&str],
@@ -54,7 +54,7 @@ pub fn flag(key: &str) -> String {
     format!("--{}", key.replace('_', "-"))
 }
 
-/// Settings with a table of what they are. [`settings!`](crate::settings) implements it.
+/// Settings with a table of their declarations. [`settings!`](crate::settings!) implements it.
 pub trait Declared: Default + Serialize + for<'de> Deserialize<'de> {
     /// The settings in the order of their declaration.
     fn declarations() -> Vec<Declaration>;
@@ -118,7 +118,7 @@ impl<'de> Deserialize<'de> for Words {
 
 /// A range that a setting of a type can be held against.
 pub trait Holds<T> {
-    /// Refuses a value that is outside.
+    /// Refuses a value that is outside the range.
     ///
     /// # Errors
     /// Names the flag, the value and the range.

@@ -4,7 +4,7 @@
 use std::ops::{Deref, DerefMut};
 use std::sync::{Mutex, PoisonError};
 
-/// At most this many buffers wait for use.
+/// Largest number of buffers that wait for use.
 const KEPT: usize = 64;
 
 static WAITING: Mutex<Vec<Vec<f32>>> = Mutex::new(Vec::new());

@@ -149,7 +149,8 @@ unsafe fn add_tap_row<S: Lanes, const K: usize>(
     }
 }
 
-/// If fewer than one in this many voxels of a row of the input hold anything, only these are taken.
+/// Inverse of the fraction of occupied voxels in a row of the input below which only these voxels
+/// are processed.
 const SCATTER_BELOW: usize = 4;
 
 /// The sums of a register tile: J channels times K taps times V vectors.

@@ -11,10 +11,10 @@ use crate::padded::{Occupied, Padded};
 /// Stands for no corner of a window: the ReLU gave 0.
 pub const DEAD: u8 = 8;
 
-/// What follows the convolution and its bias.
+/// Operation that follows the convolution and its bias.
 #[derive(Debug)]
 pub enum Finish<'a> {
-    /// Nothing: (O, D, H, W).
+    /// No further operation: (O, D, H, W).
     Plain(&'a mut [f32]),
     /// ReLU: (O, D, H, W).
     Relu(&'a mut [f32]),
@@ -32,9 +32,9 @@ pub struct Forward<'a> {
     pub input: &'a Padded,
     /// The weights as [`Geometry::pack`] gives them.
     pub weights: &'a [f32],
-    /// One per output; `None` stands for zeros.
+    /// Bias of each output; `None` stands for zeros.
     pub bias: Option<&'a [f32]>,
-    /// What follows.
+    /// Operation that follows the convolution and its bias.
     pub finish: Finish<'a>,
     /// Room for four rows of outputs and the biases, [`scratch_length`] numbers.
     pub scratch: &'a mut [f32],
@@ -187,7 +187,7 @@ impl Rows<'_> {
     }
 }
 
-/// Every `stride`-th element.
+/// Copies every `stride`-th element.
 #[inline(always)]
 fn gather<T: Copy>(from: &[T], stride: usize, to: &mut [T]) {
     for (to, from) in to.iter_mut().zip(from.iter().step_by(stride)) {
@@ -441,8 +441,8 @@ impl Rows<'_> {
     }
 }
 
-/// If fewer than one in this many voxels that a row of outputs sees hold anything, these are spread
-/// over the outputs.
+/// Inverse of the fraction of occupied voxels in the input of a row of outputs below which these
+/// voxels are spread over the outputs one by one.
 const SCATTER_BELOW: usize = 4;
 
 /// P voxels times V vectors of outputs.

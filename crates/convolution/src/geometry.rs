@@ -88,7 +88,7 @@ impl Geometry {
         self.channels * self.taps() * self.padded_outputs()
     }
 
-    /// Where in the padded grid tap row `row` of output voxel (0, 0, 0) begins.
+    /// Offset of tap row `row` of output voxel (0, 0, 0) in the padded grid, in voxels.
     pub fn tap_row_offset(&self, row: usize) -> usize {
         let [_, height, width] = self.padded_edges();
         (row / self.kernel * height + row % self.kernel) * width

@@ -186,7 +186,7 @@ use x86::{Avx2, Avx512};
 
 /// A kernel.
 pub trait Work {
-    /// What it computes.
+    /// Result of the kernel.
     type Output;
 
     /// Does the work.

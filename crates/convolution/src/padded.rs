@@ -8,14 +8,14 @@ use crate::geometry::{Geometry, LANES};
 pub struct Padded {
     /// The numbers.
     pub numbers: Buffer,
-    /// Which voxels hold anything; `None` if too many do for it to pay.
+    /// Voxels that hold anything; `None` if there are so many that recording them does not pay.
     pub occupied: Option<Occupied>,
 }
 
-/// Which voxels of a padded grid hold anything in any channel.
+/// Voxels of a padded grid that hold anything in any channel.
 #[derive(Debug, Clone)]
 pub struct Occupied {
-    /// For every row; bit i stands for the voxels from i `grain` on.
+    /// Bit mask of every row; bit i stands for the voxels from i `grain` on.
     rows: Vec<u128>,
     /// Voxels per bit.
     grain: usize,
@@ -49,7 +49,7 @@ impl Occupied {
         bits.flat_map(move |bit| bit * grain..((bit + 1) * grain).min(width))
     }
 
-    /// At most how many voxels of a row hold something.
+    /// Upper limit of the number of voxels of a row that hold something.
     #[inline(always)]
     pub fn count(&self, row: usize) -> usize {
         self.mask(row).count_ones() as usize * self.grain
@@ -68,8 +68,8 @@ impl Occupied {
         self.rows.get(row).copied().unwrap_or(u128::MAX)
     }
 
-    /// For every row of outputs, which of them see anything: bit x stands for voxel x. `None` for
-    /// rows longer than a mask.
+    /// Masks of the outputs that see anything, for every row of outputs: bit x stands for voxel x.
+    /// `None` for rows longer than a mask.
     pub fn seen(&self, geometry: &Geometry) -> Option<Vec<u128>> {
         if self.grain > 1 {
             return None;
@@ -93,7 +93,8 @@ impl Occupied {
     }
 }
 
-/// Bit i stands for the voxels from i `grain` on: whether any of them is not zero.
+/// Marks the groups of `grain` voxels that are not all zero: bit i stands for the voxels from i
+/// `grain` on.
 fn bits(part: &[f32], grain: usize) -> u32 {
     // Mostly there is nothing; the sign of a zero does not count.
     let mut any = 0;
@@ -112,7 +113,7 @@ fn bits(part: &[f32], grain: usize) -> u32 {
 
 /// Numbers counted at a time.
 const PART: usize = 4096;
-/// Above this share of numbers that are not zero, it does not pay to note them.
+/// Largest fraction of nonzero numbers for which it pays to record them.
 const LARGEST_FILL: f64 = 0.25;
 
 impl Padded {
@@ -154,7 +155,7 @@ fn is_sparse(sample: &[f32], share: f64) -> bool {
     })
 }
 
-/// How many numbers are not zero.
+/// Counts the numbers that are not zero.
 pub fn count_nonzero(numbers: &[f32]) -> usize {
     let mut count = 0;
     // In u32 over short parts, which the compiler vectorises.

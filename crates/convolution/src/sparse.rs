@@ -15,7 +15,7 @@ use std::array;
 /// One gradient that is not zero.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Entry {
-    /// Where in the padded grid its taps begin, voxels.
+    /// Voxel of the padded grid at which the taps of the output begin.
     pub voxel: u32,
     /// The gradient.
     pub value: f32,
@@ -25,14 +25,14 @@ pub struct Entry {
 #[derive(Debug, Default)]
 pub struct Entries {
     list: Vec<Entry>,
-    /// Where in the list the rows of each output begin, and the end of the last.
+    /// Index in the list at which each row of each output begins, and the end of the last row.
     starts: Vec<usize>,
     rows: usize,
 }
 
 impl Entries {
-    /// From the gradient of the pooled outputs, (O, D/2, H/2, W/2), and the corners that pooling
-    /// chose.
+    /// Lists the entries of the gradient of the pooled outputs, (O, D/2, H/2, W/2), with the
+    /// corners that pooling chose.
     ///
     /// `seen`, if known, says row by row which outputs see anything of the input. The others do not
     /// change the weights and are left out.
@@ -67,7 +67,7 @@ impl Entries {
         entries.finish()
     }
 
-    /// From the gradient of all outputs, (O, D, H, W).
+    /// Lists the entries of the gradient of all outputs, (O, D, H, W).
     pub fn unpooled(geometry: &Geometry, gradient: &[f32]) -> Self {
         let [depth, height, width] = geometry.edges;
         let [_, padded_height, padded_width] = geometry.padded_edges();
@@ -99,12 +99,12 @@ impl Entries {
         }
     }
 
-    /// How many there are.
+    /// Number of entries.
     pub fn count(&self) -> usize {
         self.list.len()
     }
 
-    /// Those of an output.
+    /// Entries of an output.
     #[inline(always)]
     pub fn of_output(&self, output: usize) -> &[Entry] {
         self.of_rows(output * self.rows, (output + 1) * self.rows)
@@ -119,7 +119,8 @@ impl Entries {
     }
 }
 
-/// What the four rows of outputs below a row of windows see.
+/// Masks of the outputs that see anything of the input, for the four rows of outputs below a row of
+/// windows.
 #[inline(always)]
 fn rows_below(geometry: &Geometry, seen: &[u128], z: usize, y: usize) -> [u128; 4] {
     array::from_fn(|i| {
@@ -142,7 +143,7 @@ struct Lister {
 }
 
 impl Lister {
-    /// For at most `most` entries in `rows` rows of each output.
+    /// A lister for at most `most` entries in `rows` rows of each output.
     fn new(geometry: &Geometry, rows: usize, most: usize) -> Self {
         Self {
             entries: Entries {
@@ -159,7 +160,7 @@ impl Lister {
         self.entries.starts.push(self.count);
     }
 
-    /// Written always, kept if it counts: no branch to guess wrong.
+    /// Writes an entry in any case and keeps it if it counts: there is no branch to mispredict.
     #[inline(always)]
     fn push_if(&mut self, counts: bool, voxel: u32, value: f32) {
         self.entries.list[self.count] = Entry { voxel, value };
@@ -224,7 +225,7 @@ pub struct SparseWeights<'a> {
     pub input: &'a [f32],
     /// The gradients.
     pub entries: &'a Entries,
-    /// In the order of [`pack`].
+    /// The gradient of the weights in the order of [`pack`].
     pub weights: &'a mut [f32],
 }
 

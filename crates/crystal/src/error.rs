@@ -2,7 +2,7 @@
 
 use protomer_kernel::Number;
 
-/// What can go wrong with a lattice or a framework.
+/// Errors of lattices and frameworks.
 ///
 /// ```
 /// use protomer_crystal::CrystalError;
@@ -22,7 +22,7 @@ pub enum CrystalError {
     BadSetting {
         /// The setting's name.
         setting: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
         /// The values it may have.
         requirement: &'static str,
@@ -86,11 +86,11 @@ pub enum CrystalError {
     StepTooLarge {
         /// Time at the start of the step.
         time: f64,
-        /// The step.
+        /// Length of the step.
         time_step: f64,
         /// The rod that is farthest from its length.
         rod: usize,
-        /// Its length less the length it should have.
+        /// Length of that rod less the length it should have.
         violation: f64,
         /// A step that should work.
         suggested_time_step: f64,
@@ -103,7 +103,7 @@ pub enum CrystalError {
     Overlap {
         /// One body.
         first: String,
-        /// The other.
+        /// The other body.
         second: String,
         /// The depth of the overlap.
         depth: f64,
@@ -120,7 +120,7 @@ pub enum CrystalError {
         events: usize,
         /// One body.
         first: String,
-        /// The other.
+        /// The other body.
         second: String,
         /// Time at the start of the step.
         time: f64,

@@ -34,21 +34,22 @@ use crate::surface::surface_of;
 use crate::{FieldError, Result};
 use protomer_kernel::{Electrolyte, Vec3};
 
-/// The coarse grid is this many times coarser, up to
+/// Ratio of the spacings of the coarse and the fine grid.
 const COARSER: f64 = 1.4;
-/// this, Å.
+/// Largest spacing of the coarse grid, Å.
 const COARSEST_ANGSTROM: f64 = 1.1;
-/// The coarse grid reaches further than the fine one by this many Debye lengths of the lowest salt,
+/// Distance by which the coarse grid reaches further than the fine one, in Debye lengths of the
+/// lowest salt.
 const DEBYE_LENGTHS: f64 = 1.5;
-/// but by no less and no more than this, Å.
+/// Least and largest distance by which the coarse grid reaches further than the fine one, Å.
 const FURTHER_ANGSTROM: [f64; 2] = [10.0, 60.0];
-/// On a coarser fine grid the two grids would be too alike, Å.
+/// Largest spacing of the fine grid, Å: on a coarser one the two grids would be too alike.
 const COARSEST_FINE_ANGSTROM: f64 = 0.9;
 
 /// Two rigid solutes in the place where they bind.
 #[derive(Debug, Clone, Copy)]
 pub struct BoundPair<'a> {
-    /// Their atoms, in one frame.
+    /// Atoms of the two solutes, in one frame.
     pub parts: [&'a [ChargedSphere]; 2],
     /// Solute and solvent; its salt does not matter.
     pub dielectric: &'a DielectricModel,
@@ -70,9 +71,9 @@ pub struct AddedCharges {
 pub struct BindingEnergy {
     /// Coulomb energy between the parts in the inner permittivity, kT.
     pub coulomb_kt: f64,
-    /// In each electrolyte.
+    /// Binding energy in each electrolyte.
     pub at_salts: Vec<BindingEnergyAtSalt>,
-    /// What each set of added charges changes, in the first electrolyte.
+    /// Response to each set of added charges, in the first electrolyte.
     pub added: Vec<ChargeResponse>,
     /// The coarse and the fine grid.
     pub grids: [Grid; 2],
@@ -84,15 +85,15 @@ pub struct BindingEnergyAtSalt {
     /// ΔG, kT: in the first electrolyte that of the fine grid, in the others with the extrapolated effect
     /// of the salt.
     pub energy_kt: f64,
-    /// Its expected error, kT, from the two grids.
+    /// Expected error of ΔG, kT, from the two grids.
     pub error_kt: f64,
     /// Difference from the first electrolyte, extrapolated, kT.
     pub salt_effect_kt: f64,
-    /// Its expected error, kT: half of what the extrapolation changed.
+    /// Expected error of the effect of the salt, kT: half of what the extrapolation changed.
     pub salt_effect_error_kt: f64,
 }
 
-/// What added charges change.
+/// Response of ΔG to added charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChargeResponse {
     /// Change of ΔG of first order, kT.
@@ -261,8 +262,8 @@ fn coulomb_at(place: &Vec3, charges: &[ChargedSphere], dielectric: &DielectricMo
     bjerrum / dielectric.inner_permittivity * terms.sum::<f64>()
 }
 
-/// From the energies on the coarse and on the fine grid in each electrolyte, kT, and the ratio of the
-/// spacings.
+/// Extrapolates the energies on the coarse and on the fine grid in each electrolyte, kT, given the
+/// ratio of the spacings.
 fn extrapolated(on_grids: &[[f64; 2]], ratio: f64) -> Vec<BindingEnergyAtSalt> {
     let per_difference = 1.0 / (ratio * ratio - 1.0);
     let first = on_grids.first().copied().unwrap_or_default();
@@ -289,7 +290,7 @@ struct Work<'a> {
     electrolytes: &'a [Electrolyte],
 }
 
-/// What is kept of one solute.
+/// Results that are kept of one solute.
 struct Solved {
     /// Solvation energies on the coarse and the fine grid in each electrolyte, kT.
     energies_kt: Vec<[f64; 2]>,
@@ -298,11 +299,11 @@ struct Solved {
 
 /// Added charges in one solute, kT.
 struct AddedInSolute {
-    /// Their energy with the charges as they are, through the reaction field: the mean of that of either
-    /// in the field of the other. Both are equal but for errors of the grid, and the energy of all charges
-    /// together holds their mean.
+    /// Energy of the added charges with the charges as they are, through the reaction field: the
+    /// mean of that of either in the field of the other. Both are equal but for errors of the grid,
+    /// and the energy of all charges together holds their mean.
     mutual_kt: f64,
-    /// Their own solvation energy.
+    /// Solvation energy of the added charges alone.
     own_kt: f64,
 }
 

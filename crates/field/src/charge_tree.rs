@@ -31,18 +31,19 @@ const POINTS: usize = 5;
 const FEWEST: usize = 140;
 /// Boxes with at most this many charges are not divided further.
 const LEAF: usize = 32;
-/// Half-diagonals from the middle of a box at which it is far: for terms at a surface, which the grid
-/// makes less exact by far,
+/// Distance from the middle of a box at which it is far, in half-diagonals, for terms at a surface,
+/// which the grid makes less exact by far.
 pub(crate) const FAR: f64 = 1.7;
-/// and for potentials that are small because those of many charges cancel.
+/// Distance from the middle of a box at which it is far, in half-diagonals, for potentials that are
+/// small because those of many charges cancel.
 pub(crate) const FARTHER: f64 = 2.5;
 
 /// Charges in a tree of boxes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ChargeTree {
-    /// In the order of the leaves.
+    /// Charges in the order of the leaves.
     sources: Vec<Source>,
-    /// The root first.
+    /// Boxes, the root first.
     boxes: Vec<ChargeBox>,
 }
 
@@ -52,7 +53,7 @@ struct ChargeBox {
     half_diagonal: f64,
     sources: Range<usize>,
     children: Option<[usize; 2]>,
-    /// What stands for the charges far away; empty where they are few.
+    /// Charges that stand for those of the box from far away; empty where they are few.
     equivalent: Vec<Source>,
 }
 
@@ -99,8 +100,8 @@ impl ChargeTree {
         number
     }
 
-    /// What stands for all charges at any place of a box, given by its lowest and highest corner;
-    /// `far` is [`FAR`] or [`FARTHER`].
+    /// Charges that stand for all charges at any place of a box, given by its lowest and highest
+    /// corner; `far` is [`FAR`] or [`FARTHER`].
     pub fn seen_from(&self, low: &Vec3, high: &Vec3, far: f64) -> Vec<Source> {
         let mut seen = Vec::new();
         let mut waiting = vec![0];

@@ -45,9 +45,9 @@ impl Superposition {
         Self::with_reach(spheres, dielectric, |sphere| sphere.radius_angstrom)
     }
 
-    /// As [`new`](Superposition::new), with all ions outside one sphere around the whole solute.
-    /// Far away a solute looks like one ion, so this suits boundary values. `reach_angstrom` is the
-    /// distance from a charge to the ions around the solute.
+    /// Variant of [`new`](Superposition::new) with all ions outside one sphere around the whole
+    /// solute. Far away a solute looks like one ion, so this suits boundary values.
+    /// `reach_angstrom` is the distance from a charge to the ions around the solute.
     pub(crate) fn of_solute(
         spheres: &[ChargedSphere],
         dielectric: &DielectricModel,
@@ -82,8 +82,8 @@ impl Superposition {
         }
     }
 
-    /// What stands for the sum at the places of a box between two corners: far atoms in clusters,
-    /// with the error of `charge_tree`.
+    /// The sum at the places of a box between two corners, with far atoms in clusters and the error
+    /// of `charge_tree`.
     pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> ScreenedSum {
         let seen = self.tree.seen_from(low, high, FARTHER);
         ScreenedSum::new(&seen, 0.5 * (low + high), self.kappa)

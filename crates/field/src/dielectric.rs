@@ -3,7 +3,7 @@
 use crate::surface::SurfaceDefinition;
 use protomer_kernel::Electrolyte;
 
-/// What lies inside and outside the surface of a solute.
+/// Media inside and outside the surface of a solute.
 ///
 /// ```
 /// use protomer_field::{DielectricModel, SurfaceDefinition};
@@ -22,7 +22,7 @@ pub struct DielectricModel {
     pub electrolyte: Electrolyte,
     /// Relative permittivity inside the surface.
     pub inner_permittivity: f64,
-    /// How the surface is defined.
+    /// Definition of the surface.
     pub surface: SurfaceDefinition,
     /// Radius of a solvent molecule, Å.
     pub probe_angstrom: f64,

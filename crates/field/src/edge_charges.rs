@@ -34,7 +34,7 @@ pub(crate) struct EdgePlace {
     pub axis: usize,
     /// The length of the edge, and the edge of the square face in its middle.
     pub length: f64,
-    /// From the middle to the place, along the axis.
+    /// Offset of the place from the middle, along the axis.
     pub offset: f64,
 }
 
@@ -220,8 +220,8 @@ impl EdgePlace {
         [self.axis, (self.axis + 1) % 3, (self.axis + 2) % 3]
     }
 
-    /// What a potential does that has this value and these derivatives along the edge in its middle, up
-    /// to the fourth.
+    /// Potential and slope at the place and flux through the face, of a potential with this value
+    /// and these derivatives along the edge in its middle, up to the fourth.
     #[inline(always)]
     pub fn with_derivatives(&self, derivatives: [f64; 5]) -> AtEdge {
         let [value, slope, second, third, fourth] = derivatives;
@@ -233,7 +233,7 @@ impl EdgePlace {
         }
     }
 
-    /// Adds what one charge does.
+    /// Adds the potential, the slope and the flux of one charge.
     fn add(&self, source: &Source, sum: &mut AtEdge) {
         let from_charge = self.middle - source.place;
         let [z, x, y] = self.axes().map(|axis| from_charge[axis]);
@@ -280,8 +280,9 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
     if z < 0.0 { -angle } else { angle }
 }
 
-/// The same from a distance r, given by its inverse, by Taylor's series of f = z/r³ about the middle of
-/// the square. f is harmonic, so that f_xx + f_yy = -f_zz and f_xxxx + f_yyyy = f_zzzz - 2 f_xxyy:
+/// The solid angle from a distance r, given by its inverse, by Taylor's series of f = z/r³ about
+/// the middle of the square. f is harmonic, so that f_xx + f_yy = -f_zz and
+/// f_xxxx + f_yyyy = f_zzzz - 2 f_xxyy:
 ///
 /// Ω = h² (f - h²/24 f_zz + h⁴/1920 f_zzzz + h⁴/1440 f_xxyy).
 #[inline(always)]

@@ -3,7 +3,7 @@
 use protomer_body::BodyError;
 use protomer_kernel::{KernelError, Number};
 
-/// What can go wrong in a field calculation.
+/// Errors of a field calculation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FieldError {
@@ -14,7 +14,7 @@ pub enum FieldError {
         setting: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted.
+        /// Accepted values.
         requirement: &'static str,
     },
     /// A grid that would not fit in memory.
@@ -38,9 +38,9 @@ pub enum FieldError {
     ChargeOutside {
         /// Index of the sphere.
         index: usize,
-        /// Its charge.
+        /// Charge of the sphere, e.
         charge_e: f64,
-        /// Its distance from the surface.
+        /// Distance of the charge from the surface, Å.
         distance_angstrom: f64,
     },
     /// An iteration that did not converge.
@@ -57,10 +57,10 @@ pub enum FieldError {
     /// Input that cannot be used.
     #[error("{0}")]
     BadInput(String),
-    /// From the surface.
+    /// An error of the surface.
     #[error(transparent)]
     Body(#[from] BodyError),
-    /// From the kernel.
+    /// An error of the kernel crate.
     #[error(transparent)]
     Kernel(#[from] KernelError),
 }

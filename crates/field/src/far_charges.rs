@@ -34,15 +34,15 @@ pub(crate) struct FarCharges {
     coefficients: Coefficients,
 }
 
-/// By the powers of x, y and z.
+/// Coefficients by the powers of x, y and z.
 type Coefficients = [[[f64; POWERS]; POWERS]; POWERS];
-/// Between coefficients of successive powers of each coordinate.
+/// Distance in a list between coefficients of successive powers of each coordinate.
 const STRIDES: [usize; 3] = [POWERS * POWERS, POWERS, 1];
 
 /// Charges; unused lanes have no strength and are at a distance.
 #[derive(Debug, Clone)]
 struct Group {
-    /// From the charge to the middle, by axis.
+    /// Offsets from the charge to the middle, by axis.
     offsets: [[f32; LANES]; 3],
     strength: [f32; LANES],
 }
@@ -94,7 +94,7 @@ impl FarCharges {
         }
     }
 
-    /// What the charges do at an edge with its middle in the ball.
+    /// Potential, slope and flux of the charges at an edge with its middle in the ball.
     pub fn at(&self, edge: &EdgePlace) -> AtEdge {
         let offset = edge.middle - self.middle;
         let [axis, first, second] = edge.axes();

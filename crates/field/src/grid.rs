@@ -97,7 +97,7 @@ impl Grid {
         self.len() == 0
     }
 
-    /// Where the value of point (i, j, k) is in a list of values.
+    /// Index of the value of point (i, j, k) in a list of values.
     #[inline]
     pub fn index(&self, i: usize, j: usize, k: usize) -> usize {
         (k * self.shape[1] + j) * self.shape[0] + i
@@ -218,7 +218,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Where the values of each row of points along x are.
+    /// Ranges of the values of each row of points along x.
     pub fn rows(&self, grid: &Grid) -> impl Iterator<Item = Range<usize>> + use<> {
         let (Self { first, end }, grid) = (*self, *grid);
         let length = end[0].saturating_sub(first[0]);

@@ -20,7 +20,7 @@ const LEAST: f32 = -80.0;
 
 /// Charges; unused lanes have no strength and are at a distance.
 struct Group {
-    /// From the middle of the box, Å, by axis.
+    /// Offsets from the middle of the box, Å, by axis.
     offsets: [[f32; LANES]; 3],
     /// Smaller distances count as this one, Å.
     least: [f32; LANES],

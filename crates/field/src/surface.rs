@@ -6,7 +6,7 @@ use protomer_body::surface::{Arrangement, ImplicitSolid, SesSolid};
 use protomer_kernel::cells::CellList;
 use protomer_kernel::{Boundary, Vec3};
 
-/// Where the permittivity changes.
+/// Surface at which the permittivity changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SurfaceDefinition {
     /// The volume that a probe rolling over the spheres cannot enter (Richards, Annu. Rev. Biophys.

@@ -25,7 +25,7 @@ pub struct HardBody<const D: usize> {
     packed: Vec<Block<D>>,
     /// The corners of each face; in a plane, of each edge.
     faces: Vec<Vec<usize>>,
-    /// Of a body that is not convex.
+    /// Pieces of a body that is not convex.
     pieces: Option<Pieces<D>>,
 }
 
@@ -114,7 +114,7 @@ impl<const D: usize> HardBody<D> {
         })
     }
 
-    /// Whether it is a ball or a disk, which looks the same however it is turned.
+    /// Whether the body is a ball or a disk, which looks the same however it is turned.
     pub fn is_round(&self) -> bool {
         self.corners.len() == 1
     }
@@ -124,7 +124,7 @@ impl<const D: usize> HardBody<D> {
         self.pieces.as_ref()
     }
 
-    /// Corners in groups of four.
+    /// Number of blocks of four corners.
     pub(crate) fn blocks(&self) -> usize {
         self.packed.len()
     }
@@ -140,7 +140,8 @@ impl<const D: usize> HardBody<D> {
         error_of_heights(4.0 * D as f64 * self.outer_radius)
     }
 
-    /// Whether two of these bodies overlap: their corners, turned, and the way between their centres.
+    /// Whether two of these bodies overlap, given their turned corners and the vector between their
+    /// centres.
     pub(crate) fn overlaps_at(
         &self,
         first: &[Block<D>],
@@ -203,7 +204,7 @@ impl<const D: usize> HardBody<D> {
         }
     }
 
-    /// How far a turned body reaches down and up along the last axis from its centre.
+    /// Reach of a turned body down and up along the last axis from its centre.
     pub(crate) fn extent(&self, corners: &[Block<D>]) -> [f64; 2] {
         let hull = self
             .pieces
@@ -219,7 +220,7 @@ impl<const D: usize> HardBody<D> {
         [low - self.rounding_radius, high + self.rounding_radius]
     }
 
-    /// The last word on two bodies that touch to within rounding.
+    /// Decides whether two bodies that touch to within rounding overlap.
     pub(crate) fn exact(&self, pair: &Pair<'_, D>) -> bool {
         if self.rounding_radius > 0.0 || self.faces.is_empty() {
             return true;

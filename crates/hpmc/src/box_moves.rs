@@ -50,7 +50,7 @@ use serde::{Deserialize, Serialize};
 
 /// Acceptance that the steps are tuned to.
 const ACCEPTANCE: f64 = 0.3;
-/// Fewer changes say little about their acceptance.
+/// Smallest number of changes for tuning; fewer say little about their acceptance.
 const ENOUGH: u64 = 40;
 /// The first largest step, and the largest at all.
 const FIRST_STEP: f64 = 0.01;
@@ -58,14 +58,14 @@ const LARGEST_STEP: f64 = 1.0;
 /// A length of the box at equal volume stays within this factor of the first.
 const WIDEST: f64 = 2.0;
 
-/// What of the box changes at constant pressure.
+/// Quantities of the box that change at constant pressure.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Freedom {
     /// The volume; the shape stays.
     #[default]
     Volume,
-    /// Each length on its own; angles stay right.
+    /// Each length on its own; right angles stay right.
     Lengths,
     /// Volume, lengths and tilts.
     Shape,
@@ -77,7 +77,7 @@ pub enum Freedom {
 pub struct Pressure {
     /// βP, kT per volume; in a plane, per area.
     pub kt_per_volume: f64,
-    /// What of the box changes.
+    /// Quantities of the box that change.
     #[serde(default)]
     pub freedom: Freedom,
     /// Trial changes of the box in a sweep; `None` for as many as suit the freedom.
@@ -129,11 +129,11 @@ impl BoxStep {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoxMoves {
-    /// Of the volume, or of one length.
+    /// Step of the volume, or of one length.
     pub volume: BoxStep,
-    /// Of a stretch.
+    /// Step of a stretch.
     pub stretch: BoxStep,
-    /// Of a shear.
+    /// Step of a shear.
     pub shear: BoxStep,
     /// Lengths of the box at the start, at a volume of one.
     pub first_shape: Vec<f64>,
@@ -142,18 +142,18 @@ pub struct BoxMoves {
 /// A deformation of space.
 #[derive(Debug, Clone, Copy)]
 enum Change {
-    /// By the logarithm of a factor of the volume.
+    /// Change of the volume, by the logarithm of a factor.
     Volume(f64),
-    /// Of the length along an axis, counted from zero, by the logarithm of a factor.
+    /// Change of the length along an axis, counted from zero, by the logarithm of a factor.
     Length(usize, f64),
-    /// Of the first axis by the logarithm of a factor, and of the second by its inverse.
+    /// Stretch of the first axis by the logarithm of a factor, and of the second by its inverse.
     Stretch([usize; 2], f64),
-    /// Of the first axis, by a part of the coordinate along the second.
+    /// Shear of the first axis, by a part of the coordinate along the second.
     Shear([usize; 2], f64),
 }
 
 impl BoxMoves {
-    /// For a run that begins in this box.
+    /// Steps of a run that begins in this box.
     pub(crate) fn new<const D: usize>(space: &PeriodicBox<D>) -> Self {
         Self {
             first_shape: shape(space).to_vec(),
@@ -177,7 +177,8 @@ impl BoxMoves {
         }
     }
 
-    /// One trial change, with the numbers of a stream; `number` says which of the run.
+    /// Makes one trial change, with the numbers of a stream; `number` counts the changes of the
+    /// run.
     ///
     /// # Errors
     /// If nothing but the size of the box forbids it.
@@ -217,7 +218,8 @@ impl BoxMoves {
         }
     }
 
-    /// Of eight changes of a shape, one is of the volume, three are stretches and four shears.
+    /// Draws a change: of eight changes of a shape, one is of the volume, three are stretches and
+    /// four shears.
     fn propose<const D: usize>(
         &self,
         freedom: Freedom,

@@ -30,7 +30,7 @@ pub struct Compression {
 }
 
 impl Compression {
-    /// For a compressibility factor of about this size.
+    /// A measurement for a compressibility factor of about this size.
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
         // In a small box no body may meet an image of itself.
         let room = 1.0 - 2.0 * system.body.outer_radius / system.space.smallest_length();
@@ -111,8 +111,8 @@ fn first(holds: impl Fn(usize) -> bool) -> usize {
     works
 }
 
-/// What a pair in a bin adds to the density at zero, times the largest contraction: least squares of a
-/// cubic polynomial to the counts, whose means over the bins are exact.
+/// Contribution of a pair in each bin to the density at zero, times the largest contraction: least
+/// squares of a cubic polynomial to the counts, whose means over the bins are exact.
 pub(crate) fn weights() -> [f64; BINS] {
     let mean_of_power = |bin: usize, power: usize| {
         let [low, high] = [bin, bin + 1].map(|edge| edge as f64 / BINS as f64);

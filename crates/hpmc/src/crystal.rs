@@ -35,7 +35,7 @@ pub struct Site<const D: usize> {
 /// A unit cell.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitCell<const D: usize> {
-    /// Its shape; the size does not matter.
+    /// Shape of the cell; the size does not matter.
     pub space: PeriodicBox<D>,
     /// The sites.
     pub sites: Vec<Site<D>>,
@@ -245,7 +245,7 @@ fn faces_along(directions: &[Vec3]) -> Rotation {
 pub(crate) struct Bond<const D: usize> {
     /// Translations across it.
     pub slips: Vec<[f64; D]>,
-    /// For each site the one at the other end.
+    /// Site at the other end, for each site.
     pub others: Vec<usize>,
 }
 
@@ -263,7 +263,7 @@ pub struct Crystal<const D: usize> {
 }
 
 impl<const D: usize> Crystal<D> {
-    /// So many bodies, in a box as near to a cube as whole cells allow.
+    /// A crystal of so many bodies, in a box as near to a cube as whole cells allow.
     ///
     /// # Errors
     /// Unless the bodies fill whole cells, and for sites or numbers that make no crystal.
@@ -287,7 +287,8 @@ impl<const D: usize> Crystal<D> {
         Self::among(cell, body, &[], bodies, packing_fraction)
     }
 
-    /// The same for bodies among depletants: a number of bodies that an error names is one for their box.
+    /// Variant of [`new`](Self::new) for bodies among depletants: a number of bodies that an error
+    /// names is one for their box.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -524,7 +525,8 @@ fn fewest_bodies<const D: usize>(
     })
 }
 
-/// How often a cell is repeated along each axis, so that the longest edge of all is shortest.
+/// Number of times that a cell is repeated along each axis, so that the longest edge of all is
+/// shortest.
 fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
     let (mut best, mut shortest) = ([1; D], f64::INFINITY);
     let divisors: Vec<usize> = (1..=cells).filter(|n| cells.is_multiple_of(*n)).collect();
@@ -652,7 +654,8 @@ mod tests {
         assert!((largest - PI / 12.0_f64.sqrt()).abs() < 1e-7, "{largest}");
     }
 
-    /// Both diamonds of Archimedean truncated tetrahedra close at 23/24; hexagons fill the plane.
+    /// The two diamonds of Archimedean truncated tetrahedra close at 23/24; hexagons fill the
+    /// plane.
     #[test]
     fn faces_look_at_their_neighbours() {
         let name = "truncated-tetrahedron:0.6666666666666666";

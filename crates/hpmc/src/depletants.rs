@@ -31,13 +31,13 @@ use protomer_kernel::shape::separation::minus;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// Which depletants forbid a move.
+/// Depletants that forbid a move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Counting {
-    /// Those in the overlap with other bodies that would be lost.
+    /// Depletants in the overlap with other bodies that would be lost.
     Lost,
-    /// Those in the volume that would be covered.
+    /// Depletants in the volume that would be covered.
     Covered,
 }
 

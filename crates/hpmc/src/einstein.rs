@@ -42,7 +42,7 @@ pub struct Springs<const D: usize> {
     squares: f64,
     potentials: Vec<f64>,
     potential: f64,
-    /// Of the move whose change was asked for last.
+    /// Step of the move whose change was asked for last.
     step: [f64; D],
     new_potential: f64,
 }
@@ -79,7 +79,7 @@ impl<const D: usize> Springs<D> {
         self
     }
 
-    /// λ, kT per squared length.
+    /// Strength λ, kT per squared length.
     pub fn strength(&self) -> f64 {
         self.strength
     }
@@ -188,16 +188,16 @@ pub struct EinsteinCrystal<'a, const D: usize> {
 /// and an integral of one over all orientations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EinsteinTerms {
-    /// Of the centre of mass: -[ln v + (D/2) ln N]/N, with the volume v of the primitive cell.
+    /// Term of the centre of mass: -[ln v + (D/2) ln N]/N, with the volume v of the primitive cell.
     pub centre_of_mass_kt: f64,
-    /// Of the springs: -D (1 - 1/N)/2 ln(π/λ).
+    /// Term of the springs: -D (1 - 1/N)/2 ln(π/λ).
     pub springs_kt: f64,
-    /// Of the orientations: -ln z(λκ).
+    /// Term of the orientations: -ln z(λκ).
     pub orientations_kt: f64,
 }
 
 impl EinsteinTerms {
-    /// Their sum.
+    /// Sum of the terms.
     pub fn total_kt(&self) -> f64 {
         self.centre_of_mass_kt + self.springs_kt + self.orientations_kt
     }

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::spline::Spline;
 
-/// Fewer packing fractions do not carry a spline; the point at zero comes to them.
+/// Smallest number of packing fractions for a spline; the point at zero is added to them.
 pub const FEWEST_TO_INTEGRATE: usize = 3;
 
 /// A measured compressibility factor.
@@ -13,7 +13,7 @@ pub struct Factor {
     pub packing_fraction: f64,
     /// Z = βP/ρ.
     pub value: f64,
-    /// Its standard error; not a number where it is not known.
+    /// Standard error of the factor; not a number where it is not known.
     pub standard_error: f64,
 }
 

@@ -1,15 +1,15 @@
 use protomer_kernel::{AtMost, Number};
 
-/// Why hard bodies cannot be simulated, or phases cannot be computed.
+/// Errors of simulations of hard bodies, and of the computation of phases.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The shape has another number of dimensions than the box.
     #[error("the shape has {shape} dimensions and the box {space}; give both the same number")]
     Dimension {
-        /// Of the shape.
+        /// Number of dimensions of the shape.
         shape: usize,
-        /// Of the box.
+        /// Number of dimensions of the box.
         space: usize,
     },
     /// A value outside the range in which it has a meaning.
@@ -19,7 +19,7 @@ pub enum Error {
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted.
+        /// Values that are accepted.
         requirement: &'static str,
     },
     /// A body would meet an image of itself.
@@ -30,9 +30,9 @@ pub enum Error {
     BoxTooSmall {
         /// Smallest length of the box.
         edge: f64,
-        /// The smallest that it may have.
+        /// Smallest length that the box may have.
         least: f64,
-        /// A number of bodies whose box has that at the same packing fraction.
+        /// A number of bodies whose box has that length at the same packing fraction.
         bodies: usize,
     },
     /// At constant pressure the box would become too small.
@@ -43,7 +43,7 @@ pub enum Error {
     BoxShrinks {
         /// Smallest length that the box would have.
         edge: f64,
-        /// The smallest that it may have.
+        /// Smallest length that the box may have.
         least: f64,
         /// A number of bodies whose box cannot become too small.
         bodies: usize,
@@ -71,7 +71,7 @@ pub enum Error {
     Dense {
         /// The packing fraction wanted.
         wanted: f64,
-        /// The largest at which they do not overlap.
+        /// Largest packing fraction at which the bodies do not overlap.
         largest: f64,
     },
     /// Two bodies overlap where none may.
@@ -84,7 +84,7 @@ pub enum Error {
         }
     )]
     Overlap {
-        /// Their numbers in the order of the sites, from 1.
+        /// Numbers of the bodies in the order of the sites, from 1.
         bodies: [usize; 2],
         /// The packing fraction wanted.
         packing_fraction: f64,
@@ -97,7 +97,7 @@ pub enum Error {
         .bodies[1]
     )]
     SameSite {
-        /// Their numbers in the order of the sites, from 1.
+        /// Numbers of the bodies in the order of the sites, from 1.
         bodies: [usize; 2],
     },
     /// Pieces of a body overlap.
@@ -108,7 +108,7 @@ pub enum Error {
         .pieces[1]
     )]
     Pieces {
-        /// Their numbers, from 1.
+        /// Numbers of the pieces, from 1.
         pieces: [usize; 2],
     },
     /// The bodies do not fill whole unit cells.
@@ -121,7 +121,7 @@ pub enum Error {
         bodies: usize,
         /// Sites of a unit cell.
         sites: usize,
-        /// A number near it that works.
+        /// A number of bodies near the one wanted that works.
         nearest: usize,
     },
     /// The name is not that of a crystal.
@@ -129,33 +129,33 @@ pub enum Error {
     UnknownCrystal {
         /// The name.
         name: String,
-        /// Of the bodies.
+        /// Number of dimensions of the bodies.
         dimension: usize,
-        /// What there is.
+        /// Names of the crystals that are known.
         known: &'static str,
     },
     /// A curve needs more points.
     #[error("there are {given} points; a curve through them needs at least {fewest}")]
     FewPoints {
-        /// The number given.
+        /// Number of points given.
         given: usize,
-        /// The number needed.
+        /// Number of points needed.
         fewest: usize,
     },
     /// The abscissas of a table do not ascend.
     #[error("{second} follows {first}; give ascending values, each of them once")]
     NotAscending {
-        /// The one.
+        /// The first of the two values.
         first: f64,
-        /// The one after it.
+        /// The value after it.
         second: f64,
     },
     /// Two things that cannot be simulated in one box yet.
     #[error("{first} and {second} cannot be simulated together; leave one out")]
     NotTogether {
-        /// The one.
+        /// Name of one of them.
         first: &'static str,
-        /// The other.
+        /// Name of the other.
         second: &'static str,
     },
     /// A body that any rotation about an axis leaves as it is.

@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 /// A potential that acts on each body, in kT.
 pub(crate) trait Field<const D: usize> {
-    /// What a move would add to the energy, kT.
+    /// Change of the energy by a move, kT.
     fn change_kt(&mut self, system: &System<D>, trial: &Trial<D>) -> f64;
 
-    /// The move has been accepted. It is the one whose change was asked for last.
+    /// Notes that a move has been accepted: the one whose change was asked for last.
     fn moved(&mut self, _trial: &Trial<D>) {}
 
     /// Whether the move is accepted (Metropolis, J. Chem. Phys. 21, 1087 (1953)).

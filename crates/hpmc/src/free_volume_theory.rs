@@ -21,7 +21,7 @@ const CLOSE_PACKING: f64 = PI / (3.0 * SQRT_2);
 const THINNEST: f64 = 1e-100;
 /// The densest fluid, near random close packing.
 const DENSEST_FLUID: f64 = 0.64;
-/// Where the search for a critical point begins.
+/// Packing fraction at which the search for a critical point begins.
 const THINNEST_LIQUID: f64 = 1e-3;
 /// Samples of a branch.
 const SAMPLES: usize = 4000;
@@ -33,7 +33,7 @@ const FULLEST: f64 = 50.0;
 /// Names of the branches, in their order.
 pub const PHASES: [&str; 2] = ["fluid", "solid"];
 
-/// What scaled particle theory asks of a convex body.
+/// Measures of a convex body that scaled particle theory needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyMeasures {
     /// Volume.
@@ -45,7 +45,7 @@ pub struct BodyMeasures {
 }
 
 impl BodyMeasures {
-    /// Of a sphere.
+    /// Measures of a sphere.
     pub fn sphere(radius: f64) -> Self {
         Self {
             volume: 4.0 / 3.0 * PI * radius.powi(3),
@@ -108,18 +108,18 @@ pub struct Mixture {
     reservoir: f64,
 }
 
-/// Gas and liquid become one.
+/// Critical point, at which gas and liquid become one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CriticalPoint {
     /// Packing fraction of the spheres.
     pub packing_fraction: f64,
     /// Packing fraction of the depletants in the reservoir.
     pub reservoir: f64,
-    /// Whether a solid is not more stable there.
+    /// Whether a solid is not more stable at the critical point.
     pub is_stable: bool,
 }
 
-/// Gas, liquid and solid coexist.
+/// Triple point, at which gas, liquid and solid coexist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TriplePoint {
     /// Packing fraction of the depletants in the reservoir.
@@ -129,8 +129,8 @@ pub struct TriplePoint {
 }
 
 impl Mixture {
-    /// Depletants of the size ratio q (their radius over that of the spheres) whose reservoir has the
-    /// packing fraction φ_r.
+    /// A mixture with depletants of the size ratio q (their radius over that of the spheres) whose
+    /// reservoir has the packing fraction φ_r.
     ///
     /// # Errors
     /// For a size ratio that is not positive and a negative packing fraction.
@@ -158,7 +158,8 @@ impl Mixture {
         self.reservoir / self.size_ratio.powi(3)
     }
 
-    /// What the depletants add to the grand potential, less that of the reservoir: -φ_r (α - 1)/q³.
+    /// Contribution of the depletants to the grand potential, less that of the reservoir:
+    /// -φ_r (α - 1)/q³.
     fn depletion(&self, packing_fraction: Jet) -> Jet {
         let ln = BodyMeasures::sphere(1.0).ln_free_volume(packing_fraction, self.size_ratio);
         ln.exp_m1() * -self.reservoir_pressure()
@@ -176,7 +177,8 @@ impl Mixture {
         found.first().copied()
     }
 
-    /// With the branches of the fluid, sampled beyond a packing fraction, and the solid.
+    /// Calls a function with the branches of the fluid, sampled beyond a packing fraction, and the
+    /// solid.
     fn beyond<T>(&self, thinnest: f64, call: impl FnOnce(&[Branch<'_>]) -> T) -> T {
         let fluid_energy = |eta: Jet| fluid(eta) + self.depletion(eta);
         let solid_energy = |eta: Jet| solid(eta) + self.depletion(eta);
@@ -299,7 +301,8 @@ fn solid(eta: Jet) -> Jet {
     eta * 2.1306 + eta * (eta.ln() - open) * 3.0
 }
 
-/// Where a function is least between two places, where it has one minimum (golden sections).
+/// Place of the minimum of a function between two places, where it has one minimum (golden
+/// sections).
 fn least(function: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     let part = 0.5 * (5.0_f64.sqrt() - 1.0);
     while high - low > 1e-9 {

@@ -57,19 +57,19 @@ pub struct Point {
     pub coarse_weight: f64,
 }
 
-/// What is measured, and at which strengths.
+/// Plan of a measurement, with the strengths of the springs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
-    /// λ₁, kT per squared length.
+    /// Strength λ₁ of the strongest springs, kT per squared length.
     pub strongest: f64,
     /// c, kT per squared length.
     pub shift: f64,
     /// κ, squared length.
     pub turning: f64,
-    /// States of the Einstein crystal, and how many have no overlaps.
+    /// Number of states of the Einstein crystal that were drawn.
     pub states: u32,
-    /// Of them without overlaps.
+    /// Number of these states without overlaps.
     pub free_states: u32,
     /// The strengths.
     pub points: Vec<Point>,
@@ -80,7 +80,7 @@ pub struct Plan {
 pub struct Estimate {
     /// The mean.
     pub mean: f64,
-    /// Its standard error.
+    /// Standard error of the mean.
     pub error: f64,
 }
 
@@ -90,28 +90,28 @@ pub struct Estimate {
 pub struct FreeEnergy {
     /// A/(N kT).
     pub total_kt: f64,
-    /// Its standard error.
+    /// Standard error of the free energy.
     #[serde(alias = "error_kt")]
     pub total_kt_error: f64,
-    /// Of the centre of mass.
+    /// Term of the centre of mass.
     pub centre_of_mass_kt: f64,
-    /// Of the strongest springs.
+    /// Term of the strongest springs.
     pub springs_kt: f64,
-    /// Of the orientations in the strongest field.
+    /// Term of the orientations in the strongest field.
     pub orientations_kt: f64,
-    /// -ln P / N of the overlaps with the strongest springs.
+    /// Term -ln P / N of the overlaps with the strongest springs.
     pub overlaps_kt: f64,
-    /// Its standard error.
+    /// Standard error of the term of the overlaps.
     #[serde(alias = "overlaps_error_kt")]
     pub overlaps_kt_error: f64,
     /// The integral over the strength.
     pub integral_kt: f64,
-    /// Its standard error.
+    /// Standard error of the integral.
     #[serde(alias = "integral_error_kt")]
     pub integral_kt_error: f64,
     /// The difference between the rule of 21 points and that of ten.
     pub rules_difference_kt: f64,
-    /// Its standard error: a smaller difference is noise.
+    /// Standard error of the difference between the rules: a smaller difference is noise.
     #[serde(alias = "rules_difference_error_kt")]
     pub rules_difference_kt_error: f64,
 }
@@ -126,7 +126,7 @@ pub struct Measurement<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Measurement<'a, D> {
-    /// Of a crystal of these bodies.
+    /// A measurement of a crystal of these bodies.
     ///
     /// # Errors
     /// If the bodies overlap on their sites, the box is too small, or their orientation cannot be held.
@@ -186,7 +186,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
         })
     }
 
-    /// How many states of the Einstein crystal have no overlaps.
+    /// Number of states of the Einstein crystal without overlaps, of so many drawn.
     fn free_states(&self, strength: f64, turning: f64, states: u32, stream: u32) -> Result<u32> {
         let einstein = EinsteinCrystal {
             crystal: self.crystal,
@@ -229,7 +229,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
         })
     }
 
-    /// From a saved state. Call [`Walker::refresh`] before going on.
+    /// Resumes from a saved state. Call [`Walker::refresh`] before going on.
     ///
     /// # Errors
     /// If the state is not of these bodies.
@@ -324,8 +324,9 @@ fn points(strongest: f64, shift: f64) -> Vec<Point> {
     points
 }
 
-/// How often each point is to be measured next, `times` in all: first once each, then where the variance
-/// of the integral falls most. `measured` tells how often each was measured, and the error that it has.
+/// Number of times that each point is to be measured next, `times` in all: first once each, then
+/// where the variance of the integral falls most. `measured` tells how often each was measured, and
+/// the error that it has.
 pub fn share(plan: &Plan, measured: &[(u64, f64)], times: usize) -> Vec<usize> {
     let mut shares = vec![0; plan.points.len()];
     let mut variances = Vec::new();
@@ -386,7 +387,8 @@ impl<const D: usize> Walker<D> {
         self.system.refresh();
     }
 
-    /// Does sweeps, with steps that are tuned or not; the mean of the extent f after each.
+    /// Does sweeps, with steps that are tuned or not, and returns the mean of the extent f after
+    /// each.
     pub fn run(&mut self, sweeps: u64, is_tuned: bool) -> f64 {
         let bodies = self.system.len() as u64;
         let mut sum = 0.0;

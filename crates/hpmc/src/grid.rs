@@ -16,15 +16,16 @@ struct Entry<const D: usize> {
 /// A body near a place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Near<const D: usize> {
-    /// Its number.
+    /// Number of the body.
     pub body: u32,
-    /// From the place to one of its images.
+    /// Vector from the place to one of the images of the body.
     pub offset: [f64; D],
     /// The squared length of the offset.
     pub squared: f64,
 }
 
-/// With fewer cells along an edge, there is one, and all images along it are looked at.
+/// Smallest number of cells along an edge, unless there is one and all images along it are looked
+/// at.
 const FEWEST: usize = 3;
 /// Cells are wider than the range by what rounding could take from them.
 const ROUNDED: f64 = 1.0 - 1e-12;
@@ -134,7 +135,7 @@ impl<const D: usize> Grid<D> {
         cell
     }
 
-    /// A body has moved; all bodies are at `positions`.
+    /// Notes that a body has moved; all bodies are at `positions`.
     pub fn moved(&mut self, body: usize, positions: &[[f64; D]]) {
         let (old, place) = self.homes[body];
         let cell = self.cell(&positions[body]);
@@ -155,8 +156,8 @@ impl<const D: usize> Grid<D> {
         self.homes[body] = self.put(cell, positions[body], body as u32);
     }
 
-    /// Calls `visit` with every image of every body but one within a squared range of a place, until it returns
-    /// `true`; whether it did.
+    /// Calls `visit` with every image of every body but one within a squared range of a place,
+    /// until it returns `true`, and returns whether it did.
     #[inline]
     pub fn any_near(
         &self,
@@ -239,7 +240,8 @@ impl<const D: usize> Grid<D> {
         }
     }
 
-    /// The same where an edge has one cell. In a small box a body has several images within the range.
+    /// Variant of [`any_near`](Self::any_near) where an edge has one cell. In a small box a body
+    /// has several images within the range.
     fn any_image(
         &self,
         place: &[f64; D],

@@ -15,7 +15,7 @@ pub const HEIGHT_BINS: usize = 200;
 /// Gaps to a wall are counted up to this part of the length on which their density falls.
 const GAPS: f64 = 0.4;
 
-/// What the walls bear, and how high the bodies are.
+/// Pressures on the walls, and mean height of the bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walls {
     /// βP at the lower wall and at the upper, kT per volume.
@@ -25,7 +25,7 @@ pub struct Walls {
 }
 
 impl Walls {
-    /// In a state, at a pressure of about this size, kT per volume, under gravity.
+    /// Measures one state, at a pressure of about this size, kT per volume, under gravity.
     ///
     /// A body at the wall that rises by x is replaced by others that cross its area, so that the density
     /// of gaps falls about as exp(-(βP a + β m g) x).

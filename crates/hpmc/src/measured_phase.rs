@@ -19,7 +19,7 @@ use crate::polynomial::{Measured, Polynomial};
 use crate::symmetry::normal;
 use protomer_kernel::random::CounterRng;
 
-/// Fewer packing fractions do not carry a branch.
+/// Smallest number of packing fractions for a branch.
 pub const FEWEST_STATES: usize = 5;
 
 /// A value and its standard error.
@@ -27,34 +27,34 @@ pub const FEWEST_STATES: usize = 5;
 pub struct Estimated {
     /// The value.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error of the value.
     pub standard_error: f64,
 }
 
-/// What was measured at a packing fraction.
+/// Values measured at a packing fraction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
     /// The part of the box that the bodies fill.
     pub packing_fraction: f64,
     /// Z = βP/ρ of the bodies without depletants.
     pub compressibility_factor: Estimated,
-    /// α, where it was measured.
+    /// Free volume fraction α, where it was measured.
     pub free_volume_fraction: Option<Estimated>,
 }
 
-/// Where the free energy of a phase begins.
+/// Anchor of the free energy of a phase, from which it is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Anchor {
-    /// At no bodies, where (Z - 1)/φ is B2 over the volume of a body.
+    /// Limit of no bodies, where (Z - 1)/φ is B2 over the volume of a body.
     IdealGas {
         /// B2 / v.
         b2_over_volume: f64,
     },
-    /// At a packing fraction.
+    /// Free energy computed at a packing fraction.
     Computed {
-        /// φ₀.
+        /// Packing fraction φ₀.
         packing_fraction: f64,
-        /// f(φ₀), kT per body.
+        /// Excess free energy f(φ₀), kT per body.
         excess_free_energy_kt: Estimated,
     },
 }
@@ -62,9 +62,9 @@ pub enum Anchor {
 /// The states of a phase.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPhase {
-    /// In the order of their packing fractions.
+    /// States in the order of their packing fractions.
     pub states: Vec<State>,
-    /// Where its free energy begins.
+    /// Anchor of the free energy.
     pub anchor: Anchor,
 }
 
@@ -117,8 +117,8 @@ impl MeasuredPhase {
         Ok(self.curves_of(factor, free_volume))
     }
 
-    /// The curves that might have been measured as well as these, the [`Self::curves`]: with values
-    /// drawn from normal distributions about the measured ones, and polynomials of the same degrees.
+    /// Curves that might have been measured as well as the [`Self::curves`]: with values drawn from
+    /// normal distributions about the measured ones, and polynomials of the same degrees.
     ///
     /// # Errors
     /// Those of [`Self::curves`].
@@ -140,7 +140,7 @@ impl MeasuredPhase {
         Ok(drawn.curves_of(factor, free_volume))
     }
 
-    /// With values drawn within their errors.
+    /// The phase with values drawn within their errors.
     fn drawn(&self, rng: &mut CounterRng) -> Self {
         let mut draw = |known: Estimated| Estimated {
             value: known.value + known.standard_error * normal(rng),

@@ -25,15 +25,16 @@ const LEAST_STEP: f64 = 1e-4;
 /// A convex shape, rounded or not.
 #[derive(Debug, Clone)]
 pub struct Piece<const D: usize> {
-    /// The corners from its centre.
+    /// The corners from the centre of the piece.
     pub corners: Vec<[f64; D]>,
     /// The corners of each face; in a plane, of each edge.
     pub faces: Vec<Vec<usize>>,
-    /// Its centre, in the coordinates of the shape; in a body, from the centre of the body.
+    /// Centre of the piece, in the coordinates of the shape; in a body, from the centre of the
+    /// body.
     pub centre: [f64; D],
-    /// Radius of a ball about its centre that fits in.
+    /// Radius of a ball about the centre of the piece that fits in.
     pub inner_radius: f64,
-    /// Radius of the ball about its centre that holds it.
+    /// Radius of the ball about the centre of the piece that holds it.
     pub outer_radius: f64,
     /// Volume; in a plane, area.
     pub volume: f64,
@@ -197,7 +198,7 @@ impl<const D: usize> Pieces<D> {
         self.pieces.iter().map(|piece| piece.volume).sum()
     }
 
-    /// Of a ball about the centre of the body that fits into one of its pieces, or zero.
+    /// Radius of a ball about the centre of the body that fits into one of its pieces, or zero.
     pub(crate) fn inner_radius(&self) -> f64 {
         let depths = self.pieces.iter();
         depths
@@ -215,7 +216,7 @@ impl<const D: usize> Pieces<D> {
         })
     }
 
-    /// Whether two bodies overlap: their corners, turned, and the way between their centres.
+    /// Whether two bodies overlap, given their turned corners and the vector between their centres.
     pub(crate) fn overlap(
         &self,
         first: &[Block<D>],
@@ -253,7 +254,7 @@ impl<const D: usize> Pieces<D> {
         }
     }
 
-    /// The last word on two pieces that touch to within rounding.
+    /// Decides whether two pieces that touch to within rounding overlap.
     fn exact(&self, pair: &Pair<'_, D>, first: &Turned<'_, D>, second: &Turned<'_, D>) -> bool {
         let faces = [first, second].map(|turned| turned.piece.faces.as_slice());
         if self.rounding_radius > 0.0 || faces.iter().any(|faces| faces.is_empty()) {
@@ -334,7 +335,7 @@ fn hull<const D: usize>(pieces: &[Piece<D>]) -> Result<Vec<[f64; D]>> {
     })
 }
 
-/// Where two pieces first overlap while the offset changes along a velocity.
+/// Change at which two pieces first overlap while the offset changes along a velocity.
 fn contact<'a, const D: usize>(
     pair: impl Fn(f64) -> Pair<'a, D>,
     velocity: &[f64; D],

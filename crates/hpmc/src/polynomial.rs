@@ -14,11 +14,11 @@ const LEAST_SINGULAR_VALUE: f64 = 1e-12;
 /// A measured value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
-    /// Where it was measured.
+    /// Abscissa at which the value was measured.
     pub x: f64,
     /// The value.
     pub value: f64,
-    /// Its standard error, above zero.
+    /// Standard error of the value, above zero.
     pub standard_error: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct Measured {
 pub struct Polynomial {
     middle: f64,
     half_width: f64,
-    /// Of the powers of t, ascending.
+    /// Coefficients of the powers of t, ascending.
     coefficients: Vec<f64>,
 }
 

@@ -59,7 +59,7 @@ const PLACES_AND_WEIGHTS: [(f64, f64); 11] = [
     (0.0, 0.149_445_554_002_916_9),
 ];
 
-/// Weights of Gauss of every second of these nodes, from the second on.
+/// Weights of the Gauss rule at every second of these nodes, from the second on.
 const GAUSS_WEIGHTS: [f64; 5] = [
     0.066_671_344_308_688_14,
     0.149_451_349_150_580_6,

@@ -34,7 +34,7 @@ const MOST_CHANGES: u32 = 10_000;
 const SMALLEST_FORCE: f64 = 1e-100;
 const LARGEST_FORCE: f64 = 1e100;
 
-/// What a run does.
+/// Settings of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Seed of the random numbers.
@@ -76,7 +76,7 @@ pub struct Sample {
     pub free_volume: Vec<f64>,
     /// The part of the box that the bodies fill.
     pub packing_fraction: f64,
-    /// Between walls: what they bear, and how high the bodies are.
+    /// Pressures on the walls and mean height of the bodies, between walls.
     pub walls: Option<Walls>,
 }
 
@@ -98,7 +98,7 @@ pub struct State {
     pub steps: Steps,
     /// Running estimate of the compressibility factor in the equilibration.
     pub rough_factor: f64,
-    /// Which depletants forbid a move.
+    /// Depletants that forbid a move.
     pub counting: Counting,
     /// Moves of the equilibration by the rules of depletants: lost, covered.
     pub tried: [MoveCounts; 2],
@@ -106,7 +106,7 @@ pub struct State {
     pub counts: MoveCounts,
     /// Steps of the changes of the box.
     pub box_moves: BoxMoves,
-    /// Between walls: bodies by height, from samples of the production.
+    /// Bodies by height, between walls, from samples of the production.
     pub heights: Vec<u64>,
 }
 
@@ -190,7 +190,7 @@ pub struct Simulation<const D: usize> {
 }
 
 impl<const D: usize> Simulation<D> {
-    /// Bodies at the start.
+    /// A simulation of bodies at the start.
     ///
     /// # Errors
     /// As [`Start::make`]; also for depletants with impossible numbers.
@@ -203,7 +203,8 @@ impl<const D: usize> Simulation<D> {
         Self::new_unless(settings, body, depletants, start, &|| false)
     }
 
-    /// The same, unless it must stop: bodies that are compressed take long.
+    /// Variant of [`new`](Self::new) that ends early when it must stop: bodies that are compressed
+    /// take long.
     ///
     /// # Errors
     /// As [`new`](Self::new); [`Error::Stopped`] if it had to stop.
@@ -253,7 +254,7 @@ impl<const D: usize> Simulation<D> {
         Ok(simulation)
     }
 
-    /// From a saved state.
+    /// Resumes from a saved state.
     ///
     /// # Errors
     /// If the state does not belong to these bodies.

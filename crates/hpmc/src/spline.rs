@@ -11,11 +11,11 @@ pub struct Spline {
     second: Vec<f64>,
 }
 
-/// Fewer points leave the ends undetermined.
+/// Smallest number of points; fewer leave the ends undetermined.
 const FEWEST_POINTS: usize = 4;
 
 impl Spline {
-    /// Through four or more points (x, y) whose abscissas ascend.
+    /// A spline through four or more points (x, y) whose abscissas ascend.
     ///
     /// ```
     /// use protomer_hpmc::spline::Spline;

@@ -38,14 +38,14 @@ const TRIES: usize = 10;
 const SWEEPS_BETWEEN: usize = 6;
 const ACCEPTANCE: f64 = 0.3;
 
-/// How a run begins.
+/// Start of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start<const D: usize> {
     /// Bodies at random.
     Fluid {
-        /// How many.
+        /// Number of bodies.
         bodies: usize,
-        /// The part of the box that they fill.
+        /// Part of the box that the bodies fill.
         packing_fraction: f64,
         /// The edges of the box, relative to each other.
         edge_ratios: [f64; D],
@@ -296,7 +296,7 @@ impl<'a, const D: usize> Compressor<'a, D> {
         CounterRng::for_purpose(self.seed, COMPRESSION, self.trials, Purpose::HardBodyStart)
     }
 
-    /// Sweeps without overlaps, and better steps.
+    /// Does sweeps without overlaps, and improves the steps.
     fn sweep(&mut self, sweeps: usize) -> Result<()> {
         let mut counts = MoveCounts::default();
         for _ in 0..sweeps {
@@ -341,7 +341,7 @@ impl<'a, const D: usize> Compressor<'a, D> {
         Ok(self.overlapping().is_empty())
     }
 
-    /// A move of a body, or of any, to where it overlaps none.
+    /// Moves a body, or any, if it then overlaps none.
     fn ease(&mut self, body: Option<usize>) {
         let mut rng = self.rng();
         // Small steps leave narrow places.

@@ -37,8 +37,8 @@ struct Near {
     centre: Vec3,
 }
 
-/// Of depletants of a radius in a crystal of rounded shapes, by so many lines per unit of length along
-/// each edge.
+/// Free volume of depletants of a radius in a crystal of rounded shapes, by so many lines per unit
+/// of length along each edge.
 ///
 /// # Errors
 /// For bodies in a plane or that overlap, and for numbers that are not positive.

@@ -32,7 +32,7 @@ pub struct Symmetry {
 }
 
 impl Symmetry {
-    /// Of a body in D dimensions.
+    /// Symmetry of a body in D dimensions.
     ///
     /// # Errors
     /// For a rounded segment, which any rotation about its axis leaves as it is.
@@ -101,7 +101,7 @@ impl Symmetry {
         4.0 * (1.0 - cosine * cosine).max(0.0)
     }
 
-    /// Of half the angle, up to which orientations count.
+    /// Squared sine of half the angle up to which orientations count.
     fn largest_squared_sine(&self) -> f64 {
         (0.5 * self.half_angle_rad).sin().powi(2).min(0.5)
     }

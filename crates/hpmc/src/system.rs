@@ -28,7 +28,7 @@ const SLOTS: usize = 32;
 const HASH: u32 = 0x9E37_79B1;
 const NOBODY: u32 = u32::MAX;
 
-/// How an attempt to deform the box ended.
+/// Outcome of an attempt to deform the box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Deformation {
     /// The box is deformed.
@@ -44,9 +44,9 @@ pub(crate) enum Deformation {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Steps {
-    /// Of a coordinate, in the unit of the bodies.
+    /// Largest step of a coordinate, in the unit of the bodies.
     pub translation: f64,
-    /// Of a component of the rotation vector, as the tangent of half the angle.
+    /// Largest step of a component of the rotation vector, as the tangent of half the angle.
     pub rotation: f64,
 }
 
@@ -93,7 +93,7 @@ impl MoveCounts {
         }
     }
 
-    /// All moves together.
+    /// Counts of all moves together.
     pub fn total(&self) -> Counts {
         Counts {
             trials: self.translation.trials + self.rotation.trials,
@@ -109,7 +109,7 @@ struct Slot<const D: usize> {
     direction: [f32; D],
 }
 
-/// What a body would be after a move.
+/// Place and orientation that a body would have after a move.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Trial<const D: usize> {
     pub body: usize,
@@ -331,7 +331,8 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// From the lower wall to the body and from the body to the upper wall; negative if it reaches in.
+    /// Gaps from the lower wall to the body and from the body to the upper wall; negative if it
+    /// reaches in.
     pub(crate) fn gaps_to_walls(&self, trial: &Trial<D>) -> [f64; 2] {
         let [low, high] = self.body.extent(self.corners_of_trial(trial));
         let place = trial.position[D - 1];
@@ -360,7 +361,8 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// How many of the other bodies that `counts` it would overlap.
+    /// Number of overlaps of a trial with the other bodies that `counts` accepts, and with the
+    /// walls.
     pub(crate) fn overlaps_of(&self, trial: &Trial<D>, counts: impl Fn(u32) -> bool) -> usize {
         let mut found = usize::from(self.reaches_into_wall(trial));
         let range = 2.0 * self.body.outer_radius;
@@ -497,7 +499,7 @@ impl<const D: usize> System<D> {
         false
     }
 
-    /// A body, or any, moved or turned at random.
+    /// Proposes a move: a body, or any, moved or turned at random.
     pub(crate) fn propose(
         &mut self,
         rng: &mut CounterRng,
@@ -563,7 +565,7 @@ impl<const D: usize> System<D> {
         }
     }
 
-    /// From a place to the nearest image of another.
+    /// Vector from a place to the nearest image of another.
     pub(crate) fn nearest_image(&self, from: &[f64; D], to: &[f64; D]) -> [f64; D] {
         let apart = std::array::from_fn(|axis| to[axis] - from[axis]);
         self.space.nearest_image(&apart)
@@ -616,7 +618,7 @@ fn symmetric(rng: &mut CounterRng) -> f64 {
 }
 
 impl Steps {
-    /// Fewer trials say little.
+    /// Smallest number of trials for tuning; fewer say little.
     pub(crate) const ENOUGH: u64 = 300;
 
     /// Changes the steps towards an acceptance, by what they gave.

@@ -19,18 +19,18 @@ const ONE_POINT: f64 = 1e-6;
 
 /// A branch of a free energy.
 pub struct Branch<'a> {
-    /// What it is called.
+    /// Name of the branch.
     pub name: &'a str,
     /// Free energy per volume, with derivatives.
     pub free_energy: &'a dyn Fn(Jet) -> Jet,
-    /// Where it is sampled, ascending.
+    /// Densities at which the branch is sampled, ascending.
     pub samples: Vec<f64>,
 }
 
 /// Two phases that coexist.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coexistence {
-    /// Indices of their branches.
+    /// Indices of the branches of the phases.
     pub branches: [usize; 2],
     /// Densities, ascending.
     pub densities: [f64; 2],

@@ -6,7 +6,7 @@ use crate::system::{MoveCounts, Steps, System};
 use protomer_kernel::random::CounterRng;
 
 impl<const D: usize> System<D> {
-    /// One trial move with the numbers of a stream.
+    /// Makes one trial move with the numbers of a stream.
     pub(crate) fn trial(
         &mut self,
         rng: &mut CounterRng,

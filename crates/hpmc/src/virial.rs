@@ -44,7 +44,7 @@ const LINES: usize = 4000;
 /// Halvings that find a distance.
 const HALVINGS: usize = 50;
 
-/// What one draw of three bodies tells.
+/// Result of one draw of three bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Triple {
     /// Places that were drawn until two bodies overlapped the first.
@@ -130,7 +130,7 @@ fn place_in_ball<const D: usize>(radius: f64, rng: &mut CounterRng) -> [f64; D] 
     std::array::from_fn(|axis| distance * direction[axis])
 }
 
-/// In a plane, in that of the first two axes.
+/// A random direction; in a plane, in that of the first two axes.
 fn random_direction<const D: usize>(rng: &mut CounterRng) -> Vec3 {
     match D {
         2 => {
@@ -157,7 +157,7 @@ impl Triples {
         self
     }
 
-    /// Counts those of another stream.
+    /// Adds the counts of another stream.
     pub fn merge(self, other: Self) -> Self {
         Self {
             count: self.count + other.count,
@@ -210,7 +210,7 @@ pub struct DepletedPair<'a> {
 }
 
 impl<'a> DepletedPair<'a> {
-    /// From shapes of one dimension and what they are rounded by.
+    /// A pair of shapes of one dimension, with the radii by which they are rounded.
     ///
     /// # Errors
     /// For shapes of different dimensions, radii and densities that are negative or not finite.
@@ -243,8 +243,9 @@ impl<'a> DepletedPair<'a> {
         })
     }
 
-    /// What depletants take from the second virial coefficient, by the ray of a number; the mean over rays is
-    /// the integral. Infinite where they hold the bodies together too strongly for numbers.
+    /// Reduction of the second virial coefficient by depletants, along the ray of this number; the
+    /// mean over rays is the integral. Infinite where they hold the bodies together too strongly
+    /// for numbers.
     ///
     /// # Errors
     /// As [`Swept::new`].
@@ -368,7 +369,7 @@ impl Ray<'_> {
     }
 }
 
-/// Where lines pierce the plane across a direction.
+/// Places where lines pierce the plane across a direction.
 struct Places {
     reach: f64,
     direction: Vec3,
@@ -399,7 +400,7 @@ impl Places {
     }
 }
 
-/// Where lines along a ray are inside of two swept bodies whose centres coincide.
+/// Intervals in which lines along a ray are inside of two swept bodies whose centres coincide.
 struct Lines {
     intervals: Vec<[[f64; 2]; 2]>,
     /// Density of the depletants times the area of a line.

@@ -78,8 +78,8 @@ pub fn remove_abandoned(folder: &Path) -> Result<()> {
     remove_abandoned_of(folder, |_| true)
 }
 
-/// As [`remove_abandoned`], but only for those files that `is_own` says of the name that they would
-/// have had: others may write other files into the folder at the same time.
+/// Variant of [`remove_abandoned`] that removes only the files whose final name `is_own` accepts:
+/// others may write other files into the folder at the same time.
 ///
 /// # Errors
 /// As [`remove_abandoned`].
@@ -106,7 +106,7 @@ fn is_digits(text: &str) -> bool {
     !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// Removed when dropped, unless it was renamed.
+/// A temporary file, which is removed when dropped unless it was renamed.
 struct Temporary {
     path: PathBuf,
     renamed: bool,

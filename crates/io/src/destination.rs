@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Longest chain of links that is followed, as on Linux.
 const MOST_LINKS: usize = 40;
 
-/// What a path leads to, through links.
+/// Destination of a path, with links followed.
 #[derive(Debug)]
 pub enum Destination {
     /// A regular file, or none yet: it is replaced as a whole.

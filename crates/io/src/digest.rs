@@ -41,7 +41,8 @@ impl Digest {
         Ok(Self(hasher.0.finalize().into()))
     }
 
-    /// Its first 64 bits, which differ for all that differ in practice, not for certain.
+    /// First 64 bits of the hash, which in practice differ for different content, but not for
+    /// certain.
     ///
     /// ```
     /// use protomer_io::digest::Digest;

@@ -13,9 +13,9 @@ pub enum IoError {
         file: String,
         /// Line, counted from one; zero for the whole file.
         line: usize,
-        /// What is wrong.
+        /// Cause of the error.
         cause: String,
-        /// What the user can do.
+        /// Action that the user can take.
         remedy: String,
     },
     /// A file larger than the reader accepts.
@@ -27,7 +27,7 @@ pub enum IoError {
         limit_bytes: u64,
         /// Whether the limit applies to decompressed bytes.
         compressed: bool,
-        /// What the user can do.
+        /// Action that the user can take.
         remedy: String,
     },
     /// The operating system reported an error.
@@ -43,9 +43,9 @@ pub enum IoError {
     /// Values that a format cannot represent.
     #[error("{cause}; {remedy}")]
     Unwritable {
-        /// What does not match.
+        /// Cause of the error.
         cause: String,
-        /// What the caller can do.
+        /// Action that the caller can take.
         remedy: String,
     },
 }

@@ -36,7 +36,7 @@ pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
     read_bounded(path, file, limit_bytes)
 }
 
-/// The same for any reader, such as standard input.
+/// Variant of [`read_maybe_gzip`] for any reader, such as standard input.
 ///
 /// ```
 /// let content = protomer_io::gzip::read_maybe_gzip_from("-", &b"ATOM"[..], 1 << 20)?;

@@ -18,7 +18,7 @@ pub struct PqrFile {
 }
 
 impl PqrFile {
-    /// That one of several models was read.
+    /// Warning that only the first of several models was read, if there are several.
     pub fn models_warning(&self) -> Option<String> {
         let models = self.models;
         (models > 1).then(|| format!("the first of {models} models is used"))
@@ -168,7 +168,7 @@ fn split_fields<'a, 'f>(fields: &'f [&'a str]) -> Option<(&'a str, &'a str, &'f 
     None
 }
 
-/// `52B` is residue 52 with insertion code B.
+/// Splits an insertion code from a residue number: `52B` is residue 52 with insertion code B.
 fn split_number(token: &str) -> Option<(i32, &str)> {
     let digits = token.trim_end_matches(|c: char| c.is_ascii_alphabetic());
     let code = &token[digits.len()..];
@@ -176,7 +176,7 @@ fn split_number(token: &str) -> Option<(i32, &str)> {
     Some((digits.parse().ok()?, code))
 }
 
-/// `A1000` is residue 1000 of chain A.
+/// Splits a chain from a residue number: `A1000` is residue 1000 of chain A.
 fn split_chain(token: &str) -> Option<(&str, &str)> {
     let (chain, number) = token.split_at_checked(1)?;
     let lettered = chain.chars().all(|c| c.is_ascii_alphabetic());

@@ -172,7 +172,7 @@ impl FileNames {
     }
 }
 
-/// What the errors of readers quote: a name without what it may not hold.
+/// Message for a name that holds a forbidden character, with the name in printable form.
 pub(crate) fn refused_name(what: &str, name: &str) -> Option<String> {
     let character = protomer_kernel::name::first_forbidden(name)?;
     let shown = printable(name);

@@ -114,8 +114,8 @@ impl Boundary {
     }
 }
 
-/// Points in the box are less than one and a half boxes apart, and then no branch depends on how far;
-/// rounding is a call on many processors.
+/// The nearest image of one coordinate of a displacement. Points in the box are less than one and a
+/// half boxes apart, and then no branch depends on how far; rounding is a call on many processors.
 #[inline]
 fn nearest_image(displacement: f64, length: f64) -> f64 {
     let half = 0.5 * length;

@@ -3,10 +3,11 @@
 use crate::{Boundary, KernelError, Result, Vec3};
 use rustc_hash::FxHashMap;
 
-/// Below this number of bodies looking at all of them is cheaper than any grid.
+/// Number of bodies up to which looking at all of them is cheaper than any grid.
 const ALL_PAIRS_UP_TO: usize = 64;
 
-/// With fewer cells along an edge, a cell would be the neighbour of its own neighbour.
+/// Smallest number of cells along an edge: with fewer, a cell would be the neighbour of its own
+/// neighbour.
 const FEWEST_CELLS: f64 = 4.0;
 
 /// Checks that every interaction of this range involves at most one image of a body.
@@ -135,8 +136,9 @@ impl Grid {
         self.periodic([x.floor() as i64, y.floor() as i64, z.floor() as i64])
     }
 
-    /// The cells start at the origin and go around the box. If their number is odd, the one at a
-    /// face of the box continues behind the opposite face.
+    /// The cell, wrapped into the periodic box. The cells start at the origin and go around the
+    /// box. If their number is odd, the one at a face of the box continues behind the opposite
+    /// face.
     fn periodic(&self, mut cell: [i64; 3]) -> [i64; 3] {
         if let Some(cells) = self.cells_per_edge {
             for axis in 0..3 {

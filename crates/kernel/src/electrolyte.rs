@@ -167,14 +167,14 @@ impl Electrolyte {
     }
 }
 
-/// λ_B = e² / (4π ε₀ ε_r k_B T).
+/// Bjerrum length λ_B = e² / (4π ε₀ ε_r k_B T).
 fn bjerrum_length_angstrom(temperature_kelvin: f64, relative_permittivity: f64) -> f64 {
     let permittivity = VACUUM_PERMITTIVITY_FARAD_PER_METRE * relative_permittivity;
     let thermal_energy = BOLTZMANN_JOULE_PER_KELVIN * temperature_kelvin;
     ELEMENTARY_CHARGE_COULOMB.powi(2) / (4.0 * PI * permittivity * thermal_energy) * 1e10
 }
 
-/// κ⁻¹ with κ² = 8π λ_B N_A c; infinite without salt.
+/// Debye length κ⁻¹ with κ² = 8π λ_B N_A c; infinite without salt.
 fn debye_length_angstrom(bjerrum_length_angstrom: f64, salt_molar: f64) -> f64 {
     let ions = NUMBER_DENSITY_PER_MOLAR * salt_molar;
     (8.0 * PI * bjerrum_length_angstrom * ions).sqrt().recip()

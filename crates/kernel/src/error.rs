@@ -39,7 +39,7 @@ impl fmt::Display for AtMost {
     }
 }
 
-/// What can go wrong in the kernels.
+/// Errors of the kernels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KernelError {
@@ -50,7 +50,7 @@ pub enum KernelError {
         quantity: &'static str,
         /// The value given.
         value: f64,
-        /// What is accepted.
+        /// The requirement that the value must meet.
         requirement: &'static str,
     },
     /// A mesh that does not bound a solid.

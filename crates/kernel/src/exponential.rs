@@ -6,8 +6,8 @@
 
 use crate::fused::add;
 
-/// exp(-y) for y ≥ 0 to within 2 units in the last place; y above 700 counts as 700.
-/// The polynomial has degree 12 and is in error by less than 2e-16.
+/// Computes exp(-y) for y ≥ 0 to within 2 units in the last place; y above 700 counts as 700. The
+/// polynomial has degree 12 and is in error by less than 2e-16.
 ///
 /// ```
 /// use protomer_kernel::exponential::exp_of_minus;
@@ -15,7 +15,7 @@ use crate::fused::add;
 /// ```
 #[inline(always)]
 pub fn exp_of_minus(y: f64) -> f64 {
-    /// Adding it rounds to an integer, which then is in the low bits.
+    /// Constant that rounds a number to an integer, held in the low bits, when added to it.
     const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
     /// ln 2 in two parts; the first has so few bits that n times it is exact.
     const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
@@ -46,8 +46,8 @@ pub fn exp_of_minus(y: f64) -> f64 {
     polynomial * f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52))
 }
 
-/// exp(-y) for y ≥ -80 to 3e-7 in single precision; y above 80 counts as 80. `FUSED`: where
-/// multiply-add is one instruction.
+/// Computes exp(-y) for y ≥ -80 to 3e-7 in single precision; y above 80 counts as 80. `FUSED`:
+/// where multiply-add is one instruction.
 ///
 /// ```
 /// use protomer_kernel::exponential::exp_of_minus_f32;

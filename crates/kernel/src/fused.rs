@@ -1,6 +1,7 @@
 //! Multiply-add where it is one instruction, for loops that are compiled for several instruction sets.
 
-/// a b + c; `FUSED`: rounded once, which is slow where the processor has no instruction for it.
+/// Computes a b + c; `FUSED`: rounded once, which is slow where the processor has no instruction
+/// for it.
 ///
 /// ```
 /// use protomer_kernel::fused::add;
@@ -12,7 +13,7 @@ pub fn add<const FUSED: bool>(a: f32, b: f32, c: f32) -> f32 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// The same in double precision.
+/// Variant of [`add`] in double precision.
 #[inline(always)]
 pub fn add_f64<const FUSED: bool>(a: f64, b: f64, c: f64) -> f64 {
     if FUSED { a.mul_add(b, c) } else { a * b + c }

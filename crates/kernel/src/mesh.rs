@@ -31,7 +31,7 @@ pub struct TriangleMesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What [`TriangleMesh::topology`] finds.
+/// Topology of a closed mesh, found by [`TriangleMesh::topology`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Topology {
     /// Connected components (shells).
@@ -239,7 +239,7 @@ impl TriangleMesh {
         Ok(())
     }
 
-    /// For each triangle the triangles across its three edges.
+    /// Finds, for each triangle, the triangles across its three edges.
     fn edge_neighbours(&self, fans: &Fans) -> Result<Vec<[u32; 3]>> {
         for (triangle, corners) in (0..).zip(&self.triangles) {
             for (from, to) in edges(corners) {
@@ -272,7 +272,7 @@ impl TriangleMesh {
         Ok(neighbours)
     }
 
-    /// Every vertex must be used, and its triangles must form a single closed fan.
+    /// Checks that every vertex is used and that its triangles form a single closed fan.
     fn check_vertex_fans(&self, fans: &Fans) -> Result<()> {
         for vertex in 0..self.vertices.len() as u32 {
             let fan = fans.of(vertex);
@@ -289,8 +289,8 @@ impl TriangleMesh {
 
 /// The edges that leave each vertex.
 struct Fans {
-    /// Those of vertex v are `leaving[start[v]..start[v + 1]]`, by the vertex they lead to and then
-    /// by triangle.
+    /// Start of the edges of each vertex: those of vertex v are `leaving[start[v]..start[v + 1]]`,
+    /// sorted by the vertex they lead to and then by triangle.
     start: Vec<u32>,
     leaving: Vec<Leaving>,
 }
@@ -305,7 +305,7 @@ struct Leaving {
 }
 
 impl Fans {
-    /// Of a mesh whose triangles name vertices that are there.
+    /// The fans of a mesh whose triangles name existing vertices only.
     fn new(mesh: &TriangleMesh) -> Self {
         let mut start = vec![0; mesh.vertices.len() + 1];
         for vertex in mesh.triangles.as_flattened() {
@@ -341,7 +341,7 @@ impl Fans {
         fan.get(place).filter(|edge| edge.to == to)
     }
 
-    /// How many triangles around a vertex follow one another from its first edge.
+    /// Number of triangles around a vertex that follow one another from its first edge.
     fn turn(&self, vertex: u32) -> usize {
         let mut length = 0;
         let mut here = self.of(vertex).first();

@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-/// What stands for a character that a name may not hold.
+/// Replacement for a character that a name may not hold.
 pub const REPLACEMENT: char = '\u{FFFD}';
 
 /// Whether a character cannot be part of a name: a control character, an end of a line or a paragraph,
@@ -41,7 +41,7 @@ pub fn first_forbidden(name: &str) -> Option<char> {
     name.chars().find(|character| is_forbidden(*character))
 }
 
-/// The text on one line, without what a name may not hold.
+/// The text on one line, with every forbidden character replaced.
 ///
 /// ```
 /// use protomer_kernel::name::printable;
@@ -55,7 +55,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// The text with another character for those of a kind.
+/// The text with every character of a kind replaced by another.
 pub fn replaced(text: &str, is_bad: impl Fn(char) -> bool, by: char) -> String {
     let characters = text.chars();
     characters

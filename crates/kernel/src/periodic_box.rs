@@ -24,8 +24,8 @@
 use crate::Result;
 use crate::error::require;
 
-/// A part of an edge along an earlier axis is reduced if it exceeds this part of the length there. Where it
-/// is more than a half, boxes with angles of 60 degrees keep them while they change a little.
+/// Largest part of the length along an earlier axis that an edge may overhang before it is reduced.
+/// As it is more than a half, boxes with angles of 60 degrees keep them while they change a little.
 const LARGEST_OVERHANG: f64 = 0.75;
 /// Places are left where they are if they are outside of a tilted box by less than this part of an edge.
 /// Otherwise rounding could move a place on a face to the opposite one and back.
@@ -44,7 +44,7 @@ const ON_FACE: f64 = 1e-12;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PeriodicBox<const D: usize> {
     lengths: [f64; D],
-    /// N - 1: `tilts[row][column]` for column > row, otherwise zero.
+    /// Entries of N - 1: `tilts[row][column]` for column > row, otherwise zero.
     tilts: [[f64; D]; D],
     is_rectangular: bool,
 }
@@ -148,13 +148,13 @@ impl<const D: usize> PeriodicBox<D> {
         Ok(Self::of_parts(lengths, tilts))
     }
 
-    /// Lx, Ly, Lz: the extents of the rectangular box that is sheared. Without tilt they are the edges.
+    /// Extents Lx, Ly, Lz of the rectangular box that is sheared. Without tilt they are the edges.
     #[inline]
     pub fn lengths(&self) -> &[f64; D] {
         &self.lengths
     }
 
-    /// xy, xz, yz; in a plane xy.
+    /// Tilt factors xy, xz, yz; in a plane xy.
     pub fn tilt_factors(&self) -> Vec<f64> {
         let above = (0..D).flat_map(|row| (row + 1..D).map(move |column| (row, column)));
         above.map(|(row, column)| self.tilts[row][column]).collect()
@@ -166,7 +166,7 @@ impl<const D: usize> PeriodicBox<D> {
         self.is_rectangular
     }
 
-    /// The edge of a number.
+    /// The edge vector of this number.
     pub fn edge(&self, number: usize) -> [f64; D] {
         let mut edge = self.tilts.map(|row| row[number] * self.lengths[number]);
         edge[number] = self.lengths[number];
@@ -230,7 +230,7 @@ impl<const D: usize> PeriodicBox<D> {
         }))
     }
 
-    /// Moves a place by whole edges.
+    /// Moves a place by whole edge vectors.
     #[inline]
     pub fn add_edges(&self, place: &mut [f64; D], edge: usize, times: f64) {
         place[edge] += times * self.lengths[edge];
@@ -297,8 +297,8 @@ impl<const D: usize> PeriodicBox<D> {
         self.any_image_along(D, displacement, range, &mut visit)
     }
 
-    /// The same for images by the first `axes` edges. Edges have no part along later axes, so the last of these
-    /// edges alone decides how far an image is along its axis.
+    /// Variant of `any_image_within` for images by the first `axes` edges. Edges have no part along
+    /// later axes, so the last of these edges alone decides how far an image is along its axis.
     fn any_image_along(
         &self,
         axes: usize,
@@ -350,7 +350,7 @@ impl<const D: usize> PeriodicBox<D> {
         Self::of_parts(self.lengths.map(|length| length * factor), self.tilts)
     }
 
-    /// The box of so many boxes along each edge.
+    /// The box made of this many copies along each edge.
     pub fn repeated(&self, times: &[usize; D]) -> Self {
         let lengths = std::array::from_fn(|axis| self.lengths[axis] * times[axis] as f64);
         Self::of_parts(lengths, self.tilts)
@@ -396,7 +396,7 @@ mod tests {
     use super::*;
     use crate::random::CounterRng;
 
-    /// Boxes from right angles to edges that overhang several lengths.
+    /// A random box, from right angles to edges that overhang several lengths.
     fn random_box<const D: usize>(rng: &mut CounterRng) -> PeriodicBox<D> {
         let lengths = std::array::from_fn(|_| rng.uniform_in(1.0, 3.0));
         let widest = [0.0, 0.6, 5.0][rng.index(3)];
@@ -465,7 +465,7 @@ mod tests {
         assert!(short > 30, "{short}");
     }
 
-    /// Ranges from less than half of the smallest length to twice the longest.
+    /// Compares ranges from less than half of the smallest length to twice the longest.
     fn images_within_a_range_are_those_of_all<const D: usize>() {
         let (mut one, mut several) = (0, 0);
         for number in 0..300 {
@@ -594,7 +594,7 @@ mod tests {
         assert!(PeriodicBox::<2>::new([1.0, 1.0], &[f64::NAN]).is_err());
     }
 
-    /// E h, column by column.
+    /// Compares the edges with E h, column by column.
     #[test]
     fn a_deformed_box_has_the_deformed_edges() {
         for number in 0..100 {

@@ -6,10 +6,10 @@
 
 use std::borrow::Cow;
 
-/// Why bytes are not the text of a file.
+/// Reasons why bytes are not the text of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotText {
-    /// Nothing but blanks.
+    /// A file that is empty or holds only blanks.
     Empty,
     /// Compressed data.
     Compressed {
@@ -36,7 +36,7 @@ impl NotText {
         }
     }
 
-    /// What is wrong.
+    /// Description of the fault, for a message.
     pub fn cause(&self) -> String {
         match self {
             NotText::Empty => "the file is empty".into(),
@@ -46,7 +46,7 @@ impl NotText {
         }
     }
 
-    /// What to do.
+    /// Advice to the user, for a message.
     pub fn remedy(&self) -> String {
         match self {
             NotText::Empty => "give a file with content, or fetch it again".into(),
@@ -154,7 +154,7 @@ fn utf16(bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// UTF-8 without its byte-order mark, or Latin-1.
+/// Decodes UTF-8 without its byte-order mark, or Latin-1.
 fn of_single_bytes(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
     if let Some(place) = bytes.iter().position(|byte| *byte == 0) {
         let line = 1 + bytes[..place].iter().filter(|byte| **byte == b'\n').count();

@@ -4,7 +4,7 @@ use crate::{Rotation, Vec3};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
-/// Where a body is and how it is turned: a point p of the body is at `rotation * p + position`.
+/// Position and orientation of a body: a point p of the body is at `rotation * p + position`.
 ///
 /// ```
 /// use protomer_kernel::{Pose, Vec3};
@@ -53,7 +53,7 @@ impl Pose {
         self.rotation.inverse() * (point - self.position)
     }
 
-    /// First `self`, then `outer`.
+    /// The composition of two motions: first `self`, then `outer`.
     ///
     /// ```
     /// use protomer_kernel::{Pose, Vec3};

@@ -16,7 +16,7 @@ const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 const ROUNDS: usize = 10;
 const PURPOSE_SHIFT: u32 = 24;
 
-/// What random numbers are for.
+/// Purposes of random numbers.
 ///
 /// Each purpose has streams of its own, so that two uses of one seed never share numbers. The values
 /// are part of every seeded result: a new purpose takes a new value, and no value ever changes. The
@@ -29,7 +29,7 @@ pub enum Purpose {
     /// Making an object: a body inserted into a fluid, the shape of a benchmark's body, the object of
     /// a control.
     Object = 1,
-    /// How the object of a control is turned.
+    /// Orientation of the object of a control.
     Turn = 2,
     /// Outliers that a control puts into potentials.
     Damage = 3,
@@ -55,7 +55,7 @@ pub enum Purpose {
     Permutation = 62,
     /// The order of samples in an epoch.
     TrainingOrder = 63,
-    /// How a sample is rotated in an epoch.
+    /// Rotation of a sample in an epoch.
     TrainingRotation = 64,
     /// Initial angles of the squares of a lattice.
     LatticeAngles = 0x50,

@@ -9,9 +9,9 @@ pub enum Kind {
     Real,
     /// A whole number.
     Whole,
-    /// On or off.
+    /// A switch, on or off.
     Switch,
-    /// One of these names.
+    /// A choice of one of these names.
     Choice(&'static [Choice]),
     /// Words, one or several.
     Words,

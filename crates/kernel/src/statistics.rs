@@ -18,12 +18,12 @@ use serde::{Deserialize, Serialize};
 
 /// The window's length in autocorrelation times.
 const WINDOW_IN_AUTOCORRELATION_TIMES: f64 = 5.0;
-/// τ of a series without memory.
+/// Autocorrelation time τ of a series without memory.
 const UNCORRELATED_TIME: f64 = 0.5;
-/// Autocorrelations are summed up to this lag; beyond it the series is coarsened.
+/// Longest lag up to which autocorrelations are summed; beyond it the series is coarsened.
 const LONGEST_LAG: usize = 1000;
 
-/// What is known of a series: its average, its spread, and how well the average is known.
+/// Summary of a correlated series: its average, its spread, and the precision of the average.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Mean.
@@ -105,7 +105,7 @@ pub fn autocorrelation_time(series: &[f64]) -> f64 {
     }
 }
 
-/// 1/2 + Σ ρ(t) for t up to the window; `None` if the window lies beyond [`LONGEST_LAG`].
+/// The sum 1/2 + Σ ρ(t) for t up to the window; `None` if the window lies beyond [`LONGEST_LAG`].
 fn windowed_time(deviations: &[f64]) -> Option<f64> {
     let variance = mean_square(deviations);
     let mut time = UNCORRELATED_TIME;
@@ -252,12 +252,12 @@ impl RunningMoments {
         self.count
     }
 
-    /// Their mean; NaN without values.
+    /// Mean of the values; NaN without any.
     pub fn mean(&self) -> f64 {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
 
-    /// Their unbiased variance; zero for fewer than two.
+    /// Unbiased variance of the values; zero for fewer than two.
     pub fn variance(&self) -> f64 {
         if self.count < 2 {
             0.0
@@ -315,8 +315,8 @@ mod tests {
         }
     }
 
-    /// x(t+1) = φ x(t) + √(1-φ²) ξ has ρ(t) = φᵗ, variance 1 and τ = 1/2 + φ/(1-φ) =
-    /// (1+φ)/(2(1-φ)).
+    /// An autoregressive series: x(t+1) = φ x(t) + √(1-φ²) ξ has ρ(t) = φᵗ, variance 1 and τ = 1/2
+    /// + φ/(1-φ) = (1+φ)/(2(1-φ)).
     fn autoregressive(phi: f64, count: usize, seed: u64) -> Vec<f64> {
         let mut normal = Normal(seed);
         let mut value = normal.next();

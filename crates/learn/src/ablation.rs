@@ -5,7 +5,7 @@ use crate::error::refuse;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 
-/// More channels than this have too many subsets.
+/// Largest number of channels: more have too many subsets.
 const MOST_CHANNELS: usize = 6;
 
 /// The trainings of an ablation: channels and seed of each, seed after seed.
@@ -54,7 +54,7 @@ fn subsets(channels: &[String]) -> Vec<Vec<String>> {
     subsets
 }
 
-/// What one training of an ablation came to.
+/// Result of one training of an ablation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AblationRun {
@@ -66,9 +66,9 @@ pub struct AblationRun {
     pub balanced_accuracy: f64,
     /// Accuracy on the test part.
     pub accuracy: f64,
-    /// Accuracy there if always the most frequent class is named.
+    /// Accuracy on the test part if always the most frequent class is named.
     pub majority_accuracy: f64,
-    /// Nats gained over the prior there.
+    /// Nats gained over the prior on the test part.
     pub nats_gained_over_prior: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct AblationRun {
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// Its standard error from the scatter over seeds; `None` for a single seed.
+    /// Standard error of the mean from the scatter over seeds; `None` for a single seed.
     pub standard_error: Option<f64>,
 }
 
@@ -98,7 +98,7 @@ impl Mean {
     }
 }
 
-/// All seeds of one subset.
+/// Means over all seeds of one subset.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AblationRow {
@@ -106,7 +106,7 @@ pub struct AblationRow {
     pub channels: Vec<String>,
     /// Balanced accuracy on the test part.
     pub balanced_accuracy: Mean,
-    /// Nats gained over the prior there.
+    /// Nats gained over the prior on the test part.
     pub nats_gained_over_prior: Mean,
     /// Balanced accuracy less that of all channels, seed by seed.
     pub balanced_accuracy_less_all: Mean,
@@ -122,7 +122,7 @@ pub struct Ablation {
     pub seeds: Vec<u64>,
     /// One row per subset, all channels first.
     pub rows: Vec<AblationRow>,
-    /// One per subset and seed.
+    /// Results of all trainings, one per subset and seed.
     pub runs: Vec<AblationRun>,
 }
 
@@ -171,7 +171,7 @@ impl Ablation {
     }
 }
 
-/// What a subset came to, seed by seed.
+/// Results of a subset, seed by seed.
 struct Values {
     balanced_accuracy: Vec<f64>,
     nats: Vec<f64>,

@@ -25,10 +25,10 @@ pub struct CubeRotation {
 }
 
 impl CubeRotation {
-    /// How many there are.
+    /// Number of rotations that map the cube to itself.
     pub const COUNT: usize = 24;
 
-    /// All of them, the identity first.
+    /// All rotations, the identity first.
     pub fn all() -> Vec<Self> {
         const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
@@ -67,7 +67,7 @@ impl CubeRotation {
             + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
     }
 
-    /// Where the voxel (z size + y) size + x goes.
+    /// Index after the turn of the voxel with the index (z size + y) size + x before it.
     pub fn voxel(&self, size: usize, voxel: usize) -> usize {
         let before = [voxel / (size * size), voxel / size % size, voxel % size];
         let mut after = 0;
@@ -117,7 +117,7 @@ mod tests {
         product
     }
 
-    /// No two voxels alike, two channels.
+    /// A grid of two channels in which no two voxels are alike.
     fn grid(size: usize) -> SparseGrid {
         let index: Vec<u32> = (0..size.pow(3) as u32)
             .filter(|voxel| voxel % 3 != 1)

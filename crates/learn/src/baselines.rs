@@ -13,13 +13,14 @@ const RIDGES: [f64; 6] = [10.0, 1.0, 1e-1, 1e-2, 1e-3, 1e-4];
 /// A prediction from less than the voxels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Baseline {
-    /// What it rests on: `majority`, `prior`, `size`, `size_and_charge` or `composition`.
+    /// Name of the baseline, after what it rests on: `majority`, `prior`, `size`, `size_and_charge`
+    /// or `composition`.
     pub name: &'static str,
     /// Probabilities for the samples of the test part, in order.
     pub probabilities: Vec<f64>,
 }
 
-/// What a regression looks at.
+/// Function that computes the features of a regression.
 type Features = fn(&Description) -> Vec<f64>;
 
 /// The regressions by name.
@@ -163,7 +164,7 @@ fn regression(
     best.probabilities(table, &split.test)
 }
 
-/// Logarithms, with sizes that are not known (zero) kept finite.
+/// Logarithms of the sizes, with those that are not known (zero) kept finite.
 fn size(known: &Description) -> Vec<f64> {
     let mut features = vec![known.residues, known.radius_of_gyration_angstrom];
     features.extend(known.extents_angstrom);

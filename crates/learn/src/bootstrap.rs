@@ -13,10 +13,10 @@ pub(crate) const RESAMPLINGS: usize = 1000;
 /// Share of the resamplings that an interval holds.
 pub(crate) const LEVEL: f64 = 0.95;
 
-/// A value and where it would fall in other draws of clusters.
+/// A value and the range in which it would fall in other draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
-    /// From the samples as they are.
+    /// Value for the samples as they are.
     pub estimate: f64,
     /// Lower end.
     pub low: f64,
@@ -92,7 +92,7 @@ impl Clusters {
         }
     }
 
-    /// How often the cluster of each sample is drawn.
+    /// Number of times that the cluster of each sample is drawn.
     fn draw(&self, seed: u64, replicate: u64) -> Vec<f64> {
         let mut random = CounterRng::for_purpose(seed, 0, replicate, Purpose::Bootstrap);
         let mut drawn = vec![0.0; self.count];

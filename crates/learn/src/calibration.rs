@@ -6,10 +6,10 @@
 use crate::Result;
 use crate::scores::{SMALLEST_PROBABILITY, check};
 
-/// Temperatures tried.
+/// Smallest and largest temperature tried.
 const SMALLEST: f64 = 1e-2;
 const LARGEST: f64 = 1e2;
-/// After so many halvings the bracket of ln T is as narrow as rounding allows.
+/// Number of halvings after which the bracket of ln T is as narrow as rounding allows.
 const HALVINGS: usize = 80;
 
 /// The temperature between 0.01 and 100 that gives these probabilities the smallest log-loss; 1 if
@@ -60,7 +60,7 @@ pub fn temperature(
     Ok((-0.5 * (low + high)).exp())
 }
 
-/// Σ w (⟨z⟩_β - z_label): the slope of the loss in β, times Σ w.
+/// Slope of the loss in β, times Σ w: Σ w (⟨z⟩_β - z_label).
 fn slope(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>, beta: f64) -> f64 {
     let mut slope = 0.0;
     for (sample, (label, p)) in labels.iter().zip(p.chunks_exact(classes)).enumerate() {
@@ -87,14 +87,14 @@ fn logarithm(probability: f64) -> f64 {
     probability.max(SMALLEST_PROBABILITY).ln()
 }
 
-/// p^β, normalised.
+/// Normalised powers p^β.
 fn softened(p: &[f64], beta: f64) -> Vec<f64> {
     let mut logits: Vec<f64> = p.iter().map(|p| beta * logarithm(*p)).collect();
     softmax(&mut logits);
     logits
 }
 
-/// exp(z_k) / Σ exp(z_j) in place, safe for any finite z.
+/// Replaces each z_k by exp(z_k) / Σ exp(z_j), safe for any finite z.
 pub(crate) fn softmax(logits: &mut [f64]) {
     let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     for logit in logits.iter_mut() {

@@ -8,7 +8,7 @@ pub enum LearnError {
     Sample {
         /// The sample.
         name: String,
-        /// What is wrong, and what to do.
+        /// Cause of the error, and what to do.
         reason: String,
     },
     /// Settings or data that do not fit together.
@@ -25,7 +25,7 @@ pub enum LearnError {
     Convolution(#[from] protomer_convolution::ConvolutionError),
 }
 
-/// Short for this crate's results.
+/// The result of an operation of this crate.
 pub type Result<T> = std::result::Result<T, LearnError>;
 
 /// Refuses settings or data, for a reason that also says what to do.
@@ -33,7 +33,8 @@ pub(crate) fn refuse<T>(reason: impl Into<String>) -> Result<T> {
     Err(LearnError::Settings(reason.into()))
 }
 
-/// Voxels that cannot be used. [`crate::scaling::read_checked`] puts the sample's name in.
+/// Error for voxels that cannot be used. [`crate::scaling::read_checked`] puts the sample's name
+/// in.
 pub(crate) fn damaged(reason: impl Into<String>) -> LearnError {
     LearnError::Sample {
         name: "voxels".into(),

@@ -18,11 +18,11 @@ use std::collections::BTreeSet;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intervals {
-    /// Of the accuracy.
+    /// Interval of the accuracy.
     pub accuracy: Interval,
-    /// Of the balanced accuracy.
+    /// Interval of the balanced accuracy.
     pub balanced_accuracy: Interval,
-    /// Of the nats gained over the prior.
+    /// Interval of the nats gained over the prior.
     pub nats_gained_over_prior: Interval,
 }
 
@@ -32,11 +32,11 @@ pub struct Intervals {
 pub struct Evaluation {
     /// Scores of the predictions.
     pub scores: Scores,
-    /// What is predicted without a network, and its scores.
+    /// Baselines, which predict without a network, and their scores.
     pub baselines: Vec<(Baseline, Scores)>,
     /// 95 % intervals.
     pub intervals: Intervals,
-    /// Whether it could be chance.
+    /// Test of whether the predictions could be right by chance.
     pub permutation: PermutationTest,
     /// Clusters of the test part.
     pub test_clusters: usize,
@@ -151,7 +151,7 @@ impl TestPredictions<'_> {
         })
     }
 
-    /// What is known of the samples of the test part, from what is known of all.
+    /// Values of the samples of the test part, picked from those of all samples.
     pub(crate) fn of_test<T: Copy>(&self, all: &[T]) -> Result<Vec<T>> {
         let mut of_test = Vec::with_capacity(self.split.test.len());
         for sample in &self.split.test {
@@ -174,7 +174,7 @@ impl TestPredictions<'_> {
     }
 }
 
-/// What is true of the test part.
+/// True labels of the test part, and weights of its samples.
 struct Truth {
     labels: Vec<usize>,
     classes: usize,

@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::result;
 
-/// Of so many trials one goes on.
+/// Number of trials of which one goes on.
 const KEPT_ONE_OF: usize = 3;
-/// More would not end, and their settings would fill the memory.
+/// Largest number of trials: more would not end, and their settings would fill the memory.
 const MOST_TRIALS: usize = 100_000;
 
 /// A plan of trials and epochs.
@@ -34,7 +34,7 @@ pub struct Halving {
     epochs: usize,
 }
 
-/// What a trial had reached at a rung.
+/// Result of a trial at a rung.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reached {
@@ -46,7 +46,7 @@ pub struct Reached {
     pub validation_balanced_accuracy: Option<f64>,
 }
 
-/// Where a search stands.
+/// State of a search.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Standing {
     /// Trials that are still in, best first; in their order before the first rung.
@@ -55,7 +55,7 @@ pub struct Standing {
     pub ended: Vec<(usize, Reached)>,
     /// The epochs to the rung that some have not reached; `None` at the end.
     pub rung: Option<Range<usize>>,
-    /// Places in `running` of those who have not.
+    /// Places in `running` of the trials that have not reached the end of `rung`.
     pub behind: Vec<usize>,
     /// Epochs of all records.
     pub epochs: u64,
@@ -102,7 +102,7 @@ impl Halving {
         total as u64
     }
 
-    /// Where a search stands, from what `reached` knows of each trial at each rung.
+    /// State of a search, from what `reached` knows of each trial at each rung.
     ///
     /// ```
     /// use protomer_learn::LearnError;
@@ -166,9 +166,9 @@ impl Halving {
 }
 
 impl Reached {
-    /// What a training with this history had reached at a rung. Epochs beyond the rung do not
-    /// count: a search that goes on finds checkpoints that are further, and what came later must
-    /// not decide who goes on from here.
+    /// Result at a rung of a training with this history. Epochs beyond the rung do not count: a
+    /// search that goes on finds checkpoints that are further, and what came later must not decide
+    /// who goes on from here.
     pub fn at(history: &[EpochRecord], rung: usize) -> Self {
         let history = history.get(..rung).unwrap_or(history);
         let mut reached = Self {
@@ -185,13 +185,13 @@ impl Reached {
         reached
     }
 
-    /// What trials are compared by.
+    /// Loss by which trials are compared.
     fn loss(&self) -> f64 {
         self.validation_loss_nats.unwrap_or(f64::INFINITY)
     }
 }
 
-/// How many of so many trials go on.
+/// Number of trials that go on, out of this many.
 fn kept(trials: usize) -> usize {
     trials.div_ceil(KEPT_ONE_OF)
 }

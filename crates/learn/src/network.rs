@@ -12,7 +12,7 @@ use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// How a grid becomes one number per channel.
+/// Reduction of a grid to one or two numbers per channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GlobalPooling {
@@ -48,7 +48,7 @@ pub struct NetworkSettings {
     pub classes: usize,
     /// The blocks, first to last.
     pub blocks: Vec<BlockSettings>,
-    /// What follows the last block.
+    /// Pooling after the last block.
     #[serde(default)]
     pub pooling: GlobalPooling,
 }
@@ -189,7 +189,7 @@ impl Network {
         &self.settings
     }
 
-    /// Where it is computed.
+    /// Device on which the network is computed.
     pub(crate) fn device(&self) -> &Device {
         &self.device
     }

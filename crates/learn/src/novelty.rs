@@ -20,14 +20,14 @@ pub struct Seen {
     clusters: BTreeSet<String>,
 }
 
-/// Why a sample may not be new to a network.
+/// Reason why a sample may not be new to a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Familiar {
-    /// Its very file was among those seen.
+    /// The file of the sample was among those seen.
     SameFile,
-    /// Others of its cluster were.
+    /// Other samples of its cluster were among those seen.
     SameCluster,
-    /// Nobody knows which file it was made from.
+    /// The file that the sample was made from is not known.
     FileUnknown,
 }
 
@@ -38,7 +38,7 @@ impl Seen {
         self.clusters.insert(cluster.to_owned());
     }
 
-    /// Why a sample may not be new; `None` if it is.
+    /// Reason why a sample may not be new; `None` if it is new.
     ///
     /// Clusters are compared by name. Those of another manifest may mean other structures; then a
     /// sample too many is left out, which is the safe side.

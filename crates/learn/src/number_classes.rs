@@ -113,7 +113,7 @@ impl NumberClasses {
         }
     }
 
-    /// How many classes there are.
+    /// Number of classes.
     pub fn count(&self) -> usize {
         self.bounds.len() + 1
     }

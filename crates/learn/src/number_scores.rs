@@ -36,18 +36,18 @@ pub struct NumberScores {
     pub rms_error: f64,
     /// Mean size of the error.
     pub mean_absolute_error: f64,
-    /// How much of the variance about the mean of the training part is explained, at most 1.
+    /// Share of the variance about the mean of the training part that is explained, at most 1.
     pub variance_explained: f64,
     /// Rank correlation, -1 to 1; 0 if all true or all predicted numbers are the same.
     pub rank_correlation: f64,
 }
 
-/// What is true of the samples that are scored.
+/// True numbers and weights of the samples that are scored.
 #[derive(Debug, Clone, Copy)]
 pub struct TrueNumbers<'a> {
     /// The number of each sample.
     pub numbers: &'a [f64],
-    /// The weight of each.
+    /// The weight of each sample.
     pub weights: &'a [f64],
     /// Mean of the numbers of the training part.
     pub training_mean: f64,
@@ -57,11 +57,11 @@ pub struct TrueNumbers<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NumberIntervals {
-    /// Of the root of the mean squared error.
+    /// Interval of the root of the mean squared error.
     pub rms_error: Interval,
-    /// Of the variance explained.
+    /// Interval of the variance explained.
     pub variance_explained: Interval,
-    /// Of the rank correlation.
+    /// Interval of the rank correlation.
     pub rank_correlation: Interval,
 }
 

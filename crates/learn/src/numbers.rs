@@ -40,7 +40,7 @@ pub(crate) fn wrong_storage() -> Error {
     Error::Msg("grids on the processor must be contiguous f32".into())
 }
 
-/// What belongs to one sample, where each has `length` numbers.
+/// Values of one sample, where each sample has `length` of them.
 pub(crate) fn of_sample<T>(all: &[T], sample: usize, length: usize) -> &[T] {
     all.get(sample * length..(sample + 1) * length)
         .unwrap_or_default()

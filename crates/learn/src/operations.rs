@@ -11,7 +11,7 @@ use crate::error::refuse;
 use crate::numbers::{contiguous, sum_in_lanes};
 use candle_core::{CpuStorage, CustomOp1, DType, Layout, Shape, Tensor};
 
-/// What is added to a variance before its root is taken.
+/// Constant ε that is added to a variance before its root is taken.
 pub(crate) const NORM_EPSILON: f64 = 1e-5;
 
 /// Cross-correlation with zero padding that keeps the shape:
@@ -45,8 +45,8 @@ pub fn convolution3d(input: &Tensor, weight: &Tensor, bias: &Tensor) -> Result<T
         .contiguous()?)
 }
 
-/// What each tap of the kernel sees, tap after tap in the order (z, y, x): a matrix (k³ C, B D H
-/// W).
+/// Values that each tap of the kernel sees, tap after tap in the order (z, y, x): a matrix (k³ C, B
+/// D H W).
 fn patches(input: &Tensor, kernel: usize) -> Result<Tensor> {
     let (samples, channels, depth, height, width) = input.dims5()?;
     let (radius, positions) = (kernel / 2, samples * depth * height * width);

@@ -15,9 +15,9 @@ pub struct AdamSettings {
     pub learning_rate: f64,
     /// Memory of the mean of the gradient, β₁.
     pub beta1: f64,
-    /// Memory of the mean of its square, β₂.
+    /// Memory of the mean of the squared gradient, β₂.
     pub beta2: f64,
-    /// Added to the root of the second mean, ε.
+    /// Constant added to the root of the second mean, ε.
     pub epsilon: f64,
     /// Decoupled weight decay. Biases and normalisations do not decay: only parameters with two
     /// axes or more do.
@@ -86,9 +86,9 @@ pub struct Adam {
 struct Slot {
     name: String,
     parameter: Var,
-    /// m.
+    /// Mean of the gradient, m.
     first: Tensor,
-    /// v.
+    /// Mean of the squared gradient, v.
     second: Tensor,
 }
 

@@ -8,7 +8,7 @@ use crate::split::Split;
 pub struct TestPredictions<'a> {
     /// All samples of the set.
     pub descriptions: &'a [Description],
-    /// The class of each.
+    /// The class of each sample.
     pub labels: &'a [usize],
     /// Number of classes.
     pub classes: usize,

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 pub struct SparseGrid {
     /// Voxels along each edge.
     pub size: usize,
-    /// Channels.
+    /// Number of channels.
     pub channels: usize,
     /// Occupied voxels, ascending: (z size + y) size + x.
     pub index: Vec<u32>,
@@ -95,7 +95,7 @@ impl SparseGrid {
     }
 }
 
-/// What is known of a sample besides its voxels.
+/// Properties of a sample besides its voxels.
 ///
 /// ```
 /// use protomer_learn::Description;
@@ -113,14 +113,15 @@ impl SparseGrid {
 pub struct Description {
     /// A name, unique in the set.
     pub name: String,
-    /// The class it belongs to.
+    /// The class of the sample.
     pub label: String,
-    /// Samples of one cluster are related and never fall on both sides of a split.
+    /// Cluster of the sample. Samples of one cluster are related and never fall on both sides of a
+    /// split.
     pub cluster: String,
-    /// Copies of one crystal form share a family and are weighted down together. Empty: a family of
-    /// its own.
+    /// Family of the sample. Copies of one crystal form share a family and are weighted down
+    /// together. Empty: a family of its own.
     pub family: String,
-    /// Residues.
+    /// Number of residues.
     pub residues: f64,
     /// Radius of gyration, Å.
     pub radius_of_gyration_angstrom: f64,
@@ -152,7 +153,7 @@ pub trait SampleSource: Sync {
     fn size(&self) -> usize;
     /// Names of the channels, in order.
     fn channels(&self) -> &[String];
-    /// What is known of each sample, in order.
+    /// Descriptions of the samples, in order.
     fn descriptions(&self) -> &[Description];
     /// The voxels of a sample.
     ///
@@ -191,9 +192,9 @@ pub struct InMemory {
     pub size: usize,
     /// Names of the channels.
     pub channels: Vec<String>,
-    /// What is known of each sample.
+    /// Descriptions of the samples.
     pub descriptions: Vec<Description>,
-    /// The voxels of each.
+    /// Voxels of each sample.
     pub grids: Vec<SparseGrid>,
 }
 

@@ -6,8 +6,8 @@ use crate::Result;
 use crate::error::refuse;
 use serde::{Deserialize, Serialize};
 
-/// Smaller probabilities count as this one in logarithms. Certainty in error then costs much, but
-/// not everything.
+/// Smallest probability in logarithms: smaller ones count as this one. Certainty in error then
+/// costs much, but not everything.
 pub(crate) const SMALLEST_PROBABILITY: f64 = 1e-15;
 const RELIABILITY_BINS: usize = 15;
 const TOP: usize = 3;
@@ -28,7 +28,7 @@ const TOP: usize = 3;
 /// ```
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Scores {
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
     /// Share of samples whose most probable class is right.
     pub accuracy: f64,
@@ -42,7 +42,7 @@ pub struct Scores {
     pub log_loss_nats: f64,
     /// Mean of Σ_k (p_k - δ_k)², 0 to 2.
     pub brier: f64,
-    /// Σ over 15 equal bins of confidence of (weight in the bin / N) |accuracy in it - mean
+    /// Sum over 15 equal bins of confidence of (weight in the bin / N) |accuracy in it - mean
     /// confidence in it|.
     pub expected_calibration_error: f64,
     /// The multi-class correlation coefficient of Matthews (Gorodkin, Comput. Biol. Chem. 28, 367
@@ -61,7 +61,7 @@ pub struct ReliabilityBin {
     pub weight: f64,
     /// Mean of the largest probability.
     pub confidence: f64,
-    /// Share that is right.
+    /// Share of the samples whose most probable class is right.
     pub accuracy: f64,
 }
 
@@ -136,7 +136,7 @@ impl Scores {
         }
     }
 
-    /// How many nats per sample these probabilities know more than `baseline`, usually the prior.
+    /// Nats per sample that these probabilities gain over `baseline`, usually the prior.
     pub fn nats_gained_over(&self, baseline: &Self) -> f64 {
         baseline.log_loss_nats - self.log_loss_nats
     }
@@ -153,7 +153,7 @@ pub fn most_probable(probabilities: &[f64]) -> usize {
     best
 }
 
-/// How many classes are more probable than this one. Of equals the first comes first.
+/// Number of classes that are more probable than this one. Of equals the first comes first.
 fn rank(p: &[f64], label: usize) -> usize {
     let mut rank = 0;
     for (class, other) in p.iter().enumerate() {
@@ -226,8 +226,8 @@ fn recall_and_f1(confusion: &[Vec<f64>]) -> (f64, f64) {
     (recalls / f64::max(present, 1.0), f1 / f64::max(named, 1.0))
 }
 
-/// With t_k the weight of the true class k, p_k that of the predicted one, c that of the correct
-/// ones and N all:
+/// Correlation coefficient of Matthews. With t_k the weight of the true class k, p_k that of the
+/// predicted one, c that of the correct ones and N all:
 ///
 /// MCC = (c N - Σ t_k p_k) / √[(N² - Σ p_k²) (N² - Σ t_k²)]
 fn matthews(confusion: &[Vec<f64>]) -> f64 {

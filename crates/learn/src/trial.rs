@@ -13,10 +13,11 @@ const KERNELS: [usize; 3] = [3, 3, 5];
 const GROUPS: [usize; 2] = [0, 4];
 /// Smallest and largest learning rate.
 const LEARNING_RATES: (f64, f64) = (3e-4, 1e-2);
-/// Subsets are drawn from the first channels only: their number must not overflow.
+/// Largest number of channels from which subsets are drawn, the first ones: the number of subsets
+/// must not overflow.
 const MOST_CHANNELS: usize = 16;
 
-/// What is drawn for a trial.
+/// Settings that are drawn for a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialSettings {
     /// The blocks of the network.

@@ -36,7 +36,7 @@ impl fmt::Debug for View<'_> {
 }
 
 impl<'a> View<'a> {
-    /// All of a set.
+    /// A view of a whole set.
     pub fn new(source: &'a dyn SampleSource) -> Self {
         let descriptions = source.descriptions().to_vec();
         Self {

@@ -5,7 +5,7 @@ use protomer_body::chemistry::AminoAcid;
 use protomer_body::residue_contacts::Bead;
 use protomer_kernel::Vec3;
 
-/// What stands in empty lanes of a group: a kind that interacts with nothing.
+/// Kind of the empty lanes of a group, which interacts with nothing.
 pub const EMPTY_LANE: u8 = 20;
 
 /// Beads in the body's frame, in groups of [`LANES`] near neighbours.
@@ -100,7 +100,7 @@ impl BeadGroup {
         }
     }
 
-    /// Where the bead of a lane is, Å.
+    /// Position of the bead of a lane, Å.
     pub fn place(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
     }

@@ -9,7 +9,7 @@ use protomer_body::residue_contacts::beads_of;
 use protomer_kernel::overlap::CollisionShape;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// What the engine knows about one kind of body. Immutable; systems share it behind an `Arc`.
+/// One kind of body as the engine knows it. Immutable; systems share it behind an `Arc`.
 ///
 /// ```
 /// use protomer_mc::BodyType;

@@ -27,7 +27,7 @@ pub struct Ladder {
     exchanges: Exchanges,
 }
 
-/// What the exchanges did since the start.
+/// Record of the exchanges since the start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exchanges {
@@ -35,7 +35,7 @@ pub struct Exchanges {
     pub rounds: u64,
     /// Swaps between each rung and the next.
     pub swaps: Vec<Acceptance>,
-    /// Where the state on each rung was at the start.
+    /// Walker on each rung, numbered by the rung on which it started.
     pub walkers: Vec<usize>,
     /// The end of the ladder that each walker was at last.
     last_ends: Vec<Option<End>>,
@@ -137,7 +137,7 @@ impl Ladder {
         &self.rungs
     }
 
-    /// What the exchanges did.
+    /// Record of the exchanges.
     pub fn exchanges(&self) -> &Exchanges {
         &self.exchanges
     }
@@ -172,7 +172,7 @@ impl Ladder {
         self.exchange_by(|rise_kt| rise_kt)
     }
 
-    /// The same with another rule: what it makes of Δ decides.
+    /// Variant of [`exchange`](Self::exchange) with another rule: what it makes of Δ decides.
     fn exchange_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Result<()> {
         let round = self.exchanges.rounds;
         let first = (round % 2) as usize;

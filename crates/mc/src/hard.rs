@@ -12,11 +12,10 @@ use protomer_kernel::overlap::{CarriedBound, overlaps, separation_bound};
 /// Gaps are measured up to this distance, Å: a pair farther apart is safe for many moves anyway.
 const LOOK_AHEAD_ANGSTROM: f64 = 2.0;
 
-/// A gap below this, Å, is useless as a bound; such a pair is only tested for overlap, which is
-/// cheaper ...
+/// Gap below which a bound is useless, Å: such a pair is only tested for overlap, which is cheaper.
 const TIGHT_ANGSTROM: f64 = 0.4;
 
-/// ... until its surfaces may have moved this far, Å, so that the gap may have changed.
+/// Motion of the surfaces after which the gap of such a pair is measured again, Å.
 const STALE_ANGSTROM: f64 = 2.0;
 
 /// Rounding error of a bound, Å, subtracted before use.

@@ -9,7 +9,7 @@ use protomer_kernel::cells::CellList;
 pub(crate) struct Neighbours {
     /// Cells as wide as the range of the interaction.
     cells: CellList,
-    /// Smaller ones, where bodies interact farther than they touch.
+    /// Smaller cells, where bodies interact farther than they touch.
     touching: Option<CellList>,
     ranges: Ranges,
 }
@@ -17,11 +17,12 @@ pub(crate) struct Neighbours {
 /// Distances of origins, Å.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ranges {
-    /// Bodies beyond it cannot touch.
+    /// Distance beyond which bodies cannot touch.
     pub hard_angstrom: f64,
-    /// Of the interaction as the direct sum knows it. Random numbers depend on it.
+    /// Range of the interaction as the direct sum knows it. Random numbers depend on it.
     pub interaction_angstrom: f64,
-    /// Of the interaction as the model knows it, no longer; zero without any.
+    /// Range of the interaction as the model knows it, no longer than that of the direct sum; zero
+    /// without an interaction.
     pub reach_angstrom: f64,
 }
 
@@ -78,7 +79,7 @@ impl Neighbours {
         retain_within(system, &[*from, *to], reach, found);
     }
 
-    /// A body has moved.
+    /// Notes that a body has moved.
     pub(crate) fn moved(&mut self, body: usize, from: &Vec3, to: &Vec3) {
         self.cells.moved(body, from, to);
         if let Some(touching) = &mut self.touching {

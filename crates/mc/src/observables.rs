@@ -13,7 +13,7 @@ pub struct Observables {
     pub energy_kt: f64,
     /// Radius of gyration of the origins, Å ([`r_g_angstrom`]).
     pub r_g_angstrom: f64,
-    /// The same with every body weighted by its volume, Å.
+    /// Radius of gyration with every body weighted by its volume, Å.
     pub r_g_volume_weighted_angstrom: f64,
     /// Fraction of the initial contacts that exist now; `None` if there were none.
     pub native_contacts: Option<f64>,

@@ -14,7 +14,7 @@
 use crate::contributions::Reweighted;
 use crate::{McError, Result};
 
-/// The f stay if none changes by more than this.
+/// Largest change of the f at which they count as settled.
 const TOLERANCE: f64 = 1e-10;
 const MOST_ROUNDS: usize = 100_000;
 
@@ -37,8 +37,9 @@ pub struct Mixture {
 }
 
 impl Mixture {
-    /// From the energy of every frame in every state, `energies_kt[state][frame]`, and the number of
-    /// frames that came from each state; which ones does not matter.
+    /// Solves for the free energies, from the energy of every frame in every state,
+    /// `energies_kt[state][frame]`, and the number of frames that came from each state; which ones
+    /// does not matter.
     ///
     /// # Errors
     /// [`McError::BadSystem`] for no frames, numbers that do not match, energies that are not finite,

@@ -23,15 +23,16 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Interaction {
-    /// None.
+    /// No interaction in addition to the hard cores.
     HardOnly,
     /// Screened point charges, summed pair by pair.
     YukawaDirect(Yukawa),
-    /// The same, with the same decisions by proven bounds.
+    /// Screened point charges, with the decisions of the direct sum by proven bounds.
     YukawaCertified(Yukawa),
-    /// The same, with the same decisions by a model of the errors, by levels of rising accuracy.
+    /// Screened point charges, with the decisions of the direct sum by a model of the errors, by
+    /// levels of rising accuracy.
     YukawaCalibrated(Yukawa),
-    /// The same to within a likely error for each pair of bodies.
+    /// Screened point charges to within a likely error for each pair of bodies.
     YukawaApproximate {
         /// The potential.
         yukawa: Yukawa,
@@ -72,7 +73,7 @@ impl Interaction {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// How bodies interact.
+    /// Interaction of the bodies.
     pub interaction: Interaction,
     /// Initial value of the largest displacement of a trial move, Å.
     pub translation_step_angstrom: f64,

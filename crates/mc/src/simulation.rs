@@ -18,7 +18,7 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Pose};
 use std::ops::ControlFlow;
 
-/// How a call of [`Simulation::run_until`] ended.
+/// Outcome of a call of [`Simulation::run_until`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// The requested number of sweeps is done.
@@ -81,7 +81,8 @@ impl Simulation {
         Self::with_model(system, settings, model, seed, replica)
     }
 
-    /// As [`Simulation::new`], with a custom energy model instead of the one named in the settings.
+    /// Variant of [`Simulation::new`] with a custom energy model instead of the one named in the
+    /// settings.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -134,7 +135,7 @@ impl Simulation {
         Self::resume_with_model(system, checkpoint, model)
     }
 
-    /// As [`Simulation::resume`], with a custom energy model.
+    /// Variant of [`Simulation::resume`] with a custom energy model.
     ///
     /// # Errors
     /// As [`Simulation::resume`].
@@ -229,7 +230,7 @@ impl Simulation {
         Ok(Outcome::Finished)
     }
 
-    /// One sweep.
+    /// Makes one sweep.
     fn advance(&mut self) -> Result<()> {
         let bodies = self.system.len() as u64;
         let cluster_moves = u64::from(self.settings.cluster_moves_per_sweep);
@@ -271,7 +272,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// One trial move; whether it was accepted.
+    /// Makes one trial move and returns whether it was accepted.
     fn single_move(&mut self, step: u64) -> Result<bool> {
         let mut rng = CounterRng::new(self.seed, self.replica, step);
         let budget_kt = -rng.uniform().ln();
@@ -354,7 +355,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// One move that forms or dissolves contacts, of a random kind.
+    /// Makes one move that forms or dissolves contacts, of a random kind.
     fn binding_move(&mut self, step: u64) -> Result<()> {
         let (seed, replica) = (self.seed, self.replica);
         let mut rng = CounterRng::for_purpose(seed, replica, step, Purpose::BindingMove);
@@ -472,7 +473,8 @@ impl Simulation {
         self.energy.error_bound_kt(&self.system)
     }
 
-    /// What decisions rest on, of an energy model that makes them by levels.
+    /// Basis of the decisions of an energy model that makes them by levels; `None` for other
+    /// models.
     pub fn energy_levels(&self) -> Option<LevelReport> {
         self.energy.levels()
     }
@@ -524,7 +526,7 @@ pub fn require_room(system: &System, energy: &dyn EnergyModel) -> Result<()> {
     energy.require_room(system)
 }
 
-/// In a range that holds both surfaces and charges.
+/// Neighbours in a range that holds both surfaces and charges.
 fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
     require_room(system, energy)?;
     let ranges = Ranges {
@@ -535,7 +537,7 @@ fn neighbours(system: &System, energy: &dyn EnergyModel) -> Result<Neighbours> {
     Ok(Neighbours::new(system, ranges))
 }
 
-/// Translations beyond half the box, or two diameters in open space, are useless.
+/// Largest translation that is of use: half the box, or two diameters in open space.
 fn largest_translation(system: &System) -> f64 {
     match system.boundary() {
         Boundary::Periodic { lengths_angstrom } => 0.5 * lengths_angstrom.min(),

@@ -64,7 +64,7 @@ impl<T: Clone> PairTable<T> {
         self.0.remove(second, first);
     }
 
-    /// Bodies `moved` (ascending) moved as one: pairs between them and the rest take the
+    /// Takes over the move of `bodies` (ascending) as one: pairs between them and the rest take the
     /// proposed values, or are removed if none is proposed; all other pairs are unchanged.
     pub(crate) fn take_over(
         &mut self,

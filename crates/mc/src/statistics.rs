@@ -12,7 +12,7 @@ pub struct Statistics {
     pub rotation: Vec<Acceptance>,
     /// Geometric cluster moves.
     pub cluster_moves: u64,
-    /// Total number of bodies moved by these.
+    /// Total number of bodies moved by cluster moves.
     pub cluster_bodies: u64,
     /// Moves that form and dissolve contacts.
     #[serde(default, skip_serializing_if = "BindingCounts::are_none")]

@@ -18,8 +18,8 @@ impl SurfacePoints {
         Self(ChargeCloud::new(&points))
     }
 
-    /// Which vertices of this surface come closer than `distance_angstrom` to a vertex of the
-    /// other: sets those marks. A mark stands for a lane of a group.
+    /// Marks the vertices of this surface that come closer than `distance_angstrom` to a vertex of
+    /// the other. A mark stands for a lane of a group.
     pub(crate) fn mark_within(
         &self,
         other: &SurfacePoints,

@@ -179,7 +179,7 @@ pub struct Trial<'a> {
     pub system: &'a System,
     /// The body that moves.
     pub body: usize,
-    /// Its trial pose.
+    /// Trial pose of the body.
     pub pose: Pose,
 }
 
@@ -225,7 +225,7 @@ pub struct Pair<'a> {
     pub first_pose: Pose,
     /// Pose of the second body.
     pub second_pose: Pose,
-    /// From the origin of the first to the nearest image of the second's, Å.
+    /// Vector from the origin of the first body to that of the nearest image of the second, Å.
     pub displacement: Vec3,
 }
 

@@ -22,7 +22,7 @@ use protomer_kernel::random::CounterRng;
 const DECADES: f64 = 3.0;
 
 impl Engine {
-    /// One trial. Bodies that would touch refuse it.
+    /// Tries one change of the volume. Bodies that would touch refuse it.
     pub(crate) fn try_volume(
         &mut self,
         temperature: f64,

@@ -21,22 +21,22 @@ use protomer_kernel::Vec3;
 use protomer_kernel::random::{CounterRng, Purpose};
 use std::f64::consts::TAU;
 
-/// What keeps the temperature, if anything. Temperatures are kT in units of ε.
+/// Ensembles, with the bath that keeps the temperature, if any. Temperatures are kT in units of ε.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ensemble {
-    /// The energy is kept.
+    /// Constant energy.
     Nve,
     /// Stochastic velocity rescaling (Bussi, Donadio and Parrinello, J. Chem. Phys. 126, 014101
     /// (2007)) of translations and rotations together.
     Nvt {
-        /// kT.
+        /// Temperature kT.
         temperature: f64,
         /// Relaxation time of the kinetic energy.
         relaxation_time: f64,
     },
-    /// The same with a constant pressure: the volume changes by trials.
+    /// Constant pressure and the thermostat of [`Ensemble::Nvt`]: the volume changes by trials.
     Npt {
-        /// kT.
+        /// Temperature kT.
         temperature: f64,
         /// Relaxation time of the kinetic energy.
         relaxation_time: f64,
@@ -45,16 +45,16 @@ pub enum Ensemble {
     },
     /// Langevin dynamics: velocities and angular velocities decay with rate γ.
     Langevin {
-        /// kT.
+        /// Temperature kT.
         temperature: f64,
-        /// γ, an inverse time.
+        /// Friction γ, an inverse time.
         friction: f64,
     },
     /// Overdamped dynamics (Ermak and McCammon): frictions are γ times mass and moments.
     Brownian {
-        /// kT.
+        /// Temperature kT.
         temperature: f64,
-        /// γ, an inverse time.
+        /// Friction γ, an inverse time.
         friction: f64,
     },
 }
@@ -124,7 +124,7 @@ pub(crate) fn normal_vector(rng: &mut CounterRng, dimension: usize) -> Vec3 {
     vector
 }
 
-/// Normal random numbers for the ways in which a body turns.
+/// Normal random numbers for the rotational degrees of freedom of a body.
 pub(crate) fn normal_turns(rng: &mut CounterRng, turns: usize) -> Vec3 {
     match turns {
         0 => Vec3::zeros(),
@@ -177,7 +177,7 @@ pub(crate) fn rescale(
     kinetic * (factor - 1.0)
 }
 
-/// Friction and noise on each body over a time; returns the heat taken up.
+/// Applies friction and noise to each body over a time; returns the heat taken up.
 pub(crate) fn damp(
     state: &mut State,
     bodies: &Bodies,

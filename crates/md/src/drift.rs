@@ -44,7 +44,7 @@ impl Drift {
         self.product += before[0] * (here[1] - self.means[1]);
     }
 
-    /// Values so far.
+    /// Number of values so far.
     pub fn count(&self) -> f64 {
         self.count
     }
@@ -54,7 +54,7 @@ impl Drift {
         self.last[1]
     }
 
-    /// The change over all of the time along the straight line through the values.
+    /// The change over the whole time along the straight line through the values.
     pub fn along_the_line(&self) -> f64 {
         match self.squares[0] > 0.0 {
             true => self.product / self.squares[0] * self.last[0],

@@ -20,7 +20,7 @@ use protomer_kernel::{Boundary, Rotation, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// Fewer pairs than this are computed by one thread.
+/// Number of pairs below which one thread computes all.
 const WORTH_THREADS: usize = 2000;
 /// Pairs that a thread takes at a time.
 const SHARE: usize = 256;
@@ -28,14 +28,14 @@ const SHARE: usize = 256;
 /// Steps between two trials of the volume.
 const TRIAL_EVERY: u64 = 10;
 
-/// How bodies move.
+/// Settings of the motion of bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// What bodies feel of each other.
+    /// Interaction between bodies.
     pub interaction: Interaction,
     /// Time step.
     pub time_step: f64,
-    /// What keeps the temperature.
+    /// Ensemble, including the heat bath.
     pub ensemble: Ensemble,
     /// Seed of the noise.
     pub seed: u64,
@@ -43,31 +43,31 @@ pub struct Settings {
     pub is_threaded: bool,
 }
 
-/// Everything that changes; a run continues from it bit for bit.
+/// Everything that changes during a run, which continues from it bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Motion {
-    /// Where the bodies are and how they move.
+    /// Positions, orientations and velocities of the bodies.
     pub state: State,
-    /// Steps done.
+    /// Number of steps done.
     pub steps: u64,
     /// Energy of all pairs.
     pub potential_energy: f64,
-    /// Σ over pairs of force times the way between the centres.
+    /// Virial: the sum over pairs of force times the vector between the centres.
     pub virial: f64,
     /// Heat that the baths have given, and energy that the barostat has.
     pub heat: f64,
-    /// Trials of the volume: refused, accepted.
+    /// Numbers of refused and of accepted trials of the volume.
     #[serde(default)]
     pub volume_trials: [u64; 2],
-    /// The pairs.
+    /// Pairs of bodies that may interact.
     pub neighbours: Neighbours,
     forces: Vec<Vec3>,
     /// Torques in space.
     torques: Vec<Vec3>,
 }
 
-/// What a trial of the volume changes.
+/// Quantities that a trial of the volume changes.
 pub(crate) struct Placement {
     space: Boundary,
     positions: Vec<Vec3>,
@@ -78,7 +78,7 @@ pub(crate) struct Placement {
 }
 
 impl Motion {
-    /// Where everything is, to put it back there.
+    /// Copy of the quantities that a trial changes, to restore them if it is refused.
     pub(crate) fn placement(&self) -> Placement {
         Placement {
             space: self.state.space,
@@ -100,13 +100,13 @@ impl Motion {
     }
 }
 
-/// Bodies, how they move, and how far they are.
+/// Bodies, their settings and their motion so far.
 #[derive(Debug, Clone)]
 pub struct Engine {
     pub(crate) bodies: Bodies,
     settings: Settings,
     pub(crate) motion: Motion,
-    /// A row and a column for each part of each kind.
+    /// Interaction laws, a row and a column for each part of each kind.
     laws: Vec<Law>,
     /// The row of the first part of each kind.
     first_rows: Vec<usize>,
@@ -115,7 +115,7 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// Bodies that begin in this state.
+    /// An engine for bodies that begin in this state.
     ///
     /// # Errors
     /// For a time step or an ensemble out of range, bodies that overlap, and a box that is too
@@ -169,7 +169,7 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Bodies that go on from where they were.
+    /// An engine for bodies that go on from where they were.
     ///
     /// # Errors
     /// As [`Engine::new`], and [`Error::OtherBodies`] for a state of other bodies.
@@ -214,12 +214,12 @@ impl Engine {
         &self.bodies
     }
 
-    /// Where they are.
+    /// State of the motion.
     pub fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// How they move.
+    /// Settings of the motion.
     pub fn settings(&self) -> &Settings {
         &self.settings
     }
@@ -249,7 +249,8 @@ impl Engine {
         self.energy() - self.motion.heat
     }
 
-    /// The ways in which the centres move; in a box their sum is kept at rest.
+    /// Number of translational degrees of freedom, without those of the centre of mass in ensembles
+    /// that conserve the momentum.
     pub fn movements(&self) -> usize {
         let (count, dimension) = (self.bodies.count(), self.bodies.dimension());
         let is_free = matches!(
@@ -259,7 +260,7 @@ impl Engine {
         dimension * count.saturating_sub(usize::from(is_free))
     }
 
-    /// The ways in which bodies move and turn.
+    /// Number of translational and rotational degrees of freedom.
     fn freedoms(&self) -> usize {
         self.movements() + self.bodies.turns()
     }
@@ -293,7 +294,7 @@ impl Engine {
         (ideal + virial) / self.motion.state.volume(dimension)
     }
 
-    /// A step. The box and the centres shrink by the factor `scale`; 1 leaves them.
+    /// Advances by one step. The box and the centres shrink by the factor `scale`; 1 leaves them.
     ///
     /// # Errors
     /// [`Error::Met`] if bodies overlap, and [`Error::Diverged`]; the state is then no good.
@@ -349,7 +350,7 @@ impl Engine {
         Ok(())
     }
 
-    /// The global thermostat over a step.
+    /// Applies the global thermostat over a step.
     fn rescale(&mut self, temperature: f64, relaxation_time: f64, noise: &mut Noise) {
         let freedoms = self.freedoms();
         let part = self.settings.time_step / relaxation_time;
@@ -358,7 +359,7 @@ impl Engine {
         motion.heat += bath::rescale(state, bodies, freedoms, temperature, part, noise);
     }
 
-    /// Newton's equations over a step.
+    /// Integrates Newton's equations over a step.
     fn move_on(&mut self, time: f64, scale: f64) -> Result<()> {
         self.kick(0.5 * time);
         self.drift(time);
@@ -402,7 +403,7 @@ impl Engine {
         }
     }
 
-    /// Bodies without momenta: a step along the forces, and noise.
+    /// Moves bodies without momenta: a step along the forces, and noise.
     fn diffuse(&mut self, temperature: f64, friction: f64, noise: &mut Noise) {
         let time = self.settings.time_step;
         let motion = &mut self.motion;
@@ -448,7 +449,7 @@ impl Engine {
         self.motion.neighbours.shrink(scale);
     }
 
-    /// Energy, forces, torques and virial.
+    /// Computes energy, forces, torques and virial.
     pub(crate) fn find_forces(&mut self) -> Result<()> {
         let motion = &mut self.motion;
         let is_flat = self.bodies.dimension() == 2;
@@ -531,7 +532,7 @@ fn check_interaction(bodies: &Bodies, interaction: &Interaction) -> Result<()> {
     Ok(())
 }
 
-/// What forces depend on.
+/// Quantities that forces depend on.
 struct View<'a> {
     bodies: &'a Bodies,
     state: &'a State,
@@ -543,13 +544,14 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    /// From the first body of a pair to the image of the second.
+    /// The vector from the first body of a pair to the image of the second.
     fn between(&self, pair: &Pair) -> Vec3 {
         let [first, second] = pair.bodies.map(|body| self.state.positions[body as usize]);
         second - first + shift(&self.state.space, pair.images)
     }
 
-    /// What two bodies feel through two of their parts, with torques about their centres of mass.
+    /// Interaction of two bodies through two of their parts, with torques about their centres of
+    /// mass.
     fn felt(&self, pair: &mut Pair, between: &Vec3) -> Felt {
         let numbers = [0, 1].map(|n| (pair.bodies[n] as usize, pair.parts[n] as usize));
         let [row, column] =

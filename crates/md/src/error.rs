@@ -1,15 +1,15 @@
 use protomer_kernel::Number;
 
-/// Why an interaction cannot be computed, or bodies cannot move on.
+/// Errors of interactions that cannot be computed, and of bodies that cannot move on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The repulsion diverges at contact.
     #[error("the bodies touch or overlap, where the repulsion is infinite; move them apart")]
     Overlap,
-    /// A polygon and a polyhedron.
+    /// A polygon and a polyhedron cannot interact.
     #[error("one body has two dimensions and the other three; give both the same number")]
     MixedDimensions,
-    /// No mass.
+    /// A body without volume has no mass.
     #[error(
         "the body has no volume, so it has no mass; give a polygon, a polyhedron, a disk, a ball or an \
          ellipsoid"
@@ -21,9 +21,9 @@ pub enum Error {
          parts that touch at most"
     )]
     OverlappingParts {
-        /// Number of the first, from 1.
+        /// Number of the first part, from 1.
         first: usize,
-        /// Number of the second.
+        /// Number of the second part, from 1.
         second: usize,
     },
     /// The rescaled central term is for pairs only.
@@ -44,9 +44,9 @@ pub enum Error {
          smaller time step, or compress more slowly"
     )]
     Met {
-        /// Number of the first.
+        /// Number of the first body.
         first: usize,
-        /// Number of the second.
+        /// Number of the second body.
         second: usize,
     },
     /// A position or a velocity is not a number any more.
@@ -58,9 +58,9 @@ pub enum Error {
          use more bodies, or a lower density"
     )]
     SmallBox {
-        /// The shortest edge.
+        /// The shortest edge of the box.
         smallest: f64,
-        /// What it must be.
+        /// The length that the edge must have at least.
         needed: f64,
     },
     /// A setting outside its range.
@@ -68,9 +68,9 @@ pub enum Error {
     OutOfRange {
         /// The setting.
         what: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f64,
-        /// What it may be.
+        /// Description of the values that the setting may have.
         expected: &'static str,
     },
     /// The state does not fit the bodies.

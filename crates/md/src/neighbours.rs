@@ -11,37 +11,37 @@ use protomer_kernel::cells::CellList;
 use protomer_kernel::{Boundary, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// The skin over σ.
+/// Width of the skin over σ.
 const SKIN_RATIO: f64 = 0.35;
 
-/// A pair of parts, with what was learnt of it.
+/// A pair of parts, with a hint kept from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
     /// The bodies; the first has the lower number.
     pub bodies: [u32; 2],
-    /// Their parts; zero for bodies of one part.
+    /// Numbers of the parts in their bodies; zero for bodies of one part.
     pub parts: [u16; 2],
-    /// Boxes between the image of the second that is meant and the second itself.
+    /// Numbers of boxes between the nearest image of the second body and that body itself.
     pub images: [i32; 3],
-    /// What was learnt of it.
+    /// Hint kept from one step to the next.
     pub hint: Hint,
 }
 
-/// The pairs, in ascending order.
+/// List of pairs, in ascending order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Neighbours {
     /// The pairs.
     pub pairs: Vec<Pair>,
-    /// Where the bodies were when the pairs were found; a box that shrinks takes them with it.
+    /// Positions of the bodies when the pairs were found; a box that shrinks takes them with it.
     places: Vec<Vec3>,
-    /// How far bodies may feel each other at most, centre to centre.
+    /// Largest distance at which bodies may interact, centre to centre.
     range: f64,
     skin: f64,
-    /// By how much the box has shrunk since then.
+    /// Factor by which the box has shrunk since the pairs were found.
     scale: f64,
-    /// How often the pairs were sought.
+    /// Number of times that the pairs were sought.
     pub rebuilds: u64,
 }
 
@@ -127,7 +127,7 @@ impl Neighbours {
     }
 }
 
-/// How far bodies may feel each other at most, centre to centre.
+/// Largest distance at which bodies may interact, centre to centre.
 fn range(bodies: &Bodies, interaction: &Interaction) -> f64 {
     let parts: Vec<_> = bodies.kinds.iter().flat_map(|kind| &kind.parts).collect();
     let mut range = 0.0_f64;
@@ -141,7 +141,7 @@ fn range(bodies: &Bodies, interaction: &Interaction) -> f64 {
     range
 }
 
-/// The boxes that lead to the nearest image.
+/// Numbers of boxes that lead to the nearest image.
 fn images(space: &Boundary, between: &Vec3) -> [i32; 3] {
     match space {
         Boundary::Periodic { lengths_angstrom } => between
@@ -152,7 +152,7 @@ fn images(space: &Boundary, between: &Vec3) -> [i32; 3] {
     }
 }
 
-/// The way over so many boxes.
+/// The vector that leads over so many boxes.
 pub(crate) fn shift(space: &Boundary, images: [i32; 3]) -> Vec3 {
     match space {
         Boundary::Periodic { lengths_angstrom } => {

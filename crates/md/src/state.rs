@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Bodies {
     /// The kinds.
     pub kinds: Vec<Kind>,
-    /// For each body the number of its kind.
+    /// Number of the kind of each body.
     pub kind_of: Vec<usize>,
 }
 
@@ -22,7 +22,7 @@ impl Bodies {
         }
     }
 
-    /// How many there are.
+    /// Number of bodies.
     pub fn count(&self) -> usize {
         self.kind_of.len()
     }
@@ -32,7 +32,7 @@ impl Bodies {
         &self.kinds[self.kind_of[body]]
     }
 
-    /// Whether a state has as many bodies, in a plane or in space as these.
+    /// Whether a state has as many bodies as these, in as many dimensions.
     pub(crate) fn fit(&self, state: &State) -> bool {
         let count = self.count();
         let turned = match self.dimension() {
@@ -47,18 +47,18 @@ impl Bodies {
             && [state.rotations.len(), state.angles_rad.len()] == turned
     }
 
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub fn dimension(&self) -> usize {
         self.kinds.first().map_or(3, |kind| kind.dimension)
     }
 
-    /// The mean of the diameters of the balls about the centres that fit in: σ.
+    /// Length σ: the mean of the diameters of the largest balls about the centres that fit in.
     pub fn sigma(&self) -> f64 {
         let diameters = (0..self.count()).map(|body| 2.0 * self.kind(body).inradius());
         diameters.sum::<f64>() / self.count().max(1) as f64
     }
 
-    /// The ways in which they turn, all together.
+    /// Number of rotational degrees of freedom of all bodies.
     pub fn turns(&self) -> usize {
         (0..self.count()).map(|body| self.kind(body).turns()).sum()
     }

@@ -22,7 +22,7 @@ const TICK_GAP: f64 = 6.0;
 const Y_TICK_DISTANCE: f64 = 55.0;
 const X_TICK_DISTANCE: f64 = 150.0;
 
-/// How values become positions between the two ends of an axis.
+/// Mapping of values to positions between the two ends of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
     range: [f64; 2],
@@ -46,8 +46,8 @@ impl Scale {
         }
     }
 
-    /// 0 at the lower end, 1 at the upper. Values beyond stay at the ends, so that nothing is drawn
-    /// outside the frame.
+    /// Position of a value: 0 at the lower end, 1 at the upper. Values beyond stay at the ends, so
+    /// that nothing is drawn outside the frame.
     fn fraction(&self, value: f64) -> f64 {
         let [from, to] = self.range;
         let fraction = match self.log {
@@ -200,7 +200,7 @@ fn draw_y_ticks(area: &Area, ticks: &[Tick], canvas: &mut dyn Canvas) {
     }
 }
 
-/// A number that would touch the previous one is omitted.
+/// Draws the ticks of the x axis. A number that would touch the previous one is omitted.
 fn draw_x_ticks(area: &Area, ticks: &[Tick], with_numbers: bool, canvas: &mut dyn Canvas) {
     let style = TextStyle::new(TICK_SIZE, INK, Align::Centre);
     let mut free_from = f64::NEG_INFINITY;
@@ -233,7 +233,8 @@ fn draw_frame(area: &Area, canvas: &mut dyn Canvas) {
     }
 }
 
-/// A label longer than the panel stays clear of the edges of the figure.
+/// Draws the label of the x axis. A label longer than the panel stays clear of the edges of the
+/// figure.
 fn draw_x_label(area: &Area, label: &Fitted, shape: Shape, canvas: &mut dyn Canvas) {
     let style = TextStyle::new(label.size, INK, Align::Centre);
     let lowest = shape.height - MARGIN + 4.0;

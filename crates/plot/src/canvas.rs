@@ -55,11 +55,11 @@ impl Style {
 pub(crate) struct Shape {
     pub width: f64,
     pub height: f64,
-    /// Texts may shrink to this part of their size before they are broken into lines.
+    /// Part of their size to which texts may shrink before they are broken into lines.
     pub least_shrunk: f64,
 }
 
-/// Where a text stands relative to its position.
+/// Alignment of a text relative to its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Align {
     Left,
@@ -74,7 +74,7 @@ pub(crate) enum Direction {
     Up,
 }
 
-/// How a text is set: the length of an em, colour, alignment and direction.
+/// Style of a text: the length of an em, colour, alignment and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TextStyle {
     pub size: f64,
@@ -106,10 +106,10 @@ pub(crate) trait Canvas {
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb);
     fn disc(&mut self, centre: [f64; 2], radius: f64, colour: Rgb, opacity: f64);
     fn polygon(&mut self, corners: &[[f64; 2]], colour: Rgb);
-    /// One run of text whose baseline begins at `start`.
+    /// Draws one run of text whose baseline begins at `start`.
     fn run(&mut self, text: &str, start: [f64; 2], style: TextStyle);
 
-    /// A filled shape of the marker's "radius".
+    /// Draws a filled shape of the marker's "radius".
     fn marker(&mut self, marker: Marker, centre: [f64; 2], radius: f64, colour: Rgb) {
         let corners: &[[f64; 2]] = match marker {
             Marker::Circle => return self.disc(centre, radius, colour, 1.0),
@@ -125,7 +125,7 @@ pub(crate) trait Canvas {
         self.polygon(&placed, colour);
     }
 
-    /// A text with subscripts and superscripts, its baseline at `position`.
+    /// Draws a text with subscripts and superscripts, its baseline at `position`.
     fn text(&mut self, text: &str, [x, y]: [f64; 2], style: TextStyle) {
         let width = text_width(text, style.size);
         let mut along = match style.align {
@@ -146,7 +146,7 @@ pub(crate) trait Canvas {
     }
 }
 
-/// Draws nothing: used to measure the size of something.
+/// Canvas that draws nothing: used to measure the size of something.
 pub(crate) struct Nowhere;
 
 impl Canvas for Nowhere {

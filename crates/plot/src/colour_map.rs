@@ -59,23 +59,23 @@ const HIGH: Rgb = [0x24, 0x57, 0xB8];
 /// A cell without a number.
 const NOTHING: Rgb = [0xD0, 0xD0, 0xD0];
 const WHITE: Rgb = [0xFF; 3];
-/// Colours darker than this have white numbers.
+/// Lightness below which colours have white numbers.
 const DARK: f64 = 140.0;
 
 const LABEL_SIZE: f64 = 23.0;
 const TICK_SIZE: f64 = 20.0;
-/// Smaller numbers cannot be read on a phone; the cells then have none.
+/// Least size of the numbers; smaller ones cannot be read on a phone, and the cells then have none.
 const LEAST_NUMBER_SIZE: f64 = 13.0;
 const NUMBER_SIZE: f64 = 22.0;
 /// The part of a cell that its number may take.
 const NUMBER_ROOM: f64 = 0.86;
-/// Between numbers along an axis and what they belong to.
+/// Distance between the numbers along an axis and what they belong to.
 const GAP: f64 = 8.0;
 /// The white line between cells, and the line where the sign changes.
 const CELL_LINE: f64 = 1.5;
 const SIGN_LINE: f64 = 3.5;
 const BAR_WIDTH: f64 = 26.0;
-/// Between cells and colour bar.
+/// Distance between the cells and the colour bar.
 const BAR_GAP: f64 = 26.0;
 const BAR_STEPS: usize = 64;
 const BAR_TICKS: usize = 6;
@@ -103,7 +103,8 @@ impl ColourMap {
         Ok(svg::draw(WIDE, |canvas| self.draw(WIDE, canvas)))
     }
 
-    /// The same for a narrow screen, with larger letters relative to the width.
+    /// Variant of [`ColourMap::to_svg`] for a narrow screen, with larger letters relative to the
+    /// width.
     ///
     /// # Errors
     /// As [`ColourMap::to_svg`].
@@ -263,7 +264,7 @@ impl ColourMap {
         ticks::decimal(value, decimals)
     }
 
-    /// A line between neighbours of which one is below zero and one is not.
+    /// Draws a line between neighbours of which one is below zero and one is not.
     fn draw_sign_changes(&self, area: &Cells, canvas: &mut dyn Canvas) {
         let changes = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => (a < 0.0) != (b < 0.0),
@@ -412,7 +413,7 @@ fn colour(part: f64) -> Rgb {
     [0, 1, 2].map(mixed)
 }
 
-/// How light a colour looks, 0 to 255 (the luma of Rec. 601).
+/// Lightness of a colour, 0 to 255 (the luma of Rec. 601).
 fn lightness([red, green, blue]: Rgb) -> f64 {
     0.299 * f64::from(red) + 0.587 * f64::from(green) + 0.114 * f64::from(blue)
 }

@@ -51,7 +51,7 @@ pub enum PlotError {
     /// The figure inside an SVG cannot be read.
     #[error("the figure inside the SVG is damaged or of another version: {cause}; draw it again")]
     DamagedSource {
-        /// What is wrong.
+        /// Description of the damage.
         cause: String,
     },
     /// The picture cannot be made.

@@ -18,11 +18,11 @@ use std::path::Path;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// Written above it.
+    /// Title above the matrix.
     pub title: String,
-    /// Rows and columns.
+    /// Number of rows and of columns.
     pub size: usize,
-    /// Row after row. Values below 0 and above 1 have the colours of 0 and 1.
+    /// Values, row after row. Values below 0 and above 1 have the colours of 0 and 1.
     pub values: Vec<f64>,
 }
 

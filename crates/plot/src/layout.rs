@@ -21,7 +21,7 @@ const MARKER_RADIUS: f64 = 6.5;
 const RIM: f64 = 1.8;
 const REPLICA_RADIUS: f64 = 4.0;
 const REPLICA_OPACITY: f64 = 0.4;
-/// On a line with more points than this, markers would hide each other and the line.
+/// Number of points on a line beyond which markers would hide each other and the line.
 const MOST_MARKED: usize = 60;
 const LINE_WIDTH: f64 = 2.5;
 const ERROR_BAR_WIDTH: f64 = 2.0;
@@ -85,7 +85,7 @@ fn below_panels(x_label: &Fitted) -> f64 {
     MARGIN + x_label.height(LINE) + 10.0 + axis::TICK_SIZE + axis::TICK_LENGTH
 }
 
-/// Series of one name have one style in all panels.
+/// Style of a series. Series of one name have one style in all panels.
 fn style_of(figure: &Figure, series: &Series) -> Style {
     let names = figure.series_names();
     let number = names.iter().position(|name| *name == series.name);

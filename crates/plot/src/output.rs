@@ -15,7 +15,7 @@ pub const HEIGHT: u32 = 800;
 const NARROW_PANEL_HEIGHT: f64 = 210.0;
 /// Width of a figure for a narrow screen.
 pub(crate) const NARROW_WIDTH: f64 = 520.0;
-/// For files, and for screens that are wide enough.
+/// Shape of figures in files, and on screens that are wide enough.
 pub(crate) const WIDE: Shape = Shape {
     width: WIDTH as f64,
     height: HEIGHT as f64,
@@ -34,7 +34,7 @@ impl Figure {
         source::within(&svg, self)
     }
 
-    /// The same as [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
+    /// Variant of [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
     /// width, and without the embedded figure.
     ///
     /// # Errors

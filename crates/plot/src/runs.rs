@@ -1,6 +1,6 @@
 //! Texts in parts: subscripts and superscripts.
 
-/// Where a part of a text stands.
+/// Level of a part of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Level {
     Base,
@@ -41,8 +41,8 @@ pub fn literal(name: &str) -> String {
     label
 }
 
-/// `R_g` and `10^{-3}`: `_` and `^` lower and raise the next character or the next group in braces. After a
-/// backslash a character is itself.
+/// Splits a text such as `R_g` or `10^{-3}` into runs: `_` and `^` lower and raise the next
+/// character or the next group in braces. A character after a backslash stands for itself.
 pub(crate) fn runs(text: &str) -> Vec<Run> {
     let mut runs: Vec<Run> = vec![Run {
         text: String::new(),

@@ -98,7 +98,7 @@ fn coordinates(points: &[[f64; 2]]) -> String {
     pairs.collect::<Vec<String>>().join(" ")
 }
 
-/// To a hundredth of a unit, without trailing zeros.
+/// Formats a number to a hundredth of a unit, without trailing zeros.
 fn number(value: f64) -> String {
     // Adding zero turns -0 into 0.
     let rounded = (value * 100.0).round() / 100.0 + 0.0;

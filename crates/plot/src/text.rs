@@ -10,7 +10,8 @@ pub(crate) struct Fitted {
 }
 
 impl Fitted {
-    /// From the top of the first line to the baseline of the last; `line` from line to line in em.
+    /// Height from the top of the first line to the baseline of the last; `line` is the distance
+    /// from line to line in em.
     pub fn height(&self, line: f64) -> f64 {
         self.size * (1.0 + line * self.lines.len().saturating_sub(1) as f64)
     }

@@ -29,7 +29,7 @@ pub(crate) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     (first..=last).map(tick).collect()
 }
 
-/// The same at whole numbers only.
+/// Variant of [`linear`] with ticks at whole numbers only.
 pub(crate) fn whole([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     // A step is at least one if a tick is asked for per whole number at most.
     let most = (to - from).floor().max(1.0) as usize;

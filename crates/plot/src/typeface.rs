@@ -4,10 +4,12 @@ use super::runs::runs;
 use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve};
 use std::sync::LazyLock;
 
-/// Where this typeface is missing, a viewer of an SVG takes the next one of the list.
+/// Font family of the texts. Where the first typeface is missing, a viewer of an SVG takes the next
+/// one of the list.
 pub(crate) const FAMILY: &str = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif";
 
-/// `None` if the bundled bytes are damaged: then texts have estimated widths and no pixels.
+/// The built-in typeface; `None` if the bundled bytes are damaged: then texts have estimated widths
+/// and no pixels.
 static TYPEFACE: LazyLock<Option<Typeface>> = LazyLock::new(Typeface::built_in);
 
 /// Mean width of a letter in em, where the typeface is missing.

@@ -7,11 +7,11 @@ use protomer_results::ResultKind;
 use std::io::Read;
 use std::path::Path;
 
-/// The kind of a JSON or TOML file shows within so many bytes.
+/// Bytes at the beginning of a JSON or TOML file that suffice to tell its kind.
 const HEAD_BYTES: u64 = 1 << 16;
-/// How containers begin.
+/// First bytes of a container.
 const CONTAINER: &[u8] = b"\x89PRTMR";
-/// The kind of the container of a body, with its length before it, and where it stands.
+/// Kind of the container of a body, with its length before it; `KIND_AT` is its offset.
 const OF_BODY: &[u8] = b"\x04\0body";
 const KIND_AT: usize = 20;
 
@@ -88,7 +88,8 @@ impl FileKind {
         }
     }
 
-    /// Why a path of this kind is refused where another is wanted. A PQR file serves as a structure.
+    /// Reason to refuse a path of this kind where another is wanted. A PQR file serves as a
+    /// structure.
     fn refusal(&self, path: &Path, wanted: &Self) -> Option<String> {
         let serves = self == wanted || (*self == Self::Pqr && *wanted == Self::Structure);
         let way = self.way_to(wanted);

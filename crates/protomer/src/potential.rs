@@ -39,7 +39,7 @@ pub struct PotentialReport {
     /// Energy of transferring the charges from a uniform medium of the inner permittivity into
     /// the solvent, kJ/mol; null for screened Coulomb potentials, which have no interior.
     pub solvation_energy_kj_mol: Option<f64>,
-    /// Its estimated error, from a second grid, kJ/mol; null if not requested.
+    /// Estimated error of the solvation energy, from a second grid, kJ/mol; null if not requested.
     pub error_estimate_kj_mol: Option<f64>,
     /// The potential at the requested points, kT/e; null outside the grid.
     #[serde(

@@ -10,7 +10,7 @@ use protomer_results::keys::read_json_if_present;
 use serde_json::Value;
 use std::path::Path;
 
-/// The sections of what there is.
+/// The sections for the results that are there.
 ///
 /// # Errors
 /// If a file is damaged.

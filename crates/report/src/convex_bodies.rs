@@ -11,9 +11,9 @@ use serde::Deserialize;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-/// More bodies than this are slow to turn.
+/// Number of bodies beyond which a scene is slow to turn.
 const MOST_BODIES: usize = 512;
-/// Points of a rounded corner in space, and in a plane.
+/// Number of points of a rounded corner in space, and in a plane.
 const ON_SPHERE: usize = 92;
 const ON_CIRCLE: usize = 24;
 
@@ -68,7 +68,7 @@ pub fn section(path: &Path, unit: &str) -> Result<Section> {
 /// The shapes of a trajectory, and which of them each body has.
 struct Kinds {
     shapes: Vec<String>,
-    /// Empty if all bodies have the first shape.
+    /// Number of the shape of each body; empty if all bodies have the first shape.
     by_body: Vec<u32>,
 }
 
@@ -124,14 +124,14 @@ struct ShapeWords {
     /// Corners of the triangles of a mesh.
     #[serde(default)]
     indices: Vec<[u32; 3]>,
-    /// Of a union of balls.
+    /// Centres of the balls of a union.
     #[serde(default)]
     centers: Vec<[f64; 3]>,
     #[serde(default)]
     diameters: Vec<f64>,
 }
 
-/// What is drawn of a body.
+/// Mesh that is drawn for a body.
 fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
     match words.kind.as_str() {
         "Mesh" => Ok(two_sided_if_flat(TriangleMesh {
@@ -144,7 +144,7 @@ fn mesh(words: &ShapeWords) -> Result<TriangleMesh> {
     }
 }
 
-/// A mesh in a plane is seen from both sides.
+/// Adds the other side to a mesh in a plane, which is seen from both sides.
 fn two_sided_if_flat(mut mesh: TriangleMesh) -> TriangleMesh {
     if mesh.vertices.iter().all(|vertex| vertex.z == 0.0) {
         let other_side = mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]);

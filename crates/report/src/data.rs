@@ -6,11 +6,11 @@ use protomer_io::csv::cells;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Rows shown on the page; the link saves all of them.
+/// Number of rows shown on the page; the link saves all of them.
 const MOST_ROWS: usize = 200;
-/// Longer tables are only mentioned, not embedded.
+/// Size up to which tables are embedded; longer ones are only mentioned.
 const MOST_BYTES: usize = 4 << 20;
-/// Digits shown on the page; the link saves all of them.
+/// Number of digits shown on the page; the link saves all of them.
 const DIGITS: usize = 6;
 
 /// Shows a CSV table of this name.
@@ -44,7 +44,7 @@ pub fn data(name: &str, csv: &str) -> Result<String> {
     ))
 }
 
-/// The same for a file of a directory; empty if it does not exist.
+/// Shows the CSV table in a file of a directory; empty if it does not exist.
 ///
 /// # Errors
 /// If it cannot be read.

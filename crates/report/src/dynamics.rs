@@ -12,9 +12,9 @@ use protomer_plot::{Axis, Figure, Panel, Point, Series};
 use protomer_results::{Record, log};
 use std::path::Path;
 
-/// Rows of a log that are drawn.
+/// Number of rows of a log that are drawn.
 const MOST_ROWS: usize = 500;
-/// Why a run does not tell whether it is in equilibrium.
+/// Reason why a run does not tell whether it is in equilibrium.
 const ONE_RUN: &str = "a run does not test it; compare the course below with that of a run of \
                        another seed or a longer preparation (--equilibrate-steps)";
 
@@ -121,7 +121,7 @@ fn values(result: &DynamicsResult) -> Vec<(&'static str, String)> {
     values
 }
 
-/// The log against time; times below zero are the preparation.
+/// A figure of the log against time; times below zero are the preparation.
 fn course(rows: &[LogRow]) -> Figure {
     let every = rows.len().div_ceil(MOST_ROWS).max(1);
     let panel = |label: &str, value: fn(&LogRow) -> f64| {

@@ -51,7 +51,7 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
     Ok(around(&html, title, below))
 }
 
-/// A drawing with more texts than this has axis labels, which are useless below it.
+/// Number of texts beyond which a drawing has axis labels, which are useless below it.
 const MOST_TEXTS: usize = 4;
 /// The beginning of a self-contained part of a drawing.
 const PART: &str = "<svg class=\"part\"";

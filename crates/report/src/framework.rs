@@ -10,7 +10,7 @@ use protomer_results::keys;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// A force (kcal/mol/Å) above which a network is not at rest.
+/// Force (kcal/mol/Å) above which a network is not at rest.
 const REST_FORCE: f64 = 1e-3;
 
 /// The page of a directory.
@@ -76,7 +76,7 @@ pub fn page(directory: &Path) -> Result<Page> {
     })
 }
 
-/// E, G and ν, with closed formulas where they exist.
+/// A table of E, G and ν, with closed formulas where they exist.
 fn moduli(result: &Map<String, Value>) -> String {
     let formula = result.get("analytic").and_then(Value::as_object);
     let mut head = vec!["modulus".to_owned(), "network".to_owned()];
@@ -109,7 +109,7 @@ fn modulus(value: Option<&Value>) -> String {
     }
 }
 
-/// `e_y_gpa` as `E_y (GPa)`.
+/// Label of a key: `e_y_gpa` becomes `E_y (GPa)`.
 fn label(key: &str) -> String {
     let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
     let name = key.trim_end_matches("_gpa");
@@ -122,7 +122,7 @@ fn label(key: &str) -> String {
     name + unit
 }
 
-/// Strains against stress, if the network was loaded.
+/// A figure of strains against stress, if the network was loaded.
 fn stretching(result: &Map<String, Value>) -> Option<Figure> {
     let curve = result.get("curve")?;
     let points = curve["points"].as_array()?;

@@ -18,10 +18,10 @@ use std::path::Path;
 
 /// The title of a sweep.
 const SWEEP: &str = "Equation of state";
-/// Why a run of hard bodies does not tell whether it is in equilibrium.
+/// Reason why a run of hard bodies does not tell whether it is in equilibrium.
 const ONE_START: &str = "a run does not test it; compare the course with that of a run from \
                          another start (--start) or seed";
-/// Rows of a log that are drawn.
+/// Number of rows of a log that are drawn.
 const MOST_ROWS: usize = 500;
 /// Tilt factors of a box, in their order.
 const TILTS: [&str; 3] = ["tilt factor xy", "tilt factor xz", "tilt factor yz"];
@@ -126,7 +126,8 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
     page(directory, results, record.as_ref())
 }
 
-/// Whether a run has arrived at its pressure, or under gravity at its height. Others do not test it.
+/// The verdict on whether a run has arrived at its pressure, or under gravity at its height. Other
+/// runs do not test it.
 fn arrival(result: Option<&HardBodyResult>) -> Verdict {
     match result.and_then(|result| result.equilibrium.as_ref()) {
         None => Verdict::equilibrated(None, ONE_START),
@@ -134,7 +135,7 @@ fn arrival(result: Option<&HardBodyResult>) -> Verdict {
     }
 }
 
-/// The same of all states of a sweep.
+/// The verdict on whether all states of a sweep have arrived at their pressures or heights.
 fn arrivals(equation: Option<&EquationOfState>) -> Verdict {
     let must_arrive = |equation: &&EquationOfState| {
         let mut points = equation.points.iter();
@@ -160,10 +161,10 @@ fn sampling(result: &FreeEnergyResult) -> Verdict {
     }
 }
 
-/// What a kind of run shows on its page.
+/// Results of a kind of run, as its page shows them.
 struct Results {
     title: &'static str,
-    /// `None` before there is a result.
+    /// Subtitle of the page; `None` before there is a result.
     subtitle: Option<String>,
     verdict: Option<Verdict>,
     html: String,
@@ -335,7 +336,7 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
     values
 }
 
-/// The measurements against sweeps.
+/// A figure of the measurements against sweeps.
 fn course(rows: &[LogRow]) -> Figure {
     let every = rows.len().div_ceil(MOST_ROWS).max(1);
     let panel = |label: &str, value: &dyn Fn(&LogRow) -> Option<f64>| {
@@ -418,7 +419,7 @@ fn terms(result: &FreeEnergyResult) -> String {
     table(&head.map(str::to_owned), &rows)
 }
 
-/// What is integrated, against the logarithm of the strength.
+/// A figure of the integrand against the logarithm of the strength.
 fn integrand(result: &FreeEnergyResult) -> Figure {
     let mut points = Vec::new();
     for point in &result.points {

@@ -71,11 +71,11 @@ pub struct Request {
 /// A page that was written.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Written {
-    /// Its directory.
+    /// Path of the page.
     pub page: PathBuf,
-    /// Its size.
+    /// Size of the page, bytes.
     pub bytes: usize,
-    /// Titles of its sections.
+    /// Titles of the sections of the page.
     pub sections: Vec<String>,
 }
 

@@ -6,7 +6,7 @@ use protomer_io::written::json_in_html;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use serde_json::{Value, json};
 
-/// Meshes of up to this many vertices have 16-bit indices.
+/// Number of vertices up to which meshes have 16-bit indices.
 const NARROW: usize = 1 << 16;
 
 /// A mesh with its values.
@@ -14,9 +14,9 @@ const NARROW: usize = 1 << 16;
 pub struct ShownMesh {
     /// Name of the body.
     pub name: String,
-    /// Its surface, Å.
+    /// Surface of the body, Å.
     pub mesh: TriangleMesh,
-    /// For each colouring, a value per vertex; NaN for none.
+    /// Values of the vertices for each colouring; NaN for none.
     pub values: Vec<Vec<f64>>,
 }
 
@@ -40,16 +40,16 @@ pub struct Scene {
     pub name: String,
     /// The mesh and the pose of each body.
     pub bodies: Vec<(usize, Pose)>,
-    /// The colouring that is chosen with it; `None` for the one that is shown.
+    /// The colouring that is chosen with the scene; `None` for the one that is shown.
     pub colouring: Option<usize>,
-    /// How the bodies move.
+    /// Motion of the bodies, if any.
     pub film: Option<Film>,
 }
 
 /// Bodies that move.
 #[derive(Debug, Clone)]
 pub struct Film {
-    /// What is written beside each frame, and the pose of each body in it.
+    /// Text beside each frame, and the pose of each body in it.
     pub frames: Vec<(String, Vec<Pose>)>,
     /// Edge lengths of the box about the origin, Å.
     pub box_angstrom: Option<[f64; 3]>,
@@ -136,7 +136,7 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     })
 }
 
-/// 1 to 255 from -limit to limit; 0 for no value.
+/// Level of a value: 1 to 255 from -limit to limit; 0 for no value.
 fn level(value: f64, limit: f64) -> u8 {
     if value.is_nan() {
         0
@@ -188,7 +188,7 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     json
 }
 
-/// Frames, what is written beside them, and a view that holds all of them.
+/// Adds the frames, the texts beside them, and a view that holds all of them.
 fn add_film(json: &mut Value, film: &Film) {
     // Hundredths of an Å and thousandths of a quaternion are more than a screen shows.
     let pose = |pose: &Pose| -> Vec<f64> {

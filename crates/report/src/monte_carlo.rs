@@ -75,7 +75,7 @@ pub fn page(directory: &Path, settings: &RunSettings, assembly: Option<&Path>) -
     })
 }
 
-/// What the sweep says of its equilibrium.
+/// Verdict of the sweep on its equilibrium.
 fn verdict(result: Option<&Value>) -> Verdict {
     let Some(result) = result else {
         return Verdict::equilibrated(None, "there is no result yet");
@@ -155,7 +155,7 @@ fn averages(result: &Value, settings: &RunSettings) -> String {
     table(&head, &rows)
 }
 
-/// What is averaged: its name, and its key in the result of a replica.
+/// Names of the averaged quantities, with their keys in the result of a replica.
 const AVERAGES: [(&str, &str); 8] = [
     ("radius of gyration (Å)", "r_g_angstrom"),
     ("native contacts left", "native_contacts"),

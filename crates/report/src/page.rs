@@ -4,20 +4,20 @@ use super::html::{escape, list};
 use super::verdict::Verdict;
 
 const STYLE: &str = include_str!("page.css");
-/// Nothing may be loaded; inline scripts and styles may run.
+/// Security policy of the page: nothing may be loaded; inline scripts and styles may run.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
                       base-uri 'none'; form-action 'none'";
 
 /// A part of the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
-    /// Its heading.
+    /// Heading of the section.
     pub title: String,
-    /// Its content.
+    /// Content of the section.
     pub html: String,
-    /// Its style; identical styles appear once.
+    /// Style of the section; identical styles appear once.
     pub style: String,
-    /// Functions that it calls; identical libraries appear once.
+    /// Functions that the script calls; identical libraries appear once.
     pub library: &'static str,
     /// The script that runs at the end.
     pub script: String,
@@ -39,15 +39,15 @@ impl Section {
 /// A page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page {
-    /// Its title.
+    /// Title of the page.
     pub title: String,
-    /// A line below it.
+    /// A line below the title.
     pub subtitle: String,
     /// The verdict of the run on its results; `None` for a kind of results that has none.
     pub verdict: Option<Verdict>,
-    /// What failed or is missing.
+    /// Descriptions of what failed or is missing.
     pub problems: Vec<String>,
-    /// Its sections.
+    /// Sections of the page.
     pub sections: Vec<Section>,
 }
 

@@ -33,7 +33,7 @@ const NOTE: &str = "Energies are shared out by residue, and a point of the surfa
 pub struct Collected {
     /// The viewer with its tables.
     pub section: Option<Section>,
-    /// What is missing, and why.
+    /// Remarks on what is missing, and why.
     pub notes: Vec<String>,
 }
 
@@ -108,7 +108,7 @@ struct Surfaces {
 
 /// The surface of the first or second body; at another pH it may be another.
 struct Surface {
-    /// 0 or 1.
+    /// Number of the body, 0 or 1.
     body: usize,
     shown: ShownMesh,
     /// The residue of each vertex.
@@ -226,7 +226,7 @@ impl Surfaces {
     }
 }
 
-/// What tells a condition from others, as the end of a name.
+/// End of a name that tells a condition from others.
 fn name(condition: &ConditionResult) -> String {
     let ph = condition.ph.map(|ph| format!("pH {ph}"));
     let salt = condition

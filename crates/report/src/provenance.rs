@@ -74,7 +74,7 @@ pub fn name(directory: &Path) -> String {
         .into_owned()
 }
 
-/// How a run ended, with the error that ended it.
+/// Description of the end of a run, with the error that ended it.
 fn ended_in_words(exit: &Exit) -> String {
     match exit {
         Exit::Failed { error } => format!("failed: {error}"),
@@ -82,7 +82,7 @@ fn ended_in_words(exit: &Exit) -> String {
     }
 }
 
-/// Why a run is not finished, as a sentence; `None` if it is.
+/// Reason why a run is not finished, as a sentence; `None` if it is.
 pub fn unfinished(record: Option<&Record>) -> Option<String> {
     let Some(record) = record else {
         return Some("There is no run.json: the run ended before it could write one.".into());
@@ -106,13 +106,13 @@ pub fn unfinished(record: Option<&Record>) -> Option<String> {
     }
 }
 
-/// How a part ended, in a word for a table.
+/// State of a part, in a word for a table.
 pub fn ended(record: Option<&Record>) -> &str {
     record.map_or("–", |record| record.exit.word())
 }
 
-/// What stopped a part, as in "50 mM, replica 1: *stopped by a signal after 3 of 9
-/// sweeps*"; `None` if it is finished. `progress` is its progress according to its record.
+/// Cause that stopped a part, as in "50 mM, replica 1: *stopped by a signal after 3 of 9 sweeps*";
+/// `None` if it is finished. `progress` is its progress according to its record.
 pub fn problem_of_part(record: Option<&Record>, progress: &str) -> Option<String> {
     let Some(record) = record else {
         return Some("no record; it was not started, or was killed early".into());

@@ -29,7 +29,8 @@ pub struct Residues {
 }
 
 impl Residues {
-    /// Reads them; `None` if there are none. Those of an earlier run are refused with a note.
+    /// Reads the energies; `None` if there are none. Those of an earlier run are refused with a
+    /// note.
     ///
     /// # Errors
     /// If the file is damaged.

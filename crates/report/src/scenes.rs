@@ -20,15 +20,15 @@ use rayon::prelude::*;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
-/// A page with more vertices than this is slow to open.
+/// Number of vertices beyond which a page is slow to open.
 pub(crate) const MOST_VERTICES: usize = 400_000;
-/// Scenes with more bodies than this are slow to turn.
+/// Number of bodies beyond which a scene is slow to turn.
 const MOST_BODIES: usize = 256;
-/// Final states, and films, in the menu.
+/// Number of final states, and of films, in the menu.
 const MOST_ENDS: usize = 8;
-/// Frames of a film.
+/// Number of frames of a film.
 const MOST_FRAMES: usize = 200;
-/// Poses in all films, some megabytes of text.
+/// Number of poses in all films, some megabytes of text.
 const MOST_POSES: usize = 60_000;
 /// Range of the hydropathy: residues with an atom within this distance of a point count, Å;
 /// the default of the voxel channel.
@@ -39,9 +39,9 @@ const POTENTIAL_LIMITS: [f64; 6] = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];
 /// The shown bodies, and remarks.
 #[derive(Debug, Default)]
 pub struct Collected {
-    /// `None` if no shapes are known.
+    /// Data of the viewer; `None` if no shapes are known.
     pub shown: Option<Shown>,
-    /// What is missing or omitted, and why.
+    /// Remarks on what is missing or omitted, and why.
     pub notes: Vec<String>,
     /// The assembly, if it was found and matches the results.
     pub assembly: Option<Assembly>,
@@ -274,7 +274,7 @@ fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
     Yukawa::in_electrolyte(electrolyte, f64::INFINITY).ok()
 }
 
-/// φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
+/// Computes φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
 fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
     let at = |vertex: &Vec3| {
         let mut potential = 0.0;

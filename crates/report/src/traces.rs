@@ -19,7 +19,7 @@ const MOST_POINTS: usize = 6000;
 
 /// One log, thinned.
 struct Trace {
-    /// Its series: the salt concentration, and the start where there are two.
+    /// Name of the series: the salt concentration, and the start where there are two.
     name: String,
     salt_molar: f64,
     replica: u32,
@@ -109,7 +109,7 @@ fn series(traces: &[Trace], value: fn(&LogRow) -> f64) -> Vec<Series> {
     series
 }
 
-/// The rows as in the logs, all of their columns.
+/// A table of the rows as in the logs, with all of their columns.
 fn table(traces: &[Trace]) -> Result<Table> {
     let mut columns = vec!["salt_M", "replica"];
     columns.extend(LogRow::columns());

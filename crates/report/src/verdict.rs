@@ -5,9 +5,9 @@ use super::html::escape;
 /// A question about the results as a whole, and the answer of the run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
-    /// What is asked, as in "*Equilibrated*: yes".
+    /// Question, as in "*Equilibrated*: yes".
     question: &'static str,
-    /// `None` if the run does not tell.
+    /// Answer of the run; `None` if it does not tell.
     answer: Option<bool>,
     /// The reason, as a sentence without its full stop.
     reason: String,
@@ -20,7 +20,7 @@ const REPEATED: [&str; 2] = [
 ];
 
 impl Verdict {
-    /// Whether the results are those of an equilibrium.
+    /// The verdict on whether the results are those of an equilibrium.
     pub fn equilibrated(answer: Option<bool>, reason: &str) -> Self {
         let repeated = REPEATED.iter().find_map(|words| reason.strip_prefix(words));
         Self {
@@ -30,7 +30,7 @@ impl Verdict {
         }
     }
 
-    /// Whether the samples are enough for the errors that are stated.
+    /// The verdict on whether the samples are enough for the errors that are stated.
     pub fn sampled_enough(answer: bool, reason: &str) -> Self {
         Self {
             question: "Enough samples",
@@ -39,7 +39,7 @@ impl Verdict {
         }
     }
 
-    /// Whether a control gave what is known beforehand.
+    /// The verdict on whether a control gave what is known beforehand.
     #[cfg(feature = "learning")]
     pub fn control_passed(answer: bool, reason: &str) -> Self {
         Self {

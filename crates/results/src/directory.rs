@@ -105,7 +105,7 @@ impl ResultsDirectory {
         Self::claim(path, layout, settings, identity, lock)
     }
 
-    /// Its directory.
+    /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

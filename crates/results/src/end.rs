@@ -1,6 +1,6 @@
 //! How interruptible work ends.
 
-/// How a piece of work ended.
+/// End of a piece of work.
 ///
 /// ```
 /// use protomer_results::End;
@@ -9,9 +9,9 @@
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End<T> {
-    /// It is complete.
+    /// Work that is complete.
     Finished(T),
-    /// It was stopped on request; the same command continues it.
+    /// Work that was stopped on request; the same command continues it.
     Stopped,
 }
 
@@ -33,7 +33,7 @@ impl<T> End<T> {
     }
 }
 
-/// Finished if every part is.
+/// Collects the ends of all parts: finished if every part is.
 impl<T> FromIterator<End<T>> for End<Vec<T>> {
     fn from_iter<I: IntoIterator<Item = End<T>>>(parts: I) -> Self {
         let results: Option<Vec<T>> = parts.into_iter().map(End::finished).collect();

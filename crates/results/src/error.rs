@@ -3,7 +3,7 @@
 use crate::ResultKind;
 use std::path::{Path, PathBuf};
 
-/// What can go wrong between a command and its directory.
+/// Errors of this crate.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -27,7 +27,7 @@ pub enum Error {
         path: PathBuf,
         /// Line, counted from one.
         line: usize,
-        /// What is wrong with it, and what to do.
+        /// Cause of the error, and what to do.
         problem: String,
     },
     /// A value that cannot be represented in JSON or TOML.
@@ -35,7 +35,7 @@ pub enum Error {
     Unwritable {
         /// The value to be written.
         what: &'static str,
-        /// Why it cannot be represented.
+        /// Reason why the value cannot be represented.
         cause: String,
     },
     /// A file was given where a directory is needed.
@@ -46,9 +46,10 @@ pub enum Error {
     OtherKind {
         /// The directory.
         path: PathBuf,
-        /// What the directory holds.
+        /// Kind of results in the directory.
         holds: ResultKind,
-        /// What it should hold; `None` if any directory but this one will do.
+        /// Kind of results that the directory should hold; `None` if any directory but this one
+        /// will do.
         wanted: Option<ResultKind>,
     },
     /// The directory holds the same kind of result with other settings.
@@ -60,7 +61,7 @@ pub enum Error {
     OtherSettings {
         /// The directory.
         path: PathBuf,
-        /// What the directory holds.
+        /// Name of the results in the directory.
         holds: String,
         /// The settings that differ, as in `seed: 1 there, 2 here`.
         differences: String,
@@ -74,7 +75,7 @@ pub enum Error {
     OtherInput {
         /// The directory.
         path: PathBuf,
-        /// What the directory holds.
+        /// Kind of results in the directory.
         kind: ResultKind,
     },
     /// The settings match, but the existing run cannot be continued with them.
@@ -82,7 +83,7 @@ pub enum Error {
     NoContinuation {
         /// The directory.
         path: PathBuf,
-        /// Why, and what to do instead.
+        /// Reason, and what to do instead.
         reason: String,
     },
     /// The settings in the directory are those of another version, or of something else.
@@ -123,7 +124,7 @@ pub enum Error {
     DamagedCheckpoint {
         /// The checkpoint.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Error in the checkpoint.
         source: protomer_io::IoError,
     },
     /// A checkpoint holds something else than this version expects.
@@ -131,7 +132,7 @@ pub enum Error {
     OldCheckpoint {
         /// The checkpoint.
         path: PathBuf,
-        /// What does not match.
+        /// Error that names the mismatch.
         source: serde_json::Error,
     },
     /// A checkpoint belongs to other work.
@@ -147,9 +148,9 @@ pub enum Error {
          with --force"
     )]
     UnfitCheckpoint {
-        /// What the list holds, in the plural.
+        /// Contents of the list, in the plural.
         list: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
         /// The length that the work needs.
         expected: usize,

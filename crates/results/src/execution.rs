@@ -24,7 +24,8 @@ impl Progress for () {
     fn advance(&self, _units: u64) {}
 }
 
-/// When to stop, how often to save, what to do with earlier results, and where to report progress.
+/// Control of an execution: when to stop, how often to save, what to do with earlier results, and
+/// where to report progress.
 ///
 /// ```
 /// use protomer_results::Execution;

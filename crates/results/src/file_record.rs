@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 pub struct FileRecord {
     /// The file.
     pub file: String,
-    /// Its row.
+    /// Row of the file.
     pub row: Vec<String>,
-    /// Warnings about it.
+    /// Warnings about the file.
     pub warnings: Vec<String>,
-    /// Why it failed.
+    /// Reason why the file failed.
     pub error: Option<String>,
 }

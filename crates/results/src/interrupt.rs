@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 pub struct Interrupt {
     requested: Arc<AtomicBool>,
     after_failure: Arc<AtomicBool>,
-    /// Questions that were answered by yes.
+    /// Number of checks that were answered by yes.
     times_heard: Arc<AtomicU64>,
     at_work: AtWork,
     deadline: Option<Instant>,
@@ -75,8 +75,9 @@ impl Interrupt {
         is_requested
     }
 
-    /// How often the work has heard that it should stop. As long as the number grows, the work is on its
-    /// way to its end; if it stays, the work is in the middle of a step that asks nobody.
+    /// Number of times that the work has heard that it should stop. As long as the number grows,
+    /// the work is on its way to its end; if it stays, the work is in the middle of a step that
+    /// asks nobody.
     ///
     /// ```
     /// use protomer_results::Interrupt;

@@ -49,14 +49,14 @@ pub enum ResultKind {
     Other(Cow<'static, str>),
 }
 
-/// What is said of a kind.
+/// Words for a kind of result.
 struct Words {
     kind: ResultKind,
-    /// In JSON.
+    /// Word in JSON.
     word: &'static str,
-    /// In a sentence.
+    /// Name in a sentence.
     name: &'static str,
-    /// The verbs whose directory holds it; none for parts of other results.
+    /// Verbs whose directory holds this kind; none for parts of other results.
     verbs: &'static [&'static str],
 }
 

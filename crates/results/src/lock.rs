@@ -10,9 +10,9 @@ pub const LOCK: &str = ".lock";
 /// Whether others may work in a directory too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hold {
-    /// Nobody.
+    /// Exclusive lock: no other process may work in the directory.
     Alone,
-    /// Others that share it too.
+    /// Shared lock: other processes that share it may work in the directory too.
     Shared,
 }
 

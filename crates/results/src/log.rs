@@ -25,9 +25,9 @@ pub trait Row: Sized {
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LogMark {
-    /// Its length in bytes; zero for a new log.
+    /// Length of the part in bytes; zero for a new log.
     pub bytes: u64,
-    /// Its SHA-256.
+    /// SHA-256 of the part.
     pub sha256: String,
 }
 

@@ -27,7 +27,7 @@ pub struct Work {
     pub input_sha256: String,
 }
 
-/// How a run ended.
+/// Status of a run: running, or how it ended.
 ///
 /// ```
 /// use protomer_results::Exit;
@@ -35,16 +35,16 @@ pub struct Work {
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Exit {
-    /// Not ended: a process is working on it, or was killed.
+    /// Run that has not ended: a process is working on it, or was killed.
     Running,
-    /// It is complete.
+    /// Run that is complete.
     Done,
-    /// It was stopped on request.
+    /// Run that was stopped on request.
     Stopped {
         /// The reason, as in "stopped by *the time limit*"; unknown in some older records.
         by: Option<String>,
     },
-    /// An error ended it.
+    /// Run that an error ended.
     Failed {
         /// The error, in words.
         error: String,
@@ -79,7 +79,7 @@ pub struct Record {
     pub identity: String,
     /// SHA-256 of the input; empty if there is none besides the settings.
     pub input_sha256: String,
-    /// How it ended.
+    /// Status of the run.
     pub exit: Exit,
     /// Progress, in the units of its length; `None` for work without a length.
     pub done: Option<u64>,
@@ -161,14 +161,14 @@ impl Record {
 }
 
 impl Exit {
-    /// Stopped by this interrupt.
+    /// Status of a run that this interrupt stopped.
     pub fn stopped_by(interrupt: &Interrupt) -> Self {
         Exit::Stopped {
             by: Some(interrupt.reason().into()),
         }
     }
 
-    /// Ended by this error, with its causes.
+    /// Status of a run that this error ended, with its causes.
     pub fn failed(error: &dyn fmt::Display) -> Self {
         Exit::Failed {
             error: format!("{error:#}"),

@@ -41,14 +41,14 @@ pub trait Settings: Serialize + DeserializeOwned + PartialEq + Clone {
         self.clone()
     }
 
-    /// What work with these settings is called, where the kind of its directory has a wider name.
+    /// Name of work with these settings, where the kind of its directory has a wider name.
     fn name(&self) -> Option<&'static str> {
         None
     }
 
-    /// Why work that was begun with `present` cannot continue with these settings, although their
-    /// essential parts are equal: a phrase that follows the name of the directory, such as "is
-    /// meant to run to 200 steps, which is more than 100; ask for at least as many".
+    /// Reason why work that was begun with `present` cannot continue with these settings, although
+    /// their essential parts are equal: a phrase that follows the name of the directory, such as
+    /// "is meant to run to 200 steps, which is more than 100; ask for at least as many".
     fn objection(&self, _present: &Self) -> Option<String> {
         None
     }

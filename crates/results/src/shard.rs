@@ -12,7 +12,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Everything.
+    /// All items.
     pub const WHOLE: Shard = Shard { index: 1, of: 1 };
 
     /// Parses a part written as `2/8`.

@@ -56,22 +56,22 @@ pub struct Stack {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Symmetry {
-    /// None.
+    /// No symmetry.
     None,
     /// All rotations of the group about the axis.
     Cyclic,
-    /// The whole group.
+    /// All operations of the group.
     Dihedral,
 }
 
 /// A nearest-neighbour contact, written so that turning the pair over does not change it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Contact {
-    /// Whether one is above the other rather than beside it.
+    /// Whether one body is above the other rather than beside it.
     pub between_rings: bool,
     /// Body and direction (true: up) of the lower or clockwise-first of the two.
     pub first: (usize, bool),
-    /// Body and direction of the other.
+    /// Body and direction of the other one.
     pub second: (usize, bool),
 }
 
@@ -80,7 +80,7 @@ pub struct Contact {
 pub struct Arrangement {
     /// Direction of each body (true: up), ring by ring from below.
     pub up: Vec<bool>,
-    /// How many arrangements the group maps onto this one, itself included.
+    /// Number of arrangements that the group maps onto this one, itself included.
     pub equivalent: usize,
     /// The contacts and how often each occurs.
     #[serde(skip)]
@@ -96,7 +96,7 @@ pub struct Candidates {
     pub group_order: usize,
     /// Arrangements with the requested symmetry.
     pub symmetric: usize,
-    /// How many of those differ under the group.
+    /// Number of symmetric arrangements that differ under the group.
     pub distinct: usize,
     /// One arrangement for each different set of contacts.
     pub arrangements: Vec<Arrangement>,

@@ -21,7 +21,7 @@ use std::collections::{BTreeSet, HashMap};
 pub struct BodyType {
     /// The unit that serves as the reference, by its name.
     pub reference: String,
-    /// The same by its number.
+    /// Number of the reference unit.
     pub unit: usize,
     /// The reference alone, from which the body is made.
     pub selection: Selection,
@@ -34,7 +34,7 @@ pub struct BodyType {
 pub struct ChainCopy {
     /// Name of the copied unit: its chain, or its chains.
     pub chain: String,
-    /// The same by its number.
+    /// Number of the copied unit.
     pub unit: usize,
     /// Pose of the body whose frame has its origin at the centroid of the reference's atoms.
     pub pose: Pose,
@@ -79,8 +79,8 @@ pub fn body_types(selection: &Selection) -> Result<Vec<BodyType>> {
     body_types_of_units(&units, &selection.report, &BTreeSet::new())
 }
 
-/// The same of units. Those in `with_own_shape` (numbers) do not take the shape of a reference that
-/// differs from theirs; nor do the units that are equal to them.
+/// Variant of [`body_types`] for units. Those in `with_own_shape` (numbers) do not take the shape
+/// of a reference that differs from theirs; nor do the units that are equal to them.
 ///
 /// # Errors
 /// As [`body_types`].

@@ -25,7 +25,7 @@ pub enum JoinedBy {
     Disulfide(String, String),
     /// Another covalent bond between two atoms, and their distance, Å.
     Bond(String, String, f64),
-    /// Base pairs, and how many.
+    /// Base pairs, with their number.
     Duplex(usize),
 }
 

@@ -71,18 +71,18 @@ impl ResidueContacts {
         self.0.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no contacts.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// The share of these contacts that others have too; `None` if there are none.
+    /// The share of these contacts that others have too; `None` if there are no contacts.
     pub fn share_in(&self, others: &Self) -> Option<f64> {
         let kept = self.0.intersection(&others.0).count();
         (!self.is_empty()).then(|| kept as f64 / self.len() as f64)
     }
 
-    /// For each unit, how many of these contacts it has, and how many of them others have too.
+    /// Number of these contacts that each unit has, and number of those that others have too.
     pub fn kept_by_unit(&self, others: &Self, units: usize) -> Vec<(usize, usize)> {
         let mut counts = vec![(0, 0); units];
         for contact in &self.0 {

@@ -39,19 +39,21 @@ pub struct CoreAtoms {
 pub struct Separation {
     /// The placements, free of overlap.
     pub placements: Vec<Placement>,
-    /// How far each body moved: root mean square over its atoms, Å.
+    /// Displacement of each body: root mean square over its atoms, Å.
     pub moved_angstrom: Vec<f64>,
 }
 
-/// The first distance that the atoms of overlapping bodies are moved apart in excess of their radii, and
-/// by what factor it grows as long as they overlap.
+/// The first distance that the atoms of overlapping bodies are moved apart in excess of their
+/// radii, and the factor by which it grows as long as they overlap.
 const FIRST_MARGIN_ANGSTROM: f64 = 0.05;
 const MARGIN_GROWTH: f64 = 1.25;
-/// Margins beyond this mean that small displacements do not help.
+/// Largest margin, Å: beyond it small displacements do not help.
 const LARGEST_MARGIN_ANGSTROM: f64 = 8.0;
-/// Atoms that come this much nearer than they should keep are watched.
+/// Excess of the distance of two atoms over the one that they must keep, Å, up to which they are
+/// watched.
 const WATCHED_ANGSTROM: f64 = 1.0;
-/// Sweeps of Hildreth's method, and what an inequality may lack in the end, Å.
+/// Largest number of sweeps of Hildreth's method, and the violation of an inequality that may
+/// remain, Å.
 const MOST_SWEEPS: usize = 400;
 const TOLERANCE_ANGSTROM: f64 = 1e-3;
 
@@ -324,8 +326,8 @@ struct PlacedAtom {
 }
 
 impl Inequality {
-    /// Moves the bodies so that it is met with the least change, or takes back what it gave in excess;
-    /// returns what it lacked, Å.
+    /// Moves the bodies by the least change that meets the inequality, or takes back an excess of
+    /// earlier changes; returns the distance that was lacking, Å.
     fn meet(&mut self, motions: &mut [Motion]) -> f64 {
         let (a, b) = self.bodies;
         let value = self

@@ -9,7 +9,8 @@ use std::sync::Arc;
 pub struct Unit {
     /// Name: the chains joined by commas, or another one.
     pub name: String,
-    /// Its chains. A copy has the chains that correspond to those of the original in the same order.
+    /// Chains of the unit. A copy has the chains that correspond to those of the original in the
+    /// same order.
     pub chains: Vec<Arc<str>>,
     /// Residues in the order of the structure.
     pub residues: Vec<SelectedResidue>,

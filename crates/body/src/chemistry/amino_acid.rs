@@ -133,7 +133,7 @@ const TABLE: [Entry; 20] = [
 pub const BACKBONE: [&str; 4] = ["N", "CA", "C", "O"];
 
 impl AminoAcid {
-    /// All twenty, by name.
+    /// All twenty amino acids, by name.
     pub fn all() -> impl Iterator<Item = AminoAcid> {
         TABLE.iter().map(|entry| entry.0)
     }

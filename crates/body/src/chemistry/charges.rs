@@ -18,7 +18,7 @@ use super::treatment::{formal_charge_e, ion_of};
 use crate::structure::{Atom, ResidueClass, SelectedResidue};
 use serde::{Deserialize, Serialize};
 
-/// How the charge of a residue is distributed over its atoms.
+/// Distribution of the charge of a residue over its atoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChargeModel {
@@ -304,7 +304,7 @@ fn outermost(residue: &SelectedResidue) -> Vec<usize> {
     outermost
 }
 
-/// How far from the backbone an atom is, by the letter of its name.
+/// Rank of an atom by its distance from the backbone, from the letter of its name.
 fn remoteness(atom: &Atom) -> usize {
     let name = &*atom.name;
     let is_side = !BACKBONE.contains(&name) && name != "OXT" && !atom.is_hydrogen();

@@ -37,13 +37,13 @@ use super::protonation::Group;
 pub struct ModifiedResidue {
     /// Residue name.
     pub name: &'static str,
-    /// The amino acid it derives from; `None` for a chromophore made of several.
+    /// Amino acid that the residue derives from; `None` for a chromophore made of several.
     pub parent: Option<AminoAcid>,
-    /// Its titratable groups; `None` where they are the parent's.
+    /// Titratable groups of the residue; `None` where they are the parent's.
     pub groups: Option<&'static [Group]>,
     /// Mass of the residue in a chain, neutral, g/mol: the molecule without one water.
     pub mass_g_per_mol: f64,
-    /// What it is.
+    /// Description of the residue.
     pub what: &'static str,
 }
 
@@ -299,7 +299,7 @@ pub fn is_cap(name: &str) -> bool {
     cap_mass_g_per_mol(name).is_some()
 }
 
-/// What a cap adds to the mass of a chain, g/mol.
+/// Mass that a cap adds to a chain, g/mol.
 fn cap_mass_g_per_mol(name: &str) -> Option<f64> {
     let cap = CAPS.iter().find(|(cap, _)| *cap == name)?;
     Some(cap.1)
@@ -375,8 +375,8 @@ pub fn parent_amino_acid(name: &str) -> Option<AminoAcid> {
         .or_else(|| modified_residue(name)?.parent)
 }
 
-/// What a residue adds to the mass of its chain, neutral, g/mol. `None` for a residue whose mass is
-/// not known by its name.
+/// Mass that a residue adds to its chain, neutral, g/mol. `None` for a residue whose mass is not
+/// known by its name.
 ///
 /// ```
 /// use protomer_body::chemistry::residue_names::mass_in_chain_g_per_mol;

@@ -11,13 +11,13 @@ use crate::{BodyError, Result};
 use protomer_kernel::{PointRecord, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// How sites are charged.
+/// Settings of the charges.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiteSettings {
     /// pH of the protonation equilibria, 0 to 14.
     pub ph: f64,
-    /// How the charge of a residue is distributed over its atoms.
+    /// Distribution of the charge of a residue over its atoms.
     pub charges: ChargeModel,
 }
 

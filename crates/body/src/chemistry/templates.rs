@@ -18,7 +18,7 @@ pub type Template = &'static [TemplateAtom];
 pub struct Forms {
     /// The form with its proton, or the only one.
     pub protonated: &'static [Template],
-    /// The form without; empty where the force field has none.
+    /// The form without its proton; empty where the force field has none.
     pub deprotonated: &'static [Template],
 }
 

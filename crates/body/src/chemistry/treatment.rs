@@ -5,8 +5,8 @@ use super::protonation::Group;
 use super::residue_names::{ModifiedResidue, is_polymer};
 use crate::structure::{ResidueClass, SelectedResidue};
 
-/// What the residue is and where its charge and hydropathy come from; of no meaning for one of the
-/// twenty under its own name.
+/// Description of the residue and of the source of its charge and hydropathy; of no meaning for one
+/// of the twenty under its own name.
 pub(crate) fn describe(residue: &SelectedResidue) -> String {
     match residue.class {
         ResidueClass::Modified(modified) => describe_modified(modified),
@@ -48,7 +48,7 @@ fn describe_ligand(residue: &SelectedResidue) -> String {
     }
 }
 
-/// The charge of an ion by its name, e; `None` for what is no ion.
+/// The charge of an ion by its name, e; `None` for a residue that is no ion.
 pub(crate) fn ion_of(residue: &SelectedResidue) -> Option<i32> {
     let heavy_atoms = residue.atoms.iter().filter(|atom| !atom.is_hydrogen());
     ion_charge_e(&residue.name, heavy_atoms.count())
@@ -67,7 +67,7 @@ fn describe_modified(modified: &ModifiedResidue) -> String {
     }
 }
 
-/// `own groups of pKa 1.0 (acid), 5.6 (acid)`.
+/// Own titratable groups in words, such as `own groups of pKa 1.0 (acid), 5.6 (acid)`.
 fn describe_groups(groups: &[Group]) -> String {
     let mut described = Vec::new();
     for group in groups {

@@ -10,7 +10,7 @@ use protomer_kernel::Vec3;
 pub struct Bead {
     /// Centre of the heavy atoms, in the frame of the body, Å.
     pub position: Vec3,
-    /// What it is; a modified residue counts as its parent.
+    /// Amino acid of the residue; a modified residue counts as its parent.
     pub amino_acid: AminoAcid,
     /// Index into [`Body::residues`].
     pub residue: usize,

@@ -46,7 +46,7 @@ pub enum ContactScale {
     KimHummer,
 }
 
-/// Where the attraction ends in both force fields, Å; it is shifted to zero there.
+/// Distance at which the attraction ends in both force fields, Å; it is shifted to zero there.
 pub const CONTACT_CUTOFF_ANGSTROM: f64 = 20.0;
 
 /// ε of Calvados, 0.2 kcal/mol.
@@ -59,10 +59,10 @@ const KIM_HUMMER_OFFSET_RT: f64 = -2.27;
 const RT_AT_300_KELVIN_KJ_PER_MOL: f64 = 2.494_338_785;
 
 impl ContactScale {
-    /// Both scales.
+    /// All scales.
     pub const ALL: [Self; 2] = [Self::Calvados3, Self::KimHummer];
 
-    /// The name by which users choose it.
+    /// The name by which users choose the scale.
     pub fn name(self) -> &'static str {
         match self {
             Self::Calvados3 => "calvados3",
@@ -70,7 +70,7 @@ impl ContactScale {
         }
     }
 
-    /// d_ij, how deep the attraction of two residues is, kJ/mol; negative where they repel.
+    /// Depth d_ij of the attraction of two residues, kJ/mol; negative where they repel.
     pub fn depth_kj_per_mol(self, first: AminoAcid, second: AminoAcid) -> f64 {
         match self {
             Self::Calvados3 => {

@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub struct BiologicalAssembly {
     /// Identifier in the file.
     pub id: String,
-    /// What the file says about it, for example `HEXAMERIC`.
+    /// Details that the file states about the assembly, for example `HEXAMERIC`.
     pub details: String,
     /// Chains with the operators applied to them.
     pub parts: Vec<AssemblyPart>,
@@ -81,7 +81,7 @@ impl Operator {
         })
     }
 
-    /// First `first`, then `self`.
+    /// Product of two operators: first `first`, then `self`.
     fn after(&self, first: &Operator) -> Operator {
         Operator {
             name: format!("{}-{}", self.name, first.name),

@@ -29,13 +29,13 @@ impl<'a> Row<'a, '_> {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Token<'a> {
-    /// `data_...`
+    /// Token `data_...`.
     Data,
-    /// `loop_`
+    /// Token `loop_`.
     Loop,
-    /// `save_...`, `global_`, `stop_`
+    /// Token `save_...`, `global_` or `stop_`.
     Other,
-    /// `_category.item`
+    /// Token `_category.item`.
     Tag(&'a str),
     Value(Value<'a>),
 }
@@ -105,7 +105,7 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         parse_error(self.tokens.source, line, cause, remedy)
     }
 
-    /// `loop_`, the item names, then values row by row.
+    /// Reads a table: `loop_`, the item names, then values row by row.
     fn table(&mut self, loop_line: usize) -> Result<()> {
         let (category, items) = self.heading()?;
         if self.ahead.is_none() {
@@ -165,7 +165,7 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         Ok((category, items))
     }
 
-    /// `_category.item value` pairs of one category, which make one row.
+    /// Reads pairs `_category.item value` of one category, which make one row.
     fn single_row(&mut self, first_tag: &'a str, first_line: usize) -> Result<()> {
         let (category, first_item) = split_tag(first_tag);
         let mut items = vec![first_item];

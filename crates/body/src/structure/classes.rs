@@ -4,7 +4,7 @@ use super::contents::Atom;
 use crate::chemistry::amino_acid::{AminoAcid, BACKBONE};
 use crate::chemistry::residue_names::{self, ModifiedResidue};
 
-/// What kind of residue it is.
+/// Kind of a residue.
 ///
 /// ```
 /// use protomer_body::chemistry::AminoAcid;
@@ -17,11 +17,12 @@ use crate::chemistry::residue_names::{self, ModifiedResidue};
 pub enum ResidueClass {
     /// One of the twenty amino acids.
     AminoAcid(AminoAcid),
-    /// In the table of modified residues: a modified amino acid, a D-amino acid or a chromophore.
+    /// A residue in the table of modified residues: a modified amino acid, a D-amino acid or a
+    /// chromophore.
     Modified(&'static ModifiedResidue),
-    /// In no table, but with exactly the heavy atoms of an amino acid, OXT apart.
+    /// A residue in no table, but with exactly the heavy atoms of an amino acid, OXT apart.
     LikeAminoAcid(AminoAcid),
-    /// Part of a protein chain, but in no table.
+    /// A residue in no table that is part of a protein chain.
     UnknownAminoAcid,
     /// A group that closes a chain, such as acetyl.
     Cap,
@@ -43,7 +44,7 @@ impl ResidueClass {
         )
     }
 
-    /// The amino acid that it is, derives from, or has the atoms of.
+    /// The amino acid that the residue is, derives from, or has the atoms of.
     pub fn amino_acid(&self) -> Option<AminoAcid> {
         match self {
             ResidueClass::AminoAcid(amino_acid) | ResidueClass::LikeAminoAcid(amino_acid) => {

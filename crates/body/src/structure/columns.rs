@@ -114,7 +114,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// How far a column has been moved to the right.
+    /// Number of columns by which a column has been moved to the right.
     fn shift_at(&self, column: usize) -> usize {
         match column > self.shift.after {
             true => self.shift.by,
@@ -163,7 +163,8 @@ impl<'a> Line<'a> {
 
     /// A coordinate: a finite number within the size of a molecule.
     fn coordinate(&self, name: &str, first: usize, last: usize) -> Result<f64> {
-        /// No structure is larger, although eight columns can hold larger numbers.
+        /// Largest coordinate, Å: no structure is larger, although eight columns can hold larger
+        /// numbers.
         const LARGEST_ANGSTROM: f64 = 1e6;
         let field = self.field(first, last);
         match field.parse::<f64>() {

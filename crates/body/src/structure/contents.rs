@@ -21,9 +21,9 @@ pub struct Structure {
     pub assemblies: Vec<BiologicalAssembly>,
     /// Disulfide bonds the file records.
     pub disulfides: Vec<RecordedDisulfide>,
-    /// What the reader ignored or doubts, each with its line.
+    /// Warnings about records that the reader ignored or doubts, each with its line.
     pub warnings: Warnings,
-    /// What the reader took otherwise than the file says, by kind.
+    /// Corrections, by kind: data that the reader took otherwise than the file says.
     pub corrections: Corrections,
     /// Whether the file is complete; a file that was cut off also has a warning.
     pub ending: Ending,
@@ -58,8 +58,8 @@ pub struct UnitCell {
 }
 
 impl UnitCell {
-    /// `None` for the 1 x 1 x 1 Å cell by which files without a crystal fill a mandatory record,
-    /// and for values that no cell has.
+    /// The unit cell of a crystal. `None` for the 1 x 1 x 1 Å cell by which files without a crystal
+    /// fill a mandatory record, and for values that no cell has.
     pub(crate) fn of_crystal(lengths_angstrom: [f64; 3], angles_degree: [f64; 3]) -> Option<Self> {
         for length in lengths_angstrom {
             if !(length.is_finite() && length > 2.0) {

@@ -71,7 +71,7 @@ impl Correction {
     }
 }
 
-/// `CA of ALA A:7`.
+/// Atom in words, such as `CA of ALA A:7`.
 pub(crate) fn describe(atom: &Atom) -> String {
     format!(
         "{} of {} {}:{}{}",

@@ -59,7 +59,7 @@ struct Cysteine {
     /// Index of its residue.
     residue: usize,
     key: ResidueKey,
-    /// Its key in the file.
+    /// Key of the residue in the file.
     source: ResidueKey,
     sulfur: Option<Vec3>,
 }
@@ -67,7 +67,7 @@ struct Cysteine {
 /// A bond of a cysteine, each by its index in [`Cysteines`].
 struct Bond {
     cysteine: usize,
-    /// `None` if the partner is not selected.
+    /// Partner of the cysteine; `None` if it is not selected.
     partner: Option<usize>,
     recorded_partner: ResidueKey,
     evidence: DisulfideEvidence,
@@ -97,8 +97,8 @@ struct Cysteines {
 }
 
 impl Cysteines {
-    /// Only this many sulfurs of a cell are compared, which bounds the time for files with many
-    /// sulfurs in one place.
+    /// Largest number of sulfurs of a cell that are compared, which bounds the time for files with
+    /// many sulfurs in one place.
     const MOST_PER_CELL: usize = 32;
 
     fn of(residues: &[SelectedResidue]) -> Self {

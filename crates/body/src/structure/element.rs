@@ -23,7 +23,7 @@ pub(crate) fn known(symbol: &str) -> Option<&'static str> {
         .find(|known| known.eq_ignore_ascii_case(symbol))
 }
 
-/// What a file states about an atom from which its element follows.
+/// Statements of a file about an atom from which its element follows.
 pub(crate) struct Statement<'a> {
     /// The element column.
     pub(crate) symbol: &'a str,

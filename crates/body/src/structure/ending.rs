@@ -5,7 +5,7 @@
 //! entries. Files made by hand or by programs often have no such mark, so nothing is known about
 //! them, and there is no warning.
 
-/// How a structure file ends.
+/// Ending of a structure file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Ending {
     /// The file is complete.

@@ -66,7 +66,7 @@ impl Format {
         Self::detect(name, &as_text(name, bytes)?)
     }
 
-    /// The same for decoded text.
+    /// Variant of [`Self::of_file`] for decoded text.
     pub(crate) fn detect(name: &str, text: &str) -> Result<Self> {
         let by_name = Self::of_name(name);
         let mut has_pdb_record = false;
@@ -206,7 +206,7 @@ mod tests {
         "ATOM      1  N   ARG A   1      32.231  15.281 -13.143  1.00 10.00\n";
     const PDB_BARE: &str = "ATOM      1  N   ARG A   1      32.231  15.281 -13.143\n";
     const PQR: &str = "ATOM 1 N ARG A 1 32.231 15.281 -13.143 -0.1500 1.5500\n";
-    /// As PDB2PQR writes it, in the columns of PDB.
+    /// PQR as PDB2PQR writes it, in the columns of PDB.
     const PQR_COLUMNS: &str =
         "ATOM      1  N   ARG     1      32.231  15.281 -13.143 -0.3000 1.8500\n";
     const MMCIF: &str = "# by hand\ndata_1ABC\nloop_\n_atom_site.id\n1\n";

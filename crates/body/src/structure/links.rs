@@ -20,9 +20,9 @@ pub(crate) struct Links {
     /// Indices of the groups: the order of the file, with residues listed after their chain in their
     /// place.
     pub(crate) order: Vec<usize>,
-    /// For each group, whether it is part of a chain.
+    /// Whether each group is part of a chain.
     pub(crate) in_chain: Vec<bool>,
-    /// For each group that was listed after its chain, the group inside to which it is bonded.
+    /// Group inside to which each group that was listed after its chain is bonded.
     pub(crate) host: Vec<Option<usize>>,
 }
 
@@ -42,9 +42,9 @@ impl Links {
     }
 }
 
-/// For each group, whether it is part of a chain: an ordinary ATOM, or bonded to its neighbour in
-/// the file by a bond between residues of a chain. A group outside any polymer counts only if such
-/// bonds connect it to a group inside: two bonded parts of a ligand are not a chain.
+/// Whether each group is part of a chain: an ordinary ATOM, or bonded to its neighbour in the file
+/// by a bond between residues of a chain. A group outside any polymer counts only if such bonds
+/// connect it to a group inside: two bonded parts of a ligand are not a chain.
 fn in_chain(groups: &[AtomGroup]) -> Vec<bool> {
     let mut bonded_to_next = Vec::with_capacity(groups.len());
     for pair in groups.windows(2) {
@@ -135,8 +135,8 @@ fn cell_of(position: &Vec3) -> [i64; 3] {
     [position.x, position.y, position.z].map(|x| (x / BOND_ANGSTROM).floor() as i64)
 }
 
-/// Only this many groups of a cell are compared, which bounds the time for files with many atoms in
-/// one place.
+/// Largest number of groups of a cell that are compared, which bounds the time for files with many
+/// atoms in one place.
 const MOST_PER_CELL: usize = 32;
 
 fn near(cells: &HashMap<[i64; 3], Vec<usize>>, position: &Vec3) -> Vec<usize> {
@@ -154,7 +154,7 @@ fn near(cells: &HashMap<[i64; 3], Vec<usize>>, position: &Vec3) -> Vec<usize> {
     near
 }
 
-/// For each late group, the group of a chain that a series of bonds leads to.
+/// Group of a chain that a series of bonds leads to, for each late group.
 fn hosts(
     groups: &[AtomGroup],
     in_chain: &[bool],

@@ -63,8 +63,8 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
     reader.finish()
 }
 
-/// A row that is not complete is an error of the grammar. A cut between two rows shows only in
-/// entries of the archive, where a line of `#` ends every category.
+/// Ending of the file. A row that is not complete is an error of the grammar. A cut between two
+/// rows shows only in entries of the archive, where a line of `#` ends every category.
 fn ending(text: &str, is_entry: bool, atoms_are_last: bool) -> Ending {
     let last_line = text.trim_end().lines().next_back().unwrap_or("");
     if last_line.starts_with('#') {
@@ -300,7 +300,7 @@ fn cell(row: &Row) -> Option<UnitCell> {
 mod tests {
     use super::*;
 
-    /// As the archive writes it, shortened.
+    /// Entry as the archive writes it, shortened.
     const ENTRY: &str = "data_1ABC\n#\n_audit_conform.dict_name mmcif_pdbx.dic\n#\nloop_\n_atom_site.group_PDB\n\
                          _atom_site.label_atom_id\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n_atom_site.Cartn_z\n\
                          _atom_site.pdbx_PDB_model_num\nATOM N 1.25 2.50 3.75 10\nATOM CA 4.25 5.50 6.75 10\n#\n";

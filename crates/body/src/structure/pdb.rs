@@ -58,7 +58,7 @@ pub(crate) fn read(source: &str, text: &str) -> Result<Structure> {
     reader.finish(header, text)
 }
 
-/// What a line is, by its first six columns.
+/// Kind of a line, by its first six columns.
 enum Record<'a> {
     Atom,
     Master,
@@ -364,7 +364,7 @@ fn residue_number<'a>(line: &Line<'a>) -> Result<(Option<i32>, &'a str)> {
     }
 }
 
-/// `2+`, `1-`, `+1`: a formal charge; anything else is none.
+/// Formal charge such as `2+`, `1-` or `+1`; `None` for anything else.
 fn formal_charge(field: &str) -> Option<i32> {
     if !field.contains(['+', '-']) {
         return None;

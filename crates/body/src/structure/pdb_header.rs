@@ -40,7 +40,7 @@ impl HeaderReader {
         Ok(())
     }
 
-    /// What was collected.
+    /// Puts what was collected into the structure.
     pub(crate) fn finish(self, structure: &mut Structure) {
         structure.header = self.header;
         structure.disulfides = self.disulfides;
@@ -88,7 +88,8 @@ impl HeaderReader {
         self.header.resolution_angstrom = word.and_then(positive_number);
     }
 
-    /// `REMARK 465   [model] residue chain number[code]`, after a heading that names these columns.
+    /// Reads a line `REMARK 465   [model] residue chain number[code]`, after a heading that names
+    /// these columns.
     fn unobserved(&mut self, line: &Line, names: &mut Names) {
         let text = line.field(12, 80);
         if text.ends_with("SSSEQI") {
@@ -144,8 +145,9 @@ impl HeaderReader {
         self.part_has_operators = true;
     }
 
-    /// A list of chains; lists that follow each other without operators between belong together.
-    /// `NULL`, of entries whose chains have no name, and no list at all stand for all chains.
+    /// Reads a list of chains; lists that follow each other without operators between belong
+    /// together. `NULL`, of entries whose chains have no name, and no list at all stand for all
+    /// chains.
     fn chains(&mut self, list: &str, names: &mut Names) {
         let begins = self.part_has_operators;
         let Some(part) = self.part(begins) else {
@@ -174,7 +176,7 @@ impl HeaderReader {
         parts.last_mut()
     }
 
-    /// `BIOMTn  serial  r1 r2 r3  t`, n = 1, 2, 3.
+    /// Reads a row `BIOMTn  serial  r1 r2 r3  t` of an operator, n = 1, 2, 3.
     fn operator_row(&mut self, text: &str, line: &Line) -> Result<()> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let (Some(&row), Some(numbers)) = (words.first(), row_numbers(&words)) else {
@@ -227,8 +229,8 @@ fn row_numbers(words: &[&str]) -> Option<[f64; 4]> {
     numbers.try_into().ok()
 }
 
-/// `SSBOND serial CYS chain number code  CYS chain number code  operator operator length`. A line
-/// without two residue numbers records nothing.
+/// Disulfide bond of a line `SSBOND serial CYS chain number code  CYS chain number code  operator
+/// operator length`. A line without two residue numbers records nothing.
 fn disulfide(line: &Line, names: &mut Names) -> Option<RecordedDisulfide> {
     let mut cysteine = |chain: (usize, usize), number: (usize, usize), code: usize| {
         Some(ResidueKey {

@@ -25,12 +25,12 @@ pub(super) struct ResidueNames {
     two_letter_chains: HashSet<Pair>,
 }
 
-/// What is known about the residues with one pair of letters in columns 21-22.
+/// Evidence about the residues with one pair of letters in columns 21-22.
 #[derive(Default)]
 struct Evidence {
-    /// Whether one of them continues the chain of column 22.
+    /// Whether one of the residues continues the chain of column 22.
     continues: bool,
-    /// Whether one of them has three letters that name a residue, and four that do not.
+    /// Whether one of the residues has three letters that name a residue, and four that do not.
     needs_three: bool,
 }
 

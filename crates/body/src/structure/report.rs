@@ -6,7 +6,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// What was selected, what was left out and why, and how residues were treated.
+/// Report of what was selected, what was left out and why, and how residues were treated.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SelectionReport {
     /// Model used.
@@ -27,7 +27,7 @@ pub struct SelectionReport {
     pub skipped: BTreeMap<&'static str, usize>,
     /// Names of the records that are no atoms, or no atoms of their own, by reason.
     pub left_out: BTreeMap<&'static str, BTreeMap<String, usize>>,
-    /// What was read otherwise than the file says: names and numbers of chains and residues.
+    /// Names and numbers of chains and residues that were read otherwise than the file says.
     pub corrections: Vec<String>,
     /// Residues left out, by reason.
     pub skipped_residues: BTreeMap<&'static str, SkippedResidues>,
@@ -138,13 +138,13 @@ pub mod reason {
 /// A residue and how it was treated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ListedResidue {
-    /// Which residue.
+    /// Key of the residue.
     pub residue: ResidueKey,
-    /// Its name.
+    /// Name of the residue.
     pub name: Arc<str>,
-    /// How it was treated.
+    /// Treatment of the residue, in words.
     pub note: String,
-    /// Its net charge, e; `None` before the pH is known.
+    /// Net charge of the residue, e; `None` before the pH is known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub charge_e: Option<f64>,
 }
@@ -152,9 +152,9 @@ pub struct ListedResidue {
 /// A residue without some of its heavy atoms.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IncompleteResidue {
-    /// Which residue.
+    /// Key of the residue.
     pub residue: ResidueKey,
-    /// Its name.
+    /// Name of the residue.
     pub name: Arc<str>,
     /// Names of the atoms it lacks.
     pub missing_atoms: Vec<&'static str>,
@@ -165,7 +165,7 @@ pub struct IncompleteResidue {
 pub struct ChainBreak {
     /// The residue before the break.
     pub before: ResidueKey,
-    /// The residue after it.
+    /// The residue after the break.
     pub after: ResidueKey,
     /// Distance from C to N, Å; `None` if one of them is missing.
     pub distance_angstrom: Option<f64>,

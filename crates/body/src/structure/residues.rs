@@ -44,7 +44,7 @@ impl AtomGroup<'_> {
         None
     }
 
-    /// Whether all its atoms are outside any polymer according to the file.
+    /// Whether all atoms of the residue are outside any polymer according to the file.
     pub(crate) fn is_outside(&self) -> bool {
         self.atoms.iter().all(|atom| atom.outside_polymer)
     }
@@ -63,7 +63,7 @@ pub(crate) fn place_name(atom: &Atom) -> Cow<'_, str> {
     }
 }
 
-/// What the residues of one place in a file have in common.
+/// Properties that the residues of one place in a file have in common.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Place {
     key: ResidueKey,
@@ -170,7 +170,7 @@ fn atom_of_point(index: usize, point: &PointRecord, names: &mut Names) -> Atom {
     }
 }
 
-/// The residues so far.
+/// The residues found so far.
 struct Grouping<'a> {
     groups: Vec<AtomGroup<'a>>,
     /// The last residue of each place.

@@ -17,7 +17,7 @@ const UNITS: [(f64, f64, &str, &str); 3] = [
 
 /// Refuses residues in another unit.
 pub(crate) fn check(source: &str, residues: &[SelectedResidue]) -> Result<()> {
-    /// Fewer bonds may be bad ones.
+    /// Least number of bonds for a verdict: fewer may be bad ones.
     const FEWEST: usize = 4;
     let mut lengths = Vec::new();
     for residue in residues {

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub struct Selection {
     /// Residues, each with at least one atom.
     pub residues: Vec<SelectedResidue>,
-    /// What was selected, what was left out, and how residues were treated.
+    /// Report of what was selected, what was left out, and how residues were treated.
     pub report: SelectionReport,
 }
 
@@ -46,21 +46,22 @@ pub struct SelectedResidue {
     /// Residue name; after a mutation that of the new residue. Where the file has a name that the atoms
     /// contradict, that of the amino acid whose atoms they are.
     pub name: Arc<str>,
-    /// What it is; after a mutation the new residue.
+    /// Class of the residue; after a mutation that of the new residue.
     pub class: ResidueClass,
-    /// Its atoms.
+    /// Atoms of the residue.
     pub atoms: Vec<Atom>,
     /// Author's chain in the file, which may give several chains the same name or none.
     pub source_chain: Arc<str>,
     /// Residue number in the file, which may give all residues the same.
     pub source_number: i32,
-    /// The separate polymer to which it belongs, counted from zero; `None` for what is no polymer.
+    /// The separate polymer to which the residue belongs, counted from zero; `None` outside
+    /// polymers.
     pub strand: Option<usize>,
-    /// Whether it has a free amine as the beginning of a chain.
+    /// Whether the residue has a free amine as the beginning of a chain.
     pub n_terminus: bool,
-    /// Whether it has a free carboxylate as the end of a chain.
+    /// Whether the residue has a free carboxylate as the end of a chain.
     pub c_terminus: bool,
-    /// Whether it is a cysteine in a disulfide bond.
+    /// Whether the residue is a cysteine in a disulfide bond.
     pub in_disulfide: bool,
     /// The amino acid before a mutation.
     pub mutated_from: Option<AminoAcid>,

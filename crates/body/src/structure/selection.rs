@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
-/// What to do with residues that lack heavy atoms.
+/// Treatment of residues that lack heavy atoms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MissingAtoms {
@@ -37,7 +37,7 @@ pub enum MissingAtoms {
     Fail,
 }
 
-/// Which part of a structure becomes a body.
+/// Selection of the part of a structure that becomes a body.
 ///
 /// The default: first model, every chain, deposited coordinates, highest occupancy; no ligands,
 /// waters, hydrogens or nucleic acids; incomplete residues as they are.
@@ -70,7 +70,7 @@ pub struct SelectionSettings {
     pub keep_hydrogens: bool,
     /// Keep nucleic acids.
     pub keep_nucleic_acids: bool,
-    /// What to do with residues that lack heavy atoms.
+    /// Treatment of residues that lack heavy atoms.
     pub missing: MissingAtoms,
 }
 
@@ -192,8 +192,8 @@ impl<'s> WantedChains<'s> {
     }
 }
 
-/// From the atoms of a model to its residues: what belongs together, in which chain, in which
-/// conformer, of which class, and whether it is kept.
+/// Derives the residues of a model from its atoms: finds the atoms of each residue, its chain,
+/// conformer and class, and whether it is kept.
 fn select_residues(
     sifted: &Sifted,
     settings: &SelectionSettings,
@@ -258,7 +258,7 @@ fn leave_out_coincident(conformers: &mut [Conformer], report: &mut SelectionRepo
     }
 }
 
-/// Which residue it is.
+/// Key and strand of a residue.
 struct Identity {
     key: ResidueKey,
     strand: Option<usize>,
@@ -298,7 +298,7 @@ fn name_by_atoms(residue: &SelectedResidue) -> Option<Arc<str>> {
     residue_names::is_polymer(&residue.name).then(|| Arc::from(amino_acid.name()))
 }
 
-/// Why residues of this class are left out; `None` if they are kept.
+/// Reason to leave out residues of this class; `None` if they are kept.
 fn why_not(class: ResidueClass, settings: &SelectionSettings) -> Option<&'static str> {
     match class {
         ResidueClass::Water if !settings.keep_waters => Some(reason::WATER),

@@ -48,7 +48,7 @@ pub(crate) struct Strands {
     pub(crate) strand: Vec<Option<usize>>,
     /// Key with the name of the chain and, where the file numbers nothing, a number.
     pub(crate) keys: Vec<ResidueKey>,
-    /// What was named or numbered, in words.
+    /// Notes, in words, about what was named or numbered.
     pub(crate) notes: Vec<String>,
 }
 
@@ -274,7 +274,7 @@ fn letters(strands: &[Strand], used: &mut BTreeSet<Arc<str>>) -> BTreeMap<usize,
     names
 }
 
-/// A, B, ..., Z, AA, AB, ...
+/// Letters of a number, counted from zero: A, B, ..., Z, AA, AB, ...
 fn letters_of(number: usize) -> Arc<str> {
     let mut letters = Vec::new();
     let mut rest = number + 1;
@@ -286,7 +286,7 @@ fn letters_of(number: usize) -> Arc<str> {
     letters.iter().rev().collect::<String>().into()
 }
 
-/// `A2`, `A3`, ... for the strands of chain A whose residue numbers occurred in it before.
+/// Names `A2`, `A3`, ... for the strands of chain A whose residue numbers occurred in it before.
 fn numbered(
     chain: &str,
     strands: &[Strand],

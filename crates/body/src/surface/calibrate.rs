@@ -32,7 +32,7 @@ use super::implicit::ImplicitSolid;
 use super::remesh::HalfEdgeMesh;
 use protomer_kernel::Vec3;
 
-/// What a mesh should measure, over its whole surface, cavities included.
+/// Area and volume that a mesh should have, over its whole surface, cavities included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Target {
     /// Surface area, Å².
@@ -41,18 +41,18 @@ pub struct Target {
     pub volume_angstrom3: f64,
 }
 
-/// A vertex moves at most this fraction of the edge length around it.
+/// Largest displacement of a vertex, as a fraction of the edge length around it.
 const FARTHEST: f64 = 0.3;
 /// Largest λ of one step, as a fraction of the squared edge length; explicit diffusion is stable
 /// below about 1/6.
 const LARGEST_STEP: f64 = 0.08;
-/// A triangle that keeps less than this fraction of its area vector counts as folded.
+/// Fraction of its area vector that a triangle must keep so as not to count as folded.
 const FOLDED: f64 = 0.3;
-/// How often folded triangles are looked for.
+/// Largest number of searches for folded triangles.
 const UNFOLDINGS: usize = 6;
 /// Steps towards the area, and towards the volume after them.
 const STEPS: usize = 12;
-/// Distances are found for the middles of so many edges at once.
+/// Number of edges for whose middles distances are found at once.
 const AT_ONCE: usize = 4096;
 /// Relative errors that need no further step.
 const CLOSE: f64 = 1e-9;

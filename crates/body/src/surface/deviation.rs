@@ -25,9 +25,9 @@ const ORBITS: [(f64, f64); 2] = [
 ];
 /// A simple rule, exact for degree two: weights of the centroid and of each corner.
 const SIMPLE_WEIGHTS: (f64, f64) = (3.0 / 4.0, 1.0 / 12.0);
-/// The sample has at least this many triangles, if there are that many.
+/// Least number of triangles in the sample, if there are that many.
 const FEWEST_SAMPLED: usize = 2500;
-/// Triangles with a root mean square above this share of the largest get the full rule.
+/// Share of the largest root mean square above which a triangle gets the full rule.
 const LARGE: f64 = 0.5;
 
 /// The distance of a mesh from the surface that it stands for.
@@ -58,8 +58,8 @@ impl Deviation {
         Self::guided(mesh, solid, &simple_guide(mesh, solid))
     }
 
-    /// The same with a guide that is known: an estimate of the mean squared distance on every triangle,
-    /// Å².
+    /// Variant of [`Self::of`] with a guide that is known: an estimate of the mean squared distance
+    /// on every triangle, Å².
     pub(crate) fn guided(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, guide: &[f64]) -> Self {
         let every = (mesh.triangles.len() / FEWEST_SAMPLED).max(1);
         sampled(mesh, solid, guide, every)
@@ -285,8 +285,8 @@ mod tests {
         surface_of_sites(&sites.sites, &SurfaceSettings::default()).ok()
     }
 
-    /// The same on proteins, with the sample that `surface` and `ingest` take: gzipped structure files of
-    /// the folder that PROTOMER_STRUCTURES names, or the bundled ones.
+    /// Test of proteins with the sample that `surface` and `ingest` take: gzipped structure files
+    /// of the folder that PROTOMER_STRUCTURES names, or the bundled ones.
     #[test]
     fn proteins_are_as_far_off_as_all_seven_points_say() {
         let bundled = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/structures");

@@ -34,7 +34,8 @@ pub trait ImplicitSolid: Sync {
         values.clear();
         values.extend(points.iter().map(|point| self.signed_distance(point)));
     }
-    /// The same with an empty ball for each point, as [`Self::signed_distance_and_empty_ball`] finds one.
+    /// Variant of [`Self::signed_distances`] that also gives an empty ball for each point, as
+    /// [`Self::signed_distance_and_empty_ball`] finds one.
     fn signed_distances_and_empty_balls(
         &self,
         points: &[Vec3],

@@ -50,7 +50,7 @@ pub fn ball_fits_inside(shell: &TriangleMesh, radius_angstrom: f64) -> bool {
 struct Search<'a> {
     shell: &'a TriangleMesh,
     radius_angstrom: f64,
-    /// By how much a distance to the vertices may exceed that to the triangles, Å.
+    /// Largest excess of a distance to the vertices over that to the triangles, Å.
     margin_angstrom: f64,
 }
 
@@ -60,7 +60,8 @@ struct Cube {
     half_edge: f64,
 }
 
-/// The middle of a cube, how far the wall is from it at least, and on which side it lies.
+/// The middle of a cube, a lower bound of its distance from the wall, and the side on which it
+/// lies.
 #[derive(Clone, Copy)]
 struct Known {
     place: Vec3,
@@ -101,8 +102,8 @@ impl Search<'_> {
         (0..8).any(|octant| self.finds_room(&cube.octant(octant), &near, Some(known)))
     }
 
-    /// On which side of the wall a place lies: on the same as its cube's parent, if the wall is
-    /// farther from that than the place is.
+    /// Whether a place lies inside the wall. It lies on the same side as the middle of the parent
+    /// cube if the wall is farther from that middle than the place is.
     fn is_inside(&self, place: &Vec3, parent: Option<Known>) -> bool {
         match parent {
             Some(known) if (place - known.place).norm() < known.clearance => known.is_inside,
@@ -150,9 +151,9 @@ fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {
     (low, high)
 }
 
-/// How often a closed surface winds around a place: the solid angles of its triangles over 4π, each
-/// by tan(Ω/2) = a·(b×c) / (abc + (a·b)c + (b·c)a + (c·a)b) (van Oosterom and Strackee, IEEE Trans.
-/// Biomed. Eng. 30, 125 (1983)).
+/// Winding number of a closed surface about a place: the solid angles of its triangles over 4π,
+/// each by tan(Ω/2) = a·(b×c) / (abc + (a·b)c + (b·c)a + (c·a)b) (van Oosterom and Strackee, IEEE
+/// Trans. Biomed. Eng. 30, 125 (1983)).
 fn winding_number(mesh: &TriangleMesh, place: &Vec3) -> f64 {
     let mut solid_angle = 0.0;
     for triangle in 0..mesh.triangles.len() {

@@ -9,12 +9,12 @@ use crate::{BodyError, Result};
 use protomer_kernel::mesh::Topology;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// More vertices than this are refused.
+/// Largest number of vertices; more are refused.
 const MOST_VERTICES: f64 = 1e7;
-/// [`MeshSettings::fewest_vertices_per_shell`] may be at most this.
+/// Largest value of [`MeshSettings::fewest_vertices_per_shell`].
 const MOST_PER_SHELL: usize = 10_000;
-/// How much finer the lattice gets with each new attempt. Not a simple fraction, so that the planes
-/// differ.
+/// Factor of the lattice spacing from each attempt to the next. It is not a simple fraction, so
+/// that the planes differ.
 const REFINEMENT: f64 = 0.73;
 /// Attempts with ever finer lattices before giving up.
 const ATTEMPTS: usize = 3;
@@ -22,13 +22,13 @@ const ATTEMPTS: usize = 3;
 /// Edges of the first mesh, in units of density^(-1/2), which is about the length of those of the
 /// final mesh.
 const FIRST_EDGE: f64 = 0.65;
-/// The same in large shells, if edges are short ([`SHORT_EDGES_PER_ANGSTROM2`]): elsewhere a first mesh
-/// as coarse as the last one would cut the corners of small shapes.
+/// Variant of [`FIRST_EDGE`] for large shells, if edges are short ([`SHORT_EDGES_PER_ANGSTROM2`]):
+/// elsewhere a first mesh as coarse as the last one would cut the corners of small shapes.
 const FIRST_SHORT_EDGE: f64 = 1.0;
-/// A large shell needs at least this many vertices.
+/// Least number of vertices of a large shell.
 const FEWEST_OF_LARGE_SHELL: usize = 240;
 
-/// What a mesh should be like.
+/// Settings of a mesh.
 ///
 /// ```
 /// use protomer_body::surface::MeshSettings;
@@ -45,7 +45,7 @@ pub struct MeshSettings {
     /// Handles are too, except through walls that end in a cusp: these get thinner than any
     /// lattice, and whether such an edge has a hole may depend on the lattice at every spacing.
     pub base_spacing_angstrom: f64,
-    /// Every closed shell gets at least this many vertices, so that small bodies stay round.
+    /// Least number of vertices of every closed shell, so that small bodies stay round.
     pub fewest_vertices_per_shell: usize,
 }
 
@@ -120,11 +120,11 @@ pub(crate) struct Meshed {
     pub(crate) expected_squares: Vec<f64>,
 }
 
-/// What becomes of a mesh whose vertices are on the surface.
+/// Treatment of a mesh whose vertices are on the surface.
 pub(crate) struct Goal {
-    /// What it is calibrated to.
+    /// Area and volume to which the mesh is calibrated.
     pub(crate) target: Option<Target>,
-    /// Which of its shells stay, in the order of [`HalfEdgeMesh::to_shells`]; all without.
+    /// Whether each shell stays, in the order of [`HalfEdgeMesh::to_shells`]; `None` if all do.
     pub(crate) is_kept: Option<Vec<bool>>,
 }
 

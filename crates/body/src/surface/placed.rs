@@ -21,7 +21,7 @@ use protomer_kernel::{Pose, Vec3};
 pub struct Placed<'a> {
     solid: &'a dyn ImplicitSolid,
     pose: Pose,
-    /// The inverse of its rotation.
+    /// The inverse of the rotation.
     back: Matrix3<f64>,
     bounds: (Vec3, Vec3),
 }

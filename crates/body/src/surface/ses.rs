@@ -59,7 +59,7 @@ impl ExactSurface {
         })
     }
 
-    /// What the surface encloses.
+    /// The solid that the surface encloses.
     pub fn solid(&self) -> &SesSolid {
         &self.solid
     }
@@ -131,23 +131,23 @@ pub struct Surface {
     pub exact: SurfaceMeasure,
     /// Exact areas and volumes of all shells, cavities included.
     pub measure: Measure,
-    /// Which cavities [`surface_without_cavities`] filled.
+    /// Cavities that [`surface_without_cavities`] filled and kept.
     pub cavities: FilledCavities,
     solid: SesSolid,
     /// An estimate of the mean squared distance from the exact surface on each triangle, Å².
     expected_squares: Vec<f64>,
 }
 
-/// What [`surface_without_cavities`] filled and what it kept.
+/// Cavities that [`surface_without_cavities`] filled, and those that it kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FilledCavities {
-    /// Cavities filled.
+    /// Number of cavities filled.
     pub filled: usize,
-    /// Their exact volume in all, Å³.
+    /// Exact volume of the filled cavities in all, Å³.
     pub filled_volume_angstrom3: f64,
-    /// Enclosed interiors kept.
+    /// Number of enclosed interiors kept.
     pub kept: usize,
-    /// Their exact volume in all, Å³.
+    /// Exact volume of the kept interiors in all, Å³.
     pub kept_volume_angstrom3: f64,
 }
 
@@ -162,7 +162,7 @@ impl Surface {
         self.mesh.volume_angstrom3() / self.exact.ses_volume_angstrom3 - 1.0
     }
 
-    /// How far the mesh, as it was made, is from the exact surface.
+    /// Deviation of the mesh, as it was made, from the exact surface.
     pub fn deviation(&self) -> Deviation {
         Deviation::guided(&self.mesh, &self.solid, &self.expected_squares)
     }
@@ -191,7 +191,7 @@ fn require_small_error(total: &SurfaceMeasure) -> Result<()> {
     Err(invalid(cause, "move the atoms by about 1e-3 Å"))
 }
 
-/// What a mesh of this surface should measure.
+/// Area and volume that a mesh of this surface should have.
 fn target(exact: &SurfaceMeasure) -> Target {
     Target {
         area_angstrom2: exact.ses_area_angstrom2(),
@@ -231,9 +231,10 @@ pub fn solvent_excluded_surface(
     ExactSurface::new(centres, radii_angstrom, probe_radius_angstrom)?.mesh(settings, None)
 }
 
-/// The same without the walls of its cavities, calibrated to the exact area and volume of the shells
-/// that are left. Enclosed interiors stay: cavities into which a ball of `interior_radius_angstrom`
-/// fits ([`ball_fits_inside`]), as other bodies may be in there. An infinite radius fills every cavity.
+/// Variant of [`solvent_excluded_surface`] without the walls of cavities, calibrated to the exact
+/// area and volume of the shells that are left. Enclosed interiors stay: cavities into which a ball
+/// of `interior_radius_angstrom` fits ([`ball_fits_inside`]), as other bodies may be in there. An
+/// infinite radius fills every cavity.
 ///
 /// # Errors
 /// As [`solvent_excluded_surface`].
@@ -270,10 +271,10 @@ pub fn surface_without_cavities(
     exact.mesh(settings, Some(interior_radius_angstrom))
 }
 
-/// Which shells of a mesh stay.
+/// Shells of a mesh that stay.
 struct Selection {
     exact: SurfaceMeasure,
-    /// By the number of the shell; `None` where all do.
+    /// Whether each shell stays, by its number; `None` where all do.
     is_kept: Option<Vec<bool>>,
     cavities: FilledCavities,
 }
@@ -287,7 +288,7 @@ impl Selection {
         }
     }
 
-    /// All but the cavities into which no ball of this radius (Å) fits.
+    /// All shells but the cavities into which no ball of this radius (Å) fits.
     fn of_shells(shells: &[TriangleMesh], measure: &Measure, radius_angstrom: f64) -> Self {
         let mut is_kept = Vec::with_capacity(shells.len());
         // Volumes of the cavities, and whether each is kept.

@@ -49,7 +49,7 @@ pub(crate) fn clusters(count: usize, sizes: Range<usize>) -> Vec<(Vec<Vec3>, Vec
         .collect()
 }
 
-/// Both probe positions of every three balls that have them.
+/// Probe positions that touch three balls, two for every three that have them.
 pub(crate) fn probe_contacts(centres: &[Vec3], radii: &[f64]) -> Vec<Vec3> {
     let mut contacts = Vec::new();
     for i in 0..centres.len() {

@@ -37,12 +37,12 @@ pub struct SelectionArgs {
     /// Keep nucleic acids.
     #[arg(long)]
     keep_nucleic_acids: bool,
-    /// What to do with residues that lack heavy atoms.
+    /// Treatment of residues that lack heavy atoms.
     #[arg(long, value_enum, default_value_t = Missing::Keep)]
     missing: Missing,
 }
 
-/// Which chains make up one body.
+/// Groups of chains, each of which makes up one body.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Bodies")]
 pub struct ChainGroupArgs {
@@ -58,7 +58,7 @@ pub struct ChargeArgs {
     /// pH of the protonation equilibria.
     #[arg(long, default_value_t = 7.4, allow_negative_numbers = true, value_parser = range::PH.number())]
     ph: f64,
-    /// Where the charges sit.
+    /// Model of the charges.
     #[arg(long, value_enum, default_value_t = Charges::ForceField)]
     charges: Charges,
     /// Point mutations, such as A:K45E,B:N12D; side chains are replaced in place.
@@ -80,7 +80,7 @@ pub struct SurfaceFlags {
     /// Probe radius, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
-    /// What to do with cavities; if omitted, a body drops them and `surface` keeps them.
+    /// Treatment of cavities; if omitted, a body drops them and `surface` keeps them.
     #[arg(long, value_enum)]
     cavities: Option<Cavities>,
     /// A cavity is an enclosed interior if a ball of this radius fits into it, Å; interiors
@@ -93,11 +93,11 @@ pub struct SurfaceFlags {
     offset: Option<f64>,
 }
 
-/// What of a body is hard.
+/// Choice of the hard core of a body.
 #[derive(Debug, Clone, Copy, Args)]
 #[command(next_help_heading = "Surface")]
 pub struct CoreArgs {
-    /// What of the body is hard; native for structures and surface for PQR files if omitted.
+    /// Hard core of the body; native for structures and surface for PQR files if omitted.
     #[arg(long, value_enum)]
     core: Option<Core>,
 }
@@ -111,7 +111,7 @@ pub enum Core {
     Surface,
 }
 
-/// What to do with cavities.
+/// Treatments of cavities.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Cavities {
     /// Fill them, except for enclosed interiors.
@@ -140,7 +140,7 @@ impl SelectionArgs {
 }
 
 impl SurfaceFlags {
-    /// Converts the flags to settings, with what becomes of cavities unless the user says it.
+    /// Converts the flags to settings; `cavities` holds unless the user states a treatment.
     pub fn settings(&self, cavities: Cavities) -> SurfaceSettings {
         SurfaceSettings {
             density_per_angstrom2: self.density,

@@ -6,7 +6,7 @@ use protomer::stability::disk_cache::DiskCache;
 use protomer::stability::effective::EffectiveStore;
 use std::sync::Arc;
 
-/// What is kept from one run to the next.
+/// Options of the cache that is kept from one run to the next.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Cache")]
 pub struct CacheArgs {

@@ -7,7 +7,7 @@ use protomer_common::range;
 use protomer_results::Execution;
 use std::time::Duration;
 
-/// When to stop and how often to save.
+/// Time limit of a run and interval between its checkpoints.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Run")]
 pub struct ExecutionArgs {

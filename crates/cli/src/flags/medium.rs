@@ -6,7 +6,7 @@ use protomer::stability::interaction::{InteractionSettings, ScreenedCoulomb};
 use protomer::stability::run::EnergyMode;
 use protomer_common::{quantity, range};
 
-/// What lies between the bodies.
+/// Medium between the bodies.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Medium")]
 pub struct MediumArgs {

@@ -12,8 +12,8 @@ use protomer::stability::run::RunSettings;
 /// Choice of a named model.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ModelArgs {
-    /// Model of what acts between the bodies; other flags change single terms of it [default: none;
-    /// natural-1 for binding].
+    /// Model of the interactions between the bodies; other flags change single terms of it
+    /// [default: none; natural-1 for binding].
     #[arg(long, value_enum)]
     pub model: Option<ModelChoice>,
 }
@@ -25,10 +25,11 @@ pub enum ModelChoice {
     /// bodies with native cores.
     #[value(name = "natural-1")]
     Natural1,
-    /// For proteins in solution, whose surfaces meet anywhere: the same with --contact-strength 0.75.
+    /// For proteins in solution, whose surfaces meet anywhere: natural-1 with --contact-strength
+    /// 0.75.
     #[value(name = "solution-1")]
     Solution1,
-    /// That of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
+    /// Model of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
     Thesis,
 }
 
@@ -53,7 +54,7 @@ impl ModelArgs {
         self.model()?.core_warning(&assembly.bodies)
     }
 
-    /// Settings of a pose with what acts by the model and the flags.
+    /// Settings of a pose with the interactions of the model and the flags.
     ///
     /// # Errors
     /// For flags that contradict each other.
@@ -74,7 +75,7 @@ impl ModelArgs {
         })
     }
 
-    /// The flags of the charges, with what the model says where they say nothing.
+    /// The flags of the charges, completed by the model.
     pub fn charges(&self, flags: &ChargesArgs) -> ChargesArgs {
         let charges = |model: Model| match model.solvent_response() {
             Some(_) => Charges::Response,
@@ -86,7 +87,7 @@ impl ModelArgs {
         }
     }
 
-    /// The flags of the further terms, with what the model says where they say nothing.
+    /// The flags of the further terms, completed by the model.
     pub fn terms(&self, flags: &TermsArgs) -> TermsArgs {
         TermsArgs {
             attraction: self.attraction(&flags.attraction),

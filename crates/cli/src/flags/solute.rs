@@ -18,7 +18,7 @@ pub struct SoluteArgs {
 }
 
 impl SoluteArgs {
-    /// The flags over the defaults; `None` if none is given.
+    /// The defaults, overridden by the flags; `None` if no flag is given.
     pub fn solute(&self) -> Option<SoluteModel> {
         if self.inner_permittivity.is_none() && self.ion_radius.is_none() {
             return None;
@@ -26,7 +26,7 @@ impl SoluteArgs {
         Some(self.over(SoluteModel::default()))
     }
 
-    /// The flags over these values.
+    /// The given values, overridden by the flags.
     fn over(&self, present: SoluteModel) -> SoluteModel {
         SoluteModel {
             inner_permittivity: self
@@ -41,7 +41,7 @@ impl SoluteArgs {
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Inside of the bodies")]
 pub struct ChargesArgs {
-    /// What the low permittivity of the bodies, which salt does not enter, does to the charges
+    /// Effect on the charges of the low permittivity of the bodies, which salt does not enter
     /// [default: bare].
     #[arg(long, value_enum)]
     pub interaction: Option<Charges>,
@@ -52,7 +52,7 @@ pub struct ChargesArgs {
 /// The charges of an interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Charges {
-    /// Nothing: the charges of the bodies in salt water everywhere.
+    /// No effect: the charges of the bodies in salt water everywhere.
     Bare,
     /// Effective charges act, which give the potential around a body; from 3 Å on.
     Effective,
@@ -61,17 +61,17 @@ pub enum Charges {
     Response,
 }
 
-/// The inside of the bodies, by what it is for.
+/// Models of the inside of the bodies, by purpose.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Insides {
-    /// For effective charges.
+    /// Model for effective charges.
     pub effective: Option<SoluteModel>,
-    /// For the response of the solvent.
+    /// Model for the response of the solvent.
     pub response: Option<SoluteModel>,
 }
 
 impl ChargesArgs {
-    /// The flags over the settings of a configuration; neither for the bare charges.
+    /// The models of a configuration, overridden by the flags; none for the bare charges.
     ///
     /// # Errors
     /// For flags of an inside that nothing asks for.

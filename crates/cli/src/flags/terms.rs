@@ -13,7 +13,7 @@ pub struct ContactArgs {
     /// Attraction between residues, by a published scale [default: none].
     #[arg(long, value_enum)]
     pub contacts: Option<Scale>,
-    /// What multiplies the attraction of the scale [default: 1].
+    /// Factor on the attraction of the scale [default: 1].
     #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     pub contact_strength: Option<f64>,
 }
@@ -57,7 +57,7 @@ impl TermsArgs {
             || self.desolvation
     }
 
-    /// As [`ContactArgs::over`].
+    /// Contact term by [`ContactArgs::over`].
     ///
     /// # Errors
     /// As [`ContactArgs::over`].
@@ -71,7 +71,7 @@ impl TermsArgs {
 }
 
 impl ContactArgs {
-    /// The flags over the contact term of a configuration; `None` without one.
+    /// The contact term of a configuration, overridden by the flags; `None` without one.
     ///
     /// # Errors
     /// For a strength without a scale.

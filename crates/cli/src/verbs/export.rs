@@ -31,14 +31,14 @@ pub struct ExportArgs {
     /// Assembly file of a simulation, if it has moved.
     #[arg(long)]
     assembly: Option<PathBuf>,
-    /// What the B factors of the residues hold; zero if omitted.
+    /// Contents of the B factors of the residues; zero if omitted.
     #[arg(long, value_enum)]
     values: Option<ExportValues>,
     /// Shift copies by box lengths, so that a cluster across the border of a periodic box is in one
     /// piece.
     #[arg(long)]
     gather: bool,
-    /// Also write a script that opens the file, shows surfaces and colours each copy.
+    /// Write a script that opens the file, shows surfaces and colours each copy.
     #[arg(long, value_enum)]
     script: Option<ExportViewer>,
 }

@@ -48,7 +48,7 @@ pub struct FreeEnergyArgs {
     /// Sweeps at each strength in which steps are tuned and nothing is measured.
     #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]
     equilibration: u64,
-    /// Sweeps after that, per strength on average.
+    /// Sweeps after the equilibration, per strength on average.
     #[arg(long, default_value_t = 20_000)]
     sweeps: u64,
     /// Seed of the random numbers.

@@ -8,9 +8,9 @@ use protomer::scattering::{ExperimentSettings, ScatteringSettings, scattering};
 use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
-/// What light and X-rays see of an assembly or of the trajectories of a run: cluster sizes,
-/// hydrodynamic radii as dynamic light scattering averages them, S(q) of the centres, P(q) of the
-/// bodies and I(q) of the whole.
+/// Compute the scattering of light and X-rays by an assembly or by the trajectories of a run:
+/// cluster sizes, hydrodynamic radii as dynamic light scattering averages them, S(q) of the
+/// centres, P(q) of the bodies and I(q) of the whole.
 #[derive(Debug, Args)]
 pub struct ScatteringArgs {
     /// Assembly file, or directory of a simulation or a sweep.

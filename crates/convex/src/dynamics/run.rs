@@ -52,9 +52,9 @@ const LAYOUT: Layout = Layout {
 /// the preparation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DynamicsResult {
-    /// Bodies.
+    /// Number of bodies.
     pub bodies: usize,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// Steps after the preparation.
     pub steps: u64,
@@ -64,7 +64,8 @@ pub struct DynamicsResult {
     pub packing_fraction: f64,
     /// Part of the space that the bodies fill.
     pub core_packing_fraction: f64,
-    /// As `packing_fraction`, on average; at constant pressure it changes.
+    /// Part of the space that bodies with a layer of σ_c/2 fill, on average; at constant pressure
+    /// it changes.
     pub mean_packing_fraction: f64,
     /// Part of the trials of the volume that were accepted; none at constant volume.
     pub volume_acceptance: Option<f64>,
@@ -77,7 +78,7 @@ pub struct DynamicsResult {
     pub energy_drift_per_body: Option<f64>,
     /// The energy at the end minus that at the start, without the heat of a bath.
     pub energy_change_per_body: Option<f64>,
-    /// Root of the mean squared deviation from the line.
+    /// Root of the mean squared deviation of the energy from the straight line of its drift.
     pub energy_noise_per_body: Option<f64>,
     /// kT of all motion.
     pub temperature_kt: f64,
@@ -178,7 +179,7 @@ struct Open {
     speed: Speed,
 }
 
-/// What this process has done after the preparation.
+/// Steps of this process after the preparation, and their processor time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Speed {
     steps: u64,
@@ -234,7 +235,7 @@ impl<'a> DynamicsRun<'a> {
         })
     }
 
-    /// An engine at the start, or where it was.
+    /// An engine at the start, or at the saved state.
     fn engine(&self, saved: Option<Motion>) -> Result<Engine> {
         let steps = saved.as_ref().map_or(0, |motion| motion.steps);
         let settings = self.motion(steps);
@@ -245,7 +246,7 @@ impl<'a> DynamicsRun<'a> {
         })
     }
 
-    /// How bodies move after so many steps.
+    /// Settings of the motion after so many steps.
     fn motion(&self, steps: u64) -> Settings {
         let is_prepared = steps >= self.settings.preparation_steps();
         let preparation = Ensemble::Nvt {
@@ -275,7 +276,7 @@ impl<'a> DynamicsRun<'a> {
         (step, step as f64 * time_step)
     }
 
-    /// A step, and what is due after it.
+    /// Makes a step, and does what is due after it.
     fn step(&self, open: &mut Open) -> Result<()> {
         let steps = open.engine.motion().steps;
         let scale = match steps < self.settings.compress_steps {
@@ -453,13 +454,13 @@ impl Run for DynamicsRun<'_> {
     }
 }
 
-/// Of refused and accepted trials, the part that was accepted.
+/// Accepted part of the trials, from the numbers of refused and accepted ones.
 fn acceptance([refused, accepted]: [u64; 2]) -> Option<f64> {
     let trials = refused + accepted;
     (trials > 0).then(|| accepted as f64 / trials as f64)
 }
 
-/// From the log after the preparation.
+/// Standard error of the pressure from the log after the preparation.
 fn pressure_error(directory: &Path) -> Result<Option<f64>> {
     let rows: Vec<LogRow> = log::read_so_far(&directory.join(LOG))?;
     let series: Vec<f64> = rows

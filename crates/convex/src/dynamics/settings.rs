@@ -14,9 +14,9 @@ const TIME_STEP: Range = Range::new(1e-12, 1.0, "");
 protomer_kernel::choices! {
     /// Energy between the centroids of bodies in motion.
     pub enum CentralName {
-        /// None.
+        /// No energy between the centroids.
         None = "none",
-        /// That of the published potential with epsilon_s = epsilon.
+        /// Energy of the published potential with epsilon_s = epsilon.
         Conservative = "conservative",
     }
 }
@@ -24,11 +24,11 @@ protomer_kernel::choices! {
 protomer_kernel::choices! {
     /// Bath that keeps the temperature, and the pressure.
     pub enum EnsembleName {
-        /// Nothing: the energy is kept.
+        /// No bath: the energy is kept.
         Nve = "nve",
         /// Stochastic rescaling of all momenta together; dynamics stay those of the bodies.
         Nvt = "nvt",
-        /// The same at constant pressure: now and then the box is scaled at random.
+        /// Rescaling as for nvt, at constant pressure: now and then the box is scaled at random.
         Npt = "npt",
         /// Friction and noise on each body.
         Langevin = "langevin",
@@ -50,7 +50,7 @@ protomer_common::settings! {
         /// File or name of the shape, as for `shape`; also disk, ball, ellipse:A,B or ellipsoid:A,B,C;
         /// convex parts of a concave body joined by +. Several times for a mixture.
         shape: Words = "polygon:4";
-        /// How many bodies of each shape there are, in proportion: once for each --shape.
+        /// Relative number of bodies of each shape: once for each --shape.
         share: Vec<f64>, in POSITIVE, otherwise "equal numbers";
         /// Radius by which the shapes are rounded, in the unit of their points, before they are scaled.
         rounding: f64 = 0.0, in NOT_NEGATIVE;
@@ -64,8 +64,8 @@ protomer_common::settings! {
         potential: Form = Form::Smooth;
         /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
         attraction: f64 = 0.0, in NOT_NEGATIVE;
-        /// Where the attraction ends, in units of sigma_c (of sigma for the central term); it is switched
-        /// off smoothly from 0.8 of that on.
+        /// Cut-off of the attraction, in units of sigma_c (of sigma for the central term); it is
+        /// switched off smoothly from 0.8 of that on.
         attraction_cut_off: f64 = Attraction::NONE.cut_off, in Range::new(1.5, 1e3, "");
         /// Energy between the centroids.
         central: CentralName = CentralName::None;
@@ -184,7 +184,7 @@ impl DynamicsSettings {
 }
 
 impl Settings for DynamicsSettings {
-    /// A run may be continued to more steps.
+    /// Settings without the number of steps: a run may be continued to more steps.
     fn essential(&self) -> Self {
         Self {
             steps: 0,

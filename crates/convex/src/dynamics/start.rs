@@ -25,7 +25,7 @@ pub struct Begun {
     pub state: State,
     /// Area or volume of a body with a layer of half of σ_c around it, on average.
     pub volume_with_layer: f64,
-    /// By what the box and the centres are multiplied in each step of the compression.
+    /// Factor by which the box and the centres are multiplied in each step of the compression.
     pub scale_per_step: f64,
     /// Packing fraction at the start.
     pub first_packing_fraction: f64,

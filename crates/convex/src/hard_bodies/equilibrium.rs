@@ -33,41 +33,45 @@ const SIGNIFICANT: f64 = 4.0;
 const TOLERANCE: f64 = 0.02;
 /// A pressure that is known less well than to this part says nothing.
 const VAGUE: f64 = 0.1;
-/// Fewer independent samples say little about errors.
+/// Smallest number of independent samples; fewer say little about errors.
 const FEW_SAMPLES: f64 = 20.0;
 
-/// Whether a run at constant pressure, or of a column under gravity, has arrived, and why not.
+/// Verdict on whether a run at constant pressure, or of a column under gravity, has reached
+/// equilibrium.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Equilibrium {
-    /// Whether nothing speaks against it.
+    /// Whether nothing speaks against equilibrium.
     pub is_reached: bool,
-    /// What the bodies bear by trial compressions, kT per volume; between walls, the pressure at the lower wall less
-    /// that at the upper.
+    /// Pressure of the bodies by trial compressions, kT per volume; between walls, the pressure at
+    /// the lower wall less that at the upper.
     pub measured_pressure_kt_per_volume: f64,
-    /// Its standard error.
+    /// Standard error of the measured pressure.
     pub measured_pressure_kt_per_volume_error: Option<f64>,
-    /// What it is in equilibrium: the imposed pressure; between walls, the weight of the bodies over the area.
+    /// Pressure in equilibrium: the imposed pressure; between walls, the weight of the bodies over
+    /// the area.
     pub expected_pressure_kt_per_volume: f64,
-    /// How much the packing fraction grew along a straight line over the measurement; between walls, the mean height.
+    /// Growth of the packing fraction along a straight line over the measurement; between walls, of
+    /// the mean height.
     pub drift: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the drift.
     pub drift_error: Option<f64>,
-    /// Measurements of it that would be as good if they were independent.
+    /// Measurements of the packing fraction, or of the mean height, that would be as good if they
+    /// were independent.
     pub independent_samples: f64,
-    /// What speaks against equilibrium, in words.
+    /// Doubts about equilibrium, in words.
     pub doubts: Vec<String>,
 }
 
-/// What a run should hold constant, measurement by measurement.
+/// Quantities that a run should hold constant, measurement by measurement.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Series<'a> {
-    /// The pressure that an equation gives in equilibrium, kT per volume.
+    /// Measured pressure, for which an equation gives the value in equilibrium, kT per volume.
     pub pressure: &'a [f64],
-    /// What the equation gives.
+    /// Pressure that the equation gives, kT per volume.
     pub expected_pressure: f64,
-    /// What must not drift.
+    /// Quantity that must not drift.
     pub kept: &'a [f64],
-    /// Its name.
+    /// Name of the quantity that must not drift.
     pub kept_name: &'static str,
 }
 
@@ -126,7 +130,7 @@ impl Equilibrium {
         drift.is_some_and(|(drift, error)| drift.abs() > SIGNIFICANT * error)
     }
 
-    /// What is wrong with the pressure.
+    /// Doubt about the pressure, in words; `None` if there is none.
     fn imbalance(&self) -> Option<String> {
         let expected = self.expected_pressure_kt_per_volume;
         let measured = with_error(
@@ -145,7 +149,7 @@ impl Equilibrium {
         })
     }
 
-    /// What is wrong with the drift.
+    /// Doubt about the drift, in words; `None` if there is none.
     fn trend(&self, name: &str) -> Option<String> {
         let Some(drift) = self.drift else {
             return Some(format!(
@@ -184,8 +188,8 @@ impl Equilibrium {
     }
 }
 
-/// How much a series grows along a straight line from its beginning to its end, and the standard error of that;
-/// `None` for fewer measurements than two per block.
+/// Growth of a series along a straight line from its beginning to its end, and the standard error
+/// of the growth; `None` for fewer measurements than two per block.
 fn drift(series: &[f64]) -> Option<(f64, f64)> {
     let length = series.len() / BLOCKS;
     if length < 2 {

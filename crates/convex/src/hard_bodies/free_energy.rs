@@ -51,26 +51,27 @@ const LAYOUT: Layout = Layout {
     is_result: |_| false,
 };
 
-/// Settings. Lengths are in the unit of the shape.
+/// Settings of a free energy. Lengths are in the unit of the shape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FreeEnergySettings {
     /// File or name of the shape.
     pub shape: String,
-    /// Radius of the ball, or disk, that rounds it.
+    /// Radius of the ball, or disk, that rounds the shape.
     pub rounding_radius: f64,
     /// Name of the crystal, or file of its unit cell.
     pub crystal: String,
-    /// How every body is turned first: degrees in a plane, a quaternion in space; empty for not at all.
+    /// Rotation of every body in its own frame: degrees in a plane, a quaternion in space; empty
+    /// for none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turn: Vec<f64>,
     /// Number of bodies.
     pub bodies: usize,
-    /// The part of the box that they fill.
+    /// Part of the box that the bodies fill.
     pub packing_fraction: f64,
     /// Sweeps at each point in which steps are tuned and nothing is measured.
     pub equilibration: u64,
-    /// Sweeps after that, per point on average.
+    /// Sweeps after the equilibration, per point on average.
     pub sweeps: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -110,7 +111,7 @@ impl FreeEnergySettings {
 }
 
 impl Settings for FreeEnergySettings {
-    /// More sweeps continue a run.
+    /// Settings without the number of sweeps: more sweeps continue a run.
     fn essential(&self) -> Self {
         Self {
             sweeps: 0,
@@ -158,17 +159,17 @@ impl Row for ExtentRow {
 /// A point of the integral over the strength of the springs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PointResult {
-    /// λ, kT per squared length.
+    /// Strength λ, kT per squared length.
     pub strength_kt_per_area: f64,
     /// Weight of the extent in the integral.
     pub weight: f64,
-    /// f, squared length.
+    /// Extent f, squared length.
     pub extent: f64,
-    /// Its standard error.
+    /// Standard error of the extent.
     pub extent_error: f64,
-    /// What it adds to the integral, kT per body.
+    /// Contribution to the integral, kT per body.
     pub contribution_kt: f64,
-    /// Its standard error.
+    /// Standard error of the contribution.
     #[serde(alias = "contribution_error_kt")]
     pub contribution_kt_error: f64,
     /// Sweeps measured.
@@ -182,15 +183,15 @@ pub struct PointResult {
 /// A free energy of a crystal. Lengths are in the unit of the shape, energies in kT per body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FreeEnergyResult {
-    /// The file or the name.
+    /// File or name of the shape.
     pub shape: String,
     /// The crystal.
     pub crystal: String,
-    /// 1, 2 or 3.
+    /// Number of dimensions, 1, 2 or 3.
     pub dimension: usize,
-    /// Bodies.
+    /// Number of bodies.
     pub bodies: usize,
-    /// The part of the box that they fill.
+    /// Part of the box that the bodies fill.
     pub packing_fraction: f64,
     /// Bodies per volume.
     pub number_density: f64,
@@ -203,17 +204,17 @@ pub struct FreeEnergyResult {
     pub symmetry_order: usize,
     /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
     pub free_energy_per_body_kt: f64,
-    /// Its standard error.
+    /// Standard error of the free energy.
     #[serde(alias = "free_energy_per_body_error_kt")]
     pub free_energy_per_body_kt_error: f64,
-    /// The same less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
+    /// Free energy less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
     pub excess_free_energy_per_body_kt: f64,
-    /// Its standard error.
+    /// Standard error of the excess free energy.
     #[serde(alias = "excess_free_energy_per_body_error_kt")]
     pub excess_free_energy_per_body_kt_error: f64,
     /// The terms of the free energy.
     pub terms: FreeEnergy,
-    /// Each point of the integral.
+    /// Results for each point of the integral.
     pub points: Vec<PointResult>,
     /// Points with few independent samples, whose errors are uncertain.
     pub slow_points: Vec<usize>,
@@ -257,7 +258,7 @@ impl Answer for FreeEnergyResult {
 }
 
 impl FreeEnergyResult {
-    /// How many strengths are slow, and which is the slowest; `None` if none is.
+    /// Number of slow strengths, and the slowest of them, in words; `None` if none is slow.
     pub fn slow(&self) -> Option<String> {
         let points = self.slow_points.iter().map(|number| &self.points[*number]);
         let slowest = points.min_by(|one, other| {
@@ -472,7 +473,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
         }
     }
 
-    /// Whole rounds.
+    /// Length of the run, with whole rounds.
     fn length(&self) -> u64 {
         let round = PARTS_PER_ROUND as u64 * ROWS_AT_ONCE * SWEEPS_PER_ROW;
         let points = STRENGTHS as u64;
@@ -521,7 +522,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
         open.walkers.iter().map(Walker::sweeps).sum()
     }
 
-    /// A part of the equilibration, or a round of measurements, on all threads.
+    /// Does a part of the equilibration, or a round of measurements, on all threads.
     fn advance(&self, open: &mut Open<D>, _turn: &Turn<'_>) -> Result<()> {
         let equilibrated = open.walkers.iter().map(Walker::sweeps).min().unwrap_or(0);
         let left = self.settings.equilibration.saturating_sub(equilibrated);

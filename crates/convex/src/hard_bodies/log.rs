@@ -16,11 +16,11 @@ pub struct LogRow {
     pub free_volume: Vec<f64>,
     /// The part of the box that the bodies fill.
     pub packing_fraction: f64,
-    /// Between walls: what they bear, and how high the bodies are.
+    /// Pressures on the walls and mean height of the bodies, between walls.
     pub walls: Option<Walls>,
-    /// Where more than the volume of the box changes, its lengths.
+    /// Lengths of the box, where more than its volume changes.
     pub box_lengths: Vec<f64>,
-    /// The same of its tilt factors.
+    /// Tilt factors of the box, where more than its volume changes.
     pub box_tilt_factors: Vec<f64>,
 }
 
@@ -43,7 +43,7 @@ impl Row for LogRow {
         ]
     }
 
-    /// Several numbers are in one cell, with blanks between them.
+    /// Writes several numbers into one cell, with blanks between them.
     fn to_cells(&self) -> Vec<String> {
         let several = |numbers: &[f64]| {
             let words: Vec<String> = numbers.iter().map(f64::to_string).collect();

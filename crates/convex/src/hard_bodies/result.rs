@@ -10,17 +10,17 @@ use serde::{Deserialize, Serialize};
 /// The result of a run. Lengths are in the unit of the shape.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HardBodyResult {
-    /// The file or the name.
+    /// File or name of the shape.
     pub shape: String,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// Radius that rounds the shape.
     pub rounding_radius: f64,
-    /// Bodies.
+    /// Number of bodies.
     pub bodies: usize,
-    /// The part of the box that they fill; at constant pressure its mean.
+    /// Part of the box that the bodies fill; at constant pressure its mean.
     pub packing_fraction: f64,
-    /// At constant pressure, its standard error.
+    /// Standard error of the packing fraction, at constant pressure.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub packing_fraction_error: Option<f64>,
     /// First edge of the box at the end.
@@ -31,14 +31,14 @@ pub struct HardBodyResult {
     /// Tilt factors of the box at the end, xy, xz and yz; in a plane xy; none where its angles are right.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub box_tilt_factors: Vec<f64>,
-    /// Where more than the volume of the box changes, its means.
+    /// Means of the box, where more than its volume changes.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub mean_box: Option<MeanBox>,
     /// Sweeps after the equilibration.
     pub sweeps: u64,
     /// Z = βP/ρ of the bodies by trial compressions. It does not hold what depletants add.
     pub compressibility_factor: f64,
-    /// Its standard error.
+    /// Standard error of the compressibility factor.
     pub compressibility_factor_error: Option<f64>,
     /// βP times the volume of a body.
     pub reduced_pressure: f64,
@@ -53,13 +53,13 @@ pub struct HardBodyResult {
     /// The part of inserted bodies that overlap none.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub insertion_probability: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the insertion probability.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub insertion_probability_error: Option<f64>,
     /// Excess chemical potential, kT.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_chemical_potential_kt: Option<f64>,
-    /// Its standard error, kT.
+    /// Standard error of the excess chemical potential, kT.
     #[serde(
         skip_serializing_if = "Option::is_none",
         default,
@@ -69,7 +69,7 @@ pub struct HardBodyResult {
     /// Free volume of the first depletant, as a part of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the free volume.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction_error: Option<f64>,
     /// The constant pressure βP, kT per volume.
@@ -78,13 +78,13 @@ pub struct HardBodyResult {
     /// The accepted part of the changes of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub box_acceptance: Option<f64>,
-    /// At constant pressure and under gravity: whether the run has arrived.
+    /// Verdict on equilibrium, at constant pressure and under gravity.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub equilibrium: Option<Equilibrium>,
-    /// What the walls bear.
+    /// Pressures on the walls, and mean height of the bodies.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub walls: Option<WallsResult>,
-    /// Each depletant.
+    /// Results for each depletant.
     #[serde(skip_serializing_if = "Vec::is_empty", default)]
     pub depletants: Vec<DepletantResult>,
 }
@@ -92,20 +92,20 @@ pub struct HardBodyResult {
 /// The box on average. Tilt factors that belong to the same images count as different.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeanBox {
-    /// Lx, Ly, Lz.
+    /// Mean lengths Lx, Ly, Lz.
     pub lengths: Vec<f64>,
-    /// Their standard errors.
+    /// Standard errors of the lengths.
     #[serde(alias = "length_errors")]
     pub lengths_error: Vec<Option<f64>>,
-    /// xy, xz and yz; in a plane xy.
+    /// Mean tilt factors xy, xz and yz; in a plane xy.
     pub tilt_factors: Vec<f64>,
-    /// Their standard errors.
+    /// Standard errors of the tilt factors.
     #[serde(alias = "tilt_factor_errors")]
     pub tilt_factors_error: Vec<Option<f64>>,
 }
 
 impl MeanBox {
-    /// Of the measurements; `None` where the box keeps its shape.
+    /// Mean box of the measurements; `None` where the box keeps its shape.
     pub(super) fn of(rows: &[LogRow]) -> Option<Self> {
         let series = |of: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
             let count = rows.first().map_or(0, |row| of(row).len());
@@ -148,21 +148,21 @@ impl MeanBox {
 pub struct WallsResult {
     /// βP at the lower wall, kT per volume, from the bodies near it.
     pub lower_pressure: f64,
-    /// Its standard error.
+    /// Standard error of the pressure at the lower wall.
     pub lower_pressure_error: Option<f64>,
     /// βP at the upper wall.
     pub upper_pressure: f64,
-    /// Its standard error.
+    /// Standard error of the pressure at the upper wall.
     pub upper_pressure_error: Option<f64>,
     /// The weight of all bodies over the area of a wall, kT per volume.
     pub weight_per_area: f64,
     /// Mean height of the centres over the lower wall.
     pub mean_height: f64,
-    /// Its standard error.
+    /// Standard error of the mean height.
     pub mean_height_error: Option<f64>,
 }
 
-/// What was measured of a depletant.
+/// Results for a depletant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DepletantResult {
     /// Radius.
@@ -171,9 +171,9 @@ pub struct DepletantResult {
     pub fugacity: f64,
     /// The part of the reservoir that the depletants would fill if they did not overlap.
     pub reservoir_packing_fraction: f64,
-    /// The part of the box that is open to their centres.
+    /// Part of the box that is open to the centres of the depletants.
     pub free_volume_fraction: f64,
-    /// Its standard error.
+    /// Standard error of the free volume.
     pub free_volume_fraction_error: Option<f64>,
 }
 
@@ -234,7 +234,8 @@ impl Answer for HardBodyResult {
 }
 
 impl HardBodyResult {
-    /// Why the numbers are not those of equilibrium; `None` if nothing speaks against it.
+    /// Warning that the numbers are not those of equilibrium, and why; `None` if nothing speaks
+    /// against it.
     pub fn warning(&self) -> Option<String> {
         let equilibrium = self.equilibrium.as_ref()?;
         (!equilibrium.is_reached).then(|| equilibrium.text())

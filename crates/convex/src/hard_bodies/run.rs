@@ -99,7 +99,7 @@ struct HardBodyRun<'a, const D: usize> {
     body: HardBody<D>,
     start: Start<D>,
     engine: simulation::Settings,
-    /// Bodies that are being compressed hear it too.
+    /// Request to stop, which also ends the compression of bodies.
     interrupt: Interrupt,
 }
 
@@ -191,7 +191,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         stop.min(self.length())
     }
 
-    /// Whether a run that should keep a pressure or a height does.
+    /// Verdict on whether a run that should keep a pressure or a height does.
     fn equilibrium(&self, rows: &[LogRow], walls: Option<&WallsResult>) -> Option<Equilibrium> {
         let kept = |of: &dyn Fn(&LogRow) -> Option<f64>| -> Option<Vec<f64>> {
             rows.iter().map(of).collect()
@@ -216,7 +216,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         }))
     }
 
-    /// The means of what the walls bear.
+    /// Mean pressures on the walls, and mean height of the bodies.
     fn walls(&self, open: &Open<D>) -> Option<WallsResult> {
         let gravity = self.settings.gravity?;
         let samples: Option<Vec<Walls>> = open.rows.iter().map(|row| row.walls).collect();
@@ -239,7 +239,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         })
     }
 
-    /// The same error with a number of bodies that fills whole unit cells.
+    /// The error with a number of bodies that fills whole unit cells.
     fn with_whole_cells(&self, error: protomer_hpmc::Error) -> protomer_hpmc::Error {
         use protomer_hpmc::Error::BoxShrinks;
         match (error, &self.start) {

@@ -18,15 +18,15 @@ use serde::{Deserialize, Serialize};
 pub struct HardBodySettings {
     /// File or name of the shape.
     pub shape: String,
-    /// Radius of the ball, or disk, that rounds it.
+    /// Radius of the ball, or disk, that rounds the shape.
     pub rounding_radius: f64,
     /// Number of bodies.
     pub bodies: usize,
-    /// The part of the box that they fill.
+    /// Part of the box that the bodies fill.
     pub packing_fraction: f64,
     /// Sweeps in which the steps are tuned and nothing is measured.
     pub equilibration: u64,
-    /// Sweeps after that.
+    /// Sweeps after the equilibration.
     pub sweeps: u64,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -44,8 +44,8 @@ pub struct HardBodySettings {
     /// `fluid`, the name of a crystal, or the file of a unit cell.
     #[serde(skip_serializing_if = "is_fluid")]
     pub start: String,
-    /// How every body of a crystal is turned first: degrees in a plane, a quaternion in space; empty for
-    /// not at all.
+    /// Rotation of every body of a crystal in its own frame: degrees in a plane, a quaternion in
+    /// space; empty for none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub turn: Vec<f64>,
     /// Edges of the box relative to each other; empty for equal ones, and for a crystal.
@@ -88,7 +88,7 @@ fn is_fluid(start: &str) -> bool {
 }
 
 impl Settings for HardBodySettings {
-    /// More sweeps continue a run.
+    /// Settings without the number of sweeps: more sweeps continue a run.
     fn essential(&self) -> Self {
         Self {
             sweeps: 0,
@@ -97,7 +97,7 @@ impl Settings for HardBodySettings {
     }
 }
 
-/// Most bodies: their numbers have 31 bits.
+/// Largest number of bodies: the numbers of bodies have 31 bits.
 const MOST_BODIES: usize = 1 << 30;
 
 /// Refuses a rounding radius that makes no body.

@@ -19,14 +19,15 @@ pub const FLUID: &str = "fluid";
 pub(crate) enum BodyShape {
     /// A rod of this length, on a line.
     Rod(f64),
-    /// In a plane or in space.
+    /// A shape in a plane or in space.
     Shape(Shape),
-    /// Several of them, where their coordinates have them, as one body.
+    /// Several shapes, where their coordinates have them, as one body.
     Pieces(Vec<Shape>),
 }
 
 impl BodyShape {
-    /// From a file or a name; `rod:LENGTH` lives on a line. Pieces of one body are joined by `+`.
+    /// Reads a shape from a file or a name; `rod:LENGTH` lives on a line. Pieces of one body are
+    /// joined by `+`.
     pub(crate) fn read(file_or_name: &str) -> Result<Self> {
         let Some(length) = file_or_name.strip_prefix("rod:") else {
             return Self::read_pieces(file_or_name);
@@ -50,7 +51,7 @@ impl BodyShape {
         Ok(Self::Pieces(shapes))
     }
 
-    /// 1, 2 or 3.
+    /// Number of dimensions, 1, 2 or 3.
     pub(crate) fn dimension(&self) -> usize {
         match self {
             Self::Rod(_) => 1,

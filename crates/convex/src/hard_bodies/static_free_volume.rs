@@ -18,11 +18,11 @@ const LINES: Count = Count::new(1, 10_000);
 pub struct StaticFreeVolumeSettings {
     /// File or name of the shape.
     pub shape: String,
-    /// Radius of the ball that rounds it.
+    /// Radius of the ball that rounds the shape.
     pub rounding_radius: f64,
     /// Name of the crystal, or file of its unit cell.
     pub crystal: String,
-    /// How every body is turned first, a quaternion; empty for not at all.
+    /// Rotation of every body in its own frame, a quaternion; empty for none.
     pub turn: Vec<f64>,
     /// The parts of space that the bodies fill.
     pub packing_fractions: Vec<f64>,
@@ -39,11 +39,11 @@ pub struct StaticFreeVolumeRow {
     pub packing_fraction: f64,
     /// Radius of the depletant.
     pub depletant_radius: f64,
-    /// The same over the radius of the ball about the centre that holds the body.
+    /// Radius of the depletant over that of the ball about the centre that holds the body.
     pub size_ratio: f64,
     /// The part of space that is open to the centres of depletants.
     pub free_volume_fraction: f64,
-    /// Its standard error.
+    /// Standard error of the free volume.
     pub free_volume_fraction_error: f64,
 }
 

@@ -17,7 +17,7 @@ const EXAMPLE: &str = "{\"a\": \"cube\", \"b\": \"cube\", \"position\": [0, 0, 1
 struct PairEntry {
     /// File or name of the first shape.
     a: String,
-    /// File or name of the second.
+    /// File or name of the second shape.
     b: String,
     /// The centroid of b; that of a is at the origin.
     position: Vec<f64>,
@@ -25,8 +25,8 @@ struct PairEntry {
     orientation_b: Option<Orientation>,
 }
 
-/// What two bodies feel: energy in units of ε, lengths in the unit of the shapes. In a plane the
-/// torques have only a third component.
+/// Interaction of two bodies: energy in units of ε, lengths in the unit of the shapes. In a plane
+/// the torques have only a third component.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contact {
     /// Energy.
@@ -41,7 +41,7 @@ pub struct Contact {
     pub torque_b: [f64; 3],
 }
 
-/// What the pairs of a file feel.
+/// Interactions of the pairs of a file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct Contacts(pub Vec<Contact>);

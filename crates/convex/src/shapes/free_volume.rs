@@ -17,7 +17,7 @@ pub struct ScaledParticleRow {
     pub depletant_radius: f64,
     /// The part of space that is open to the centres of depletants.
     pub free_volume_fraction: f64,
-    /// Excess chemical potential of a depletant, -ln of that, kT.
+    /// Excess chemical potential of a depletant, -ln of the free volume fraction, kT.
     pub excess_chemical_potential_kt: f64,
 }
 

@@ -19,16 +19,16 @@ use protomer_kernel::shape::{Shape, builders};
 use serde::Serialize;
 use std::path::Path;
 
-/// What is known of a shape. Lengths are in the unit of its points.
+/// Measured properties of a shape. Lengths are in the unit of its points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShapeReport {
-    /// The file or the name.
+    /// File or name of the shape.
     pub shape: String,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// Corners of the convex hull; of an ellipsoid none.
     pub corners: usize,
-    /// Radius of the ball (in a plane, the disk) that is added to it.
+    /// Radius of the ball (in a plane, the disk) that is added to the shape.
     pub rounding_radius: f64,
     /// Volume; in a plane, the area.
     pub volume: f64,
@@ -38,7 +38,7 @@ pub struct ShapeReport {
     pub integrated_mean_curvature: f64,
     /// Second virial coefficient of hard bodies of this shape.
     pub b2: f64,
-    /// The same over the volume.
+    /// Second virial coefficient over the volume.
     pub b2_over_volume: f64,
 }
 

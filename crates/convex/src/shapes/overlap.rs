@@ -18,7 +18,7 @@ const EXAMPLE: &str =
 struct PairEntry {
     /// File or name of the first shape.
     a: String,
-    /// File or name of the second.
+    /// File or name of the second shape.
     b: String,
     /// The centroid of b; that of a is at the origin.
     position: Vec<f64>,
@@ -33,7 +33,7 @@ struct PairEntry {
     depletant_radius: f64,
 }
 
-/// What two bodies share. Lengths are in the unit of the shapes.
+/// Volume that two bodies share, and their distance. Lengths are in the unit of the shapes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SharedVolume {
     /// Volume (in a plane, area) that is closed to the centre of a depletant by both bodies.
@@ -42,7 +42,7 @@ pub struct SharedVolume {
     pub distance: f64,
 }
 
-/// What the pairs of a file share.
+/// Volumes that the pairs of a file share.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct SharedVolumes(pub Vec<SharedVolume>);

@@ -7,13 +7,13 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-/// How a body is turned.
+/// Orientation of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub(super) enum Orientation {
-    /// In a plane, rad.
+    /// Angle in a plane, rad.
     Angle(f64),
-    /// Scalar first.
+    /// Quaternion, scalar first.
     Quaternion([f64; 4]),
 }
 

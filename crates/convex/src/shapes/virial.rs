@@ -14,19 +14,19 @@ use protomer_kernel::statistics::RunningMoments;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Fewer rays or triples have no error worth the name.
+/// Smallest number of rays or triples; fewer have no meaningful error.
 const FEWEST: u64 = 10;
 
-/// Which virial coefficients to find. Lengths are in the unit of the shapes.
+/// Settings for virial coefficients. Lengths are in the unit of the shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VirialSettings {
     /// File or name of the first shape; pieces of a concave one are joined by `+`.
     pub first: String,
     /// File or name of another shape; `None` for two bodies of the first.
     pub second: Option<String>,
-    /// Radius of the ball that rounds the first.
+    /// Radius of the ball that rounds the first shape.
     pub rounding: f64,
-    /// Radius of the ball that rounds the second.
+    /// Radius of the ball that rounds the second shape.
     pub second_rounding: f64,
     /// Triples for the third coefficient of the first; zero to leave it out.
     pub triples: u64,
@@ -43,13 +43,13 @@ pub struct VirialSettings {
 pub struct VirialReport {
     /// File or name of the first shape.
     pub first: String,
-    /// File or name of the other; the first again without one.
+    /// File or name of the second shape; the first again if there is none.
     pub second: String,
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// Second virial coefficient of the pair, half its mean excluded volume; of different bodies B12.
     pub b2: f64,
-    /// Its error; zero where it is known exactly.
+    /// Standard error of B2; zero where it is known exactly.
     pub b2_error: f64,
     /// B2 over the volume, of equal bodies.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -70,11 +70,11 @@ pub struct VirialReport {
 pub struct ThirdVirial {
     /// Third virial coefficient.
     pub b3: f64,
-    /// Its error.
+    /// Standard error of B3.
     pub b3_error: f64,
     /// B3 over the square of B2.
     pub b3_over_b2_squared: f64,
-    /// Its error.
+    /// Standard error of B3 over the square of B2.
     pub b3_over_b2_squared_error: f64,
 }
 
@@ -83,7 +83,7 @@ pub struct ThirdVirial {
 pub struct OsmoticVirial {
     /// Second virial coefficient of the bodies in the reservoir.
     pub osmotic_b2: f64,
-    /// Its error.
+    /// Standard error of the coefficient.
     pub osmotic_b2_error: f64,
 }
 
@@ -370,7 +370,7 @@ impl Member {
     }
 }
 
-/// What triples of one body tell.
+/// Results of triples of one body.
 struct Sampled {
     volume: f64,
     b2: Estimate,

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 /// A passage through a level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Crossing {
-    /// When.
+    /// Time of the passage.
     pub time: f64,
-    /// How fast, with sign.
+    /// Rate of change at the passage, with its sign.
     pub rate: f64,
 }
 

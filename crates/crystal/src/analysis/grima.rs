@@ -126,12 +126,12 @@ impl CoherentOrbit {
         0.5 * self.inertia * self.speed * self.speed
     }
 
-    /// The angular velocity ±ω_c at an angle, eq. 29b; the absolute value.
+    /// Absolute value of the angular velocity ω_c at an angle, eq. 29b.
     pub fn rate_at(&self, angle: f64) -> f64 {
         self.speed.abs() / (1.0 - self.parameter * (FRAC_PI_4 - angle).sin().powi(2)).sqrt()
     }
 
-    /// When squares first meet; `None` for never.
+    /// Time at which squares first meet; `None` if they never do.
     pub fn first_contact(&self) -> Option<f64> {
         let wall = self.wall?;
         // A positive rate lowers E.

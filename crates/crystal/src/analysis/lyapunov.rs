@@ -27,7 +27,7 @@ use protomer_kernel::statistics::{block_standard_error, summarize};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What carries a state along in time: any stepper, with collisions or without.
+/// Flow that carries a state along in time: any stepper, with collisions or without.
 pub trait Flow {
     /// Carries the state along for this time.
     ///
@@ -52,12 +52,12 @@ impl<F: FnMut(&mut State, f64) -> Result<()>> Flow for F {
     }
 }
 
-/// What makes single steps on the rods.
+/// Integrator that makes single steps with the rods kept at their lengths.
 pub trait Stepper {
     /// The network.
     fn network(&self) -> &Arc<Network>;
 
-    /// One step.
+    /// Makes one step.
     ///
     /// # Errors
     /// Those of the stepper.
@@ -114,7 +114,7 @@ impl Stepper for Mover {
     }
 }
 
-/// A stepper in equal steps of at most a given length, with a projection onto the rods.
+/// Flow of a stepper in equal steps of at most a given length, with a projection onto the rods.
 pub struct SteppedFlow<S> {
     stepper: S,
     projector: Projector,
@@ -156,13 +156,13 @@ impl<S: Stepper> Flow for SteppedFlow<S> {
     }
 }
 
-/// How the exponent is measured.
+/// Settings of the measurement of the exponent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LyapunovSettings {
-    /// d0.
+    /// Initial distance d0 of the neighbour in each interval.
     pub separation: f64,
-    /// τ, between two renormalisations.
+    /// Time τ between two renormalisations.
     pub interval: f64,
     /// Intervals that are not counted, in which the neighbour finds the direction of fastest
     /// growth.
@@ -204,8 +204,8 @@ impl LyapunovSettings {
 pub struct LyapunovExponent {
     /// λ, 1/time.
     pub exponent: f64,
-    /// Its standard error, from blocks of intervals or, where these do not settle, from their
-    /// autocorrelation.
+    /// Standard error of the exponent, from blocks of intervals or, where these do not settle, from
+    /// the autocorrelation of the intervals.
     pub standard_error: f64,
     /// ln(d_k / d0) / τ of every counted interval.
     pub growth_rates: Vec<f64>,
@@ -340,7 +340,7 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
         }
     }
 
-    /// d.
+    /// Distance d between the state and its neighbour.
     fn distance(&self) -> f64 {
         let (state, neighbour) = (&self.state, &self.neighbour);
         let positions = self.weighted_squares(&state.positions, &neighbour.positions);

@@ -7,12 +7,12 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Where a quantity first was largest.
+/// First maximum of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Maximum {
-    /// When.
+    /// Time of the maximum.
     pub time: f64,
-    /// How large.
+    /// Value at the maximum.
     pub value: f64,
 }
 
@@ -41,8 +41,8 @@ pub struct FirstMaximum {
 }
 
 impl FirstMaximum {
-    /// A maximum counts once the quantity has fallen below it by more than `drop`: 0 for any, more
-    /// to pass over ripples.
+    /// Creates a search in which a maximum counts once the quantity has fallen below it by more
+    /// than `drop`: 0 for any, more to pass over ripples.
     pub fn new(drop: f64) -> Self {
         Self {
             drop,
@@ -54,7 +54,7 @@ impl FirstMaximum {
         }
     }
 
-    /// The next value; times must grow.
+    /// Adds the next value; times must grow.
     pub fn push(&mut self, time: f64, value: f64) {
         if self.found.is_some() || value.is_nan() {
             return;

@@ -103,7 +103,7 @@ pub struct Synchronisation {
 }
 
 impl Synchronisation {
-    /// For this many squares.
+    /// Averages for this many squares, without samples.
     pub fn new(squares: usize) -> Self {
         Self {
             squares,
@@ -112,7 +112,7 @@ impl Synchronisation {
         }
     }
 
-    /// From a whole trajectory of angles, one array per time.
+    /// Averages over a whole trajectory of angles, one array per time.
     ///
     /// # Errors
     /// As [`Synchronisation::push`].

@@ -43,13 +43,13 @@ pub struct Honeycomb {
     pub h_angstrom: f64,
     /// Length of the inclined ribs, Å.
     pub l_angstrom: f64,
-    /// Angle between them, rad; below π/2 the honeycomb is re-entrant.
+    /// Angle between vertical and inclined ribs, rad; below π/2 the honeycomb is re-entrant.
     pub theta_rad: f64,
-    /// k_h, kcal/mol/rad².
+    /// Stiffness k_h of the hinges, kcal/mol/rad².
     pub hinge_stiffness_kcal_mol_rad2: f64,
-    /// k_s, kcal/mol/Å².
+    /// Stiffness k_s of the rods, kcal/mol/Å².
     pub rod_stiffness_kcal_mol_angstrom2: f64,
-    /// b, Å.
+    /// Thickness b, Å.
     pub thickness_angstrom: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct AxialModuli {
 }
 
 impl AxialModuli {
-    /// The stiffness in the order yy, zz, yz, GPa; `None` where it has no end (ν_12 ν_21 = 1), as
+    /// The stiffness in the order yy, zz, yz, GPa; `None` where it is infinite (ν_12 ν_21 = 1), as
     /// when a honeycomb only hinges: one freedom cannot make two strains.
     pub fn stiffness_gpa(&self) -> Option<[[f64; 3]; 3]> {
         let left = 1.0 - self.nu_yz * self.nu_zy;
@@ -84,7 +84,7 @@ impl AxialModuli {
 }
 
 impl Honeycomb {
-    /// X1 and X2, Å.
+    /// Edges X1 and X2 of the cell, Å.
     pub fn cell_angstrom(&self) -> [f64; 2] {
         let (sine, cosine) = self.theta_rad.sin_cos();
         [
@@ -93,7 +93,7 @@ impl Honeycomb {
         ]
     }
 
-    /// Only the angles change.
+    /// Moduli of a honeycomb in which only the angles change.
     pub fn hinging(&self, gpa: f64) -> AxialModuli {
         let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
         let k = 2.0 * self.hinge_stiffness_kcal_mol_rad2 * gpa
@@ -108,7 +108,7 @@ impl Honeycomb {
         }
     }
 
-    /// Only the lengths change.
+    /// Moduli of a honeycomb in which only the lengths change.
     pub fn stretching(&self, gpa: f64) -> AxialModuli {
         let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
         let k = self.rod_stiffness_kcal_mol_angstrom2 * gpa / self.thickness_angstrom;
@@ -122,7 +122,7 @@ impl Honeycomb {
         }
     }
 
-    /// Both at once: compliances add.
+    /// Moduli of a honeycomb in which angles and lengths change: compliances add.
     pub fn both(&self, gpa: f64) -> AxialModuli {
         let (h, s) = (self.hinging(gpa), self.stretching(gpa));
         AxialModuli {

@@ -50,9 +50,9 @@ impl Configuration {
         }
     }
 
-    /// The same without the rotation from `start` to here, so that axes keep their meaning: with F
-    /// = R U the deformation of the cell, everything is turned by R⁻¹. Strains that follow each
-    /// other add up to rotations, which cost nothing.
+    /// Configuration without the rotation from `start` to here, so that axes keep their meaning:
+    /// with F = R U the deformation of the cell, everything is turned by R⁻¹. Strains that follow
+    /// each other add up to rotations, which cost nothing.
     #[must_use]
     pub fn without_rotation(&self, start: &Self) -> Self {
         let Some(back) = self.rotation_back_to(start) else {

@@ -35,20 +35,20 @@ const ZERO_STRAIN: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elasticity {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
-    /// With relaxed nodes.
+    /// Stiffness with relaxed nodes.
     pub stiffness: DMatrix<f64>,
-    /// With nodes that follow the strain as points of a homogeneous medium.
+    /// Stiffness with nodes that follow the strain as points of a homogeneous medium.
     pub clamped_stiffness: DMatrix<f64>,
     /// Stress of the network as it is: ∂E/∂ε / V.
     pub stress: Vec<f64>,
     /// Strains that cost nothing.
     pub mechanisms: Vec<Mechanism>,
-    /// How many motions of the nodes, beyond translations, cost nothing at fixed cell; absent for
-    /// networks too large to count them.
+    /// Number of motions of the nodes, beyond translations, that cost nothing at fixed cell; absent
+    /// for networks too large to count them.
     pub internal_mechanisms: Option<usize>,
-    /// Coordinates and springs.
+    /// Count of coordinates and springs.
     pub maxwell: MaxwellCount,
 }
 

@@ -31,17 +31,17 @@ pub struct NetworkEnergy {
 /// The energy of a network and its derivatives, kcal/mol, Å.
 #[derive(Debug, Clone)]
 pub struct Derivatives {
-    /// kcal/mol.
+    /// Energy, kcal/mol.
     pub energy: f64,
-    /// Over node coordinates, kcal/mol/Å.
+    /// Gradient over node coordinates, kcal/mol/Å.
     pub gradient: Vec<f64>,
-    /// Over strains, kcal/mol.
+    /// Gradient over strains, kcal/mol.
     pub strain_gradient: Vec<f64>,
-    /// Over strains twice, kcal/mol.
+    /// Second derivatives over strains, kcal/mol.
     pub strain_hessian: DMatrix<f64>,
-    /// Over node coordinates (rows) and strains, kcal/mol/Å.
+    /// Second derivatives over node coordinates (rows) and strains, kcal/mol/Å.
     pub mixed: DMatrix<f64>,
-    /// Over node coordinates twice, the entries of [`NetworkEnergy::entries`], kcal/mol/Å².
+    /// Second derivatives over node coordinates, at [`NetworkEnergy::entries`], kcal/mol/Å².
     pub hessian: Vec<f64>,
 }
 
@@ -327,7 +327,7 @@ impl Layout {
         }
     }
 
-    /// Where the block of these nodes begins; of a diagonal block there is the lower triangle.
+    /// Index at which the block of these nodes begins; a diagonal block has only a lower triangle.
     fn block(&mut self, row: usize, column: usize) -> u32 {
         if let Some(start) = self.starts.get(&(row, column)) {
             return *start;

@@ -27,8 +27,9 @@ use crate::{CrystalError, Result};
 const MOST_STEPS: usize = 500;
 /// Largest strain and largest displacement (in cell edges) of one step.
 const LONGEST_STEP: f64 = 0.05;
-/// What is left is rounding below this share of the largest entry of the Hessian times a cell edge
-/// (for forces), or times its square (for the load on the cell).
+/// Forces left on nodes are rounding below this share of the largest entry of the Hessian times a
+/// cell edge, and loads left on the cell below this share of that entry times the square of the
+/// edge.
 const AT_REST: f64 = 1e-12;
 /// Shifts of the Hessian's diagonal, in parts of its largest entry: the first that is tried when a
 /// step fails, and the largest, at which steps have become far too short to get anywhere.
@@ -128,7 +129,7 @@ struct Approach<'a> {
     /// The last minimum.
     configuration: Configuration,
     stretch: Vec<f64>,
-    /// The stress there, kcal/mol/Å³.
+    /// Stress at the last minimum, kcal/mol/Å³.
     stress: f64,
     /// Newton steps towards this load.
     steps: usize,
@@ -202,11 +203,11 @@ struct Minimiser<'a> {
     free_cell: bool,
     load: Option<Load>,
     newton: Newton<'a>,
-    /// In parts of the largest entry of the Hessian.
+    /// Shift of the Hessian's diagonal, in parts of its largest entry.
     shift: f64,
 }
 
-/// The balance of forces at some nodes and cell.
+/// Balance of forces for given nodes and cell.
 struct Balance {
     derivatives: Derivatives,
     work: CellWork,

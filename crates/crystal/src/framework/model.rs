@@ -43,7 +43,7 @@ pub struct Framework {
     /// Extent along x of a two-dimensional network, Å; it makes a volume of the area.
     #[serde(default = "one")]
     pub thickness_angstrom: f64,
-    /// Where the nodes are, Å: (y, z) or (x, y, z).
+    /// Positions of the nodes, Å: (y, z) or (x, y, z).
     pub nodes_angstrom: Vec<Vec<f64>>,
     /// Springs between two nodes.
     #[serde(default)]
@@ -134,7 +134,7 @@ impl Neighbour {
 }
 
 impl Framework {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub fn dimension(&self) -> usize {
         self.cell_angstrom.len()
     }
@@ -156,7 +156,7 @@ impl Framework {
         }
     }
 
-    /// The way from the cell's own image to this one, Å, as (x, y, z) or (y, z, 0).
+    /// Vector from the cell itself to this image of it, Å, as (x, y, z) or (y, z, 0).
     pub(crate) fn offset(&self, image: &[i32]) -> [f64; 3] {
         let mut offset = [0.0; 3];
         for (count, vector) in image.iter().zip(&self.cell_angstrom) {
@@ -167,7 +167,7 @@ impl Framework {
         offset
     }
 
-    /// Where a node or its image is, Å, as (x, y, z) or (y, z, 0).
+    /// Position of a node or its image, Å, as (x, y, z) or (y, z, 0).
     pub(crate) fn place(&self, neighbour: &Neighbour) -> [f64; 3] {
         let mut place = self.offset(&neighbour.image);
         for (component, x) in self.nodes_angstrom[neighbour.node].iter().enumerate() {
@@ -176,7 +176,7 @@ impl Framework {
         place
     }
 
-    /// From one node or image to another, Å.
+    /// Vector from one node or image to another, Å.
     pub(crate) fn difference(&self, from: &Neighbour, to: &Neighbour) -> [f64; 3] {
         let (a, b) = (self.place(from), self.place(to));
         [b[0] - a[0], b[1] - a[1], b[2] - a[2]]

@@ -40,7 +40,7 @@ pub struct Direction {
     pub poissons: Option<f64>,
 }
 
-/// How a network answers to uniaxial and shear loads, mechanisms or not.
+/// Response of a network to uniaxial and shear loads, with or without mechanisms.
 struct Answers<'a> {
     /// Strain per stress; where there are mechanisms, without their part.
     compliance: DMatrix<f64>,
@@ -51,8 +51,8 @@ struct Answers<'a> {
 struct Answer {
     /// Strain along the load per stress; absent where a mechanism yields.
     give: Option<f64>,
-    /// Minus the strain across over that along; absent where it depends on a mechanism that nothing
-    /// decides.
+    /// Minus the strain across the load over the strain along it; absent where mechanisms
+    /// leave it undetermined.
     poissons: Option<f64>,
 }
 

@@ -9,8 +9,8 @@ use protomer_kernel::sparse::LdlFactor;
 const MOST_DENSE_COORDINATES: usize = 240;
 /// Eigenvalues below this part of the largest are zero.
 const ZERO_EIGENVALUE: f64 = 1e-10;
-/// What a sparse factorisation adds to the diagonal, in parts of the largest diagonal entry, so
-/// that rigid motions and floppy modes do not stop it.
+/// Shift that a sparse factorisation adds to the diagonal, in parts of the largest diagonal entry,
+/// so that rigid motions and floppy modes do not stop it.
 const SHIFT: f64 = 1e-9;
 /// Rounds of refinement that take the shift out again.
 const MOST_REFINEMENTS: usize = 60;

@@ -4,7 +4,7 @@ use super::model::{Framework, Hinge, Neighbour, Rod, Torsion};
 use crate::error::{CrystalError, Result, require};
 
 impl Framework {
-    /// The same network with a cell of so many of its cells.
+    /// The same network with a cell of so many of its cells along each cell vector.
     ///
     /// ```
     /// use protomer_crystal::framework::build::face_centred_cubic;
@@ -87,7 +87,7 @@ impl Framework {
 /// The copies of a cell in a supercell, the last axis fastest.
 struct Copies {
     dimension: usize,
-    /// 1 along axes that there are not.
+    /// Copies along each axis; 1 along axes beyond the dimension.
     counts: [usize; 3],
     nodes_per_cell: usize,
 }

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 /// Rest angles nearer to straight than this (rad) use the form that is smooth there.
 const NEARLY_STRAIGHT: f64 = 1e-6;
 
-/// What a spring resists.
+/// Kind of spring, by the length or angle that it resists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Rod,
@@ -33,8 +33,8 @@ pub(super) struct Term {
     pub stiffness: f64,
     pub rest: f64,
     pub bonds: Vec<Bond>,
-    /// For each pair of bond ends, row end before column end, where its block of the Hessian
-    /// begins; `None` above the diagonal.
+    /// Start of the block of the Hessian of each pair of bond ends, row end before column end;
+    /// `None` above the diagonal.
     pub blocks: Vec<Option<u32>>,
 }
 
@@ -83,7 +83,7 @@ impl Term {
         0.5 * self.stiffness * away * away
     }
 
-    /// How far from rest, by the shorter way around for angles in a circle.
+    /// Deviation from rest, by the shorter way around for angles in a circle.
     fn deviation(&self, value: f64) -> f64 {
         let away = value - self.rest;
         match self.kind {
@@ -123,7 +123,7 @@ impl Term {
 }
 
 impl Kind {
-    /// Length or angle.
+    /// Length or angle of a spring with these vectors as bonds.
     fn measure(self, vectors: &[[f64; 3]]) -> f64 {
         let vector = |index: usize| vectors[index].map(Jet::<0>::constant);
         match self {

@@ -5,7 +5,7 @@ use super::model::Framework;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// What a stress is referred to.
+/// Kind of stress, by the area to which it is referred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum StressKind {
@@ -22,7 +22,7 @@ pub struct Load {
     pub axis: usize,
     /// Tension, kcal/mol/Å³; negative for compression.
     pub stress_kcal_mol_angstrom3: f64,
-    /// What it is referred to.
+    /// Kind of stress.
     pub kind: StressKind,
 }
 

@@ -43,7 +43,7 @@ pub struct Drag {
 }
 
 impl Drag {
-    /// The same rate for translations and rotations.
+    /// Friction with the same rate for translations and rotations.
     ///
     /// # Errors
     /// As [`Drag::new`].
@@ -51,7 +51,7 @@ impl Drag {
         Self::new(rate, rate)
     }
 
-    /// Rates for translations and rotations, 1/time.
+    /// Friction with these rates for translations and rotations, 1/time.
     ///
     /// # Errors
     /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) for a rate that is negative or
@@ -123,7 +123,7 @@ impl Drag {
         dynamics.project_velocities(target);
     }
 
-    /// One step without collisions: friction, [`Dynamics::step`], friction.
+    /// Makes one step without collisions: friction, [`Dynamics::step`], friction.
     ///
     /// # Errors
     /// As [`Drag::apply`] and [`Dynamics::step`].

@@ -48,7 +48,7 @@ const GOOD_TURN_PER_STEP: f64 = 0.1;
 /// A start whose rods are farther than this from their lengths is refused.
 const LARGEST_VIOLATION_AT_START: f64 = 1e-6;
 
-/// What makes a network move.
+/// Integrator of the motion of a network between collisions.
 ///
 /// [`prepare`](Dynamics::prepare) at a state, then any number of [`drift`](Dynamics::drift)s to see
 /// where it would be after some time, then [`arrive`](Dynamics::arrive), which is `prepare` at the
@@ -76,7 +76,7 @@ pub struct Dynamics {
     network: Arc<Network>,
     forces: Vec<Box<dyn Force>>,
     rods: RodSystem,
-    /// At the prepared state.
+    /// Accelerations at the prepared state.
     accelerations: Vec<f64>,
     potential_energy: f64,
     /// Multipliers of eq. 23 at the prepared state.
@@ -201,8 +201,8 @@ impl Dynamics {
         self.has_slope = false;
     }
 
-    /// Where the squares would be `step` after the prepared state, rods and forces obeyed, nothing
-    /// else in the way.
+    /// Computes where the squares would be `step` after the prepared state, with rods and forces
+    /// obeyed and nothing else in the way.
     ///
     /// # Errors
     /// [`CrystalError::StepTooLarge`] if the rods cannot be brought back to their lengths.
@@ -325,14 +325,14 @@ impl Dynamics {
         self.rods.add_response(&self.start, 1.0, total);
     }
 
-    /// To be called after changing the velocities at the prepared state, as impacts do. It removes
-    /// from them what would change the lengths of the rods, and prepares the next drift.
+    /// Prepares the next drift after a change of the velocities at the prepared state, as by
+    /// impacts. Removes from them what would change the lengths of the rods.
     pub fn velocities_changed(&mut self, velocities: &mut [f64]) {
         self.project_velocities(velocities);
         self.prepare_velocities(velocities);
     }
 
-    /// One step without collisions.
+    /// Makes one step without collisions.
     ///
     /// # Errors
     /// As [`drift`](Dynamics::drift) and [`arrive`](Dynamics::arrive); the state is then as it was.

@@ -37,7 +37,7 @@ const STEP_DONE: f64 = 1e-14;
 /// Rods are measured every so many steps without impacts.
 const STEPS_BETWEEN_MEASUREMENTS: u64 = 16;
 
-/// How bodies collide.
+/// Settings of collisions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CollisionSettings {
@@ -71,7 +71,7 @@ pub struct CollisionStatistics {
     pub impacts: u64,
     /// Contacts with an impulse, over all impacts.
     pub contacts: u64,
-    /// Contacts of these with rods.
+    /// Contacts with rods, of those in `contacts`.
     pub rod_contacts: u64,
     /// Sum of all impulses.
     pub impulse: f64,
@@ -82,7 +82,7 @@ pub struct CollisionStatistics {
     /// Impacts in which contacts were held apart with a small speed: resting contacts, and steps
     /// with too many impacts.
     pub lifts: u64,
-    /// Energy that these added.
+    /// Energy that lifts added.
     pub lift_energy: f64,
     /// Steps with more impacts than `most_impacts_per_step`.
     pub capped_steps: u64,
@@ -90,12 +90,12 @@ pub struct CollisionStatistics {
     pub relaxed: u64,
     /// The largest |Δ| - r0 after an impact or at a check, every 16th step.
     pub largest_rod_violation: f64,
-    /// The largest |J v| there.
+    /// The largest |J v| after an impact or at a check.
     pub largest_rod_rate: f64,
     /// The smallest gap (negative: overlap) of all pairs that were near at the end of a sub-step;
     /// none if none ever was.
     pub smallest_gap: Option<f64>,
-    /// How often the list of near pairs was made since the engine was.
+    /// Number of times the list of near pairs was made since the engine was made.
     pub candidate_lists: u64,
 }
 
@@ -155,7 +155,7 @@ pub struct Engine {
 #[derive(Clone, Copy)]
 struct Moment {
     meeting: Meeting,
-    /// What is left of the step.
+    /// Time left in the step.
     left: f64,
     /// Impacts in this step, this one included.
     impacts: usize,
@@ -201,7 +201,7 @@ impl Engine {
         self.dynamics.network()
     }
 
-    /// How bodies collide.
+    /// Settings of collisions.
     pub fn settings(&self) -> &CollisionSettings {
         &self.settings
     }
@@ -221,7 +221,7 @@ impl Engine {
         self.statistics = statistics;
     }
 
-    /// To be called when a state has been changed from outside, or another one taken.
+    /// Prepares for a state that has been changed from outside, or for another one.
     ///
     /// # Errors
     /// As [`Engine::new`].
@@ -234,7 +234,7 @@ impl Engine {
             .check_no_overlap(&network, &state.positions, state.time)
     }
 
-    /// One step of length `step`, with its collisions.
+    /// Makes one step of length `step`, with its collisions.
     ///
     /// # Errors
     /// Those of [`Dynamics::step`], [`CrystalError::Overlap`] if bodies overlap by more than 1e-9
@@ -306,7 +306,7 @@ impl Engine {
         Ok(meeting)
     }
 
-    /// Everything that touches takes part in one impact.
+    /// Lets everything that touches take part in one impact.
     fn meet(&mut self, network: &Network, state: &mut State, moment: Moment) -> Result<()> {
         let allowed = self.settings.most_impacts_per_step;
         if moment.impacts > JAMMED * allowed.max(1) {
@@ -342,8 +342,8 @@ impl Engine {
         self.settings.restitution < 1.0 && (at_once || impacts > IMPACTS_BEFORE_REST)
     }
 
-    /// Impacts until no contact approaches: one may send a contact that was parting back together,
-    /// which then takes part in the next.
+    /// Makes impacts until no contact approaches: one may send a contact that was parting back
+    /// together, which then takes part in the next.
     fn strike_while_approaching(
         &mut self,
         network: &Network,
@@ -370,7 +370,7 @@ impl Engine {
         }
     }
 
-    /// One impact; returns the change of the kinetic energy.
+    /// Makes one impact and returns the change of the kinetic energy.
     fn strike(
         &mut self,
         network: &Network,

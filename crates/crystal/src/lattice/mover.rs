@@ -17,14 +17,14 @@ use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// How a lattice moves.
+/// Settings of the motion of a lattice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// κ of the coherence potential, an inverse time squared.
     pub kappa: f64,
     /// Charges that act on those of neighbouring squares.
     pub charges: Option<Charges>,
-    /// What happens where squares meet.
+    /// Treatment of squares that meet.
     pub meeting: Meetings,
     /// Friction and noise, half a step before and half a step after the rest.
     pub bath: Option<Langevin>,
@@ -33,9 +33,9 @@ pub struct Motion {
 /// The same charges on every square.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Charges {
-    /// Where they are and how large.
+    /// Charges of a square, with their positions.
     pub on_square: Vec<SquareCharge>,
-    /// The medium between them.
+    /// The medium between the charges.
     pub screening: Screening,
     /// Length of one reduced unit, Å.
     pub scale_angstrom: f64,
@@ -53,14 +53,14 @@ pub struct Screening {
     pub kt: f64,
 }
 
-/// What happens where squares meet.
+/// Treatment of squares that meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Meetings {
-    /// They pass through each other.
+    /// Squares pass through each other.
     Ignored,
-    /// They collide, one event after the other.
+    /// Squares collide, one event after the other.
     Collisions(CollisionSettings),
-    /// They collide as the paper prescribes.
+    /// Squares collide as the paper prescribes.
     Paper(PaperSettings),
 }
 
@@ -210,7 +210,7 @@ impl Mover {
         }
     }
 
-    /// What is joined to what.
+    /// Network of squares and rods.
     pub fn network(&self) -> &Arc<Network> {
         &self.network
     }
@@ -244,7 +244,7 @@ impl Mover {
         violation.abs()
     }
 
-    /// One step of the run. `number` counts the steps, for the random numbers of a heat bath.
+    /// Makes one step of the run. `number` counts the steps, for the random numbers of a heat bath.
     ///
     /// # Errors
     /// Those of [`Dynamics::step`], [`Engine::step`] and [`PaperEngine::step`]; the state is then

@@ -47,7 +47,7 @@ impl Default for Square {
 pub struct Corner {
     /// Index of the square.
     pub square: usize,
-    /// 1 to 4.
+    /// Number of the corner, 1 to 4.
     pub vertex: u8,
 }
 
@@ -68,11 +68,11 @@ impl Corner {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rod {
-    /// Its first end.
+    /// First end of the rod.
     pub from: Corner,
-    /// Its second end.
+    /// Second end of the rod.
     pub to: Corner,
-    /// Its length, r0.
+    /// Length of the rod, r0.
     pub length: f64,
     /// The periodic image of the second square at which the rod ends, in cells along x and y.
     #[serde(default)]
@@ -86,13 +86,13 @@ impl Rod {
     }
 }
 
-/// What lies beyond the edges of a lattice.
+/// Edges of a lattice: open or periodic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Edges {
-    /// Nothing.
+    /// Open edges, with nothing beyond them.
     Open,
-    /// The opposite edge.
+    /// Periodic edges, with the opposite edge beyond each.
     Periodic,
 }
 
@@ -116,7 +116,7 @@ pub struct Network {
     /// Rows of the lattice from which the network is cut. Rows and columns give each square its
     /// sign (-1)^(i+j).
     pub rows: usize,
-    /// Columns of that lattice.
+    /// Columns of the lattice from which the network is cut.
     pub columns: usize,
     /// The squares, row by row.
     pub squares: Vec<Square>,

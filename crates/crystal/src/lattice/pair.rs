@@ -27,9 +27,9 @@ const MOST_RINGS: usize = 100;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SquareCharge {
-    /// Its place in the frame of the square at θ = 0, in half-diagonals of the unit square.
+    /// Position in the frame of the square at θ = 0, in half-diagonals of the unit square.
     pub position: [f64; 2],
-    /// Elementary charges.
+    /// Charge in elementary charges.
     pub charge: f64,
 }
 
@@ -37,7 +37,7 @@ pub struct SquareCharge {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SquarePair {
-    /// Their indices.
+    /// Indices of the squares.
     pub squares: [usize; 2],
     /// The image of the second, in cells along x and y.
     #[serde(default)]
@@ -75,14 +75,14 @@ pub struct ScreenedCharges {
 #[derive(Debug, Clone, Copy, Default)]
 struct Interaction {
     energy: f64,
-    /// On the first square; that on the second is its opposite.
+    /// Force on the first square; that on the second is its opposite.
     force: Vector,
     torques: [f64; 2],
 }
 
 impl ScreenedCharges {
-    /// Charges per square, the length of one unit in Å, and kT in reduced units (mass · unit² /
-    /// time²).
+    /// Forces between these charges per square, with the length of one unit in Å, and kT in reduced
+    /// units (mass · unit² / time²).
     ///
     /// # Errors
     /// [`CrystalError::BadSetting`] for a scale or kT that is not positive,
@@ -116,7 +116,8 @@ impl ScreenedCharges {
         })
     }
 
-    /// The same charges on every square; each square acts on those in the [`rings`] around it.
+    /// Forces between the same charges on every square; each square acts on those in the [`rings`]
+    /// around it.
     ///
     /// # Errors
     /// As [`ScreenedCharges::new`], and [`CrystalError::BadSetting`] for a Debye length that reaches
@@ -225,7 +226,8 @@ impl Force for ScreenedCharges {
     }
 }
 
-/// How many rings of squares around a square act on it: the eight next to it are the first ring.
+/// Number of rings of squares around a square that act on it: the eight next to it are the first
+/// ring.
 ///
 /// n - 1 squares lie between a square and one of the n-th ring. They fill at least n - 1 sides of a
 /// square, √2 l, whatever their angles, because squares do not overlap. `debye_length` is in
@@ -245,7 +247,7 @@ pub fn rings(network: &Network, debye_length: f64) -> usize {
     }
 }
 
-/// Every two squares of which one is in the first `rings` rings around the other, once each, with
+/// Pairs of squares of which one is in the first `rings` rings around the other, once each, with
 /// periodic images as partners of their own.
 pub fn pairs_within(network: &Network, rings: usize) -> Vec<SquarePair> {
     let places = places(network);

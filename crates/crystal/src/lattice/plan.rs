@@ -31,7 +31,7 @@ pub struct Plan {
     pub columns: usize,
     /// Length of the rods, r0.
     pub rod_length: f64,
-    /// What lies beyond the edges.
+    /// Edges of the lattice: open or periodic.
     pub edges: Edges,
     /// The angle of the coherent state for which a periodic cell is made, rad.
     pub angle: f64,
@@ -69,11 +69,11 @@ pub struct OtherSquare {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ListedRod {
-    /// Row, column, vertex (1 to 4).
+    /// Row, column and vertex (1 to 4) of the first end.
     pub from: [usize; 3],
-    /// Row, column, vertex (1 to 4).
+    /// Row, column and vertex (1 to 4) of the second end.
     pub to: [usize; 3],
-    /// Its length; r0 if left out.
+    /// Length of the rod; r0 if left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length: Option<f64>,
 }

@@ -37,7 +37,7 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// For the rods of this network.
+    /// A projector onto the rods of this network.
     pub fn new(network: &Network) -> Self {
         let rods = RodSystem::new(network);
         let sigma = vec![0.0; rods.len()];

@@ -35,23 +35,23 @@ pub struct RodSystem {
     inverse_mass: Vec<[f64; 2]>,
     /// Blocks of J: for each rod the three numbers of either end.
     rows: Vec<[[f64; 3]; 2]>,
-    /// Which products of blocks add up to which entries of A.
+    /// Products of blocks that add up to the entries of A.
     products: Vec<Product>,
     numbers: Vec<f64>,
     factor: LdlFactor,
     /// The positions last seen, and the rods there.
     seen: Vec<f64>,
     spans: Vec<Span>,
-    /// Cosine and sine of every angle there.
+    /// Cosine and sine of every angle at the positions last seen.
     turned: Vec<Vector>,
 }
 
 /// A rod at some positions.
 #[derive(Debug, Clone, Copy, Default)]
 struct Span {
-    /// Δ.
+    /// Vector Δ along the rod.
     delta: Vector,
-    /// ρ at either end.
+    /// Arm ρ at either end.
     arms: [Vector; 2],
 }
 
@@ -60,7 +60,7 @@ struct RodGeometry {
     squares: [usize; 2],
     /// The corners at θ = 0, from the centres.
     corners: [Vector; 2],
-    /// From the second square to its periodic image.
+    /// Vector from the second square to its periodic image.
     shift: Vector,
     length: f64,
 }
@@ -106,7 +106,7 @@ impl RodGeometry {
         }
     }
 
-    /// Δ̇.
+    /// Rate Δ̇ of the vector along the rod.
     #[inline(always)]
     fn span_rate(&self, [a, b]: &[Vector; 2], velocities: &[f64]) -> Vector {
         let (p, q) = (3 * self.squares[0], 3 * self.squares[1]);
@@ -157,7 +157,7 @@ impl RodSystem {
         self.rods.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no rods.
     pub fn is_empty(&self) -> bool {
         self.rods.is_empty()
     }

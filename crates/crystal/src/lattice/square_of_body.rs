@@ -32,7 +32,7 @@ const INSET_ANGSTROM: f64 = 2.0;
 /// Sites along an axis on which a charge is placed.
 const STENCIL: usize = 4;
 
-/// What the half-diagonal measures.
+/// Measure of the outline from which the half-diagonal is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Size {
@@ -63,7 +63,7 @@ pub enum Axis {
 pub struct Solid<'a> {
     /// The surface, Å.
     pub mesh: &'a TriangleMesh,
-    /// Those of the mesh.
+    /// Mass properties of the mesh.
     pub mass_properties: &'a MassProperties,
     /// Places (Å) and charges (e).
     pub charges: &'a [(Vec3, f64)],
@@ -79,12 +79,12 @@ pub struct BodySquare {
     pub moments_differ: f64,
     /// Order of the symmetry that the outline shows most.
     pub symmetry_order: usize,
-    /// How much the outline changes when it is turned by 90° (root mean square, in parts of its
-    /// mean radius).
+    /// Change of the outline when it is turned by 90° (root mean square, in parts of its mean
+    /// radius).
     pub deviation_from_fourfold: f64,
     /// Distance from the centre to a corner, Å, as chosen.
     pub half_diagonal_angstrom: f64,
-    /// How it was chosen.
+    /// Measure from which the half-diagonal was taken.
     pub size: Size,
     /// The reach of the outline at the corners, Å.
     pub corner_reach_angstrom: f64,
@@ -104,18 +104,18 @@ pub struct BodySquare {
     pub moved: MovedCharges,
 }
 
-/// Charges that stand out of a square.
+/// Count of the charges that stand out of a square and were moved.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct MovedCharges {
-    /// Their number.
+    /// Number of charges moved.
     pub count: usize,
-    /// Charges in all.
+    /// Number of all charges.
     pub out_of: usize,
-    /// The sum of those that are positive, e.
+    /// Sum of the positive charges moved, e.
     pub positive_e: f64,
-    /// The sum of those that are negative, e.
+    /// Sum of the negative charges moved, e.
     pub negative_e: f64,
-    /// The farthest that one was moved, Å.
+    /// Farthest distance by which a charge was moved, Å.
     pub farthest_angstrom: f64,
 }
 
@@ -297,7 +297,7 @@ impl Outline {
         outline
     }
 
-    /// h.
+    /// Value h of the support function at this angle.
     fn reach(&self, angle: f64) -> f64 {
         let along = direction(angle);
         let mut reach = f64::NEG_INFINITY;

@@ -28,11 +28,11 @@ const TURN_PER_STEP: f64 = 0.1;
 /// Starts are drawn at most so often until their squares are apart.
 const MOST_DRAWS: u32 = 200;
 
-/// How the squares move at the start. What the rods forbid is removed.
+/// Velocities of the squares at the start. What the rods forbid is removed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum StartVelocities {
-    /// Not at all.
+    /// Squares at rest.
     #[default]
     Rest,
     /// ω = (-1)^(i+j) rate, with the translations of the coherent motion.
@@ -40,7 +40,7 @@ pub enum StartVelocities {
         /// ⟨ω⟩₁.
         rate: f64,
     },
-    /// Every ω uniform in (-largest, largest).
+    /// Angular velocities drawn uniformly from (-largest, largest).
     Uniform {
         /// Bound of the numbers drawn.
         largest: f64,
@@ -59,14 +59,14 @@ pub enum StartVelocities {
         #[serde(default)]
         sum_of_squares: Option<f64>,
     },
-    /// Those of the canonical ensemble, translations included.
+    /// Velocities of the canonical ensemble, translations included.
     Thermal {
         /// kT in units of mass · half-diagonal² / time².
         kt: f64,
     },
 }
 
-/// What a run starts from.
+/// Settings of the state from which a run starts.
 ///
 /// ```
 /// use protomer_crystal::lattice::{Edges, Network, Square, Start, StartVelocities};
@@ -109,11 +109,12 @@ pub struct Started {
     pub state: State,
     /// Standard deviation about the coherent state of the angles that were drawn, rad.
     pub angle_spread_drawn: f64,
-    /// The same of the angles that the rods allowed, rad.
+    /// Standard deviation about the coherent state of the angles that the rods allowed, rad.
     pub angle_spread_reached: f64,
     /// Σ ω² of the state.
     pub sum_of_squares: f64,
-    /// How many starts were drawn before this one and discarded because squares overlapped.
+    /// Number of starts that were drawn before this one and discarded because squares overlapped or
+    /// could not be brought onto the rods.
     pub discarded_draws: u32,
 }
 
@@ -136,7 +137,7 @@ impl Start {
         self.build_unless(network, replica, &|| false)
     }
 
-    /// As [`build`](Start::build), until `stops` says that the work must stop.
+    /// Variant of [`build`](Start::build) that ends when `stops` says that the work must stop.
     ///
     /// # Errors
     /// As [`build`](Start::build), and [`CrystalError::Stopped`].
@@ -187,7 +188,8 @@ impl Start {
         self.build_apart_unless(network, &|| false)
     }
 
-    /// As [`build_apart`](Start::build_apart), until `stops` says that the work must stop.
+    /// Variant of [`build_apart`](Start::build_apart) that ends when `stops` says that the work
+    /// must stop.
     ///
     /// # Errors
     /// As [`build_apart`](Start::build_apart), and [`CrystalError::Stopped`].

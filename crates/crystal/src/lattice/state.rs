@@ -136,8 +136,7 @@ impl State {
     }
 }
 
-/// How many columns to the right of the middle of the lattice, and how many rows above it, a square
-/// stands.
+/// Position of a square relative to the middle of the lattice: columns to the right, and rows up.
 pub(crate) fn from_middle(network: &Network, square: usize) -> [f64; 2] {
     let [i, j] = network.place(square).map(|index| index as f64);
     let middle_row = 0.5 * (network.rows - 1) as f64;

@@ -60,13 +60,13 @@ pub struct Langevin {
     pub friction: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// Which of several runs with this seed.
+    /// Number of the run among several with this seed.
     #[serde(default)]
     pub replica: u32,
 }
 
 impl Langevin {
-    /// Temperature kT and friction γ.
+    /// A heat bath with the temperature kT and the friction γ.
     ///
     /// # Errors
     /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) if either is negative or not
@@ -102,8 +102,8 @@ impl Langevin {
         );
     }
 
-    /// Friction and noise for half a step of this length, before the other parts of the step with
-    /// this number. `dynamics` must be prepared at the state.
+    /// Applies friction and noise for half a step of this length, before the other parts of the
+    /// step with this number. `dynamics` must be prepared at the state.
     pub fn before(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
         let kept = self.kept_in_half(step);
         self.mix(
@@ -115,7 +115,8 @@ impl Langevin {
         );
     }
 
-    /// The same after them.
+    /// Applies friction and noise for half a step of this length, after the other parts of the step
+    /// with this number. `dynamics` must be prepared at the state.
     pub fn after(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
         let kept = self.kept_in_half(step);
         self.mix(
@@ -132,7 +133,7 @@ impl Langevin {
         (-0.5 * self.friction * step).exp()
     }
 
-    /// One step without collisions, the `number`th of the run.
+    /// Makes one step without collisions, the `number`th of the run.
     ///
     /// # Errors
     /// As [`Langevin::new`] and [`Dynamics::step`]; after an error of the latter the velocities

@@ -68,7 +68,8 @@ pub fn automatic_time_step(
     Ok(step)
 }
 
-/// How fast rods turn at the start, or could turn once the squares have all of the energy.
+/// Largest rate at which rods turn at the start, or could turn once the squares have all of the
+/// energy.
 fn fastest_turning(dynamics: &mut Dynamics, state: &State, kt: f64) -> f64 {
     let turning = dynamics
         .rods()

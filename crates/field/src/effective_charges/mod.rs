@@ -35,7 +35,7 @@ use protomer_kernel::Vec3;
 /// A fit whose residual is larger than this stands for the potential badly.
 pub const LARGEST_RELATIVE_RESIDUAL: f64 = 0.05;
 
-/// How the potential is solved to which charges are fitted.
+/// Settings for the solution of the potential to which charges are fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EffectiveChargeSettings {
     /// Grid spacing, Å; where it is `None`, as fine as some six million points allow, from 0.3 to

@@ -24,7 +24,7 @@ const POINT_SPACINGS_ANGSTROM: [f64; 6] = [1.8, 2.0, 2.6, 3.4, 4.4, 5.6];
 /// A point outside, with the potential there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Its position, Å.
+    /// Position, Å.
     pub position: Vec3,
     /// The potential, kT/e.
     pub potential_kt_per_e: f64,
@@ -107,8 +107,8 @@ impl Spread {
         }
     }
 
-    /// Adds a point unless another is nearer than `apart` (at most the size of a cell), Å. Whether it
-    /// did.
+    /// Adds a point unless another is nearer than `apart` (at most the size of a cell), Å, and
+    /// returns whether it did.
     fn add(&mut self, place: Vec3, apart: f64) -> bool {
         let cell: [i32; 3] =
             std::array::from_fn(|axis| (place[axis] / self.cell_angstrom).floor() as i32);

@@ -47,7 +47,7 @@ pub(super) fn solve(
 
 struct Solver<'a> {
     a: &'a Operator,
-    /// It also holds the residual.
+    /// Preconditioner, which also holds the residual.
     preconditioner: Multigrid<'a>,
     direction: Vec<f32>,
     /// A times the direction.

@@ -50,11 +50,11 @@ struct Crossing {
     part: f64,
     /// The middle of the edge.
     middle: Vec3,
-    /// From the inner to the outer end along the axis, 1 or -1.
+    /// Direction from the inner to the outer end along the axis, 1 or -1.
     direction: f64,
 }
 
-/// For fewer crossings a polynomial of the far charges is not worth its cost.
+/// Least number of crossings for which a polynomial of the far charges is worth its cost.
 const FEWEST_CROSSINGS: usize = 10;
 
 /// Points along the edge of a block, whose places see far charges as the same clusters.
@@ -262,7 +262,7 @@ struct Edge<'a> {
 }
 
 impl Edge<'_> {
-    /// Where the surface crosses this edge: t follows from 1/ε = t/ε_in + (1 - t)/ε_out.
+    /// Crossing of the surface on this edge: t follows from 1/ε = t/ε_in + (1 - t)/ε_out.
     fn crossing(&self, [inner, outer]: [f64; 2]) -> Crossing {
         let contrast = 1.0 / inner - 1.0 / outer;
         let part = if contrast.abs() < 1e-12 {

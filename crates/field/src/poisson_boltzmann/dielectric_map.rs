@@ -27,7 +27,7 @@ const ON_SURFACE_ANGSTROM: f32 = 1e-4;
 pub(super) struct DielectricMap {
     /// Whether a point is inside the surface.
     pub inside: Vec<bool>,
-    /// The points that are not, but no more than [`ON_SURFACE_ANGSTROM`] outside, ascending.
+    /// Points outside the surface by no more than [`ON_SURFACE_ANGSTROM`], ascending.
     pub on_surface: Vec<usize>,
     /// Relative permittivity of the edges from a point to its neighbour along x, y and z.
     pub edges: [Vec<f32>; 3],
@@ -237,8 +237,8 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGa
     distance
 }
 
-/// Where along an edge of length h the surface crosses it, 0 to 1, from the signed distances of its
-/// ends: regula falsi, twice.
+/// Place along an edge of length h where the surface crosses it, 0 to 1, from the signed distances
+/// of its ends: regula falsi, twice.
 fn crossing(solid: &dyn ImplicitSolid, start: &Vec3, axis: usize, h: f64, ends: [f64; 2]) -> f64 {
     let (mut low, mut high) = ((0.0, ends[0]), (1.0, ends[1]));
     for _ in 0..2 {
@@ -255,7 +255,7 @@ fn crossing(solid: &dyn ImplicitSolid, start: &Vec3, axis: usize, h: f64, ends: 
     zero_between(low, high).clamp(0.0, 1.0)
 }
 
-/// Where the straight line through two points (place, value) is zero.
+/// Place where the straight line through two points (place, value) is zero.
 fn zero_between(low: (f64, f64), high: (f64, f64)) -> f64 {
     low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1)
 }

@@ -5,9 +5,10 @@ use crate::Result;
 use crate::charged_sphere::ChargedSphere;
 use crate::dielectric::DielectricModel;
 
-/// The second grid is this many times coarser,
+/// Ratio of the two spacings: the second grid is coarser, or finer where it would be coarser than
+/// [`COARSEST_ANGSTROM`].
 const SECOND_SPACING: f64 = 1.4;
-/// or finer where that would be coarser than this, Å.
+/// Largest spacing of a coarser second grid, Å.
 const COARSEST_ANGSTROM: f64 = 1.1;
 
 /// The expected error of a solvation energy E(h), kT, from the energy at a second spacing s h. An

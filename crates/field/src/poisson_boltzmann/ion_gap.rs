@@ -7,13 +7,14 @@ use protomer_kernel::vectorised;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// How far the points of a grid are from what ions cannot enter: the spheres grown by the radius of
-/// ions.
+/// Distances of the points of a grid from the region that ions cannot enter: the spheres grown by
+/// the radius of ions.
 pub(super) struct IonGap {
     /// The distance of every point, Å. It is exact up to a spacing; farther out it is at least that.
     pub angstrom: Vec<f32>,
     spacing_angstrom: f64,
-    /// What ions cannot enter reaches at least this far beyond the solid, Å.
+    /// Lower bound of the distance by which the region that ions cannot enter reaches beyond the
+    /// solid, Å.
     beyond_solid_angstrom: f64,
 }
 

@@ -87,7 +87,7 @@ pub fn solve(
     solve_within(&*solid, spheres, dielectric, settings)
 }
 
-/// As [`solve`], with the surface of these spheres.
+/// Variant of [`solve`] that is given the surface of these spheres.
 pub(crate) fn solve_within(
     solid: &dyn ImplicitSolid,
     spheres: &[ChargedSphere],

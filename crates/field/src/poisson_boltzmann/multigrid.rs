@@ -82,7 +82,7 @@ impl<'a> Multigrid<'a> {
     }
 }
 
-/// How the equations are solved on the coarsest level.
+/// Polynomial that replaces a solution on the coarsest level.
 struct Coarsest {
     degree: usize,
     above: f32,
@@ -162,7 +162,7 @@ impl<'a> Level<'a> {
         });
     }
 
-    /// One step, in one pass over the grid.
+    /// Makes one step, in one pass over the grid.
     fn advance(&mut self, step: Step) {
         let Self {
             operator,

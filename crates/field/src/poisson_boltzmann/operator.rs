@@ -73,7 +73,7 @@ impl Operator {
         inner_planes.map(on_plane).collect()
     }
 
-    /// Zero on the faces.
+    /// Sets the values on the faces to zero.
     #[cfg(test)]
     pub fn clear_faces<T: Copy + Default>(&self, values: &mut [T]) {
         let [nx, ny, nz] = self.shape;

@@ -35,12 +35,12 @@ pub struct Potential {
     pub iterations: usize,
 }
 
-/// On which side of the surface the points of a grid are.
+/// Sides of the surface on which the points of a grid are.
 #[derive(Debug, Clone)]
 pub(super) struct Sides {
     /// Whether a point is inside.
     pub(super) inside: Vec<bool>,
-    /// The points that are not, but so near that only rounding may have kept them out, ascending.
+    /// Points outside, but so near that only rounding may have kept them out, ascending.
     pub(super) on_surface: Vec<usize>,
 }
 
@@ -78,7 +78,7 @@ impl Potential {
         &self.reduced.grid
     }
 
-    /// Which points of the grid are inside the surface.
+    /// Whether each point of the grid is inside the surface.
     pub(crate) fn inside(&self) -> &[bool] {
         &self.sides.inside
     }
@@ -187,7 +187,7 @@ impl Potential {
         ScalarField { grid, values }
     }
 
-    /// Where in their cells the points of a grid with one point per cell are, (0..1)³.
+    /// Place in its cell of each point of a grid with one point per cell, (0..1)³.
     fn part_of_cells(&self, grid: &Grid) -> [f64; 3] {
         let own = self.reduced.grid.origin_angstrom;
         [0, 1, 2].map(|axis| {

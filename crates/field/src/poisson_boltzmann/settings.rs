@@ -23,7 +23,7 @@ pub enum BoundaryCondition {
     CoarseGrid,
 }
 
-/// How finely to solve.
+/// Settings of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveSettings {
     /// Grid spacing, Å.
@@ -57,9 +57,9 @@ impl Default for SolveSettings {
 
 /// Bytes per grid point that a solve takes: 59 to 68 measured for large grids (docs/guide/potential.md).
 const BYTES_PER_POINT: usize = 70;
-/// The coarse grid is this many times larger along each axis,
+/// Ratio of the extents of the coarse and the fine grid along each axis.
 const COARSE_EXTENT: f64 = 2.0;
-/// and this many times coarser, up to a limit in Å.
+/// Ratio of the spacings of the coarse and the fine grid, up to a limit in Å.
 const COARSE_SPACING: f64 = 4.0;
 const COARSEST_SPACING_ANGSTROM: f64 = 2.0;
 

@@ -76,7 +76,7 @@ impl<'a> SoluteOnGrid<'a> {
         Ok(Self::within(solid, spheres, dielectric, grid))
     }
 
-    /// As [`new`](Self::new), for what was checked.
+    /// Variant of [`new`](Self::new) for input that has been checked.
     pub(super) fn within(
         solid: &'a dyn ImplicitSolid,
         spheres: &[ChargedSphere],
@@ -193,8 +193,8 @@ impl<'a> ChargedSolute<'a> {
         self.solve_from(values, accessible, &dielectric, settings.relative_tolerance)
     }
 
-    /// As [`solve`](Self::solve), with the potential on the faces from a solve of the same charges on a
-    /// grid that holds this one.
+    /// Variant of [`solve`](Self::solve) with the potential on the faces from a solve of the same
+    /// charges on a grid that holds this one.
     ///
     /// # Errors
     /// As [`solve`](Self::solve), and [`FieldError::BadInput`] for a grid that reaches out of the other.

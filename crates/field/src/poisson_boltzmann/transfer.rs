@@ -6,7 +6,7 @@
 use super::operator::Operator;
 use rayon::prelude::*;
 
-/// No level has fewer points along an axis.
+/// Least number of points of a level along an axis.
 const FEWEST_POINTS: usize = 5;
 
 /// The operator with half the points along each axis; `None` where that leaves too few.
@@ -23,7 +23,7 @@ pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
     Some(Operator::new(shape, edges, mass))
 }
 
-/// The mean over the planes and rows around.
+/// Coarse edges along x: the mean over the planes and rows around.
 fn edges_along_x(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
     halved(fine.shape, |[j, k], coarse, _| {
@@ -36,7 +36,7 @@ fn edges_along_x(fine: Rows) -> Vec<f32> {
     })
 }
 
-/// The mean over the planes around and along the rows.
+/// Coarse edges along y: the mean over the planes around and along the rows.
 fn edges_along_y(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
     halved(fine.shape, |[j, k], coarse, across| {
@@ -49,7 +49,7 @@ fn edges_along_y(fine: Rows) -> Vec<f32> {
     })
 }
 
-/// The mean over the rows around and along the rows.
+/// Coarse edges along z: the mean over the rows around and along the rows.
 fn edges_along_z(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
     halved(fine.shape, |[j, k], coarse, across| {

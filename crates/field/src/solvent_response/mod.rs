@@ -43,9 +43,9 @@ pub const REFERENCE_SALT_MOLAR: f64 = 1.0;
 
 /// Spacing of the grid, Å. On 0.7 Å the salt effects of 45 complexes change by a few per cent.
 const SPACING_ANGSTROM: f64 = 1.0;
-/// The table ends this many Debye lengths beyond the atoms,
+/// Margin of the table beyond the atoms, in Debye lengths.
 const MARGIN_DEBYE_LENGTHS: f64 = 2.0;
-/// at least and at most so far, Å.
+/// Least margin of the table beyond the atoms, Å.
 const LEAST_MARGIN_ANGSTROM: f64 = 16.0;
 const LARGEST_MARGIN_ANGSTROM: f64 = 28.0;
 
@@ -54,7 +54,7 @@ const LARGEST_MARGIN_ANGSTROM: f64 = 28.0;
 pub struct SolventResponse {
     /// Table of what charges and volume feel near the body.
     pub table: ResponseTable,
-    /// Where its own charges and its volume are.
+    /// Lattice points that hold the charges and the volume of the body.
     pub sites: Vec<ResponseSite>,
     /// The table reaches this far beyond the atoms, Å.
     pub margin_angstrom: f64,

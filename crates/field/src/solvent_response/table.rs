@@ -9,9 +9,10 @@ use protomer_kernel::{Electrolyte, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// What multiplies the energy of displaced solvent, because the field in the place of a body is stronger
-/// than that in the solvent: to first order 3ε/(2ε + ε_i) or 1.46 for a small ball of permittivity ε_i, and
-/// 2/(1 + ε_i/ε) or 1.90 for a wall. Fitted to solves of 66 poses of complexes (docs/methods.md).
+/// Factor on the energy of displaced solvent, because the field in the place of a body is stronger
+/// than that in the solvent: to first order 3ε/(2ε + ε_i) or 1.46 for a small ball of permittivity
+/// ε_i, and 2/(1 + ε_i/ε) or 1.90 for a wall. Fitted to solves of 66 poses of complexes
+/// (docs/methods.md).
 const CAVITY_FACTOR: f64 = 1.25;
 /// Width of the rim in which the table falls to zero, Å.
 const RIM_ANGSTROM: f64 = 8.0;

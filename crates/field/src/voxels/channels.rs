@@ -56,7 +56,7 @@ impl Channel {
     }
 }
 
-/// How the potential is computed.
+/// Model of the potential.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum PotentialModel {
@@ -76,16 +76,16 @@ pub struct VoxelAtom {
     pub residue: Option<u32>,
 }
 
-/// Which values voxels hold, and how they are computed.
+/// Channels of the voxels, and the settings with which they are computed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VoxelSettings {
     /// Channels, in this order.
     pub channels: Vec<Channel>,
-    /// How the potential is computed.
+    /// Model of the potential.
     pub potential: PotentialModel,
     /// The electrolyte, the permittivities, and the probe of the surface.
     pub dielectric: DielectricModel,
-    /// How the Poisson-Boltzmann equation is solved.
+    /// Settings for the solution of the Poisson-Boltzmann equation.
     pub solve: SolveSettings,
     /// Residues with an atom this near to a voxel's centre count for its hydropathy, Å.
     pub hydropathy_reach_angstrom: f64,
@@ -118,7 +118,7 @@ impl VoxelSettings {
 pub struct Voxels {
     /// Numbers of the occupied voxels, ascending.
     pub index: Vec<u32>,
-    /// For each channel the values in the order of `index`.
+    /// Values of each channel, in the order of `index`.
     pub values: Vec<Vec<f32>>,
 }
 
@@ -187,7 +187,8 @@ pub fn voxelise(
     voxelise_within(&solid, atoms, hydropathy, lattice, settings)
 }
 
-/// The same, with the solvent-excluded surface of these atoms for the probe of the settings.
+/// Variant of [`voxelise`] that is given the solvent-excluded surface of these atoms for the probe
+/// of the settings.
 ///
 /// # Errors
 /// As [`voxelise`].

@@ -25,7 +25,7 @@ pub struct HydropathyMap {
     /// Atoms of residues with an index.
     atoms: Vec<ResidueAtom>,
     indices: Vec<Option<f64>>,
-    /// The same by cells as wide as the reach.
+    /// Atoms of residues with an index, by cells as wide as the reach.
     cells: FxHashMap<[i32; 3], Vec<ResidueAtom>>,
 }
 

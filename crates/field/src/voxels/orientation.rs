@@ -5,17 +5,16 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// How a structure is turned.
+/// Orientation of a structure on the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Orientation {
-    /// By a rotation drawn uniformly from all rotations, so that nothing of the deposited frame is
-    /// left.
+    /// Rotation drawn uniformly from all rotations, so that nothing of the deposited frame is left.
     #[default]
     Random,
-    /// With the principal axes of the atoms along x, y and z, the longest along x.
+    /// Principal axes of the atoms along x, y and z, the longest along x.
     Principal,
-    /// Not at all.
+    /// Orientation of the deposited structure, which is not turned.
     Deposited,
 }
 

@@ -76,8 +76,8 @@ impl Occupied {
     }
 }
 
-/// Which voxels of some layers may have their centres less than half an edge from the surface: those that
-/// are so near to a ball of the cover.
+/// Marks the voxels of some layers whose centres may be less than half an edge from the surface:
+/// those that are so near to a ball of the cover.
 fn near_cover(lattice: &Lattice, cover: &[Ball], layers: &Range<usize>) -> Vec<bool> {
     let half = 0.5 * lattice.spacing_angstrom() + ROUNDING_ANGSTROM;
     let first = lattice.index(0, 0, layers.start);

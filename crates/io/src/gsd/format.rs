@@ -207,7 +207,7 @@ impl Header {
         bytes
     }
 
-    /// `Ok(Err(cause))` for a file that is not GSD 2.
+    /// Reads a header; `Ok(Err(cause))` for a file that is not GSD 2.
     pub(super) fn read(
         cursor: &mut Cursor,
     ) -> std::result::Result<std::result::Result<Self, String>, Ended> {

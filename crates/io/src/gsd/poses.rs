@@ -12,9 +12,9 @@ pub struct PosedFrame {
     pub step: u64,
     /// Edge lengths of the box, Å; of open space, those of a cube around the bodies.
     pub box_lengths_angstrom: [f64; 3],
-    /// For each body the index of its kind.
+    /// Index of the kind of each body.
     pub type_ids: Vec<u32>,
-    /// For each body its pose, as exact as single precision holds it.
+    /// Pose of each body, as exact as single precision holds it.
     pub poses: Vec<Pose>,
 }
 

@@ -24,9 +24,9 @@ pub struct ParticleType {
 pub struct TrajectoryHeader {
     /// The kinds of bodies.
     pub types: Vec<ParticleType>,
-    /// For each body the index of its kind.
+    /// Index of the kind of each body.
     pub type_ids: Vec<u32>,
-    /// For each body its net charge, e.
+    /// Net charge of each body, e.
     pub charges_e: Vec<f64>,
 }
 

@@ -11,7 +11,7 @@ use zarrs::filesystem::FilesystemStore;
 
 /// The longest `zarr.json` of an array: it holds the names of columns.
 const LONGEST_METADATA_BYTES: u64 = 1 << 26;
-/// What the layout decides but for the shapes and the attributes.
+/// Keys of the metadata that the layout decides apart from the shapes and the attributes.
 const FIXED: [&str; 7] = [
     "zarr_format",
     "node_type",

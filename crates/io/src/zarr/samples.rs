@@ -40,7 +40,7 @@ pub struct SampleReader {
     channels: Vec<String>,
     offsets: Vec<i64>,
     index: Stored,
-    /// For each channel its array; `None` if it is implied.
+    /// Array of each channel; `None` if it is implied.
     values: Vec<Option<Stored>>,
     table: Table,
 }
@@ -50,7 +50,7 @@ pub struct SampleReader {
 pub struct StoredSample {
     /// Voxel numbers, ascending: (z size + y) size + x.
     pub index: Vec<u32>,
-    /// One list per channel, in the order of `index`.
+    /// Values of each channel, in the order of `index`.
     pub values: Vec<Vec<f32>>,
 }
 
@@ -224,7 +224,8 @@ fn read_channel(stored: &Stored, range: Range<u64>) -> std::result::Result<Vec<f
     }
 }
 
-/// Where each sample begins, and where the last one ends; none is negative.
+/// Reads the index of the first element of each sample and the end of the last sample; none is
+/// negative.
 fn read_offsets(path: &Path, store: &Arc<FilesystemStore>, voxels: u64) -> Result<Vec<i64>> {
     let stored = Stored::open(path, store, OFFSETS, Kind::Offsets)?;
     let bad = |cause: &str| Err(IoError::parse(&stored.file(path, 0), 0, cause, MAKE_AGAIN));

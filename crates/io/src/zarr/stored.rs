@@ -207,7 +207,7 @@ impl Stored {
     }
 }
 
-/// Does what has not been done before.
+/// Does the work unless it has been done before.
 fn once(
     done: Option<&AtomicBool>,
     work: impl FnOnce() -> std::result::Result<(), String>,
@@ -222,9 +222,9 @@ fn once(
     Ok(())
 }
 
-/// Where the chunks of a file lie.
+/// Positions of the chunks in a file.
 struct ChunkList {
-    /// Where the list itself begins.
+    /// First byte of the list itself.
     start: u64,
     /// First byte and length of each chunk; the largest numbers if it was never written.
     entries: Vec<[u64; 2]>,

@@ -14,14 +14,14 @@ use std::sync::Arc;
 use zarrs::array::{Array, Element};
 use zarrs::filesystem::FilesystemStore;
 
-/// What a set will hold, known before its first sample.
+/// Content of a set, as far as it is known before the first sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SetPlan {
     /// Voxels along each edge.
     pub size: usize,
     /// Channels in order.
     pub channels: Vec<String>,
-    /// Those of the channels that are 1 in every occupied voxel and so need no array.
+    /// Channels that are 1 in every occupied voxel and so need no array.
     pub implied: Vec<String>,
     /// Names of the columns of the table of properties.
     pub columns: Vec<String>,

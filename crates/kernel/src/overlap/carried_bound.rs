@@ -54,7 +54,7 @@ impl CarriedBound {
         }
     }
 
-    /// What remains of the bound with the bodies at other poses, Å, given their radii about their
+    /// Remainder of the bound with the bodies at other poses, Å, given their radii about their
     /// origins, Å. While it is positive the bodies cannot overlap.
     pub fn remaining_angstrom(
         &self,

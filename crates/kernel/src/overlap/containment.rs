@@ -87,7 +87,7 @@ fn ray_parity(mesh: &TriangleMesh, tree: &DiscTree, from: &Vec3, to: &Vec3) -> O
     Some(inside)
 }
 
-/// How a segment meets a triangle.
+/// Ways in which a segment can meet a triangle.
 enum Crossing {
     None,
     Proper,

@@ -96,7 +96,7 @@ impl Disc {
     }
 }
 
-/// Σ (p - mean)(p - mean)ᵀ.
+/// The sum Σ (p - mean)(p - mean)ᵀ over points.
 pub(super) fn covariance(points: &[Vec3]) -> Matrix3<f64> {
     let mean = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let mut sum = Matrix3::zeros();

@@ -299,7 +299,7 @@ mod tests {
         assert!(check_embedding(&mesh).is_err());
     }
 
-    /// All pairs, without a tree.
+    /// Tests all pairs of triangles, without a tree.
     fn meet_somewhere(mesh: &TriangleMesh) -> bool {
         let count = mesh.triangles.len();
         (0..count).any(|second| {

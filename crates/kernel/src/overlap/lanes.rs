@@ -45,7 +45,7 @@ impl DiscBlock {
         block
     }
 
-    /// One of the discs.
+    /// The disc of a lane.
     #[inline(always)]
     pub fn disc(&self, lane: usize) -> Disc {
         Disc {
@@ -57,8 +57,8 @@ impl DiscBlock {
     }
 }
 
-/// Added to the squares under a root that cancels, relative to their size. It is more than their
-/// rounding error and that of the root, so that the half-extent across a disc is never
+/// Allowance added to the squares under a root that cancels, relative to their size. It is more
+/// than their rounding error and that of the root, so that the half-extent across a disc is never
 /// underestimated, and costs at most 0.2 % of the radius.
 const ROOT_SLACK: f32 = 4e-6;
 
@@ -185,16 +185,16 @@ fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// At most 1/√x and no more than 0.18 % less: the exponent is halved in integer arithmetic, and one
-/// Newton step follows, which always ends below. A root and a quotient would keep the divider busy,
-/// which the other roots need, and the discs are not sharper than that.
+/// A lower bound on 1/√x, no more than 0.18 % below it: the exponent is halved in integer
+/// arithmetic, and one Newton step follows, which always ends below. A root and a quotient would
+/// keep the divider busy, which the other roots need, and the discs are not sharper than that.
 #[inline(always)]
 fn inverse_root_below(x: f32) -> f32 {
     let guess = f32::from_bits(0x5f37_5a86_u32.wrapping_sub(x.to_bits() >> 1));
     guess * (0.5 * x * guess).mul_add(-guess, 1.5)
 }
 
-/// √x; zero for x ≤ 0.
+/// The root √x; zero for x ≤ 0.
 #[inline(always)]
 fn root(x: f32) -> f32 {
     larger(x, 0.0).sqrt()

@@ -31,7 +31,7 @@ struct Search<'a> {
     /// Allowance for rounding in every disc test, Å.
     rounding: f32,
     distance_angstrom: f64,
-    /// The same, rounded up: discs at least this far apart are dropped.
+    /// The distance asked for, rounded up: discs at least this far apart are dropped.
     threshold: f32,
     /// Pairs of nodes that are still to be visited.
     stack: Vec<(u32, u32)>,
@@ -103,7 +103,7 @@ impl<'a> Search<'a> {
         false
     }
 
-    /// Tests a leaf against the children of a node that is not one.
+    /// Tests a leaf against the children of an inner node.
     #[inline(always)]
     fn expand_one(&mut self, index_a: u32, index_b: u32) {
         let (a, b) = (

@@ -22,12 +22,12 @@ pub(super) fn rounding_angstrom(
     ((first.radius + second.radius + pose.translation.norm()) * ROUNDING) as f32
 }
 
-/// What a descent finds.
+/// Result of a descent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum SurfaceRelation {
     /// The surfaces have a point in common.
     Intersecting,
-    /// They are at least this far apart, Å; not more than the ceiling of the search.
+    /// The surfaces are at least this far apart, Å; not more than the ceiling of the search.
     Apart(f64),
 }
 
@@ -50,7 +50,7 @@ pub(super) fn relate_surfaces(
 /// Two nodes to be tested against each other.
 #[derive(Debug, Clone, Copy)]
 struct NodePair {
-    /// At least this far apart, Å.
+    /// Lower bound on the separation of the nodes, Å.
     separation: f32,
     a: u32,
     b: u32,
@@ -60,7 +60,7 @@ struct NodePair {
 const BATCH: usize = 8;
 
 thread_local! {
-    /// Kept from query to query: a query of a microsecond has no time to allocate.
+    /// Working memory, kept from query to query: a query of a microsecond has no time to allocate.
     static SCRATCH: RefCell<Scratch> = RefCell::new(Scratch::new());
 }
 
@@ -84,9 +84,9 @@ struct Batch {
     /// The children of each b in the frame of the first body.
     moved: [DiscBlock; BATCH],
     near_rows: [u32; BATCH],
-    /// For each child of an a that is near its b: the pair, and the child.
+    /// Pair and child, for each child of an a that is near its b.
     rows: Vec<(u8, u8)>,
-    /// For each of those: the near children of b, and the separations of all.
+    /// Near children of b, and the separations of all, for each of these rows.
     hits: Vec<(u32, Lanes)>,
 }
 
@@ -198,7 +198,7 @@ impl<'a> Descent<'a> {
         false
     }
 
-    /// Which children of a are near b as a whole?
+    /// Finds the children of a that are near b as a whole.
     #[inline(always)]
     fn find_near_rows(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) {
         let (first, second) = (self.first, self.second);
@@ -222,7 +222,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Which children of b are near each of those?
+    /// Finds the children of b that are near each of these rows.
     #[inline(always)]
     fn find_hits(&mut self, batch: &mut Batch) {
         batch.hits.clear();
@@ -236,7 +236,7 @@ impl<'a> Descent<'a> {
         }
     }
 
-    /// Tests a leaf against the children of a node that is not one.
+    /// Tests a leaf against the children of an inner node.
     #[inline(always)]
     fn expand_one(
         &mut self,
@@ -314,8 +314,9 @@ impl<'a> Descent<'a> {
     }
 }
 
-/// How far apart pairs must be for the descent to stop, for a separation of interest: a compromise
-/// between the cost of a query and the quality of its bound. Below `FLOOR` only the decision counts.
+/// Separation of pairs at which the descent stops, for a separation of interest: a compromise
+/// between the cost of a query and the quality of its bound. Below `FLOOR` only the decision
+/// counts.
 fn threshold_for(separation: f32) -> f32 {
     const SHARE: f32 = 0.25;
     const FLOOR: f32 = 0.1;

@@ -12,7 +12,7 @@ pub(super) struct Node {
     /// Triangle or node behind each lane.
     pub children: [u32; WIDTH],
     pub is_leaf: bool,
-    /// The disc around all of it.
+    /// The disc around the whole node.
     pub bound: Disc,
 }
 
@@ -109,7 +109,8 @@ impl Builder<'_> {
     }
 }
 
-/// How many children a node of this many triangles gets, so that all levels below it can be full.
+/// Number of children of a node of this many triangles, chosen so that all levels below it can be
+/// full.
 fn fan_out(triangles: usize) -> usize {
     let leaves = triangles.div_ceil(WIDTH);
     let mut below = 1;

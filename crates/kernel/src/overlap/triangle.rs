@@ -3,7 +3,7 @@
 use crate::Vec3;
 use robust::{Coord, Coord3D};
 
-/// Three corners, Å.
+/// The three corners of a triangle, Å.
 pub(super) type Triangle = [Vec3; 3];
 
 /// Whether two closed triangles have a point in common, decided exactly for the coordinates given:
@@ -135,7 +135,7 @@ fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> b
     false
 }
 
-/// The same for shadows.
+/// Variant of [`coplanar_segment_meets_triangle`] for shadows in a plane.
 fn segment_meets_shadow(p: Coord<f64>, q: Coord<f64>, [a, b, c]: [Coord<f64>; 3]) -> bool {
     let turns = [turn(a, b, p), turn(b, c, p), turn(c, a, p)];
     let starts_inside = !(turns.contains(&1) && turns.contains(&-1));

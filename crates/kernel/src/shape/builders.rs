@@ -7,12 +7,12 @@ use super::Shape;
 use crate::{KernelError, Result, Vec3};
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-/// The names, with their numbers, as help and errors list them.
+/// Names of the shapes, with their numbers, as help and errors list them.
 pub const NAMES: &str = "tetrahedron, cube, octahedron, dodecahedron, icosahedron, \
      truncated-octahedron, rhombic-dodecahedron, truncated-tetrahedron:T (0 to 1: twice the part of \
      an edge that is cut off), cuboid:A,B,C, prism:N,HEIGHT and polygon:N";
 
-/// Of a polygon, or of the base of a prism.
+/// Largest number of corners of a polygon, or of the base of a prism.
 const MOST_CORNERS: f64 = 1000.0;
 
 /// The shape of this name.
@@ -77,7 +77,8 @@ fn tetrahedron() -> [Vec3; 4] {
     ]
 }
 
-/// The points that divide the edges at half of `part` from each corner.
+/// Corners of a truncated tetrahedron: the points that divide the edges at half of `part` from each
+/// corner.
 fn truncated_tetrahedron(part: f64) -> Vec<Vec3> {
     let corners = tetrahedron();
     let mut points = Vec::new();
@@ -106,7 +107,8 @@ fn dodecahedron() -> Vec<Vec3> {
     points
 }
 
-/// All permutations of 0, 1 and 2 with all signs are √2 apart.
+/// Corners of a truncated octahedron: all permutations of 0, 1 and 2 with all signs, which are √2
+/// apart.
 fn truncated_octahedron() -> Vec<Vec3> {
     let [one, two] = [FRAC_1_SQRT_2, 2.0 * FRAC_1_SQRT_2];
     let mut points = signed([0.0, one, two]);
@@ -114,7 +116,7 @@ fn truncated_octahedron() -> Vec<Vec3> {
     points
 }
 
-/// The corners of a cube, and a corner above each of its faces.
+/// Corners of a rhombic dodecahedron: those of a cube, and one above each of its faces.
 fn rhombic_dodecahedron() -> Vec<Vec3> {
     let edge = 2.0 / 3.0_f64.sqrt();
     let mut points = cuboid([edge; 3]);

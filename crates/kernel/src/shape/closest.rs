@@ -9,14 +9,16 @@
 
 use crate::Vec3;
 
-/// The walk ends when a step would shorten the squared distance by less than this part.
+/// Convergence criterion of the walk, which ends when a step would shorten the squared distance by
+/// less than this part of the squared size.
 pub(super) const CONVERGED: f64 = 1e-15;
-/// Nearer than this part of the size of the bodies, they touch.
+/// Distance below which bodies touch, as a part of their size.
 pub(super) const TOUCHING: f64 = 1e-14;
-/// The walk visits a corner of the difference at most once, but for rounding.
+/// Limit on the number of steps: the walk visits a corner of the difference at most once, but for
+/// rounding.
 pub(super) const MOST_STEPS: usize = 500;
 
-/// Triangles whose squared sine of an angle is larger than this are no slivers.
+/// Squared sine of an angle above which a triangle is no sliver.
 const WIDE: f64 = 1e-6;
 
 /// The closest points of two bodies.
@@ -29,7 +31,7 @@ pub struct ClosestPoints {
 }
 
 impl ClosestPoints {
-    /// From the second body to the first.
+    /// The vector from the second body to the first.
     pub fn separation(&self) -> Vec3 {
         self.on_first - self.on_second
     }
@@ -143,9 +145,9 @@ impl Nearest {
         best
     }
 
-    /// As [`Nearest::of`], for a simplex that probably carries its nearest point with all of its
-    /// corners. The nearest point of the plane, line or point through them is the nearest of all, if
-    /// it is inside. Slivers, whose projection suffers from rounding, are left to `of`.
+    /// Variant of [`Nearest::of`] for a simplex that probably carries its nearest point with all of
+    /// its corners. The nearest point of the plane, line or point through them is the nearest of
+    /// all, if it is inside. Slivers, whose projection suffers from rounding, are left to `of`.
     pub(super) fn of_carriers(simplex: &[Corner]) -> Self {
         let is_wide = match simplex {
             [a, b, c] => {

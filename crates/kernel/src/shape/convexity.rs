@@ -128,7 +128,7 @@ fn require_volume_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
     require_equal("volume inside its faces", own, of_hull)
 }
 
-/// A thin polygon has one side or two.
+/// Checks the area of a thin polygon, which has one side or two.
 fn require_area_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
     let own = area_vector(mesh).norm().max(0.5 * mesh.area_angstrom2());
     require_equal("area of its faces", own, 0.5 * of_hull(hull, 0.0).surface)

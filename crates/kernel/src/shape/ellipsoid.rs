@@ -13,10 +13,11 @@ use crate::{KernelError, Result};
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
 
-/// Fourth powers of these neither overflow nor vanish.
+/// Range of half axes whose fourth powers neither overflow nor vanish.
 const HALF_AXES: RangeInclusive<f64> = 1e-50..=1e50;
 
-/// Of an ellipse (two half axes) or an ellipsoid (three) and a ball, or a disk, of this radius (Minkowski sum).
+/// Measures of the Minkowski sum of an ellipse (two half axes) or an ellipsoid (three) with a disk
+/// or a ball of this radius.
 ///
 /// # Errors
 /// [`KernelError::OutOfRange`] for a half axis outside 1e-50 to 1e50 or a negative radius,
@@ -58,7 +59,8 @@ pub fn measures_of_ellipsoid(half_axes: &[f64], rounding_radius: f64) -> Result<
     measures.if_finite()
 }
 
-/// Carlson's R_G: the mean over the unit sphere of √(x u_x² + y u_y² + z u_z²), for numbers of which two are positive.
+/// Carlson's R_G: the mean over the unit sphere of √(x u_x² + y u_y² + z u_z²), for numbers of
+/// which two are positive.
 fn symmetric_integral(mut numbers: [f64; 3]) -> f64 {
     numbers.sort_unstable_by(f64::total_cmp);
     // In parts of the largest, so that no product overflows or vanishes; the formula wants the middle one
@@ -73,7 +75,7 @@ fn symmetric_integral(mut numbers: [f64; 3]) -> f64 {
 /// Relative error of both integrals.
 const PRECISION: f64 = 1e-16;
 
-/// R_F, by duplication.
+/// Carlson's R_F, by duplication.
 fn first_kind(numbers: [f64; 3]) -> f64 {
     let mean = numbers.iter().sum::<f64>() / 3.0;
     let largest = largest_distance(&numbers, mean);
@@ -91,7 +93,7 @@ fn first_kind(numbers: [f64; 3]) -> f64 {
     (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0) / average.sqrt()
 }
 
-/// R_D, by duplication.
+/// Carlson's R_D, by duplication.
 fn second_kind(numbers: [f64; 3]) -> f64 {
     let mean = (numbers[0] + numbers[1] + 3.0 * numbers[2]) / 5.0;
     let largest = largest_distance(&numbers, mean);
@@ -124,7 +126,7 @@ fn largest_distance(numbers: &[f64; 3], mean: f64) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-/// √(xy) + √(yz) + √(zx).
+/// The sum √(xy) + √(yz) + √(zx).
 fn duplication([x, y, z]: &[f64; 3]) -> f64 {
     let [x, y, z] = [x, y, z].map(|number| number.sqrt());
     x * y + y * z + z * x
@@ -142,7 +144,7 @@ mod tests {
         );
     }
 
-    /// The formulas with elementary functions.
+    /// Compares the measures of spheroids with formulas in elementary functions.
     #[test]
     fn spheroids_have_their_elementary_formulas() {
         for ratio in [1.001_f64, 1.3, 4.0, 100.0] {
@@ -155,7 +157,7 @@ mod tests {
         }
     }
 
-    /// The slow twin: means over the sphere by many points in z and angle.
+    /// Compares with means over the sphere, computed slowly by many points in z and angle.
     #[test]
     fn three_axes_have_their_means_over_the_sphere() {
         let axes = [0.7, 1.1, 1.9];

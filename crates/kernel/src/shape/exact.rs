@@ -22,8 +22,8 @@ const OF_A_PRODUCT: f64 = 64.0 * f64::EPSILON;
 /// Faces of a polytope by the numbers of their corners; for a polygon, its edges.
 pub type Faces = [Vec<usize>];
 
-/// Whether two polytopes that are not rounded overlap or touch. Slow where they touch: for pairs about
-/// which [`Pair::overlap`] cannot tell.
+/// Whether two polytopes that are not rounded overlap or touch. It is slow where they touch, and
+/// meant for pairs about which [`Pair::overlap`] cannot tell.
 ///
 /// ```
 /// use protomer_kernel::shape::exact::overlap_exactly;
@@ -57,10 +57,11 @@ pub fn overlap_exactly<const D: usize>(pair: &Pair<'_, D>, faces: [&Faces; 2]) -
     !crosses.any(|sides| places.are_separated(&sides))
 }
 
-/// From one point to another.
+/// A vector given by its two end points, from one to the other.
 type Difference = [Vec3; 2];
 
-/// At right angles to the plane of polygons: its cross product with an edge is at right angles to the edge.
+/// A difference at right angles to the plane of polygons: its cross product with an edge is at
+/// right angles to the edge.
 fn out_of_plane() -> Difference {
     [Vec3::zeros(), Vec3::z()]
 }
@@ -144,7 +145,8 @@ impl Places {
         self.are_separated_exactly(sides)
     }
 
-    /// All corners of the second body must be strictly on one side of all corners of the first.
+    /// Whether all corners of the second body are strictly on one side of all corners of the first,
+    /// decided exactly.
     fn are_separated_exactly(&self, sides: &[Difference; 2]) -> bool {
         let [a, b] = sides.map(|[from, to]| exact_difference(&from, &to));
         let minor = |i: usize, j: usize| a[i].times(&b[j]).minus(&a[j].times(&b[i]));

@@ -22,7 +22,7 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl Expansion {
-    /// a - b.
+    /// The difference a - b.
     pub(super) fn of_difference(a: f64, b: f64) -> Self {
         let (sum, rest) = two_sum(a, -b);
         let mut expansion = Self::default();
@@ -74,7 +74,7 @@ impl Expansion {
         product
     }
 
-    /// The largest part outweighs all others together.
+    /// The sign of the sum: the largest part outweighs all others together.
     pub(super) fn sign(&self) -> Ordering {
         let largest = self.0.last().copied().unwrap_or_default();
         largest.partial_cmp(&0.0).unwrap_or(Ordering::Equal)

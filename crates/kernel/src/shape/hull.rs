@@ -3,19 +3,19 @@
 use crate::{TriangleMesh, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// Points nearer to a face than this part of the size lie in it.
+/// Distance to a face below which points lie in it, as a part of the size.
 const IN_PLANE: f64 = 1e-12;
-/// A hull thinner than this part of its size is flat.
+/// Thickness below which a hull is flat, as a part of its size.
 const FLAT: f64 = 1e-9;
 
 /// The convex hull of points in space.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Hull {
-    /// Of points that are one.
+    /// A single point: the hull of coincident points.
     Point(Vec3),
-    /// Of points on a line: its ends.
+    /// The ends of a segment: the hull of points on a line.
     Segment([Vec3; 2]),
-    /// Of points in a plane: the corners, in order.
+    /// The corners of a polygon, in order: the hull of points in a plane.
     Polygon(Vec<Vec3>),
     /// Triangles with outward normals; a face with more corners is several triangles.
     Polyhedron(TriangleMesh),
@@ -90,7 +90,7 @@ fn cross(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Points far apart: how many dimensions there are.
+/// Points that are far apart and show the number of dimensions.
 struct Extent {
     first: usize,
     second: usize,
@@ -100,7 +100,7 @@ struct Extent {
 }
 
 impl Extent {
-    /// `None` if all points are one.
+    /// Finds the extent; `None` if all points coincide.
     fn of(points: &[Vec3]) -> Option<Self> {
         let first = farthest(points, |x| (x - points[0]).norm())?.0;
         let (second, size) = farthest(points, |x| (x - points[first]).norm())?;
@@ -146,7 +146,8 @@ fn farthest(points: &[Vec3], distance: impl Fn(&Vec3) -> f64) -> Option<(usize, 
     distances.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The farthest from the centre first: points within an edge or a face then come after its corners.
+/// Indices of the points, the farthest from the centre first: points within an edge or a face then
+/// come after its corners.
 fn by_distance(points: &[Vec3]) -> Vec<usize> {
     let centre = points.iter().sum::<Vec3>() / points.len() as f64;
     let mut order: Vec<usize> = (0..points.len()).collect();
@@ -159,7 +160,7 @@ fn by_distance(points: &[Vec3]) -> Vec<usize> {
 struct Faces<'a> {
     points: &'a [Vec3],
     faces: Vec<[usize; 3]>,
-    /// Above a face by more than this, a point is outside.
+    /// Height above a face beyond which a point is outside.
     above: f64,
 }
 
@@ -178,7 +179,7 @@ impl<'a> Faces<'a> {
         faces
     }
 
-    /// How far a point lies above a face.
+    /// Height of a point above a face.
     fn height(&self, [a, b, c]: &[usize; 3], point: usize) -> f64 {
         let [a, b, c] = [a, b, c].map(|corner| self.points[*corner]);
         let normal = (b - a).cross(&(c - a)).normalize();

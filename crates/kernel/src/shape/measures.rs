@@ -15,8 +15,8 @@ use crate::{KernelError, Result, TriangleMesh, Vec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Of a convex shape with rounded edges. In a plane, the volume is the area, the surface the
-/// perimeter, and the integrated curvature 2π.
+/// Measures of a convex shape with rounded edges. In a plane, the volume is the area, the surface
+/// the perimeter, and the integrated curvature 2π.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Volume.
@@ -30,7 +30,7 @@ pub struct Measures {
 }
 
 impl Measures {
-    /// Of the Minkowski sum of a shape with a ball (a disk in a plane) of this radius.
+    /// Measures of the Minkowski sum of a shape with a ball (a disk in a plane) of this radius.
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`] for a negative radius; [`KernelError::BadShape`] for a shape
@@ -75,7 +75,7 @@ impl Measures {
         0.5 * (volumes + mixed)
     }
 
-    /// These, unless the shape is so large that they overflow.
+    /// Returns the measures, or an error if the shape is so large that they overflow.
     pub(super) fn if_finite(self) -> Result<Self> {
         if self.b2.is_finite() && self.surface.is_finite() {
             return Ok(self);
@@ -105,7 +105,7 @@ fn of_polygon(corners: &[[f64; 2]], r: f64) -> Measures {
     rounded_in_plane(area, perimeter, r)
 }
 
-/// Of a convex area with a rounding.
+/// Measures of a convex area with a rounding.
 pub(super) fn rounded_in_plane(area: f64, perimeter: f64, r: f64) -> Measures {
     let volume = area + perimeter * r + PI * r * r;
     let surface = perimeter + 2.0 * PI * r;
@@ -131,7 +131,7 @@ pub(super) fn of_hull(hull: &Hull, r: f64) -> Measures {
     rounded_in_space(volume, surface, curvature, r)
 }
 
-/// Of a convex body with a rounding.
+/// Measures of a convex body with a rounding.
 pub(super) fn rounded_in_space(volume: f64, surface: f64, curvature: f64, r: f64) -> Measures {
     let ball = 4.0 * PI;
     let rounded_volume = volume + surface * r + curvature * r * r + ball / 3.0 * r.powi(3);
@@ -145,7 +145,8 @@ pub(super) fn rounded_in_space(volume: f64, surface: f64, curvature: f64, r: f64
     }
 }
 
-/// A polygon has two sides, and at every edge an exterior angle of π.
+/// Volume, surface and integrated mean curvature of a thin polygon, which has two sides, and at
+/// every edge an exterior angle of π.
 fn of_thin_polygon(corners: &[Vec3]) -> (f64, f64, f64) {
     let (mut area, mut perimeter) = (Vec3::zeros(), 0.0);
     for (a, b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
@@ -155,7 +156,7 @@ fn of_thin_polygon(corners: &[Vec3]) -> (f64, f64, f64) {
     (0.0, 2.0 * area.norm(), 0.5 * PI * perimeter)
 }
 
-/// Edges between triangles of one face have no exterior angle.
+/// Integrated mean curvature of a mesh. Edges between triangles of one face have no exterior angle.
 fn mean_curvature(mesh: &TriangleMesh) -> f64 {
     let mut normals = HashMap::new();
     for (number, triangle) in mesh.triangles.iter().enumerate() {

@@ -70,7 +70,7 @@ impl Shape {
         Ok(Shape::Solid(Hull::of(points)))
     }
 
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub fn dimension(&self) -> usize {
         match self {
             Shape::Flat(_) => 2,

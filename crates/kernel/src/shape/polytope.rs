@@ -7,7 +7,7 @@ use super::hull::Hull;
 use crate::{KernelError, Pose, Result, TriangleMesh, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
-/// Normals whose cross product is shorter than this belong to one face.
+/// Length of the cross product of normals below which they belong to one face.
 const ONE_FACE: f64 = 1e-9;
 
 /// A convex polygon (its corners in the plane z = 0) or polyhedron; its centroid is at the origin.
@@ -21,7 +21,7 @@ const ONE_FACE: f64 = 1e-9;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polytope {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// The corners, from the centroid.
     pub corners: Vec<Vec3>,
@@ -34,16 +34,16 @@ pub struct Polytope {
 /// A face of a polyhedron, or an edge of a polygon.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
-    /// Its corners, counter-clockwise from outside.
+    /// Corners of the face, counter-clockwise from outside.
     pub corners: Vec<usize>,
-    /// Its outward normal, of length one.
+    /// Outward normal of the face, of length one.
     pub normal: Vec3,
-    /// The distance of its plane from the centroid.
+    /// Distance of the plane of the face from the centroid.
     pub offset: f64,
 }
 
 impl Polytope {
-    /// From the hull of points.
+    /// The polytope that is the hull of points.
     ///
     /// # Errors
     /// [`KernelError::BadShape`] for a shape without area or volume.
@@ -59,7 +59,7 @@ impl Polytope {
         }
     }
 
-    /// The same, and where its centroid is in the shape.
+    /// The polytope of a shape, and the position of its centroid in the shape.
     ///
     /// # Errors
     /// As [`Polytope::of`].
@@ -132,7 +132,7 @@ impl Polytope {
         offsets.fold(f64::INFINITY, f64::min)
     }
 
-    /// The radius of the smallest ball about the centroid that holds it.
+    /// The radius of the smallest ball about the centroid that holds the polytope.
     pub fn circumradius(&self) -> f64 {
         self.corners.iter().map(Vec3::norm).fold(0.0, f64::max)
     }

@@ -16,26 +16,26 @@ pub struct Simplex {
     corners: [[u32; 2]; 4],
 }
 
-/// What a walk found.
+/// Result of a walk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Found {
     /// The bodies touch or overlap.
     Touching,
-    /// They are farther apart than asked: a plane across this direction of length one, from the
-    /// first to the second, shows it.
+    /// The bodies are farther apart than asked: a plane across this direction of length one, from
+    /// the first to the second, shows it.
     Beyond(Vec3),
     /// The closest points.
     At(ClosestPoints),
 }
 
-/// The two bodies: corners about a centre each, and the way from the first centre to the second.
+/// Two bodies: corners about a centre each, and the vector from the first centre to the second.
 #[derive(Debug, Clone, Copy)]
 pub struct Bodies<'a> {
-    /// Corners of the first, from its centre.
+    /// Corners of the first body, from its centre.
     pub first: &'a [Vec3],
-    /// Corners of the second, from its centre.
+    /// Corners of the second body, from its centre.
     pub second: &'a [Vec3],
-    /// From the centre of the first to that of the second.
+    /// Vector from the centre of the first body to that of the second.
     pub between: Vec3,
 }
 
@@ -185,7 +185,7 @@ mod tests {
     use crate::Pose;
     use crate::random::CounterRng;
 
-    /// Two bodies drift past each other; each step begins where the last one ended.
+    /// Moves two bodies past each other; each step begins where the last one ended.
     #[test]
     fn it_agrees_with_the_walk_from_nothing_along_a_path() {
         let mut rng = CounterRng::new(5, 0, 0);

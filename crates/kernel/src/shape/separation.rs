@@ -20,14 +20,16 @@ pub const LANES: usize = 4;
 /// Coordinates of four corners, axis by axis.
 pub type Block<const D: usize> = [[f64; LANES]; D];
 
-/// The walk visits a corner of the difference at most once, but for rounding.
+/// Limit on the number of steps: the walk visits a corner of the difference at most once, but for
+/// rounding.
 const MOST_STEPS: usize = 60;
-/// Nearer to the surface of the difference than this part of its size, the walk does not decide.
+/// Distance from the surface of the difference, as a part of its size, below which the walk does
+/// not decide.
 const NEAR_SURFACE: f64 = 1e-7;
-/// The difference of two heights is known to this part of the sizes it is made of: three products and
-/// sums for each, and that of their difference.
+/// Relative error of the difference of two heights, as a part of the sizes it is made of: three
+/// products and sums for each, and that of their difference.
 const OF_A_HEIGHT: f64 = 8.0 * f64::EPSILON;
-/// A step that shortens the squared distance by less than this part is none.
+/// Gain of a step in squared distance up to which it counts as none, as a part of the squared size.
 const NO_GAIN: f64 = 1e-14;
 
 /// Packs corners for [`Pair`]; the last block repeats the last corner.
@@ -58,7 +60,7 @@ pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut 
     }
 }
 
-/// The inner product.
+/// The inner product of two vectors.
 #[inline(always)]
 pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     let mut sum = 0.0;
@@ -68,7 +70,7 @@ pub fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     sum
 }
 
-/// The difference.
+/// The difference of two vectors.
 #[inline(always)]
 pub fn minus<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D] {
     let mut difference = [0.0; D];
@@ -139,15 +141,15 @@ fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64;
 /// Two bodies in their places.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a, const D: usize> {
-    /// The corners of the first from its centre, turned as it is.
+    /// The corners of the first body from its centre, turned as it is.
     pub first: &'a [Block<D>],
-    /// The corners of the second from its centre.
+    /// The corners of the second body from its centre, turned as it is.
     pub second: &'a [Block<D>],
-    /// From the centre of the first to that of the second.
+    /// Vector from the centre of the first body to that of the second.
     pub offset: [f64; D],
     /// Sum of the rounding radii.
     pub reach: f64,
-    /// What a height along a direction may be wrong by, over the sum of its components: see
+    /// Error bound of a height along a direction, over the sum of its components: see
     /// [`error_of_heights`].
     pub error: f64,
 }
@@ -183,8 +185,8 @@ impl<const D: usize> Pair<'_, D> {
         gap > 0.0 && gap * gap > self.reach * self.reach * dot(direction, direction)
     }
 
-    /// How far the bodies are apart along a direction, in units of its length, at least; negative if it does
-    /// not separate them. The offset counts as it is.
+    /// Lower bound on the distance of the bodies along a direction, in units of its length;
+    /// negative if it does not separate them. The offset counts as it is.
     pub fn gap_along(&self, direction: &[f64; D]) -> f64 {
         let down = direction.map(|x| -x);
         let cores = dot(&self.offset, direction)
@@ -193,9 +195,10 @@ impl<const D: usize> Pair<'_, D> {
         cores / dot(direction, direction).sqrt() - self.reach
     }
 
-    /// Whether the bodies overlap; those that touch do. `direction` is where the search begins: the direction that separated
-    /// them last, or the offset; if they are apart, it separates them afterwards.
-    /// `exact` decides where cores that are not rounded touch, as far as numbers can tell.
+    /// Whether the bodies overlap; those that touch do. `direction` is where the search begins: the
+    /// direction that separated them last, or the offset; if they are apart, it separates them
+    /// afterwards. `exact` decides where cores that are not rounded touch, as far as numbers can
+    /// tell.
     ///
     /// ```
     /// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
@@ -214,11 +217,12 @@ impl<const D: usize> Pair<'_, D> {
 
     vectorised!(
         narrow
-        /// As [`overlap`](Self::overlap); `None` where the search cannot tell.
+        /// Variant of [`overlap`](Self::overlap) that returns `None` where the search cannot tell.
         fn decide[decide_avx2, decide_anywhere](self: &Self, direction: &mut [f64; D]) -> Option<bool>
     );
 
-    /// The same operations in the same order for every processor: they give the same bits.
+    /// Body of `decide`: the same operations in the same order for every processor, which give the
+    /// same bits.
     #[inline(always)]
     fn decide_anywhere(&self, direction: &mut [f64; D]) -> Option<bool> {
         if self.is_separated_along(direction) {
@@ -256,15 +260,16 @@ impl<const D: usize> Pair<'_, D> {
         Some(corner)
     }
 
-    /// The same in space.
+    /// Variant of `beyond` for vectors in space.
     #[inline(always)]
     fn beyond_in_space(&self, normal: &Vec3, direction: &mut [f64; D]) -> Option<Vec3> {
         let normal = in_plane_or_space(normal);
         Some(in_space(&self.beyond(&normal, direction)?))
     }
 
-    /// The ray from the inside of the difference to the origin leaves a simplex that grows through a
-    /// face, the portal (Snethen, Game Programming Gems 7 (2008), 165).
+    /// Decides whether polygons overlap. The ray from the inside of the difference to the origin
+    /// leaves a simplex that grows through a face, the portal (Snethen, Game Programming Gems 7
+    /// (2008), 165).
     #[inline(always)]
     fn portal_in_plane(&self, direction: &mut [f64; D]) -> Option<bool> {
         let inside = self.offset;
@@ -321,7 +326,8 @@ impl<const D: usize> Pair<'_, D> {
         None
     }
 
-    /// As [`portal_in_plane`](Self::portal_in_plane); the portal is a triangle.
+    /// Variant of [`portal_in_plane`](Self::portal_in_plane) for polyhedra; the portal is a
+    /// triangle.
     #[inline(always)]
     fn portal_in_space(&self, direction: &mut [f64; D]) -> Option<bool> {
         let inside = in_space(&self.offset);
@@ -397,7 +403,8 @@ impl<const D: usize> Pair<'_, D> {
         None
     }
 
-    /// `None` if the surface of the difference is too near to the origin to tell.
+    /// Walks to the point of the difference nearest to the origin; `None` if the surface of the
+    /// difference is too near to the origin to tell.
     #[inline(always)]
     fn walk(&self, direction: &mut [f64; D]) -> Option<bool> {
         let mut simplex = Simplex::new(self.lowest(direction));
@@ -463,19 +470,19 @@ fn across_edge<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
     normal
 }
 
-/// At most four corners of the difference.
+/// A simplex of at most four corners of the difference.
 #[derive(Debug, Clone, Copy)]
 struct Simplex<const D: usize> {
     corners: [[f64; D]; 4],
     count: usize,
 }
 
-/// Where the origin is.
+/// Position of the origin relative to a simplex.
 enum Nearest<const D: usize> {
-    /// Outside of the simplex, nearest to this point of it.
+    /// The origin is outside of the simplex, nearest to this point of it.
     At([f64; D]),
     Inside,
-    /// On its surface, as far as numbers can tell.
+    /// The origin is on its surface, as far as numbers can tell.
     Unclear,
 }
 
@@ -578,7 +585,7 @@ fn in_space<const D: usize>(corner: &[f64; D]) -> Vec3 {
     place
 }
 
-/// The distance of the origin, inside of a triangle, from its edges.
+/// The distance of the origin, inside a triangle, from its edges.
 fn inner_distance_2d<const D: usize>(triangle: &[[f64; D]; 3]) -> f64 {
     let place = triangle.map(|corner| in_space(&corner));
     let mut least = f64::INFINITY;
@@ -630,7 +637,8 @@ fn on_segment<const D: usize>(a: &[f64; D], b: &[f64; D]) -> Face<D> {
     }
 }
 
-/// By regions of the plane (Ericson, Real-Time Collision Detection (2005), 5.1.5).
+/// The point of a triangle nearest to the origin, by regions of the plane (Ericson, Real-Time
+/// Collision Detection (2005), 5.1.5).
 fn on_triangle<const D: usize>(a: &[f64; D], b: &[f64; D], c: &[f64; D]) -> Face<D> {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let (d1, d2) = (-dot(&ab, a), -dot(&ac, a));

@@ -27,8 +27,8 @@ impl Arena {
         start
     }
 
-    /// Where the free range at the end of the workspace begins, or the end; that range is no longer
-    /// free.
+    /// Takes the free range at the end of the workspace and returns its start, or the end of the
+    /// workspace if there is none.
     fn take_free_end(&mut self) -> usize {
         match self.free.last() {
             Some(&(start, end)) if end == self.size => {

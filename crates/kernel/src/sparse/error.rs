@@ -1,6 +1,6 @@
 //! The error type of factorisations.
 
-/// What stops a factorisation.
+/// Errors of a factorisation.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SparseError {

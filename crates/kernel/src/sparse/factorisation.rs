@@ -24,8 +24,8 @@ vectorised!(
     ) -> Result<(), BadPivot>
 );
 
-/// Each front takes its entries of A and what its children left, is factored, and leaves the rest to
-/// its parent.
+/// Factors all fronts. Each takes its entries of A and what its children left, is factored, and
+/// leaves the rest to its parent.
 #[inline(always)]
 pub(super) fn factor_fronts(
     symbolic: &Symbolic,

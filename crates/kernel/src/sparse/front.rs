@@ -28,7 +28,7 @@ pub(super) const LANES: usize = 8;
 /// Columns finished at a time.
 pub(super) const BLOCK: usize = 4;
 
-/// A pivot below this part of its diagonal entry counts as zero.
+/// Smallest pivot, as a part of its diagonal entry; smaller ones count as zero.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
 /// The size of a front: its own columns, and all its rows.
@@ -49,14 +49,14 @@ impl Shape {
         self.columns.min(LANES * (tile + 1))
     }
 
-    /// Where a tile begins.
+    /// Start of a tile.
     #[inline(always)]
     pub fn tile_start(self, tile: usize) -> usize {
         let triangular = (self.columns / LANES).min(tile);
         LANES * (LANES * triangular * (triangular + 1) / 2 + (tile - triangular) * self.columns)
     }
 
-    /// The place of column 0 of a row.
+    /// Position of column 0 of a row.
     pub fn row_start(self, row: usize) -> usize {
         self.tile_start(row / LANES) + row % LANES
     }
@@ -78,13 +78,13 @@ impl Shape {
         self.columns / LANES
     }
 
-    /// The distance between columns of what is left.
+    /// The distance between columns of the left-over.
     #[inline(always)]
     pub fn left_stride(self) -> usize {
         LANES * (self.tiles() - self.first_left_tile())
     }
 
-    /// Numbers of what is left.
+    /// Number of values in the left-over.
     pub fn left_size(self) -> usize {
         self.below() * self.left_stride()
     }
@@ -102,7 +102,7 @@ fn columns_of(panel: &[f64], shape: Shape, tile: usize) -> &[Tile] {
         .0
 }
 
-/// Σ over columns of tile · row, for T tiles of eight rows and four columns to come.
+/// Sums tile · row over the columns, for T tiles of eight rows and four columns to come.
 #[inline(always)]
 fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile; BLOCK]; T] {
     let mut sum = [[[0.0; LANES]; BLOCK]; T];
@@ -169,7 +169,7 @@ pub(super) fn factor_panel(
     Ok(())
 }
 
-/// D Lᵀ of four rows, which begin at `lane` of a tile, for the columns that have pivots.
+/// Packs D Lᵀ of four rows, which begin at `lane` of a tile, for the columns that have pivots.
 #[inline(always)]
 fn pack_rows(packed: &mut Vec<Packed>, tile: &[Tile], lane: usize, pivots: &[f64]) {
     packed.clear();
@@ -182,7 +182,7 @@ fn pack_rows(packed: &mut Vec<Packed>, tile: &[Tile], lane: usize, pivots: &[f64
     }));
 }
 
-/// targets - sum.
+/// The difference targets - sum.
 #[inline(always)]
 fn difference(targets: &[Tile], sum: &[Tile; BLOCK]) -> [Tile; BLOCK] {
     let mut value = [[0.0; LANES]; BLOCK];
@@ -199,7 +199,7 @@ fn difference(targets: &[Tile], sum: &[Tile; BLOCK]) -> [Tile; BLOCK] {
 struct PivotBlock {
     pivots: [f64; BLOCK],
     reciprocals: [f64; BLOCK],
-    /// upper[c][e]: d_c L_ec for the columns e > c.
+    /// Entries d_c L_ec for the columns e > c: upper[c][e].
     upper: [[f64; BLOCK]; BLOCK],
 }
 
@@ -234,7 +234,7 @@ impl PivotBlock {
         Ok(block)
     }
 
-    /// Divides eight rows by this block: L of those rows.
+    /// Divides eight rows by this block, which gives L of those rows.
     #[inline(always)]
     fn divide(&self, value: &mut [Tile; BLOCK], count: usize) {
         for c in 0..count {
@@ -279,7 +279,7 @@ pub(super) fn start_left(
     }
 }
 
-/// D Lᵀ of up to four rows below the front's own, which may lie in different tiles.
+/// Packs D Lᵀ of up to four rows below the front's own, which may lie in different tiles.
 #[inline(always)]
 fn pack_rows_below(
     packed: &mut Vec<Packed>,
@@ -335,7 +335,8 @@ pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
     }
 }
 
-/// L y = t for the front's own rows, t -= L y for those below; t has room for all tiles.
+/// Solves L y = t for the front's own rows and subtracts L y from t for those below; t has room for
+/// all tiles.
 #[inline(always)]
 pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     let diagonal_tiles = shape.columns.div_ceil(LANES);
@@ -362,7 +363,7 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     }
 }
 
-/// L y = t for the eight rows of a diagonal tile, given y of the rows above.
+/// Solves L y = t for the eight rows of a diagonal tile, given y of the rows above.
 #[inline(always)]
 fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
     // Two sums, so that one addition need not wait for the other.
@@ -386,7 +387,7 @@ fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
     value
 }
 
-/// target -= sum.
+/// Subtracts: target -= sum.
 #[inline(always)]
 fn subtract(target: Option<&mut Tile>, sum: &Tile) {
     if let Some(target) = target {
@@ -396,7 +397,7 @@ fn subtract(target: Option<&mut Tile>, sum: &Tile) {
     }
 }
 
-/// Σ over columns of tile · known.
+/// Sums tile · known over the columns.
 #[inline(always)]
 fn combine<const T: usize>(tiles: [&[Tile]; T], known: &[f64]) -> [Tile; T] {
     let mut sum = [[0.0; LANES]; T];
@@ -411,7 +412,7 @@ fn combine<const T: usize>(tiles: [&[Tile]; T], known: &[f64]) -> [Tile; T] {
     sum
 }
 
-/// Lᵀ x = t for the front's own rows; those below are given, the padding is zero.
+/// Solves Lᵀ x = t for the front's own rows; those below are given, the padding is zero.
 #[inline(always)]
 pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: &mut Vec<Tile>) {
     let k = shape.columns;
@@ -453,7 +454,7 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     }
 }
 
-/// sums += tile · known, lane by lane.
+/// Adds tile · known to the sums, lane by lane.
 #[inline(always)]
 fn spread<const T: usize>(tiles: [&[Tile]; T], known: [&Tile; T], sums: &mut [Tile]) {
     let known = known.map(|known| *known);

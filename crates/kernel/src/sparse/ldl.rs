@@ -7,8 +7,8 @@ use super::numbers::Numbers;
 use super::solution::solve;
 use super::symbolic::Symbolic;
 
-/// L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the multifrontal method
-/// with supernodes (Duff and Reid, ACM Trans. Math. Softw. 9, 302 (1983)).
+/// The factorisation L D Lᵀ of a symmetric positive definite matrix with a fixed pattern, by the
+/// multifrontal method with supernodes (Duff and Reid, ACM Trans. Math. Softw. 9, 302 (1983)).
 ///
 /// Results are the same on every processor, and do not depend on what was factored before.
 ///
@@ -103,7 +103,7 @@ impl LdlFactor {
         solve(&self.symbolic, &mut self.numbers, b);
     }
 
-    /// ln det A of the last matrix factored.
+    /// The logarithm ln det A of the determinant of the last matrix factored.
     pub fn log_determinant(&self) -> f64 {
         self.numbers.pivots.iter().map(|pivot| pivot.ln()).sum()
     }

@@ -2,15 +2,15 @@
 
 use super::front::{BLOCK, LANES};
 
-/// Everything that changes from matrix to matrix.
+/// All values that change from matrix to matrix.
 #[derive(Debug, Clone)]
 pub(super) struct Numbers {
     /// The tiles of all fronts.
     pub values: Vec<f64>,
-    /// D, and its inverse.
+    /// The pivots D, and their inverses.
     pub pivots: Vec<f64>,
     pub inverse: Vec<f64>,
-    /// What fronts leave for their parents.
+    /// Left-overs that fronts pass to their parents.
     pub left: Vec<f64>,
     /// Four rows of D Lᵀ.
     pub packed: Vec<[f64; BLOCK]>,

@@ -2,9 +2,9 @@
 
 use std::cmp::Ordering;
 
-/// Parts of at most this size are not divided any further.
+/// Size up to which parts are not divided any further.
 const SMALLEST_PART: usize = 8;
-/// The smaller side of a cut holds at least this part of the unknowns.
+/// Smallest part of the unknowns that the smaller side of a cut may hold.
 const SMALLEST_SIDE: f64 = 0.35;
 
 /// An order of elimination by nested dissection: the unknowns are cut in two along an axis, those on
@@ -69,7 +69,7 @@ struct Divider<'a> {
 }
 
 impl Divider<'_> {
-    /// Both sides and the separator of a part.
+    /// Divides a part into two sides and a separator.
     fn divide(&mut self, mut part: Vec<usize>) -> [Vec<usize>; 3] {
         let cut = self.cheapest_cut(&mut part);
         self.sort(&mut part, cut.axis);

@@ -14,7 +14,7 @@ vectorised!(
     )
 );
 
-/// L y = P b, z = D⁻¹ y, Lᵀ P x = z.
+/// Solves L y = P b, z = D⁻¹ y, Lᵀ P x = z.
 #[inline(always)]
 pub(super) fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64]) {
     let Numbers {

@@ -32,7 +32,8 @@ struct EliminationTree {
 }
 
 impl EliminationTree {
-    /// Row k of L has its entries on the paths from the neighbours of unknown k up the tree to k.
+    /// The elimination tree. Row k of L has its entries on the paths from the neighbours of unknown
+    /// k up the tree to k.
     fn new(order: &[usize], neighbours: &[Vec<usize>]) -> Self {
         let mut position = vec![0; order.len()];
         for (step, unknown) in order.iter().enumerate() {
@@ -56,7 +57,7 @@ impl EliminationTree {
     }
 }
 
-/// Supernodes and how they hang together.
+/// The supernodes and the tree that they form.
 struct Forest {
     nodes: Vec<Supernode>,
     children: Vec<Vec<usize>>,
@@ -98,7 +99,7 @@ impl Forest {
         }
     }
 
-    /// Which of the children of a node saves most by joining it, as a place among its siblings.
+    /// Child of a node whose merger saves most, as a place among its siblings.
     fn cheapest_to_join(&self, node: usize) -> Option<usize> {
         let mut best = None;
         let mut most = 0.0;

@@ -14,43 +14,43 @@ use std::ops::Range;
 #[derive(Debug, Clone)]
 pub(super) struct Front {
     pub shape: Shape,
-    /// Its first column in the order of elimination.
+    /// First column of the front in the order of elimination.
     pub first: usize,
-    /// Where its rows below its own columns begin in `Symbolic::rows`.
+    /// Start of the rows below the own columns in `Symbolic::rows`.
     pub rows: usize,
-    /// Where its tiles begin among the numbers of L.
+    /// Start of the tiles among the numbers of L.
     pub values: usize,
-    /// Where its left-over begins in the workspace.
+    /// Start of the left-over in the workspace.
     pub left: usize,
-    /// Its entries of A in `Symbolic::assembly`.
+    /// Range of the entries of A in `Symbolic::assembly`.
     pub assembly: Range<usize>,
-    /// Its children in `Symbolic::children`.
+    /// Range of the children in `Symbolic::children`.
     pub children: Range<usize>,
 }
 
 impl Front {
-    /// Its own columns, as steps of elimination.
+    /// Own columns of the front, as steps of elimination.
     pub fn own(&self) -> Range<usize> {
         self.first..self.first + self.shape.columns
     }
 
-    /// Its rows below its own columns in `Symbolic::rows` and `Symbolic::seats`.
+    /// Range of the rows below the own columns in `Symbolic::rows` and `Symbolic::seats`.
     pub fn below(&self) -> Range<usize> {
         self.rows..self.rows + self.shape.below()
     }
 
-    /// Its tiles among the numbers of L.
+    /// Range of the tiles among the numbers of L.
     pub fn tiles(&self) -> Range<usize> {
         self.values..self.values + self.shape.panel_size()
     }
 
-    /// Its left-over in the workspace.
+    /// Range of the left-over in the workspace.
     pub fn left_over(&self) -> Range<usize> {
         self.left..self.left + self.shape.left_size()
     }
 }
 
-/// Where a child's row is in the front of its parent.
+/// Position of a child's row in the front of its parent.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Seat {
     /// The row.
@@ -59,19 +59,19 @@ pub(super) struct Seat {
     pub tile: u32,
 }
 
-/// All that is fixed once.
+/// Plan of a factorisation, computed once for a pattern.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Symbolic {
     /// The unknown that is eliminated at each step.
     pub order: Vec<u32>,
-    /// Children before parents.
+    /// All fronts, children before parents.
     pub fronts: Vec<Front>,
     pub children: Vec<u32>,
     /// Rows below the own columns of every front, as steps of elimination.
     pub rows: Vec<u32>,
-    /// The same rows in the front of the parent.
+    /// Positions of these rows in the front of the parent.
     pub seats: Vec<Seat>,
-    /// (entry of A, place in the tiles of its front).
+    /// Pairs of an entry of A and its place in the tiles of its front.
     pub assembly: Vec<(u32, u32)>,
     /// The entry of A on the diagonal at each step.
     pub diagonal: Vec<u32>,
@@ -124,9 +124,9 @@ fn neighbours(dimension: usize, entries: &[(usize, usize)]) -> Vec<Vec<usize>> {
 
 /// The entries of A by columns, in the order of elimination.
 struct Columns {
-    /// Where each column begins, and the end.
+    /// Start of each column, and the end of the last one.
     starts: Vec<usize>,
-    /// (row, entry) in the order in which entries are given.
+    /// Pairs of a row and an entry, in the order in which entries are given.
     entries: Vec<(u32, u32)>,
 }
 
@@ -260,7 +260,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Where the entries of A in the own columns go.
+    /// Plans the places of the entries of A in the own columns.
     fn assemble(&mut self, own: &Range<usize>, shape: Shape) -> Range<usize> {
         let assembly = &mut self.symbolic.assembly;
         let begin = assembly.len();
@@ -274,7 +274,7 @@ impl<'a> Builder<'a> {
         begin..assembly.len()
     }
 
-    /// Where the rows of the children are in this front.
+    /// Plans the places of the rows of the children in this front.
     fn seat_children(&mut self, children: &[u32], shape: Shape) {
         let Symbolic {
             fronts,

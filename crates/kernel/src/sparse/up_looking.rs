@@ -3,11 +3,12 @@
 use super::error::SparseError;
 use super::ordering::nested_dissection;
 
-/// A pivot below this part of its diagonal entry counts as zero.
+/// Smallest pivot, as a part of its diagonal entry; smaller ones count as zero.
 const SMALLEST_PIVOT: f64 = 1e-13;
 
-/// L D Lᵀ of a symmetric positive definite matrix by the up-looking method (Davis, ACM Trans. Math.
-/// Softw. 31, 587 (2005)): row k of L solves L(1..k-1) y = A(1..k-1, k); D and L follow by division.
+/// The factorisation L D Lᵀ of a symmetric positive definite matrix by the up-looking method
+/// (Davis, ACM Trans. Math. Softw. 31, 587 (2005)): row k of L solves L(1..k-1) y = A(1..k-1, k); D
+/// and L follow by division.
 #[derive(Debug, Clone)]
 pub(super) struct UpLooking {
     /// The unknown that is eliminated at each step.
@@ -109,7 +110,7 @@ impl UpLooking {
         }
     }
 
-    /// ln det A of the last matrix factored.
+    /// The logarithm ln det A of the determinant of the last matrix factored.
     pub(super) fn log_determinant(&self) -> f64 {
         self.diagonal.iter().map(|pivot| pivot.ln()).sum()
     }

@@ -20,15 +20,15 @@ use std::path::{Path, PathBuf};
 pub struct Analysis {
     /// The network.
     pub network: Framework,
-    /// Its name in the results.
+    /// Name of the network in the results.
     pub name: String,
-    /// Its parameters if it is a honeycomb, for the closed formulas.
+    /// Parameters of the network if it is a honeycomb, for the closed formulas.
     pub honeycomb: Option<Honeycomb>,
-    /// How it is analysed.
+    /// Settings of the analysis.
     pub settings: Settings,
     /// The loads to apply one after another.
     pub load: Option<LoadSettings>,
-    /// Where to write the network as TOML.
+    /// File to which the network is written as TOML.
     pub network_file: Option<PathBuf>,
     /// The directory of the results.
     pub output: Option<PathBuf>,

@@ -10,7 +10,7 @@ use protomer_io::csv::{Cell, Table};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Stresses: far beyond what any network bears.
+/// Range of stresses, far beyond what any network bears.
 const STRESS: Range = Range::new(-1e6, 1e6, "GPa");
 
 /// Strain against stress.
@@ -20,7 +20,7 @@ pub struct Curve {
     pub axis: &'static str,
     /// The reference area of the requested stresses.
     pub stress_kind: StressKind,
-    /// One per stress.
+    /// Points of the curve, one per stress.
     pub points: Vec<CurvePoint>,
 }
 
@@ -31,10 +31,10 @@ pub struct CurvePoint {
     pub nominal_gpa: f64,
     /// Cauchy stress: force per deformed area, GPa.
     pub cauchy_gpa: f64,
-    /// `strain_y`, ...: the relative change of length.
+    /// Strains `strain_y`, ...: the relative changes of length.
     #[serde(flatten)]
     pub strains: BTreeMap<String, f64>,
-    /// `nu_yz`, ...: minus the ratio of transverse to axial strain, both finite.
+    /// Poisson's ratios `nu_yz`, ...: minus the ratio of transverse to axial strain, both finite.
     #[serde(flatten)]
     pub ratios: BTreeMap<String, f64>,
     /// Energy of the cell, kcal/mol.
@@ -43,7 +43,7 @@ pub struct CurvePoint {
     pub volume_angstrom3: f64,
     /// Cell vectors, Å.
     pub cell_angstrom: Vec<Vec<f64>>,
-    /// Newton steps.
+    /// Number of Newton steps.
     pub steps: usize,
     /// Largest residual force component on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,

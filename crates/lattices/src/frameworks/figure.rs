@@ -3,7 +3,7 @@
 use super::report::Report;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
-/// E above ν against direction; `None` if there is nothing to draw.
+/// A figure of E, above one of ν, against direction; `None` if there is nothing to draw.
 pub fn polar_figure(report: &Report) -> Option<Figure> {
     let (mut youngs, mut poissons) = (Vec::new(), Vec::new());
     for direction in &report.polar {

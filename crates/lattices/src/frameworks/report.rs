@@ -29,19 +29,19 @@ const MOST_PRINTED_COORDINATES: usize = 1500;
 pub struct Settings {
     /// Value of the Avogadro constant that converts kcal/mol/Å³ to GPa, 1/mol.
     pub avogadro_per_mol: f64,
-    /// How to relax the network first, if at all.
+    /// Relaxation before the analysis, if any.
     pub relax: Option<Relax>,
     /// Whether to report energy, forces and Hessian.
     pub derivatives: bool,
 }
 
-/// How a network is relaxed.
+/// Ways of relaxing a network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relax {
-    /// Nodes and cell.
+    /// Relaxation of the nodes and the cell.
     FreeCell,
-    /// Nodes only.
+    /// Relaxation of the nodes only.
     FixedCell,
 }
 
@@ -55,13 +55,13 @@ pub struct Report {
     /// Names of the components of strain and stress, in the order of all matrices; shear strains
     /// are engineering strains.
     pub strain_order: Vec<&'static str>,
-    /// Nodes.
+    /// Number of nodes.
     pub nodes: usize,
-    /// Rods.
+    /// Number of rods.
     pub rods: usize,
-    /// Hinges.
+    /// Number of hinges.
     pub hinges: usize,
-    /// Torsions.
+    /// Number of torsions.
     pub torsions: usize,
     /// Cell vectors, Å.
     pub cell_angstrom: Vec<Vec<f64>>,
@@ -78,11 +78,11 @@ pub struct Report {
     pub c_gpa: Vec<Vec<f64>>,
     /// Stiffness with clamped nodes, which follow the strain affinely, GPa.
     pub c_clamped_gpa: Vec<Vec<f64>>,
-    /// `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism makes the modulus zero or
+    /// Moduli `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism makes the modulus zero or
     /// undefined.
     #[serde(flatten)]
     pub moduli: BTreeMap<String, Option<f64>>,
-    /// Closed formulas.
+    /// Moduli by closed formulas.
     #[serde(flatten)]
     pub analytic: Option<Analytic>,
     /// Stress of the network in its present state, GPa.
@@ -91,7 +91,7 @@ pub struct Report {
     pub energy_kcal_mol: f64,
     /// Largest component of a force on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
-    /// How the network was relaxed.
+    /// Relaxation before the analysis, if any.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxed: Option<Relax>,
     /// Maxwell count: coordinates against springs.
@@ -116,20 +116,20 @@ pub struct Report {
 pub struct Direction {
     /// Angle between the load and the y axis, degrees.
     pub angle_deg: f64,
-    /// E, GPa; null where a mechanism makes it zero.
+    /// Young's modulus E, GPa; null where a mechanism makes it zero.
     pub e_gpa: Option<f64>,
-    /// ν in the plane; null where it is undefined.
+    /// Poisson's ratio ν in the plane; null where it is undefined.
     pub nu: Option<f64>,
 }
 
 /// Closed-form moduli of a honeycomb.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analytic {
-    /// Hinging and stretching together, exact.
+    /// Moduli with hinging and stretching together, exact.
     pub analytic: AnalyticModuli,
-    /// Rods of fixed length.
+    /// Moduli with rods of fixed length.
     pub analytic_hinging: AnalyticModuli,
-    /// Hinges of fixed angle.
+    /// Moduli with hinges of fixed angle.
     pub analytic_stretching: AnalyticModuli,
 }
 
@@ -149,13 +149,13 @@ pub struct AnalyticModuli {
 pub struct PrintedDerivatives {
     /// Node positions, Å.
     pub nodes_angstrom: Vec<f64>,
-    /// kcal/mol.
+    /// Energy, kcal/mol.
     pub energy_kcal_mol: f64,
-    /// Minus the gradient, kcal/mol/Å.
+    /// Forces, minus the gradient, kcal/mol/Å.
     pub forces_kcal_mol_angstrom: Vec<f64>,
-    /// kcal/mol/Å².
+    /// Hessian, kcal/mol/Å².
     pub hessian_kcal_mol_angstrom2: Vec<Vec<f64>>,
-    /// Derivatives with respect to the strain components, kcal/mol.
+    /// Derivatives of the energy with respect to the strain components, kcal/mol.
     pub strain_gradient_kcal_mol: Vec<f64>,
 }
 
@@ -442,7 +442,7 @@ fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
     })
 }
 
-/// `e_y_gpa` as `E_y (GPa)`.
+/// Label of a key: `e_y_gpa` becomes `E_y (GPa)`.
 fn label(key: &str) -> String {
     let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
     let name = key

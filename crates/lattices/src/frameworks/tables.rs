@@ -16,7 +16,7 @@ pub const AVOGADRO_OF_SIMULATION: f64 = 6.022e23;
 /// N_A of the columns of formulas, 1/mol.
 pub const AVOGADRO_OF_FORMULAS: f64 = 6.023e23;
 
-/// How a computed value compares with the printed one.
+/// Agreement of a computed value with the printed one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Agreement {
@@ -32,15 +32,15 @@ pub enum Agreement {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Value {
-    /// `e_y_gpa`, `e_z_gpa`, `nu_yz` or `nu_zy`.
+    /// Name of the quantity: `e_y_gpa`, `e_z_gpa`, `nu_yz` or `nu_zy`.
     pub quantity: Cow<'static, str>,
     /// The computed value.
     pub computed: f64,
     /// The printed value.
     pub printed: Cow<'static, str>,
-    /// How the two agree.
+    /// Agreement of the two values.
     pub agreement: Agreement,
-    /// Printed / computed - 1.
+    /// Relative deviation, printed / computed - 1.
     pub deviation: f64,
 }
 
@@ -48,19 +48,19 @@ pub struct Value {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
-    /// 2, 3 or 4.
+    /// Number of the table: 2, 3 or 4.
     pub table: u32,
-    /// `hinging`, `stretching` or `mixed`.
+    /// Mechanism: `hinging`, `stretching` or `mixed`.
     pub mechanism: Cow<'static, str>,
-    /// θ, degrees.
+    /// Angle θ, degrees.
     pub theta_deg: f64,
-    /// `emuda` or `am`.
+    /// Method: `emuda` or `am`.
     pub method: Cow<'static, str>,
-    /// Cells of the simulated box along both axes.
+    /// Number of cells of the simulated box along both axes.
     pub cells: usize,
-    /// N_A, 1/mol.
+    /// Avogadro constant N_A, 1/mol.
     pub avogadro_per_mol: f64,
-    /// The four numbers.
+    /// The four values of the row.
     pub values: Vec<Value>,
     /// A remark on the printed row.
     pub note: Option<Cow<'static, str>>,
@@ -73,7 +73,7 @@ const QUANTITIES: [&str; 4] = ["e_y_gpa", "e_z_gpa", "nu_yz", "nu_zy"];
 
 type Printed = [&'static str; 4];
 
-/// θ, the formula, the simulation.
+/// A printed row: θ, the values of the formula, and those of the simulation.
 type PrintedRow = (f64, Printed, Printed);
 
 /// Table 3 (A), hinging.
@@ -355,7 +355,7 @@ pub fn describe(rows: &[Row]) -> Vec<(String, Vec<Vec<String>>)> {
         .collect()
 }
 
-/// `computed | printed mark`.
+/// Text of a value: `computed | printed mark`.
 fn describe_value(value: &Value) -> String {
     let decimals = value
         .printed

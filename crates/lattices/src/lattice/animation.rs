@@ -22,7 +22,7 @@ const PAGE: &str = include_str!("animation.html");
 pub const PLAYER_STYLE: &str = include_str!("player.css");
 /// The elements of the player: a canvas and controls, which [`PLAYER_SCRIPT`] fills.
 pub const PLAYER: &str = include_str!("player.html");
-/// Defines `playLattice(root, keys, data)`.
+/// Script that defines `playLattice(root, keys, data)`.
 pub const PLAYER_SCRIPT: &str = include_str!("player.js");
 /// Length of the longer edge of a frame, pixels.
 const FRAME_PIXELS: f64 = 800.0;
@@ -32,7 +32,7 @@ const FRAME_PIXELS: f64 = 800.0;
 pub struct Animation {
     network: Network,
     title: String,
-    /// Time, and x, y, θ of square after square.
+    /// Frames: time, and x, y, θ of square after square.
     frames: Vec<(f64, Vec<f64>)>,
 }
 
@@ -41,7 +41,7 @@ pub struct Animation {
 pub struct WrittenAnimation {
     /// The page.
     pub page: PathBuf,
-    /// Frames on it.
+    /// Number of frames on the page.
     pub frames: usize,
 }
 
@@ -272,7 +272,7 @@ fn shift(network: &Network, rod: &Rod) -> [f64; 2] {
     ]
 }
 
-/// A tenth of a pixel is precise enough.
+/// Rounds numbers, as a tenth of a pixel is precise enough.
 fn rounded(numbers: &[f64]) -> Vec<f64> {
     numbers.iter().map(|x| (x * 1e4).round() / 1e4).collect()
 }

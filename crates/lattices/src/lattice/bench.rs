@@ -19,19 +19,19 @@ use std::sync::Arc;
 /// The result of [`bench()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LatticeBench {
-    /// Rows and columns.
+    /// Number of rows and of columns.
     pub ns: usize,
-    /// Squares.
+    /// Number of squares.
     pub squares: usize,
-    /// Rods.
+    /// Number of rods.
     pub rods: usize,
     /// Length of the rods.
     pub r0: f64,
-    /// Amplitude of the initial orientations, θ = ± this.
+    /// Amplitude of the initial orientations: θ is plus or minus this angle.
     pub start_angle: f64,
     /// Time step.
     pub time_step: f64,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
     /// Whether squares collided.
     pub collisions: bool,
@@ -43,7 +43,7 @@ pub struct LatticeBench {
     pub max_rod_violation: f64,
     /// Largest relative deviation of the energy from its initial value, sampled as often.
     pub energy_error: f64,
-    /// Collisions.
+    /// Number of collisions.
     pub events: u64,
 }
 
@@ -63,7 +63,7 @@ impl Answer for LatticeBench {
     }
 }
 
-/// Between closed (0) and open (π/4).
+/// Initial angle, between closed (0) and open (π/4).
 const START_ANGLE_RAD: f64 = 0.4;
 
 /// Number of samples per benchmark.

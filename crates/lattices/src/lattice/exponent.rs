@@ -22,16 +22,16 @@ const FILE: &str = "lyapunov.json";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exponent {
-    /// How it was measured.
+    /// Settings of the measurement.
     pub settings: LyapunovSettings,
     /// The time step.
     #[serde(default)]
     pub time_step: f64,
-    /// λ, 1/time.
+    /// Exponent λ, 1/time.
     pub exponent: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the exponent.
     pub standard_error: Option<f64>,
-    /// Why the trajectory or its neighbour could not be completed.
+    /// Reason why the trajectory or its neighbour could not be completed.
     pub failure: Option<String>,
 }
 

@@ -17,31 +17,31 @@ pub(super) const MOST_STEPS: u64 = 1_000_000_000_000;
 /// Upper limit for the number of intervals of a Lyapunov exponent.
 const MOST_INTERVALS: usize = 10_000_000;
 
-/// Lengths in half-diagonals of the unit square.
+/// Range of lengths in half-diagonals of the unit square.
 pub(super) const LENGTH: Range = Range::new(1e-4, 1e3, "");
-/// Masses in masses of the unit square.
+/// Range of masses in masses of the unit square.
 const MASS: Range = Range::new(1e-6, 1e6, "");
-/// Moments of inertia.
+/// Range of moments of inertia.
 pub(super) const INERTIA: Range = Range::new(1e-9, 1e9, "");
-/// Angular velocities and friction.
+/// Range of angular velocities and friction.
 const RATE: Range = Range::new(1e-6, 1e6, "").or_zero();
-/// κ of the coherence potential.
+/// Range of κ of the coherence potential.
 pub(super) const KAPPA: Range = Range::new(1e-12, 1e9, "").or_zero();
-/// Times.
+/// Range of times.
 pub(super) const TIME: Range = Range::new(1e-9, 1e9, "").or_zero();
-/// Time steps.
+/// Range of time steps.
 pub(super) const TIME_STEP: Range = Range::new(TIME_STEP_LEAST, 1.0, "");
 /// The shortest time step.
 pub(super) const TIME_STEP_LEAST: f64 = 1e-9;
-/// Positions, angles and their rates in a file.
+/// Range of positions, angles and their rates in a file.
 pub(super) const COORDINATE: Range = Range::new(-1e6, 1e6, "");
-/// kT.
+/// Range of kT.
 const ENERGY: Range = Range::new(1e-9, 1e6, "");
-/// Lengths of proteins, and of the medium around them.
+/// Range of lengths of proteins, and of the medium around them.
 const ANGSTROMS: Range = Range::new(1e-2, 1e6, "Å");
-/// Charges of sites.
+/// Range of the charges of sites.
 const CHARGE: Range = Range::new(-1e4, 1e4, "e");
-/// Places of charges: on their square, or a little beyond.
+/// Range of the places of charges: on their square, or a little beyond.
 const PLACE: Range = Range::new(-10.0, 10.0, "half-diagonals");
 
 impl LatticeSettings {

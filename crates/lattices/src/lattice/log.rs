@@ -8,7 +8,7 @@ use protomer_results::Row;
 /// One row of the log. Reduced units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LogRow {
-    /// Steps done.
+    /// Number of steps done.
     pub step: u64,
     /// Time.
     pub time: f64,
@@ -16,11 +16,11 @@ pub struct LogRow {
     pub kinetic_energy: f64,
     /// Energy of the potentials.
     pub potential_energy: f64,
-    /// Their sum.
+    /// Sum of the kinetic energy and the energy of the potentials.
     pub energy: f64,
-    /// ⟨θ⟩₀, the mean orientation.
+    /// Mean orientation ⟨θ⟩₀.
     pub uniform: f64,
-    /// ⟨θ⟩₁, the amplitude of (-1)^(i+j).
+    /// Amplitude ⟨θ⟩₁ of (-1)^(i+j).
     pub checkerboard: f64,
     /// Amplitude of (-1)^j.
     pub vertical: f64,
@@ -29,7 +29,7 @@ pub struct LogRow {
     /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode;
     /// NaN if nothing rotates.
     pub checkerboard_fraction: f64,
-    /// The same of the energy as a whole.
+    /// Share of the checkerboard mode in the energy as a whole, without that of the uniform mode.
     pub checkerboard_fraction_of_total: f64,
     /// Standard deviation of the angles about the coherent state.
     pub angle_spread: f64,
@@ -45,7 +45,7 @@ pub struct LogRow {
     pub step_strain_yy: f64,
     /// Largest deviation of a rod from its length.
     pub rod_violation: f64,
-    /// Collisions so far.
+    /// Number of collisions so far.
     pub events: u64,
 }
 
@@ -155,7 +155,8 @@ impl Row for LogRow {
     }
 }
 
-/// xx, yy and xy of the strain from one array of positions to another; NaN where it is undefined.
+/// Components xx, yy and xy of the strain from one array of positions to another; NaN where it is
+/// undefined.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
     match deformation_gradient(&corners(network, from), &corners(network, to)) {
         Ok(gradient) => {

@@ -32,13 +32,13 @@ pub struct LatticeFile {
     /// Half-diagonal of the squares.
     #[serde(default = "one")]
     pub l: f64,
-    /// Their moment of inertia; l²/3 if left out. Their mass is 1.
+    /// Moment of inertia of the squares; l²/3 if left out. Their mass is 1.
     #[serde(rename = "I")]
     pub inertia: Option<f64>,
-    /// x, y, θ of square after square at time 0.
+    /// Coordinates x, y, θ of square after square at time 0.
     #[serde(default)]
     pub s0: Vec<f64>,
-    /// Their rates.
+    /// Rates of change of the coordinates in `s0`.
     #[serde(default)]
     pub v0: Vec<f64>,
     /// Times to report.
@@ -51,12 +51,12 @@ pub struct LatticeFile {
 /// A state in which squares touch.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct ContactState {
-    /// When.
+    /// Time of the contact.
     #[serde(default)]
     pub t: f64,
-    /// x, y, θ.
+    /// Coordinates x, y, θ of square after square.
     pub s: Vec<f64>,
-    /// Rates just before.
+    /// Rates of the coordinates just before the contact.
     pub v: Vec<f64>,
     /// The contacts; found from the state if omitted.
     #[serde(default)]
@@ -67,7 +67,8 @@ fn one() -> f64 {
     1.0
 }
 
-/// Three numbers in range for every square, or none where the file leaves the state out.
+/// Checks that there are three numbers in range for every square, or none where the file leaves the
+/// state out.
 fn check_state(name: &str, numbers: &[f64], count: usize) -> Result<()> {
     if !numbers.is_empty() && numbers.len() != count {
         bail!(
@@ -89,9 +90,9 @@ pub struct Replay {
     pub time_step: f64,
     /// The times of the file.
     pub times: Vec<f64>,
-    /// x, y, θ at these times. Collisions are ignored, even after the first contact.
+    /// Coordinates x, y, θ at these times. Collisions are ignored, even after the first contact.
     pub s: Vec<Vec<f64>>,
-    /// Rates.
+    /// Rates of the coordinates at these times.
     pub v: Vec<Vec<f64>>,
     /// Sum of the kinetic energy and the coherence potential.
     pub energy: Vec<f64>,
@@ -105,22 +106,22 @@ pub struct Replay {
 /// The first contact and its outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FirstCollision {
-    /// When.
+    /// Time of the contact.
     pub t: f64,
-    /// x, y, θ.
+    /// Coordinates x, y, θ of square after square.
     pub s: Vec<f64>,
-    /// Rates just before.
+    /// Rates of the coordinates just before the contact.
     pub v: Vec<f64>,
     /// The striking square, its corner (1 to 4), and the struck square.
     pub contacts: Vec<[usize; 3]>,
-    /// Rates just after an elastic collision.
+    /// Rates of the coordinates just after an elastic collision.
     pub v_after: Vec<f64>,
 }
 
 /// The result of [`respond`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Response {
-    /// Rates just after an elastic collision.
+    /// Rates of the coordinates just after an elastic collision.
     pub v_after: Vec<f64>,
     /// The striking square, its corner (1 to 4), and the struck square.
     pub contacts: Vec<[usize; 3]>,
@@ -323,7 +324,7 @@ impl Motion {
     }
 }
 
-/// The smallest number of equal steps no longer than `time_step` that end at `time`.
+/// Advances to `time` in the smallest number of equal steps that are no longer than `time_step`.
 fn advance(dynamics: &mut Dynamics, state: &mut State, time: f64, time_step: f64) -> Result<()> {
     let duration = time - state.time;
     // A ratio that is an integer up to rounding is meant to be an integer.

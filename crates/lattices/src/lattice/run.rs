@@ -56,26 +56,27 @@ const LAYOUT: Layout = Layout {
 /// The result of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LatticeResult {
-    /// Squares.
+    /// Number of squares.
     pub squares: usize,
-    /// Rods.
+    /// Number of rods.
     pub rods: usize,
-    /// Steps done.
+    /// Number of steps done.
     pub steps: u64,
     /// Time reached.
     pub time: f64,
     /// Time step, in which rows and frames are counted.
     pub time_step: f64,
-    /// Equal parts in which every step was taken to keep the energy; 1 for a step that was given.
+    /// Number of equal parts in which every step was taken to keep the energy; 1 for a step that
+    /// was given.
     #[serde(default = "one")]
     pub sub_steps: u32,
     /// Standard deviation of the angles about the coherent state at the start: less than
     /// requested where rods are short.
     pub start_angle_spread: f64,
-    /// Random starts that were discarded because squares overlapped.
+    /// Number of random starts that were discarded because squares overlapped.
     #[serde(default)]
     pub discarded_starts: u32,
-    /// Collisions.
+    /// Number of collisions.
     pub events: u64,
     /// Energy at the start.
     pub start_energy: f64,
@@ -86,7 +87,7 @@ pub struct LatticeResult {
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
-    /// What the paper's protocol costs, where it is followed.
+    /// Statistics of the paper's protocol, where it is followed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperStatistics>,
 }
@@ -194,7 +195,7 @@ struct StepTooLong {
     time_step: f64,
     sub_steps: u32,
     reason: String,
-    /// Steps of the pass.
+    /// Number of steps of the pass.
     wasted_steps: u64,
 }
 
@@ -232,7 +233,7 @@ struct Open {
     trajectory: Option<Trajectory>,
     /// Whether every output due at this state has been written.
     is_complete: bool,
-    /// Parts in which every step is taken.
+    /// Number of parts in which every step is taken.
     sub_steps: u32,
     /// The state before the step.
     kept: State,
@@ -257,16 +258,16 @@ struct Progress {
 struct Saved {
     /// The part of the log that belongs to this state.
     log: LogMark,
-    /// Frames of the trajectory that belong to this state.
+    /// Number of frames of the trajectory that belong to this state.
     frames: u64,
     progress: Progress,
     state: State,
     /// Positions at the last row of the log.
     logged: Vec<f64>,
-    /// Parts in which every step is taken.
+    /// Number of parts in which every step is taken.
     #[serde(default = "one")]
     sub_steps: u32,
-    /// What the paper's protocol has counted.
+    /// Statistics of the paper's protocol so far.
     #[serde(default)]
     paper: Option<PaperStatistics>,
 }
@@ -295,7 +296,7 @@ impl<'a> LatticeRun<'a> {
         )?)
     }
 
-    /// The start, before any output, of a pass with so many parts per step.
+    /// The saved state at the start of a pass with so many parts per step, before any output.
     fn saved_at_start(&self, mover: &mut Mover, sub_steps: u32) -> Saved {
         Saved {
             log: LogMark::default(),
@@ -308,7 +309,7 @@ impl<'a> LatticeRun<'a> {
         }
     }
 
-    /// One step in its parts; a step that fails leaves the state as it was.
+    /// Takes one step in its parts; a step that fails leaves the state as it was.
     fn step(&self, open: &mut Open) -> Result<(), CrystalError> {
         let Open {
             mover,
@@ -330,8 +331,8 @@ impl<'a> LatticeRun<'a> {
         Ok(())
     }
 
-    /// How far the energy is off, relative to the first or to the kinetic energy now, whichever is
-    /// larger: the first one may be near zero where charges attract each other.
+    /// Error of the energy, relative to the first one or to the present kinetic energy, whichever
+    /// is larger: the first one may be near zero where charges attract each other.
     fn energy_error(&self, open: &mut Open) -> f64 {
         let first = open.progress.first_energy;
         let kinetic = open.state.kinetic_energy(open.mover.network());
@@ -340,7 +341,7 @@ impl<'a> LatticeRun<'a> {
         if change > 0.0 { change / scale } else { 0.0 }
     }
 
-    /// Whether a shorter step may be tried: the step is ours to choose.
+    /// Whether a shorter step may be tried: the step must be automatic.
     fn can_take_more_parts(&self, open: &Open) -> bool {
         matches!(self.settings.time_step, TimeStep::Named(_)) && open.sub_steps < MOST_SUB_STEPS
     }
@@ -546,8 +547,8 @@ impl Run for LatticeRun<'_> {
         Ok(log::check(&directory.join(LOG), &saved.log)?)
     }
 
-    /// A step that fails leaves the state unchanged; a run that must begin again continues from its
-    /// start.
+    /// The state to save after an error. A step that fails leaves the state unchanged; a run that
+    /// must begin again continues from its start.
     fn rescue(&self, open: &mut Open) -> Option<Saved> {
         if open.begins_again {
             let mut mover = self.mover().ok()?;

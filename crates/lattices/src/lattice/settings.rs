@@ -27,9 +27,9 @@ use std::f64::consts::FRAC_PI_4;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LatticeSettings {
-    /// Rows of squares.
+    /// Number of rows of squares.
     pub rows: usize,
-    /// Columns of squares.
+    /// Number of columns of squares.
     pub columns: usize,
     /// Length of the rods, r0.
     pub r0: f64,
@@ -50,9 +50,9 @@ pub struct LatticeSettings {
     /// start; all velocities are then scaled so that the mean of ω² stays that of the speed.
     #[serde(skip_serializing_if = "is_zero")]
     pub velocity_spread: f64,
-    /// Run *to* this time.
+    /// Time up to which to run.
     pub time: f64,
-    /// Run to this many steps instead.
+    /// Number of steps up to which to run, instead of a time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steps: Option<u64>,
     /// Time step.
@@ -61,10 +61,11 @@ pub struct LatticeSettings {
     pub collisions: bool,
     /// Coefficient of restitution of the collisions: 1 is elastic.
     pub restitution: f64,
-    /// Use the collisions of the paper (one mean collision time per step, equalities) instead
-    /// of one event after another.
+    /// Whether to use the collisions of the paper (one mean collision time per step, equalities)
+    /// instead of one event after another.
     pub paper: bool,
-    /// kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a friction.
+    /// Temperature kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a
+    /// friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature: Option<f64>,
     /// Friction, an inverse time. Without a temperature it only slows the squares down.
@@ -88,7 +89,7 @@ pub struct LatticeSettings {
     pub removed_rods: Vec<[usize; 3]>,
     /// The square.
     pub square: Square,
-    /// Squares that differ from it.
+    /// Squares that differ from `square`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub other_squares: Vec<OtherSquare>,
     /// The rods, if they differ from those of the lattice.
@@ -97,7 +98,7 @@ pub struct LatticeSettings {
     /// Charges on every square, which act if there is a `screening`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub charges: Vec<SquareCharge>,
-    /// How the charges interact.
+    /// Interaction of the charges.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screening: Option<Screening>,
     /// The parameters that a sweep varies.
@@ -109,7 +110,8 @@ fn is_zero(value: &f64) -> bool {
     *value == 0.0
 }
 
-/// θ = ± this at the start, in radians.
+/// Orientation of the squares at the start, θ = ± an angle, which has a name or is given in
+/// radians.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -133,7 +135,7 @@ pub enum NamedStart {
 }
 
 impl Start {
-    /// The angle, radians.
+    /// Angle of the start, radians.
     pub fn angle_rad(self) -> f64 {
         match self {
             Start::Named(NamedStart::Open) => FRAC_PI_4,
@@ -143,7 +145,7 @@ impl Start {
     }
 }
 
-/// `open`, `closed` or an angle in radians.
+/// Parses `open`, `closed` or an angle in radians.
 impl std::str::FromStr for Start {
     type Err = String;
 
@@ -188,7 +190,7 @@ pub enum TimeStep {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NamedTimeStep {
-    /// Short enough for the fastest-turning rod.
+    /// A step that is short enough for the fastest-turning rod.
     Auto,
 }
 
@@ -197,7 +199,7 @@ impl TimeStep {
     pub const AUTO: Self = TimeStep::Named(NamedTimeStep::Auto);
 }
 
-/// `auto` or a number.
+/// Parses `auto` or a number.
 impl std::str::FromStr for TimeStep {
     type Err = String;
 
@@ -216,11 +218,11 @@ impl std::str::FromStr for TimeStep {
 pub struct SweepAxes {
     /// Rod lengths; if empty, that of the settings.
     pub r0: Vec<f64>,
-    /// κ; if empty, that of the settings.
+    /// Values of κ; if empty, that of the settings.
     pub kappa: Vec<f64>,
     /// Seeds; if empty, that of the settings.
     pub seeds: Vec<u64>,
-    /// How the Lyapunov exponent of every run is measured; if omitted, it is not measured. The seed
+    /// Measurement of the Lyapunov exponent of every run; if omitted, it is not measured. The seed
     /// of a run is added to the seed here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lyapunov: Option<LyapunovSettings>,

@@ -15,9 +15,9 @@ pub struct Begun {
     pub state: State,
     /// Standard deviation about the coherent state of the random angles that were drawn.
     pub angle_spread_drawn: f64,
-    /// The same for the angles that the rods allowed.
+    /// Standard deviation about the coherent state of the angles that the rods allowed.
     pub angle_spread: f64,
-    /// Random starts that were discarded because squares overlapped.
+    /// Number of random starts that were discarded because squares overlapped.
     pub discarded_draws: u32,
 }
 
@@ -38,8 +38,8 @@ pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
     begin_unless(settings, &|| false)
 }
 
-/// As [`begin()`], until `stops` says that the work must stop: large random angles at short rods
-/// take long.
+/// Variant of [`begin()`] that ends when `stops` says that the work must stop: large random angles
+/// at short rods take long.
 ///
 /// # Errors
 /// As [`begin()`], and [`CrystalError::Stopped`].

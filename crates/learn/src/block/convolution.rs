@@ -8,10 +8,10 @@ use protomer_convolution::forward::{self, Finish, Forward};
 use protomer_convolution::padded::{Occupied, Padded};
 use protomer_convolution::{Geometry, Level};
 
-/// What follows convolution and bias.
+/// Operations that follow convolution and bias.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Finishing {
-    /// Nothing.
+    /// No operation.
     Plain,
     /// ReLU.
     Relu,
@@ -76,7 +76,7 @@ impl Convolution {
     }
 
     /// The forward pass of one sample with what follows the convolution. Returns the corners that
-    /// pooling chose, and which voxels of the sample hold anything, if few do.
+    /// pooling chose, and the voxels of the sample that hold anything, if they are few.
     pub(super) fn finished_sample(
         &self,
         sample: &[f32],
@@ -97,8 +97,8 @@ impl Convolution {
         (codes, occupied)
     }
 
-    /// The forward pass of one sample with packed weights. Returns which of its voxels hold
-    /// anything, if few do.
+    /// The forward pass of one sample with packed weights. Returns the voxels of the sample that
+    /// hold anything, if they are few.
     pub(super) fn forward_sample(
         &self,
         sample: &[f32],

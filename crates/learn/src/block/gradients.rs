@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 /// Gradients of the three arguments of a node.
 pub(super) type ThreeGradients = (Option<Tensor>, Option<Tensor>, Option<Tensor>);
 
-/// What one sample brings to the backward pass.
+/// Data of one sample for the backward pass.
 #[derive(Clone, Copy)]
 pub(super) struct Sample<'a> {
     pub(super) input: &'a [f32],
@@ -35,15 +35,15 @@ pub(super) struct Sample<'a> {
 /// Gradients that one sample gives.
 pub(super) struct Gradients {
     weights: WeightGradient,
-    /// Of the bias, and of what else the third argument of the node holds.
+    /// Gradients of the bias, and of what else the third argument of the node holds.
     pub(super) vectors: Vec<f32>,
 }
 
 /// The gradient of the weights, in the order of the kernel that computed it.
 enum WeightGradient {
-    /// As [`sparse::pack`].
+    /// Gradient in the order of [`sparse::pack`].
     Runs(Buffer),
-    /// As [`Geometry::pack`].
+    /// Gradient in the order of [`Geometry::pack`].
     Packed(Buffer),
 }
 
@@ -66,7 +66,7 @@ impl Weights {
     }
 }
 
-/// One sample.
+/// The backward pass of one sample.
 impl Convolution {
     /// Gradients of one sample. `input_gradient` is overwritten.
     pub(super) fn backward(
@@ -236,7 +236,7 @@ pub(super) fn is_alive(code: u8) -> bool {
     code != DEAD
 }
 
-/// All samples.
+/// The backward pass of all samples.
 impl Convolution {
     /// The gradients of input, weight and third argument from those that `of_sample` gives for each
     /// sample: its number, its input, the weights, and room for the gradient of its input if that

@@ -157,7 +157,7 @@ fn moments(group: &[f32]) -> Moments {
     }
 }
 
-/// A row of maxima over (z, y), and which row had each.
+/// A row of maxima over (z, y), and the row that each comes from.
 struct Rows {
     best: Vec<f32>,
     code: Vec<u32>,
@@ -198,7 +198,7 @@ impl Rows {
         }
     }
 
-    /// Puts a row against the best so far.
+    /// Compares a row with the best values so far and keeps the better ones.
     #[inline(always)]
     fn take(&mut self, row: &[f32], corner: u32, (scale, shift): (f32, f32)) {
         for ((best, code), x) in self.best.iter_mut().zip(&mut self.code).zip(row) {
@@ -329,7 +329,7 @@ impl Channel<'_> {
     }
 }
 
-/// What mean and variance take from the gradient of the input.
+/// Correction of the gradient of the input for mean and variance, which depend on the input.
 struct Correction<'a> {
     spread: &'a mut [f32],
     input: &'a [f32],

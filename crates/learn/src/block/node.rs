@@ -27,22 +27,22 @@ pub(super) struct Node {
     kept: OnceLock<Vec<Kept>>,
 }
 
-/// What the backward pass needs of a sample, besides its input and its result.
+/// Data of a sample that the backward pass needs, besides its input and its result.
 #[derive(Debug)]
 struct Kept {
     /// The corners that pooling chose.
     codes: Vec<u8>,
-    /// Which voxels of the input hold anything, if few do.
+    /// Voxels of the input that hold anything, if they are few.
     occupied: Option<Occupied>,
     normed: Option<Normed>,
 }
 
-/// What the normalisation keeps of a sample.
+/// Data of a sample that the normalisation keeps.
 #[derive(Debug)]
 struct Normed {
-    /// What the convolution gave.
+    /// Result of the convolution.
     grid: Buffer,
-    /// One for every group.
+    /// Moments of every group.
     moments: Vec<Moments>,
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The most channels of a block: with kernels of edge 5, a convolution between two such blocks has 0.5 GB of weights.
 const MOST_CHANNELS: usize = 1024;
 
-/// What a block does: convolution, group normalisation if wanted, ReLU, pooling if wanted.
+/// Settings of a block: convolution, group normalisation if wanted, ReLU, pooling if wanted.
 ///
 /// ```
 /// use protomer_learn::BlockSettings;
@@ -19,7 +19,7 @@ const MOST_CHANNELS: usize = 1024;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlockSettings {
-    /// Channels it gives.
+    /// Number of output channels.
     pub width: usize,
     /// Edge of the convolution kernel, voxels: 1, 3 or 5.
     pub kernel: usize,

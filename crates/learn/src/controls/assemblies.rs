@@ -9,8 +9,9 @@ use std::f64::consts::{PI, TAU};
 /// Numbers of copies.
 pub(super) const COPIES: [usize; 5] = [1, 2, 3, 4, 6];
 
-/// `copies` of a blob of extent 1 about z, at a distance at which neighbours touch. Each is turned
-/// by 2π/copies from the one before. The ring has the extent 1 again, so that size tells nothing.
+/// A ring of `copies` of a blob of extent 1 about z, at a distance at which neighbours touch. Each
+/// is turned by 2π/copies from the one before. The ring has the extent 1 again, so that size tells
+/// nothing.
 pub(super) fn ring(blob: &Blob, copies: usize) -> Blob {
     let radius = match copies {
         1 => 0.0,

@@ -83,8 +83,8 @@ impl Blob {
         self.map(|middle, radius| (middle + by, radius))
     }
 
-    /// Outside a lower bound of the distance to the surface. Inside the depth below the surface of
-    /// the nearest ball, negative.
+    /// Signed distance: outside, a lower bound of the distance to the surface; inside, the depth
+    /// below the surface of the nearest ball, negative.
     pub(super) fn distance(&self, p: &Vec3) -> f64 {
         let mut distance = f64::INFINITY;
         for (middle, radius) in &self.balls {

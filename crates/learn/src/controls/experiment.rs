@@ -14,15 +14,15 @@ use serde::{Deserialize, Serialize};
 pub struct Experiment {
     /// A name, unique in the control; also that of its directory.
     pub name: &'static str,
-    /// How samples are placed.
+    /// Placement of the samples.
     pub variant: Variant,
     /// The channels the network sees.
     pub channels: &'static [&'static str],
     /// Whether clusters stay together in the split. Otherwise samples are dealt out one by one.
     pub split_by_cluster: bool,
-    /// How channels are scaled.
+    /// Scaling of the channels.
     pub scaling: ScalingMode,
-    /// What must come out.
+    /// Expected balanced accuracy.
     pub expected: Expected,
 }
 
@@ -38,9 +38,9 @@ pub struct Experiment {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Expected {
-    /// At least this.
+    /// A balanced accuracy of at least this.
     AtLeast(f64),
-    /// That of guessing, within three standard errors: see [`Expected::verdict`].
+    /// The balanced accuracy of guessing, within three standard errors: see [`Expected::verdict`].
     Chance,
 }
 
@@ -53,7 +53,7 @@ pub struct Verdict {
     pub at_most: f64,
     /// Balanced accuracy on the test part.
     pub balanced_accuracy: f64,
-    /// Whether it lies between them.
+    /// Whether the balanced accuracy lies between them.
     pub is_reached: bool,
 }
 
@@ -86,7 +86,7 @@ impl Expected {
 }
 
 impl Experiment {
-    /// Its split of these samples.
+    /// Splits these samples as the experiment prescribes.
     ///
     /// # Errors
     /// As for [`Split::grouped`].
@@ -139,8 +139,8 @@ const fn fractions(training: f64, validation: f64, test: f64) -> Fractions {
 const MOSTLY_TRAINING: Fractions = fractions(0.7, 0.1, 0.2);
 const USUAL: Fractions = fractions(0.6, 0.1, 0.3);
 const HALVES: Fractions = fractions(0.5, 0.1, 0.4);
-/// Where the number of clusters in the test part limits what can be told from chance: test samples
-/// cost little, because the network sees them once.
+/// Fractions for experiments where the number of clusters in the test part limits what can be told
+/// from chance: test samples cost little, because the network sees them once.
 const MOSTLY_TEST: Fractions = fractions(0.17, 0.03, 0.8);
 
 const ALL: &[&str] = &["shape", "potential", "hydropathy"];
@@ -164,7 +164,7 @@ const fn experiment(
 }
 
 impl Control {
-    /// Its experiments, the main one first.
+    /// Experiments of the control, the main one first.
     ///
     /// ```
     /// use protomer_learn::controls::{Control, Expected};
@@ -222,7 +222,7 @@ impl Control {
         self.channels()
     }
 
-    /// The network that its experiments train.
+    /// The network that an experiment of the control trains.
     pub fn network(self, experiment: &Experiment, form: Form) -> NetworkSettings {
         // Recognising forty proteins takes a network that can remember.
         let (first, groups) = match (self, form) {
@@ -244,7 +244,8 @@ impl Control {
         }
     }
 
-    /// How its experiments are trained: to the last epoch, because it is known how many they take.
+    /// Settings of the training of an experiment: it goes to the last epoch, because the number of
+    /// epochs that it takes is known.
     pub fn training(self, experiment: &Experiment, form: Form, seed: u64) -> TrainingSettings {
         TrainingSettings {
             epochs: self.plan(experiment, form).epochs,

@@ -44,53 +44,53 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Control {
-    /// Which solid it is.
+    /// Kind of a solid.
     Shapes,
     /// Sign of the net charge.
     Charge,
-    /// How much of the surface is hydrophobic.
+    /// Hydrophobic share of the surface.
     Patch,
     /// Whether charge and hydropathy of a patch have the same sign.
     Xor,
-    /// How many copies stand about an axis.
+    /// Number of copies about an axis.
     Assemblies,
     /// Labels dealt out at random.
     Permuted,
-    /// Which protein it is.
+    /// Identity of the protein.
     Identity,
-    /// How the protein was deposited.
+    /// Orientation in which the protein was deposited.
     Orientation,
-    /// How large it is.
+    /// Number of residues.
     Size,
     /// The charge control with outliers among the potentials.
     HeavyTails,
 }
 
-/// How large a control is.
+/// Short or full form of a control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Form {
-    /// For tests: seconds to a minute.
+    /// Short form for tests: seconds to a minute.
     Short,
-    /// For validation: finer grids and more samples.
+    /// Full form for validation: finer grids and more samples.
     Full,
 }
 
-/// How the samples of a control are placed.
+/// Placement of the samples of a control.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
-    /// As the control prescribes.
+    /// Placement that the control prescribes.
     #[default]
     Usual,
-    /// Turned at random instead of as deposited.
+    /// Samples turned at random instead of as deposited.
     Turned,
-    /// Each scaled to fill the box.
+    /// Samples scaled so that each fills the box.
     FillingTheBox,
 }
 
 impl Control {
-    /// All of them.
+    /// All controls.
     pub const ALL: [Self; 10] = [
         Self::Shapes,
         Self::Charge,
@@ -104,7 +104,7 @@ impl Control {
         Self::HeavyTails,
     ];
 
-    /// Its name.
+    /// Name of the control.
     pub fn name(self) -> &'static str {
         match self {
             Self::Shapes => "shapes",
@@ -134,7 +134,7 @@ impl Control {
         }
     }
 
-    /// What it shows.
+    /// Description of the label and of what the control shows.
     pub fn shows(self) -> &'static str {
         match self {
             Self::Shapes => {
@@ -194,7 +194,7 @@ impl Control {
         }
     }
 
-    /// Names of the channels of its sets.
+    /// Names of the channels of the control's sets.
     pub fn channels(self) -> &'static [&'static str] {
         match self {
             Self::Shapes | Self::Assemblies | Self::Orientation | Self::Size => &["shape"],

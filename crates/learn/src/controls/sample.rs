@@ -18,7 +18,7 @@ const SIBLINGS: usize = 4;
 /// Volume of a residue, Å³.
 const RESIDUE_ANGSTROM3: f64 = 135.0;
 
-/// What all samples of a set share.
+/// Settings that all samples of a set share.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Recipe {
     pub(super) control: Control,
@@ -293,7 +293,8 @@ fn sign(is_positive: bool) -> f64 {
     if is_positive { 1.0 } else { -1.0 }
 }
 
-/// Which sites belong to a patch over this share of them: those farthest along a random direction.
+/// Whether each site belongs to a patch over this share of the sites: those farthest along a random
+/// direction do.
 fn patch_of_sites(protein: &Protein, share: f64, random: &mut CounterRng) -> Vec<bool> {
     let direction = random.unit_vector();
     let heights: Vec<f64> = protein

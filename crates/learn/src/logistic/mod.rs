@@ -10,9 +10,9 @@ use minimise::minimise;
 /// Samples with one row of features each.
 #[derive(Debug, Clone, Copy)]
 pub struct Table<'a> {
-    /// Sample after sample.
+    /// Features, sample after sample.
     pub features: &'a [f64],
-    /// Features of a sample.
+    /// Number of features of a sample.
     pub columns: usize,
 }
 
@@ -41,7 +41,7 @@ impl<'a> Table<'a> {
 pub struct Logistic {
     classes: usize,
     standardisation: Standardisation,
-    /// For each class the slopes, then the intercept.
+    /// Coefficients: for each class the slopes, then the intercept.
     coefficients: Vec<f64>,
 }
 
@@ -217,7 +217,7 @@ impl Standardisation {
     }
 }
 
-/// b_k + Σ_f A_kf x_f for every class.
+/// Logits b_k + Σ_f A_kf x_f of every class.
 fn logits(coefficients: &[f64], row: &[f64]) -> Vec<f64> {
     let mut logits = Vec::new();
     for class in coefficients.chunks_exact(row.len() + 1) {
@@ -228,7 +228,7 @@ fn logits(coefficients: &[f64], row: &[f64]) -> Vec<f64> {
     logits
 }
 
-/// What is minimised.
+/// Data of the loss that is minimised.
 struct Problem {
     /// Standardised features, sample after sample.
     rows: Vec<f64>,
@@ -240,7 +240,7 @@ struct Problem {
 }
 
 impl Problem {
-    /// No slopes, and the prior as intercepts.
+    /// Starting point: no slopes, and the prior as intercepts.
     fn start(&self) -> Vec<f64> {
         let mut start = Vec::new();
         for log_prior in &self.log_prior {
@@ -291,7 +291,7 @@ impl Problem {
         share * (largest + sum.ln() - label_logit)
     }
 
-    /// What the ridge draws a coefficient to: intercepts to the prior, slopes to 0.
+    /// Value to which the ridge draws a coefficient: the prior for intercepts, 0 for slopes.
     fn centre(&self, place: usize) -> f64 {
         let (class, column) = (place / (self.columns + 1), place % (self.columns + 1));
         if column == self.columns {

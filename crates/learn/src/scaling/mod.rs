@@ -16,27 +16,27 @@ use crate::{Result, SampleSource, SparseGrid};
 use serde::{Deserialize, Serialize};
 use statistics::{occupied, robust_scale};
 
-/// Scaled potentials stay within ± this.
+/// Largest absolute value of a scaled potential.
 const POTENTIAL_LIMIT: f64 = 4.0;
 /// The largest value of the scale of Kyte and Doolittle, J. Mol. Biol. 157, 105 (1982).
 const LARGEST_HYDROPATHY: f64 = 4.5;
 
-/// How channels are scaled.
+/// Mode of the scaling of channels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ScalingMode {
-    /// By what the channel means: `potential` is compressed, `hydropathy` is divided by 4.5, all
-    /// else stays as it is.
+    /// Scaling by what the channel means: `potential` is compressed, `hydropathy` is divided by
+    /// 4.5, all else stays as it is.
     #[default]
     Robust,
-    /// As it is.
+    /// No scaling.
     Raw,
-    /// Each channel of each sample to mean 0 and deviation 1 over the whole box, empty voxels
-    /// included. A control, known to do harm.
+    /// Scaling of each channel of each sample to mean 0 and deviation 1 over the whole box, empty
+    /// voxels included. A control, known to do harm.
     BoxStandardised,
 }
 
-/// What happens to a channel.
+/// Transform of a channel.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Transform {
@@ -44,12 +44,12 @@ pub enum Transform {
     Unchanged,
     /// y = x / `scale`
     Divided {
-        /// In the unit of the channel.
+        /// Scale in the unit of the channel.
         scale: f64,
     },
     /// y = clamp(arcsinh(x / `scale`), -4, 4)
     Arcsinh {
-        /// In the unit of the channel.
+        /// Scale in the unit of the channel.
         scale: f64,
     },
     /// y = (x - mean) / deviation, both over the box of the sample
@@ -77,11 +77,11 @@ pub enum Transform {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChannelScaling {
-    /// The mode it was fitted for.
+    /// The mode for which the scaling was fitted.
     pub mode: ScalingMode,
     /// Names of the channels, in order.
     pub channels: Vec<String>,
-    /// What happens to each.
+    /// Transform of each channel.
     pub transforms: Vec<Transform>,
 }
 

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 /// A sample left out, and why.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Quarantined {
-    /// Its place in the source.
+    /// Place of the sample in the source.
     pub sample: usize,
-    /// Its name.
+    /// Name of the sample.
     pub name: String,
-    /// What is wrong with it.
+    /// Reason why the sample cannot be used.
     pub reason: String,
 }
 
@@ -74,7 +74,7 @@ fn name(source: &dyn SampleSource, sample: usize) -> Option<String> {
     Some(known.name.clone())
 }
 
-/// What is wrong, without the name of the sample.
+/// Reason that an error states, without the name of the sample.
 fn reason(error: LearnError) -> String {
     match error {
         LearnError::Sample { reason, .. } => reason,

@@ -5,7 +5,7 @@ use crate::error::refuse;
 use crate::{Result, SampleSource};
 use rayon::prelude::*;
 
-/// Medians are over at most this many values, evenly spread over the samples, to bound memory.
+/// Largest number of values for a median, evenly spread over the samples, to bound memory.
 pub const MOST_VALUES: usize = 1 << 22;
 
 /// Values of a channel where it is defined in the training samples, thinned evenly if they are

@@ -95,7 +95,7 @@ impl<'a> Counter<'a> {
     }
 }
 
-/// How full each part is. Counts are those of [`Counter`].
+/// Filling of the parts. Counts are those of [`Counter`].
 struct Filling {
     shares: [f64; PARTS],
     total: Vec<f64>,
@@ -127,7 +127,7 @@ impl Filling {
         best.0
     }
 
-    /// By how much E falls. Adding c samples to n lowers (n - f N)² / N by c (2 (f N - n) - c) / N.
+    /// Decrease of E. Adding c samples to n lowers (n - f N)² / N by c (2 (f N - n) - c) / N.
     fn gain(&self, part: usize, group: &[f64]) -> f64 {
         let labels = group.len() - 1;
         let mut gain = 0.0;

@@ -35,11 +35,11 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Split {
-    /// Weights are fitted to these.
+    /// Samples to which weights are fitted.
     pub training: Vec<usize>,
-    /// The epoch and the temperature are chosen on these.
+    /// Samples on which the epoch and the temperature are chosen.
     pub validation: Vec<usize>,
-    /// Scores are computed on these.
+    /// Samples on which scores are computed.
     pub test: Vec<usize>,
 }
 
@@ -73,7 +73,7 @@ impl Default for Fractions {
 }
 
 impl Split {
-    /// Whole clusters in each part, labels as evenly spread as the clusters allow.
+    /// Split with whole clusters in each part, labels as evenly spread as the clusters allow.
     ///
     /// # Errors
     /// [`LearnError::Sample`] for a sample without a cluster. [`LearnError::Settings`] if fractions
@@ -118,8 +118,8 @@ impl Split {
         Self::of_groups(&groups, labels, seed, fractions)
     }
 
-    /// Every sample on its own, with relatives on both sides. The difference to [`Split::grouped`]
-    /// shows what leaks.
+    /// Split of the samples one by one, with relatives on both sides. The difference to
+    /// [`Split::grouped`] shows what leaks.
     ///
     /// ```
     /// use protomer_learn::controls::{Control, Variant};

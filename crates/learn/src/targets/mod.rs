@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// The class of samples whose own class is too rare.
 pub const OTHER: &str = "other";
 
-/// What a network is to predict.
+/// Quantity that a network is to predict.
 ///
 /// ```
 /// use protomer_learn::targets::Target;
@@ -152,7 +152,7 @@ impl Classes {
         }
     }
 
-    /// Which of the labels that these classes were made from became [`OTHER`], in alphabetical
+    /// Labels, of those from which these classes were made, that became [`OTHER`], in alphabetical
     /// order.
     ///
     /// ```

@@ -21,7 +21,7 @@ pub(super) fn pack(tensors: &[(String, Tensor)], description: &impl Serialize) -
     safetensors::serialize(pairs, Some(metadata)).map_err(|error| unwritable(error.to_string()))
 }
 
-/// What [`pack`] packed: the tensors by name, and the description.
+/// Unpacks what [`pack`] packed: the tensors by name, and the description.
 ///
 /// # Errors
 /// [`LearnError::Settings`] if the bytes are damaged or hold something else than `what`.

@@ -38,7 +38,7 @@ use candle_core::Device;
 use state::State;
 use std::ops::ControlFlow;
 
-/// What is to be trained on what.
+/// A training: samples, classes, split, network, settings and device.
 ///
 /// ```
 /// use protomer_learn::controls::{Control, Form, Variant};
@@ -70,15 +70,15 @@ use std::ops::ControlFlow;
 pub struct Training<'a> {
     /// The samples.
     pub source: &'a dyn SampleSource,
-    /// The class of each.
+    /// The class of each sample.
     pub classes: &'a Classes,
-    /// Which of them train and which validate. Those of the test part are not looked at.
+    /// Split of the samples. The test part is not looked at.
     pub split: &'a Split,
     /// The shape of the network.
     pub network: &'a NetworkSettings,
-    /// How to train.
+    /// Settings of the training.
     pub settings: &'a TrainingSettings,
-    /// Where to compute.
+    /// Device on which to compute.
     pub device: Device,
 }
 
@@ -87,23 +87,23 @@ pub struct Training<'a> {
 pub struct Trained {
     /// The network after its best epoch, with its scaling and the names of its classes.
     pub model: Model,
-    /// All epochs.
+    /// Records of all epochs.
     pub history: Vec<EpochRecord>,
     /// The epoch with the smallest validation loss, counted from 1. Without validation samples it
     /// is the last epoch, and 0 if no epoch ended.
     pub best_epoch: usize,
     /// Samples of the training and validation part that could not be used.
     pub quarantined: Vec<Quarantined>,
-    /// How it ended.
+    /// Outcome of the training.
     pub outcome: Outcome,
 }
 
-/// Where a training stands within an epoch.
+/// Progress of a training within an epoch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport {
     /// The epoch, counted from 1.
     pub epoch: usize,
-    /// Steps done in it.
+    /// Steps done in the epoch.
     pub step: usize,
     /// Steps of an epoch.
     pub steps: usize,

@@ -43,11 +43,11 @@ use std::ops::ControlFlow;
 pub struct Model {
     /// The network.
     pub network: Network,
-    /// Everything else.
+    /// Card of the model: everything but the weights.
     pub card: ModelCard,
 }
 
-/// What belongs to a network's weights.
+/// Data that belong to a network's weights.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelCard {
@@ -75,11 +75,11 @@ pub struct ModelCard {
     pub made_with: Option<serde_json::Value>,
 }
 
-/// How to predict.
+/// Settings of a prediction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PredictionSettings {
-    /// Grids at a time.
+    /// Number of grids per batch.
     pub batch: usize,
     /// Averages the probabilities over the 24 rotations of the cube. They are then the same for all
     /// 24 orientations of a grid.
@@ -115,7 +115,7 @@ impl PredictionSettings {
 pub struct Predictions {
     /// Samples that could be read, in the order asked for.
     pub samples: Vec<usize>,
-    /// Sample after sample, one number per class.
+    /// Probabilities, sample after sample, one number per class.
     pub probabilities: Vec<f64>,
     /// Samples that could not be read.
     pub quarantined: Vec<Quarantined>,
@@ -311,7 +311,7 @@ impl Model {
     }
 }
 
-/// What is known of some samples, from what is known of all.
+/// Values of some samples, picked from those of all samples.
 fn pick<T: Copy>(all: &[T], samples: &[usize]) -> Result<Vec<T>> {
     let mut picked = Vec::with_capacity(samples.len());
     for sample in samples {
@@ -325,7 +325,7 @@ fn pick<T: Copy>(all: &[T], samples: &[usize]) -> Result<Vec<T>> {
 
 /// Probabilities of samples, averaged over the orientations in which each is seen.
 struct Averages {
-    /// Sample after sample, one number per class.
+    /// Sums of probabilities, sample after sample, one number per class.
     sums: Vec<f64>,
     classes: usize,
     turns: usize,

@@ -5,7 +5,7 @@ use crate::scaling::ScalingMode;
 use crate::{Result, SampleSource};
 use serde::{Deserialize, Serialize};
 
-/// How a network is trained.
+/// Settings of a training.
 ///
 /// ```
 /// use protomer_learn::training::TrainingSettings;
@@ -31,9 +31,9 @@ pub struct TrainingSettings {
     pub warm_up: f64,
     /// Decoupled weight decay.
     pub weight_decay: f64,
-    /// Gradients with a larger norm are shortened to this one.
+    /// Largest norm of a gradient; longer gradients are shortened to it.
     pub clip: Option<f64>,
-    /// Training ends after so many epochs without a smaller validation loss.
+    /// Number of epochs without a smaller validation loss after which training ends.
     pub patience: Option<usize>,
     /// Whether every sample is turned by a random rotation of the cube in every epoch.
     pub augment: bool,
@@ -43,9 +43,9 @@ pub struct TrainingSettings {
     pub logit_adjustment: f64,
     /// Names of the channels the network sees, in order; empty: all.
     pub channels: Vec<String>,
-    /// How channels are scaled.
+    /// Scaling of the channels.
     pub scaling: ScalingMode,
-    /// Decides initial weights, order and rotations.
+    /// Seed of initial weights, order and rotations.
     pub seed: u64,
 }
 
@@ -142,10 +142,10 @@ impl TrainingSettings {
     }
 }
 
-/// What is known of an epoch.
+/// Record of an epoch.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EpochRecord {
-    /// Counted from 1.
+    /// Number of the epoch, counted from 1.
     pub epoch: usize,
     /// Mean cross entropy of the training part while weights changed, nats.
     pub training_loss_nats: f64,
@@ -163,7 +163,7 @@ pub struct EpochRecord {
     pub skipped_steps: usize,
 }
 
-/// How a training ended.
+/// Outcome of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {

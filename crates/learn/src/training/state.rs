@@ -10,7 +10,7 @@ use crate::{Adam, AdamSettings, Network, Result};
 use candle_core::{Device, Tensor};
 use serde::{Deserialize, Serialize};
 
-/// How many epochs the training of a checkpoint has done.
+/// Number of epochs that the training of a checkpoint has done.
 ///
 /// # Errors
 /// [`crate::LearnError::Settings`] if the bytes are not a checkpoint.
@@ -23,7 +23,7 @@ pub fn epochs_done(checkpoint: &[u8]) -> Result<usize> {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Progress {
-    /// Samples, labels and split, to refuse others.
+    /// Fingerprint of samples, labels and split, to refuse others.
     fingerprint: u64,
     settings: TrainingSettings,
     pub card: ModelCard,
@@ -32,13 +32,13 @@ pub(super) struct Progress {
     best_epoch: usize,
 }
 
-/// What to do about a damaged checkpoint.
+/// Advice for a damaged checkpoint.
 const RESTORE: &str = "restore it, or start again with --force";
 
 /// Tensors with their names.
 type Named = Vec<(String, Tensor)>;
 
-/// Everything that changes.
+/// State of a training: everything that changes.
 pub(super) struct State {
     pub progress: Progress,
     pub network: Network,
@@ -238,7 +238,7 @@ impl Progress {
         ))
     }
 
-    /// In what a training differs from the one that wrote this down, beyond epochs and patience.
+    /// Difference of a training from the one that wrote the checkpoint, beyond epochs and patience.
     fn difference_to(&self, training: &Training) -> Option<&'static str> {
         if self.fingerprint != fingerprint(training) {
             Some("samples, classes or split differ")
@@ -283,7 +283,7 @@ fn check_classes(training: &Training, usable: &[usize], quarantined: &[Quarantin
     Ok(())
 }
 
-/// What belongs to the weights, fitted to the usable training samples.
+/// Card of the model, fitted to the usable training samples.
 fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelCard> {
     let (source, settings, classes) = (training.source, training.settings, training.classes);
     let mut channels = Vec::new();

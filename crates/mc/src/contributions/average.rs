@@ -14,7 +14,7 @@ use serde::Serialize;
 pub struct Mean {
     /// The mean.
     pub mean: f64,
-    /// Its standard error.
+    /// Standard error of the mean.
     pub error: Option<f64>,
 }
 
@@ -24,8 +24,8 @@ pub struct Averages {
     kinds: Vec<Kind>,
     pairs: Vec<Pairs>,
     numbers: BlockSums,
-    /// Of each block: energy by terms, part outside the contacts, part between residues apart, share
-    /// of the residues that touch nothing.
+    /// Means of each block: energy by terms, part outside the contacts, part between residues
+    /// apart, share of the residues that touch nothing.
     blocks: Vec<[f64; TOTALS]>,
 }
 
@@ -49,25 +49,25 @@ const OF_RESIDUE: usize = 5;
 const OF_PAIR: usize = 4;
 const TOTALS: usize = 7;
 
-/// What one residue contributes on average, per copy.
+/// Mean contribution of one residue, per copy.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidueMean {
     /// The sum of the terms, kT.
     pub energy_kt: Mean,
-    /// By terms.
+    /// The energy by terms.
     pub parts: EnergyParts,
     /// Share of frames and copies in which it touches a residue of another body.
     pub touching: f64,
 }
 
-/// What one pair of residues contributes on average, over all pairs of bodies of its kinds.
+/// Mean contribution of one pair of residues, over all pairs of bodies of its kinds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairMean {
     /// The sum of the terms, kT.
     pub energy_kt: Mean,
-    /// By terms; `touching` is the mean number of such pairs that touch.
+    /// The energy by terms; `touching` is the mean number of such pairs that touch.
     pub parts: PairContribution,
-    /// Share of frames in which at least one touches.
+    /// Share of frames in which at least one such pair touches.
     pub touching: f64,
 }
 
@@ -84,7 +84,7 @@ struct BlockSums {
 }
 
 impl Averages {
-    /// Nothing yet, for states of this system.
+    /// Empty averages for states of this system.
     pub fn new(contributions: &Contributions, system: &System) -> Self {
         let (mut kinds, mut pairs, mut start) = (Vec::new(), Vec::new(), 0);
         let of_type = |kind: usize| {
@@ -258,8 +258,8 @@ impl Averages {
         self.total(4)
     }
 
-    /// The same as a share of the energy of the charges; `None` where that is not known to be
-    /// negative.
+    /// The share of the energy of the charges that comes from residues that touch nothing; `None`
+    /// where that energy is not known to be negative.
     pub fn outside_share(&self) -> Option<Mean> {
         self.share_of_charges(4)
     }
@@ -283,7 +283,8 @@ impl Averages {
         mean_of_blocks(&blocks)
     }
 
-    /// The error is that of the ratio to first order.
+    /// Computes a share of the energy of the charges; the error is that of the ratio to first
+    /// order.
     fn share_of_charges(&self, index: usize) -> Option<Mean> {
         const STANDARD_ERRORS: f64 = 3.0;
         let charges = self.total(0);

@@ -9,7 +9,7 @@ use protomer_kernel::pose::RelativePose;
 /// The residues of one kind of body.
 #[derive(Debug)]
 pub struct ResiduesOfKind {
-    /// Which residue a place belongs to.
+    /// Residues by their places.
     pub places: ResiduePlaces,
     /// The charges that interact, in the body's frame.
     pub(super) charges: OwnedCharges,
@@ -120,7 +120,7 @@ impl OwnedCharges {
         Vec3::new(self.x[index], self.y[index], self.z[index])
     }
 
-    /// The same in the frame of another body.
+    /// The charges in the frame of another body.
     pub(super) fn moved(&self, relative: &RelativePose) -> Self {
         let mut moved = self.clone();
         for index in 0..self.len() {
@@ -160,8 +160,8 @@ impl AtomsOfResidue {
     }
 }
 
-/// Where the charge of another side chain at this residue would sit: on its heavy atoms that are
-/// farthest from the backbone by the letter of their names, as `ingest --mutate` has it.
+/// Sites for the charge of another side chain at this residue: its heavy atoms that are farthest
+/// from the backbone by the letter of their names, as `ingest --mutate` has it.
 pub fn charge_sites(body: &Body, residue: usize) -> Vec<Vec3> {
     let (mut farthest, mut places) = (0, Vec::new());
     for site in &body.sites {

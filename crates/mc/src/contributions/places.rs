@@ -14,7 +14,7 @@ pub struct ResiduePlaces {
     residues: usize,
     atoms: Vec<(Vec3, usize)>,
     beads: Vec<Bead>,
-    /// Terms hand out the same places again and again.
+    /// Residues of places already met: terms hand out the same places again and again.
     found: RwLock<HashMap<[u64; 3], Option<usize>>>,
 }
 

@@ -16,7 +16,7 @@ use crate::{McError, Result, System};
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
-/// Where a charge would be added: shared equally between these places of a kind of body.
+/// Sites of an added charge, which is shared equally between these places of a kind of body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChargeSites {
     /// The kind of body.
@@ -25,7 +25,7 @@ pub struct ChargeSites {
     pub places: Vec<Vec3>,
 }
 
-/// How the energy of a state answers to a charge.
+/// Response of the energy of a state to an added charge.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Response {
     /// Σ φ over the copies, kT/e.
@@ -44,14 +44,14 @@ pub struct Reweighted {
 }
 
 impl Response {
-    /// What a charge changes, kT.
+    /// Change of the energy by a charge, kT.
     pub fn energy_change_kt(&self, charge_e: f64) -> f64 {
         charge_e * self.potential_kt_per_e + charge_e * charge_e * self.among_copies_kt_per_e2
     }
 }
 
 impl Contributions {
-    /// How a state answers to a charge at each of these sites.
+    /// Responses of a state to a charge at each of these sites.
     ///
     /// # Errors
     /// [`McError::BadSystem`] for a site without places or of a kind that there is not.

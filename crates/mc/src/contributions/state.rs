@@ -19,23 +19,23 @@ pub struct Contributions {
     touching_angstrom: f64,
 }
 
-/// What one residue of one copy contributes.
+/// Contribution of one residue of one copy.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ResidueContribution {
-    /// Its energy with all others, each pair in full, kT.
+    /// Energy of the residue with all others, each pair in full, kT.
     pub parts: EnergyParts,
     /// Whether it touches a residue of another body.
     pub touches: bool,
 }
 
-/// What one pair of residues contributes, over all pairs of bodies of its kinds.
+/// Contribution of one pair of residues, over all pairs of bodies of its kinds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PairContribution {
     /// Energy of the charges, kT.
     pub charges_kt: f64,
     /// Attraction between residues, kT.
     pub contacts_kt: f64,
-    /// How many such pairs touch.
+    /// Number of such pairs that touch.
     pub touching: f64,
 }
 
@@ -47,18 +47,18 @@ pub struct ResiduePairs {
     pub kinds: (usize, usize),
     /// Residues of the second kind: the length of a row.
     pub columns: usize,
-    /// Row after row, by the residue of the first kind.
+    /// The pairs, row after row by the residue of the first kind.
     pub pairs: Vec<PairContribution>,
 }
 
-/// What holds the bodies together in one state.
+/// Energies that hold the bodies together in one state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StateEnergies {
     /// The energy, kT.
     pub parts: EnergyParts,
-    /// Of each copy, in the order of its residues.
+    /// Contributions of the residues of each copy, in their order.
     pub residues: Vec<Vec<ResidueContribution>>,
-    /// Of each pair of kinds.
+    /// Contributions of the pairs of residues of each pair of kinds.
     pub pairs: Vec<ResiduePairs>,
     /// The part of the energy of the charges that comes from residues that touch nothing, kT: half
     /// of each pair with each of its residues.
@@ -76,8 +76,8 @@ struct OfBodies {
 }
 
 impl Contributions {
-    /// For systems of these kinds of bodies; `kinds` in the order of the types. Residues touch where
-    /// heavy atoms are closer than `touching_angstrom`.
+    /// Contributions for systems of these kinds of bodies; `kinds` are in the order of the types.
+    /// Residues touch where heavy atoms are closer than `touching_angstrom`.
     pub fn new(
         system: &System,
         kinds: Vec<ResiduesOfKind>,
@@ -256,7 +256,7 @@ impl Contributions {
 }
 
 impl ResiduesOfKind {
-    /// Of the sphere around the body's origin that holds all heavy atoms, Å.
+    /// Radius of the sphere around the body's origin that holds all heavy atoms, Å.
     fn radius(&self) -> f64 {
         let reach = self
             .atoms

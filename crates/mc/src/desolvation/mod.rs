@@ -52,7 +52,7 @@ pub struct Solute {
     pub ion_radius_angstrom: f64,
 }
 
-/// What the desolvation of one kind of body needs, in one medium.
+/// Field and volume elements of one kind of body in one medium, for its desolvation.
 #[derive(Debug)]
 pub struct DesolvationBody {
     field: FieldTable,
@@ -107,7 +107,8 @@ impl DesolvationBody {
         })
     }
 
-    /// What the charges of this body lose to another body at a pose in the frame of this one, kT.
+    /// Desolvation energy of the charges of this body due to another body at a pose in the frame of
+    /// this one, kT.
     fn lost_to(&self, other: &Self, pose: &RelativePose) -> f64 {
         let mut sum = 0.0;
         for element in &other.elements {
@@ -116,7 +117,7 @@ impl DesolvationBody {
         sum
     }
 
-    /// The same to one element; `None` beyond the table.
+    /// Desolvation energy due to one volume element, kT; `None` beyond the table.
     fn lost_to_element(&self, element: &VolumeElement, pose: &RelativePose) -> Option<f64> {
         let field = self.field.at(&pose.transform_point(&element.place))?;
         let dielectric = element.dielectric * field.square_of_gradient;

@@ -12,11 +12,11 @@ const VOXELS_PER_ELEMENT: usize = 4;
 /// A piece of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VolumeElement {
-    /// Its centre, Å.
+    /// Centre, Å.
     pub place: Vec3,
-    /// The volume of low permittivity, Å³; later, what the square of a gradient is multiplied by.
+    /// The volume of low permittivity, Å³; later, the factor of the square of a gradient.
     pub dielectric: f64,
-    /// The volume without ions, Å³; later, what the square of a potential is multiplied by.
+    /// The volume without ions, Å³; later, the factor of the square of a potential.
     pub ionic: f64,
 }
 

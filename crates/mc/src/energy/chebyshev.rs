@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 /// The N Chebyshev points between -1 and 1, and the transform from values there to coefficients.
 #[derive(Debug)]
 pub(super) struct Chebyshev<const N: usize> {
-    /// From 1 to -1.
+    /// The points, from 1 to -1.
     pub points: [f64; N],
     transform: [[f64; N]; N],
 }
@@ -25,8 +25,8 @@ impl<const N: usize> Chebyshev<N> {
         PI * (i as f64 + 0.5) / N as f64
     }
 
-    /// How much larger the interpolation of errors can be than they are at the points: the largest
-    /// Σ |l_i(t)| of the Lagrange polynomials, which for these points stands at the ends.
+    /// Largest factor by which interpolation enlarges errors at the points: the largest Σ |l_i(t)|
+    /// of the Lagrange polynomials, which for these points stands at the ends.
     pub fn lebesgue_constant() -> f64 {
         let cotangents = (0..N).map(|i| 1.0 / (0.5 * Self::angle(i)).tan());
         cotangents.sum::<f64>() / N as f64

@@ -12,12 +12,12 @@ pub(crate) struct FarEnergies {
 }
 
 impl FarEnergies {
-    /// Between the distances of the table that of the smaller one holds.
+    /// Step between distances of the table; between two of them the value at the smaller one holds.
     const STEP_ANGSTROM: f64 = 1.0;
-    /// The longest table; beyond it that of its end holds.
+    /// Largest number of steps; beyond the end of the table its last value holds.
     const MOST_STEPS: f64 = 4096.0;
 
-    /// Out to the reach.
+    /// The table out to the reach.
     pub fn new(system: &System, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types
@@ -43,7 +43,8 @@ impl FarEnergies {
         }
     }
 
-    /// For these types, kT; infinite where nothing is known.
+    /// The most that bodies of these types can hold at this distance, kT; infinite where nothing is
+    /// known.
     #[inline]
     pub fn at(&self, (first, second): (usize, usize), distance_angstrom: f64) -> f64 {
         let energies = &self.by_types[first * self.types + second];

@@ -28,7 +28,8 @@ const CONVERGING_RADII: f64 = 2.0;
 const SPHERES: [f64; 6] = [2.0, 2.5, 3.0, 4.0, 6.0, 10.0];
 /// The least radius of a body, Å: that of a single charge at its origin would be zero.
 const LEAST_RADIUS_ANGSTROM: f64 = 1.0;
-/// Of sums of charges, of the sum of their magnitudes: multipoles may be smaller by so much.
+/// Rounding error of sums of charges over the sum of their magnitudes: multipoles may be smaller by
+/// so much.
 const ROUNDING: f64 = 1e-12;
 /// Halvings of the interval in which the reach lies.
 const HALVINGS: usize = 40;
@@ -36,7 +37,7 @@ const HALVINGS: usize = 40;
 /// The multipoles of a body, seen through an electrolyte.
 #[derive(Debug, Clone)]
 pub struct FarField {
-    /// Of the sphere around the origin that holds all charges, Å.
+    /// Radius of the sphere around the origin that holds all charges, Å.
     radius_angstrom: f64,
     sum_of_magnitudes_e: f64,
     /// Bounds on M_l exp(-κR), e.
@@ -44,7 +45,7 @@ pub struct FarField {
 }
 
 impl FarField {
-    /// That of these charges.
+    /// Multipoles of these charges.
     pub fn new(charges: &ChargeCloud, potential: &Yukawa) -> Self {
         let kappa = potential.inverse_debye_length_per_angstrom;
         let radius_angstrom = charges.radius_angstrom().max(LEAST_RADIUS_ANGSTROM);

@@ -53,7 +53,7 @@ pub struct PairEnergy {
     /// poses drift by rounding.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub computed_at: Option<RelativePose>,
-    /// The same of the images beyond the first that count.
+    /// Relative poses of the images beyond the first that count, where the energy was computed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub images_at: Vec<RelativePose>,
 }
@@ -86,7 +86,8 @@ impl PairEnergy {
         }
     }
 
-    /// The images with which it was computed; that of the pair as it stands where none is known.
+    /// The images with which the energy was computed; that of the pair as it stands where none is
+    /// known.
     fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = RelativePose> + '_ {
         let nearest = self.computed_at.unwrap_or_else(|| pair.relative());
         std::iter::once(nearest).chain(self.images_at.iter().copied())
@@ -113,8 +114,9 @@ pub trait EnergyModel: Send {
     /// they never do.
     fn range_angstrom(&self, system: &System) -> f64;
 
-    /// The same where the model knows of a shorter one. Random numbers depend on the range, and may not
-    /// depend on how energies are found.
+    /// Variant of [`range_angstrom`](EnergyModel::range_angstrom) for a model that knows of a
+    /// shorter range. Random numbers depend on the range, and may not depend on how energies are
+    /// found.
     fn reach_angstrom(&self, system: &System) -> f64 {
         self.range_angstrom(system)
     }
@@ -158,11 +160,11 @@ pub trait EnergyModel: Send {
     /// As [`accept`](EnergyModel::accept).
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool>;
 
-    /// The bodies `moved` (ascending) took the poses proposed, as rigid groups: energies among them
-    /// stay.
-    fn commit(&mut self, moved: &[usize]);
+    /// Takes over the proposed poses of `bodies` (ascending), which moved as rigid groups: energies
+    /// among them stay.
+    fn commit(&mut self, bodies: &[usize]);
 
-    /// Nothing moved.
+    /// Forgets everything proposed: nothing moved.
     fn reject(&mut self);
 
     /// The largest bound of a pair energy's error that was used so far, kT; zero for sums.
@@ -170,7 +172,7 @@ pub trait EnergyModel: Send {
         0.0
     }
 
-    /// What decisions rest on, of a model that makes them by levels.
+    /// Basis of the decisions of a model that makes them by levels; `None` for other models.
     fn levels(&self) -> Option<LevelReport> {
         None
     }
@@ -202,34 +204,35 @@ pub trait EnergyModel: Send {
     }
 }
 
-/// What decisions by levels rest on.
+/// Basis of decisions by levels.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum LevelReport {
-    /// Of [`Levels`](levels::Levels).
+    /// Report of [`Levels`](levels::Levels).
     Calibrated {
-        /// How many decisions each level made.
+        /// Number of decisions at each level.
         decided_by_level: levels::Decided,
         /// The built-in comparison.
         calibration: levels::Calibration,
     },
-    /// Of [`Certified`](certified::Certified).
+    /// Report of [`Certified`](certified::Certified).
     Certified {
-        /// How many decisions each level made.
+        /// Number of decisions at each level.
         decided_by_level: certified::DecidedByBounds,
     },
 }
 
-/// How an energy is found.
+/// Accuracy with which an energy is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Effort {
-    /// To 10⁻³ kT for a pair in contact.
+    /// Accuracy of 10⁻³ kT for a pair in contact.
     Quick,
-    /// As the direct sum.
+    /// Accuracy of the direct sum.
     Full,
 }
 
-/// Closer to the threshold than this, a rise of the energy is found with [`Effort::Full`], kT.
+/// Distance from the threshold, kT, below which a rise of the energy is found with
+/// [`Effort::Full`].
 const MARGIN_KT: f64 = 0.01;
 
 /// A rise of the energy that is to be compared with a threshold, kT: quickly, and again with the direct
@@ -245,12 +248,12 @@ pub(crate) fn compared_kt(
     }
 }
 
-/// Which pairs of bodies count.
+/// Pairs of bodies that count.
 #[derive(Debug, Clone, Copy)]
 pub enum Pairs<'a> {
-    /// All.
+    /// All pairs.
     All,
-    /// Those with at least one of these bodies (ascending).
+    /// Pairs with at least one of these bodies (ascending).
     With(&'a [usize]),
 }
 
@@ -282,7 +285,7 @@ fn sum_of_pairs(
     Ok(sum)
 }
 
-/// What `energy` says of every pair of a system.
+/// Results of `energy` for every pair of a system.
 fn all_pairs<T: Clone>(
     system: &System,
     mut energy: impl FnMut(&Pair<'_>) -> Result<Option<T>>,

@@ -26,7 +26,7 @@ pub(crate) trait SitePotential {
     /// The distance at which the potential jumps to zero, if it does.
     fn cutoff_angstrom(&self) -> Option<f64>;
 
-    /// What shapes the potential, for fingerprints of tables.
+    /// Parameters that shape the potential, for fingerprints of tables.
     fn parameters(&self) -> Vec<f64>;
 }
 

@@ -24,7 +24,7 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// |E| ≤ v(d) Σ|q_k| Σ|q_l| for charges no nearer than d.
+    /// The reach by |E| ≤ v(d) Σ|q_k| Σ|q_l| for charges no nearer than d.
     pub fn new(system: &System, potential: &Yukawa) -> Self {
         let types = system.types().len();
         let mut reach = Self {
@@ -46,12 +46,12 @@ impl Reach {
         reach
     }
 
-    /// A shorter one, from [multipoles](super::FarField).
+    /// A shorter reach, from [multipoles](super::FarField).
     pub fn of_multipoles(system: &System, potential: &Yukawa) -> Self {
         Self::beyond(system, potential, NEGLIGIBLE_KT)
     }
 
-    /// Beyond it, bodies surely hold less than this, by their multipoles.
+    /// The reach beyond which bodies surely hold less than `energy_kt`, by their multipoles.
     pub fn beyond(system: &System, potential: &Yukawa, energy_kt: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types
@@ -102,13 +102,14 @@ impl Reach {
         self.holds(pair, &pair.displacement)
     }
 
-    /// Whether an image at this displacement of origins (Å) does.
+    /// Whether an image of the second body at this displacement of origins (Å) interacts with the
+    /// first.
     pub fn holds(&self, pair: &Pair<'_>, image: &Vec3) -> bool {
         image.norm_squared() < self.of_pair(pair).powi(2)
     }
 
-    /// Where the images of the second body are that interact with the first: displacements of the
-    /// origins, Å, the nearest image first.
+    /// Displacements of the origins, Å, to the images of the second body that interact with the
+    /// first, the nearest image first.
     pub fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = Vec3> + use<> {
         let (reach, nearest) = (self.of_pair(pair), pair.displacement);
         let is_near = move |displacement: &Vec3| displacement.norm_squared() < reach * reach;

@@ -36,7 +36,7 @@ pub struct BeadPair {
     pub first: Vec3,
     /// The bead of the second body, Å.
     pub second: Vec3,
-    /// Their energy, kT.
+    /// Energy of the two beads, kT.
     pub energy_kt: f64,
 }
 

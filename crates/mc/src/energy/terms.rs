@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 /// One term of the energy of two bodies beside their hard surfaces.
 pub trait PairPotential: Send + Sync {
-    /// What the term stands for.
+    /// Kind of the term.
     fn term(&self) -> Term;
 
     /// The energy at a pose of the second body in the frame of the first, kT.
@@ -41,9 +41,9 @@ pub enum Term {
     Charges,
     /// Attraction between residues.
     Contacts,
-    /// What charges lose where the other body displaces solvent.
+    /// Energy that charges lose where the other body displaces solvent.
     Desolvation,
-    /// What the salt water that two bodies displace does to the field of each other.
+    /// Effect of the salt water that two bodies displace on the field of each other.
     SolventResponse,
 }
 
@@ -66,10 +66,10 @@ pub struct EnergyParts {
     pub charges_kt: f64,
     /// Attraction between residues, kT.
     pub contacts_kt: f64,
-    /// What charges lose where the other body displaces solvent, kT.
+    /// Energy that charges lose where the other body displaces solvent, kT.
     #[serde(default)]
     pub desolvation_kt: f64,
-    /// What the salt water that two bodies displace does to the field of each other, kT.
+    /// Effect of the salt water that two bodies displace on the field of each other, kT.
     #[serde(default)]
     pub solvent_response_kt: f64,
 }
@@ -124,7 +124,7 @@ impl Terms {
         sum
     }
 
-    /// The same, term by term.
+    /// The energy at a pose of the second body in the frame of the first, term by term.
     pub fn parts_kt(&self, second_in_first: &RelativePose) -> EnergyParts {
         let mut parts = EnergyParts::default();
         for term in &self.0 {

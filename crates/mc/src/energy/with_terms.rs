@@ -120,7 +120,7 @@ impl WithTerms {
         energy_kt.map(checked).transpose()
     }
 
-    /// Proposes the energy of a pair; how much it rises, kT.
+    /// Proposes the energy of a pair and returns how much it rises, kT.
     fn propose(&mut self, trial: &Trial<'_>, partner: usize) -> Result<f64> {
         let pair = trial.pair(partner);
         let old = self.energies.get(trial.body, partner).unwrap_or(0.0);

@@ -7,7 +7,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::f64::consts::PI;
 
-/// How often every contact binds.
+/// Probability that every contact binds.
 const WHOLE: f64 = 0.5;
 /// The smallest of the largest steps.
 const SMALLEST_STEP_ANGSTROM: f64 = 0.5;

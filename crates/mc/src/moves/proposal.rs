@@ -3,7 +3,7 @@
 use protomer_kernel::Pose;
 use protomer_kernel::random::CounterRng;
 
-/// What a move would do.
+/// New poses that a move proposes, with its allowance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proposal {
     /// The bodies that move (ascending), with their new poses, as the system stores them.

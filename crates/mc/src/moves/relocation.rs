@@ -6,7 +6,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::f64::consts::PI;
 
-/// How often a body is put beside another, and not anywhere.
+/// Probability that a body is put beside another, and not anywhere.
 const BESIDE: f64 = 0.5;
 
 /// Puts a random body i, turned at random, beside another random body j or anywhere in the space
@@ -54,7 +54,7 @@ struct Shell {
 }
 
 impl Shell {
-    /// `None` in a space without a volume.
+    /// The shell of a body beside its target; `None` in a space without a volume.
     fn of(system: &System, body: usize, target: usize, gap_angstrom: f64) -> Option<Self> {
         let kinds = [body, target].map(|body| system.body_type(body));
         let least = kinds.map(|kind| kind.least_radius_angstrom);

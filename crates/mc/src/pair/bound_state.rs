@@ -24,7 +24,7 @@ use protomer_kernel::{Pose, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// How a bound state is sampled.
+/// Settings of the sampling of a bound state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundStateSettings {
     /// Seed of the random numbers.

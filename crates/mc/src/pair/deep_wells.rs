@@ -44,17 +44,17 @@ pub struct Wells {
     poses: Vec<BoundPose>,
     /// Number of wells to integrate, the lowest ones.
     deep: usize,
-    /// Those integrated so far; `None` for a well without room.
+    /// Wells integrated so far; `None` for a well without room.
     integrals: Vec<Option<WellIntegral>>,
     rest: Vec<Rest>,
 }
 
-/// What a well holds.
+/// Integral over a well.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WellIntegral {
     /// ∫ exp(-U) over the region of the well, as [`PairThermodynamics::association_volume_angstrom3`], Å³.
     pub association_volume_angstrom3: f64,
-    /// Its standard error, relative to it.
+    /// Standard error of that volume, relative to it.
     pub relative_error: f64,
     /// Energy of the minimum from which its region was made, kT.
     pub minimum_kt: f64,
@@ -62,12 +62,12 @@ pub struct WellIntegral {
     pub lowest: BoundPose,
 }
 
-/// A bound pose, and what its well holds if it was integrated.
+/// A bound pose, and the integral over its well.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Well {
     /// The lowest pose that was met in the well.
     pub pose: BoundPose,
-    /// What the well holds; `None` where rays resolve it.
+    /// Integral over the well; `None` where rays resolve it.
     pub integral: Option<WellIntegral>,
 }
 
@@ -323,8 +323,8 @@ impl Regions<'_> {
         nearest
     }
 
-    /// How often a pose near the minimum of its well counts: for equal bodies also for its inverse, unless that is near the
-    /// minimum itself.
+    /// Weight of a pose near the minimum of its well: two for equal bodies, because its inverse counts too,
+    /// unless that is near the minimum itself.
     fn copies(&self, pose: &Pose, number: usize) -> f64 {
         let minimum = &self.minima[number].pose;
         let inverse = self.different.square_distance(&pose.inverse(), minimum);

@@ -30,7 +30,7 @@ const PILOT_SHARE: f64 = 0.7;
 const SHARES: [f64; 2] = [0.5, 0.85];
 /// The replicas sample in this many rounds: each but the first adds what the error still lacks.
 const ROUNDS: u64 = 3;
-/// How many caps a distribution has.
+/// Number of caps of a distribution.
 const CAPS: usize = 384;
 /// Samples kept in memory at a time.
 const CHUNK: u64 = 1024;
@@ -45,7 +45,7 @@ const fn width(direction_rad: f64, rotation_rad: f64) -> Width {
     }
 }
 
-/// How much is sampled.
+/// Settings of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PairSettings {
@@ -140,7 +140,7 @@ struct Explored {
     density: f64,
 }
 
-/// How the replicas draw.
+/// Plan of the draws of the replicas.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Plan {
     proposal: Proposal,
@@ -172,20 +172,20 @@ pub struct Found {
     pub energy_kt: f64,
 }
 
-/// What two bodies do together.
+/// Thermodynamics of two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairThermodynamics {
     /// B₂ (B₁₂ of different bodies), Å³.
     pub b2_angstrom3: f64,
-    /// Its standard error, Å³.
+    /// Standard error of B₂, Å³.
     pub b2_error_angstrom3: f64,
-    /// The same of the surfaces alone, Å³.
+    /// B₂ of the surfaces alone, Å³.
     pub b2_hard_angstrom3: f64,
-    /// Its standard error, Å³.
+    /// Standard error of B₂ of the surfaces, Å³.
     pub b2_hard_error_angstrom3: f64,
     /// ∫ exp(-U) d³R over poses in contact, averaged over rotations, Å³.
     pub association_volume_angstrom3: f64,
-    /// Its standard error, Å³.
+    /// Standard error of the association volume, Å³.
     pub association_volume_error_angstrom3: f64,
     /// The same of bodies with the same surfaces and no energy, Å³.
     pub contact_volume_angstrom3: f64,
@@ -484,7 +484,7 @@ impl Estimator {
         count
     }
 
-    /// As [`draw`](Self::draw), and keeps the lowest poses.
+    /// Draws like [`draw`](Self::draw), and keeps the lowest poses.
     fn draw_and_keep(
         &mut self,
         pair: &BodyPair,
@@ -539,7 +539,7 @@ impl Estimator {
         CounterRng::for_purpose(self.settings.seed, step, number, Purpose::PairOrientation)
     }
 
-    /// How much is sampled.
+    /// Settings of the sampling.
     pub fn settings(&self) -> &PairSettings {
         &self.settings
     }
@@ -550,7 +550,7 @@ impl Estimator {
         mean_and_error(&self.replicas.iter().map(covered).collect::<Vec<f64>>())
     }
 
-    /// What is beyond the ends of the rays, ∫ (exp(-U) - 1) d³R, Å³.
+    /// Integral beyond the ends of the rays, ∫ (exp(-U) - 1) d³R, Å³.
     pub(super) fn tail_angstrom3(pair: &BodyPair) -> f64 {
         pair.potential.tail_angstrom3(end_angstrom(pair))
     }
@@ -609,7 +609,7 @@ fn lowest_apart(pair: &BodyPair, mut found: Vec<Found>) -> Vec<Found> {
     apart(pair, found, KEPT_POSES)
 }
 
-/// Where integrals along a ray end, Å.
+/// End of the integrals along a ray, Å.
 fn end_angstrom(pair: &BodyPair) -> f64 {
     let radii = pair.first.hard_radius_angstrom() + pair.second.hard_radius_angstrom();
     let contacts = radii + pair.contact_gap_angstrom;

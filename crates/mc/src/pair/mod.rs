@@ -66,29 +66,29 @@ pub struct BodyPair {
     pub first: Arc<BodyType>,
     /// The other body.
     pub second: Arc<BodyType>,
-    /// The energy beside the surfaces.
+    /// Energy in addition to the surfaces.
     pub potential: Terms,
-    /// What keeps the bodies apart.
+    /// Core that keeps the bodies apart.
     pub core: Core,
     /// Bodies whose surfaces are closer than this are bound, Å.
     pub contact_gap_angstrom: f64,
 }
 
-/// What keeps two bodies apart.
+/// Cores that keep two bodies apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Core {
-    /// Their hard surfaces.
+    /// Hard surfaces.
     #[default]
     Surfaces,
-    /// The energy alone: that of beads with cores of their own.
+    /// The energy alone: that of beads with cores.
     Energy,
 }
 
-/// Where bodies are taken to overlap if only their energy keeps them apart, kT: exp(-30) is 1e-13.
+/// Energy beyond which bodies count as overlapping if only their energy keeps them apart, kT: exp(-30) is 1e-13.
 const CORE_ENERGY_KT: f64 = 30.0;
 
 impl BodyPair {
-    /// Energy beside the hard surfaces, kT, of a pose of the second body in the frame of the first.
+    /// Energy in addition to the hard surfaces, kT, of a pose of the second body in the frame of the first.
     pub fn energy_kt(&self, pose: &Pose) -> f64 {
         self.potential.energy_kt(&bound_state::relative(pose))
     }

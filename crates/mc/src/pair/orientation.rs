@@ -7,7 +7,7 @@ use protomer_kernel::{Pose, Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Where the second body lies, seen from the first, and how it is turned.
+/// Direction from the first body to the second, and rotation of the second.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Orientation {
     /// From the origin of the first body to that of the second.
@@ -25,7 +25,7 @@ impl Orientation {
         }
     }
 
-    /// As [`at`](Self::at), as a pose.
+    /// Pose of the second body in the frame of the first, as [`at`](Self::at) gives it.
     pub fn pose(&self, distance_angstrom: f64) -> Pose {
         Pose {
             position: distance_angstrom * self.direction,

@@ -44,9 +44,9 @@ impl Bins {
 pub struct MeanForceRow {
     /// The middle of the bin, Å.
     pub distance_angstrom: f64,
-    /// w, kT.
+    /// Potential of mean force w, kT.
     pub w_kt: f64,
-    /// Its standard error, kT.
+    /// Standard error of w, kT.
     pub w_error_kt: f64,
 }
 

@@ -11,9 +11,9 @@ use std::f64::consts::{PI, TAU};
 /// an angle of its rotation, both uniform.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Width {
-    /// Of the direction, rad.
+    /// Half-width of the direction, rad.
     pub direction_rad: f64,
-    /// Of the rotation, rad.
+    /// Half-width of the rotation, rad.
     pub rotation_rad: f64,
 }
 
@@ -57,7 +57,7 @@ impl Proposal {
         }
     }
 
-    /// How many of `count` draws are uniform.
+    /// Number of uniform draws among `count`.
     fn uniform_draws(&self, count: u64) -> u64 {
         ((1.0 - self.share_of_caps) * count as f64).round() as u64
     }

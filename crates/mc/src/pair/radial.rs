@@ -23,7 +23,7 @@ pub struct RadialPoint {
     pub in_contact: bool,
 }
 
-/// What was found along one direction.
+/// Samples along one direction.
 #[derive(Debug, Clone)]
 pub struct RaySample {
     /// The direction and the rotation.
@@ -73,7 +73,7 @@ impl RaySample {
         }
     }
 
-    /// What the ray adds to ∫ (exp(-U) - 1) r² dr if everything up to contact counts as overlap, Å³.
+    /// Contribution of the ray to ∫ (exp(-U) - 1) r² dr if everything up to contact counts as overlap, Å³.
     pub fn soft_angstrom3(&self) -> f64 {
         let mut sum = 0.0;
         for point in &self.outside {
@@ -97,7 +97,7 @@ impl RaySample {
     }
 }
 
-/// How much of a direction is covered up to contact, and open before contact, Å³; without energies.
+/// Volumes of a direction that are covered up to contact, and open before contact, Å³; without energies.
 pub fn hard_ray(pair: &BodyPair, orientation: &Orientation, rng: &mut CounterRng) -> (f64, f64) {
     let contact = contact_distance_angstrom(pair, orientation);
     let mut open = 0.0;

@@ -20,7 +20,8 @@ use std::f64::consts::PI;
 const MADELUNG: f64 = 3.91;
 /// Parts of triangles that make a patch, at least.
 const PLACES_PER_PATCH: f64 = 16.0;
-/// A corner of a cube has 0.58.
+/// Least mean cosine between the normal at a vertex and those of its triangles; a corner of a cube
+/// has 0.58.
 const LEAST_COSINE: f64 = 0.5;
 /// Steps in which patches become equal.
 const LLOYD_STEPS: usize = 4;

@@ -84,7 +84,7 @@ impl Settings {
     }
 }
 
-/// What is known of a kind of body before any state is seen.
+/// Data of a kind of body that depend on no state.
 #[derive(Debug)]
 struct Kind {
     scatterers: Scatterers,
@@ -109,7 +109,7 @@ pub struct Experiment {
     settings: Settings,
     kinds: Vec<Kind>,
     q_per_angstrom: Vec<f64>,
-    /// In a periodic box.
+    /// Wave vectors of a periodic box, in shells.
     shells: Option<Vec<Shell>>,
 }
 
@@ -124,7 +124,7 @@ pub struct ClusterMeasure {
     pub light_angstrom6: f64,
 }
 
-/// What is measured of a state.
+/// Results of measuring a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// S(q) between the origins of the bodies.

@@ -8,9 +8,9 @@ use std::f64::consts::{PI, TAU};
 /// Wave vectors of similar length.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shell {
-    /// Their mean length, Å⁻¹.
+    /// Mean length of the vectors, Å⁻¹.
     pub q_per_angstrom: f64,
-    /// Of each pair q, -q one.
+    /// The vectors, one of each pair q, -q.
     pub vectors: Vec<Vec3>,
 }
 

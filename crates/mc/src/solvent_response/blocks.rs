@@ -41,7 +41,7 @@ pub(super) struct Block {
     pub parts: Range<usize>,
 }
 
-/// What a polynomial says of a block at first sight.
+/// Judgement of the polynomial of a block, and the first term of its energy.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Estimate {
     /// Whether the polynomial may stand for the table.
@@ -152,7 +152,7 @@ impl Block {
         }
     }
 
-    /// What a polynomial near the centre leaves out, and the first term of the energy, kT.
+    /// Estimate by a polynomial near the centre: bound of the remainder and first term of the energy.
     #[inline(always)]
     pub fn estimate(&self, polynomial: &Polynomial) -> Estimate {
         let (mut left_out_kt, mut constant_kt) = (0.0, 0.0);

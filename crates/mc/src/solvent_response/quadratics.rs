@@ -71,7 +71,7 @@ impl Polynomial {
         self.0[3 * number + lane]
     }
 
-    /// What the polynomial leaves of the table around it, kT per amount.
+    /// Remainders of the table around the polynomial, kT per amount.
     #[inline(always)]
     pub fn remainders(&self) -> [f32; 3] {
         let (first, second) = (self.0[NUMBERS - 2].to_bits(), self.0[NUMBERS - 1].to_bits());
@@ -83,7 +83,7 @@ impl Polynomial {
     }
 }
 
-/// How a table is approximated.
+/// Resolution of the approximation of a table.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Resolution {
     /// Distance between polynomials, Å; rounded to a multiple of the spacing of the table.
@@ -260,7 +260,7 @@ impl Ball {
     }
 }
 
-/// What the coefficients multiply.
+/// Monomials that the coefficients multiply.
 pub(super) fn monomials([x, y, z]: [f64; 3]) -> [f64; COEFFICIENTS] {
     [1.0, x, y, z, x * x, y * y, z * z, x * y, x * z, y * z]
 }

@@ -22,11 +22,11 @@ use protomer_kernel::shape::closest::closest_points;
 use protomer_kernel::shape::polytope::Polytope;
 use std::f64::consts::PI;
 
-/// Products of inertia smaller than this part of the moments are rounding.
+/// Size of products of inertia that are taken for rounding, as a part of the moments.
 const ALONG_THE_AXES: f64 = 1e-10;
-/// Moments that differ by less than this part are equal.
+/// Relative difference below which moments are equal.
 const EQUAL_MOMENTS: f64 = 1e-12;
-/// Parts of a union that overlap by less than this part of their size touch.
+/// Overlap below which the parts of a union only touch, as a part of their size.
 const TOUCHING: f64 = 1e-6;
 
 /// The parts, mass and moments of bodies of one kind.
@@ -43,7 +43,7 @@ const TOUCHING: f64 = 1e-6;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kind {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// The convex parts; most bodies have one.
     pub parts: Vec<Part>,
@@ -82,8 +82,8 @@ impl Kind {
         Self::union(&[(polytope.clone(), Vec3::zeros())], radius)
     }
 
-    /// Convex parts that move as one: each with the place of its centroid. All are rounded by the
-    /// same radius.
+    /// A body of convex parts that move as one, each with the place of its centroid. All are
+    /// rounded by the same radius.
     ///
     /// # Errors
     /// As [`Kind::rounded`]; [`Error::MixedDimensions`] for parts in a plane and in space, and
@@ -238,22 +238,23 @@ impl Kind {
         self.scaled(self.mass.powf(-1.0 / self.dimension as f64))
     }
 
-    /// Whether it is a disk or a ball, whose rotation nothing changes.
+    /// Whether the body is a disk or a ball, whose rotation no force changes.
     pub fn is_ball(&self) -> bool {
         self.parts.iter().all(Part::is_ball)
     }
 
-    /// The radius of the largest ball about the centre of a part that fits in, of the smallest part.
+    /// The inradius of the smallest part: the radius of the largest ball about its centre that fits
+    /// in.
     pub fn inradius(&self) -> f64 {
         self.inradius
     }
 
-    /// The radius of the smallest ball about the centre that holds it.
+    /// The radius of the smallest ball about the centre that holds the body.
     pub fn circumradius(&self) -> f64 {
         self.circumradius
     }
 
-    /// The number of ways in which it turns.
+    /// Number of rotational degrees of freedom.
     pub fn turns(&self) -> usize {
         match (self.is_ball(), self.dimension) {
             (true, _) => 0,

@@ -18,10 +18,10 @@ use protomer_kernel::shape::polytope::{Face, Polytope};
 
 /// Gauss-Legendre points along an edge of a triangle of directions.
 const POINTS: usize = 12;
-/// Triangles of directions whose normals are farther apart than this cosine are divided.
+/// Cosine of the angle beyond which triangles of directions are divided.
 const NARROW: f64 = 0.8;
 
-/// ∫ dV, ∫ x dV and ∫ x xᵀ dV.
+/// The integrals ∫ dV, ∫ x dV and ∫ x xᵀ dV over a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Moments {
     pub(crate) volume: f64,
@@ -38,7 +38,7 @@ impl Moments {
         }
     }
 
-    /// Of a polygon or a polyhedron with its layer, about the origin of the corners.
+    /// The moments of a polygon or a polyhedron with its layer, about the origin of the corners.
     pub(crate) fn of(polytope: &Polytope, radius: f64) -> Self {
         let mut moments = Self::none();
         match polytope.dimension {
@@ -58,7 +58,7 @@ impl Moments {
         self.second += other.second;
     }
 
-    /// About another origin.
+    /// The moments about another origin.
     pub(crate) fn seen_from(&self, origin: &Vec3) -> Self {
         let cross = self.first * origin.transpose();
         Self {
@@ -155,7 +155,7 @@ impl Moments {
         }
     }
 
-    /// A triangle, drawn out along a height: three tetrahedra.
+    /// Adds a triangle, drawn out along a height, as three tetrahedra.
     fn add_prism(&mut self, base: [Vec3; 3], height: Vec3) {
         let [a, b, c] = base;
         let [d, e, f] = base.map(|corner| corner + height);
@@ -166,7 +166,7 @@ impl Moments {
     }
 }
 
-/// ∫ dω, ∫ u dω and ∫ u uᵀ dω over directions u.
+/// The integrals ∫ dω, ∫ u dω and ∫ u uᵀ dω over directions u.
 struct Fan {
     measure: f64,
     first: Vec3,
@@ -205,7 +205,7 @@ impl Fan {
         }
     }
 
-    /// The directions between three.
+    /// The spherical triangle of directions between three.
     fn triangle([a, b, c]: [Vec3; 3]) -> Self {
         let widest = a.dot(&b).min(b.dot(&c)).min(c.dot(&a));
         if widest >= NARROW {

@@ -5,15 +5,15 @@ use protomer_kernel::Vec3;
 use protomer_kernel::shape::polytope::Polytope;
 use std::f64::consts::{PI, TAU};
 
-/// Directions around an ellipse, and around the third axis of an ellipsoid.
+/// Number of directions around an ellipse, and around the third axis of an ellipsoid.
 const AROUND: usize = 96;
-/// Parts of the third axis, with Gauss-Legendre points in each.
+/// Number of intervals of the third axis, with Gauss-Legendre points in each.
 const ALONG: usize = 8;
 
 /// A convex part, about its own centre. A body of one part has its centre of mass there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     pub dimension: usize,
     /// Corners, faces and edges of the core; a disk, a ball or an ellipsoid is one corner at the
     /// centre.
@@ -23,7 +23,8 @@ pub struct Part {
     pub radius: f64,
     /// The half axes of an ellipse or an ellipsoid along x, y and z.
     pub half_axes: Option<Vec3>,
-    /// From the centre of mass of the body to the centre of the part, in the frame of the body.
+    /// Vector from the centre of mass of the body to the centre of the part, in the frame of the
+    /// body.
     pub centre: Vec3,
     /// The distances of the faces of the core from the centre.
     pub(crate) offsets: Vec<f64>,
@@ -77,7 +78,7 @@ impl Part {
         }
     }
 
-    /// All lengths multiplied by a factor.
+    /// The part with all lengths multiplied by a factor.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut part = self.clone();
         for corner in &mut part.polytope.corners {
@@ -97,12 +98,12 @@ impl Part {
         part
     }
 
-    /// Whether it has no faces: a disk, a ball or an ellipsoid.
+    /// Whether the part has no faces: a disk, a ball or an ellipsoid.
     pub fn is_round(&self) -> bool {
         self.polytope.faces.is_empty()
     }
 
-    /// Whether it is a disk or a ball, whose rotation nothing changes.
+    /// Whether the part is a disk or a ball, whose rotation no force changes.
     pub fn is_ball(&self) -> bool {
         self.is_round() && self.half_axes.is_none()
     }
@@ -112,7 +113,7 @@ impl Part {
         self.inradius
     }
 
-    /// The radius of the smallest ball about the centre that holds it.
+    /// The radius of the smallest ball about the centre that holds the part.
     pub fn circumradius(&self) -> f64 {
         self.circumradius
     }
@@ -153,7 +154,7 @@ impl Part {
     }
 }
 
-/// Integrals over all directions.
+/// Integrates over all directions.
 fn over_directions(of: impl Fn(&Vec3) -> [f64; 2]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for part in 0..ALONG {

@@ -12,9 +12,10 @@ use protomer_kernel::Vec3;
 
 /// A plane that separates two bodies.
 struct Separation {
-    /// Its normal, from the body with the face to the other.
+    /// Normal of the plane, from the body with the face to the other.
     normal: Vec3,
-    /// Highest and lowest points along it: of the body with the face, and of the other.
+    /// Distance along the normal between the highest point of the body with the face and the lowest
+    /// of the other.
     gap: f64,
     top: f64,
     /// Whether the face is of the second body.
@@ -160,7 +161,8 @@ fn nearest(body: &TurnedPart<'_>, point: &Vec3) -> Option<Vec3> {
     foot(body, point).map(|(foot, _)| foot)
 }
 
-/// The same with the dimensions of the feature it lies on: an edge or a corner.
+/// Variant of [`nearest`] that also returns the dimension of the feature the point lies on: an edge
+/// or a corner.
 fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let (normals, corners) = (body.normals, body.corners);
     let mut best = (0, f64::NEG_INFINITY);
@@ -200,7 +202,8 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     Some((corners[face], 0))
 }
 
-/// Two disks, or a disk and a polygon: the centre of a disk repels the other body.
+/// Interaction of two disks, or of a disk and a polygon: the centre of a disk repels the other
+/// body.
 fn of_disks(first: &TurnedPart<'_>, second: &TurnedPart<'_>, mut sum: Sum<'_>) -> Felt {
     let centre = Vec3::zeros();
     let (on_first, on_second) = match (first.part.is_round(), second.part.is_round()) {
@@ -216,7 +219,7 @@ fn of_disks(first: &TurnedPart<'_>, second: &TurnedPart<'_>, mut sum: Sum<'_>) -
     sum.felt
 }
 
-/// Repulsions of points, added up.
+/// Sum of the repulsions of points.
 struct Sum<'a> {
     law: &'a Law,
     between: Vec3,
@@ -228,7 +231,7 @@ impl Sum<'_> {
         (on_first - on_second - self.between).norm()
     }
 
-    /// The repulsion of two points, each from the centre of its body.
+    /// Adds the repulsion of two points, each from the centre of its body.
     fn repel(&mut self, on_first: Vec3, on_second: Vec3, distance: f64) {
         if distance >= self.law.reach {
             return;
@@ -247,7 +250,7 @@ impl Sum<'_> {
         self.felt.torques[1].z -= on_second.x * force.y - on_second.y * force.x;
     }
 
-    /// The corners of the two faces that look at each other against the other face.
+    /// Adds the corners of the two faces that look at each other, each against the other face.
     fn add_faces(
         &mut self,
         first: &TurnedPart<'_>,

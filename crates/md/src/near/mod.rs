@@ -23,21 +23,22 @@ use protomer_kernel::shape::remembered::Simplex;
 use protomer_kernel::{Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// A plane that separates two bodies by this much more than the reach leaves no force to rounding.
+/// Factor on the reach: a plane that separates two bodies by more leaves no force, whatever the
+/// rounding.
 pub(crate) const SURELY_BEYOND: f64 = 1.0 + 1e-9;
 
-/// The interaction of two parts, prepared.
+/// The prepared interaction of two parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     /// The energy of two points.
     pub radial: Radial,
-    /// The radii of the rounded parts, the disks or the balls, added.
+    /// Sum of the radii of the rounded parts, the disks or the balls.
     pub radii: f64,
-    /// Distance of the cores from which on there is no force.
+    /// Distance of the cores beyond which there is no force.
     pub reach: f64,
     /// The energy between the centres, if any.
     pub central: Option<Radial>,
-    /// How far the centres of two parts that feel each other are from each other at most.
+    /// Largest distance between the centres of two parts that interact.
     pub range: f64,
 }
 
@@ -63,8 +64,7 @@ impl Law {
     }
 }
 
-/// The distance of the centres from which on two bodies, turned as they may be, do not repel each
-/// other.
+/// The distance of the centres beyond which two bodies do not repel each other in any orientation.
 pub(crate) fn free_distance(first: &Kind, second: &Kind) -> f64 {
     let mut apart = 0.0_f64;
     let repulsion = Interaction {
@@ -81,8 +81,8 @@ pub(crate) fn free_distance(first: &Kind, second: &Kind) -> f64 {
     apart
 }
 
-/// What a pair of parts feels: as [`PairForces`](crate::pair::PairForces), without the distance. The
-/// energy is infinite where they touch.
+/// Interaction of a pair of parts: [`PairForces`](crate::pair::PairForces) without the distance.
+/// The energy is infinite where they touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Felt {
     /// Energy in units of ε.
@@ -94,7 +94,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// Nothing.
+    /// No interaction: zero energy, force and torques.
     pub fn nothing() -> Self {
         Self {
             energy: 0.0,
@@ -103,7 +103,7 @@ impl Felt {
         }
     }
 
-    /// The bodies touch.
+    /// Interaction of bodies that touch: infinite energy.
     pub fn touching() -> Self {
         Self {
             energy: f64::INFINITY,
@@ -112,7 +112,7 @@ impl Felt {
     }
 }
 
-/// What was learnt of a pair.
+/// Hint kept for a pair, from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hint {
@@ -120,7 +120,7 @@ pub struct Hint {
     face: u32,
     /// The direction in which two polyhedra were apart, from the first to the second.
     direction: Vec3,
-    /// The corners that came closest.
+    /// The corners of two polyhedra that came closest.
     simplex: Simplex,
 }
 
@@ -134,7 +134,7 @@ impl Default for Hint {
     }
 }
 
-/// Felt by two parts between whose centres this way leads; the hint is updated.
+/// Interaction of two parts, given the vector between their centres; the hint is updated.
 pub fn felt(
     first: TurnedPart<'_>,
     second: TurnedPart<'_>,
@@ -173,11 +173,11 @@ impl Felt {
 pub struct Turned {
     corners: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// From the centre of mass of the body to the centre of each part.
+    /// Vector from the centre of mass of the body to the centre of each part.
     centres: Vec<Vec3>,
-    /// Where the corners and the normals of each part begin, and at last where they end.
+    /// Start of the corners and of the normals of each part, and at last their end.
     starts: Vec<[usize; 2]>,
-    /// Where the parts of each body begin.
+    /// Index of the first part of each body.
     first_part: Vec<usize>,
 }
 
@@ -193,7 +193,7 @@ pub struct TurnedPart<'a> {
 }
 
 impl Turned {
-    /// Room for bodies of these kinds.
+    /// Reserves room for bodies of these kinds.
     pub fn of<'a>(kinds: impl Iterator<Item = &'a Kind>) -> Self {
         let mut turned = Self::default();
         let mut starts = [0, 0];
@@ -265,7 +265,7 @@ impl Turned {
         }
     }
 
-    /// From the centre of mass of a body to the centre of one of its parts.
+    /// The vector from the centre of mass of a body to the centre of one of its parts.
     pub fn centre(&self, body: usize, number: usize) -> Vec3 {
         self.centres[self.first_part[body] + number]
     }

@@ -16,7 +16,7 @@ use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedPart};
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
 
-/// Steps at most; a dozen are enough from anywhere for axes in proportions of ten.
+/// Largest number of steps; a dozen are enough from anywhere for axes in proportions of ten.
 const MOST_STEPS: usize = 100;
 /// The tangential gradient over the size at which a direction is found.
 const CONVERGED: f64 = 1e-15;
@@ -146,8 +146,8 @@ impl Gap<'_> {
         matrix.try_inverse().map(|inverse| inverse * slope)
     }
 
-    /// The direction after a step, or after a half, a quarter of it, that has a larger gap; `None` if
-    /// rounding leaves none.
+    /// The first direction with a larger gap, after the whole step, a half, a quarter of it and so
+    /// on; `None` if rounding leaves none.
     fn higher(&self, here: &Along, step: &Vec3) -> Option<Along> {
         let mut share = 1.0;
         for _ in 0..30 {

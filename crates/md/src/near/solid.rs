@@ -14,7 +14,8 @@ use protomer_kernel::shape::closest::ClosestPoints;
 use protomer_kernel::shape::polytope::Face;
 use protomer_kernel::shape::remembered::{Bodies, Found};
 
-/// Features are looked at again if they are beyond the closest points by less than this part.
+/// Distance beyond the closest points within which features are looked at again, as a part of the
+/// size of the bodies.
 const ROUNDING: f64 = 1e-6;
 
 /// The energy, force and torques of two bodies in space; `between` leads from the centre of the
@@ -179,8 +180,8 @@ fn crossing(first: [Vec3; 2], second: [Vec3; 2]) -> Option<ClosestPoints> {
     })
 }
 
-/// As [`nearest`], with the dimensions of the feature on which the point lies. It lies on a face that
-/// the point sees.
+/// Variant of [`nearest`] that also returns the dimension of the feature on which the point lies.
+/// It lies on a face that the point sees.
 fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let faces = &body.part.polytope.faces;
     let heights = body.normals.iter().zip(&body.part.offsets);
@@ -211,8 +212,8 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     Some(best)
 }
 
-/// By how much a plane across this direction, of length one, separates the bodies; not positive for
-/// the zero vector.
+/// Gap between the bodies across a plane at right angles to this direction, of length one; not
+/// positive for the zero vector.
 fn gap(first: &TurnedPart<'_>, second: &TurnedPart<'_>, between: &Vec3, direction: &Vec3) -> f64 {
     let [top, bottom] = limits(first, second, between, direction);
     bottom - top
@@ -234,7 +235,7 @@ fn limits(
     [top, bottom + between.dot(direction)]
 }
 
-/// Repulsions, added up. Points are seen from the centre of the first body.
+/// Sum of repulsions. Points are seen from the centre of the first body.
 struct Sum<'a> {
     law: &'a Law,
     terms: Terms,
@@ -254,7 +255,7 @@ impl Sum<'_> {
         self.terms.push([points.on_first, points.on_second], force);
     }
 
-    /// All features of the two faces that look at each other.
+    /// Adds all features of the two faces that look at each other.
     fn add_faces(
         &mut self,
         first: &TurnedPart<'_>,
@@ -314,7 +315,7 @@ impl Sum<'_> {
         }
     }
 
-    /// All corners and edges, smoothly; false if a corner is inside the other body.
+    /// Adds all corners and edges, smoothly; false if a corner is inside the other body.
     fn add_all(
         &mut self,
         first: &TurnedPart<'_>,
@@ -393,7 +394,8 @@ fn on_face(body: &TurnedPart<'_>, face: (usize, &Face), point: &Vec3) -> Vec3 {
     foot_on_face(body, face, point).0
 }
 
-/// The same with the dimensions of the feature it lies on: the face, an edge or a corner.
+/// Variant of [`on_face`] that also returns the dimension of the feature the point lies on: the
+/// face, an edge or a corner.
 #[inline]
 fn foot_on_face(
     body: &TurnedPart<'_>,

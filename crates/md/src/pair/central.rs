@@ -27,17 +27,17 @@ use protomer_kernel::choices;
 use protomer_kernel::shape::closest::ClosestPoints;
 use protomer_kernel::shape::polytope::Polytope;
 
-/// Nearer than this part of the circumradius to the plane of a face, a point lies on it.
+/// Distance to the plane of a face below which a point lies on it, as a part of the circumradius.
 const ON_FACE: f64 = 1e-10;
-/// Singular values below this part of the largest are zero.
+/// Size below which singular values are zero, as a part of the largest.
 const SINGULAR: f64 = 1e-10;
 
 choices! {
     /// Energy between the centroids.
     pub enum Central {
-        /// None.
+        /// No energy between the centroids.
         None = "none",
-        /// With epsilon_s = epsilon.
+        /// Energy with epsilon_s = epsilon.
         Conservative = "conservative",
         /// Eq. 4.6 with its force as printed, which is not the gradient.
         Printed = "printed",
@@ -81,7 +81,7 @@ pub fn add(
     }
 }
 
-/// The points from the surfaces of the rounded bodies.
+/// Vectors from the centroids to the closest points on the surfaces of the rounded bodies.
 fn arms(pair: &Placed, closest: &ClosestPoints) -> [Vec3; 2] {
     let direction = closest.separation().normalize();
     [
@@ -90,7 +90,7 @@ fn arms(pair: &Placed, closest: &ClosestPoints) -> [Vec3; 2] {
     ]
 }
 
-/// M.
+/// Excess M of the distances between closest points and centroids over the inradii.
 fn excess(pair: &Placed, closest: &ClosestPoints) -> f64 {
     let arms = arms(pair, closest);
     [0, 1]
@@ -105,7 +105,7 @@ struct Gradient {
     rotations: [Vec3; 2],
 }
 
-/// The derivatives by differences along the linear response of the closest points.
+/// Computes the derivatives by differences along the linear response of the closest points.
 fn gradient_of_excess(pair: &Placed, closest: &ClosestPoints) -> Gradient {
     let arms = arms(pair, closest);
     let features = [0, 1].map(|n| {
@@ -162,8 +162,8 @@ fn gradient_of_excess(pair: &Placed, closest: &ClosestPoints) -> Gradient {
     }
 }
 
-/// Directions along which a point may move on the feature it lies on: none for a corner, one along an
-/// edge, two in a face. In the frame of the body.
+/// Directions along which a point may move on the feature it lies on, in the frame of the body:
+/// none for a corner, one along an edge, two in a face.
 fn directions(body: &Polytope, point: &Vec3) -> Vec<Vec3> {
     let near = ON_FACE * body.circumradius();
     let faces = body.faces.iter();
@@ -203,8 +203,8 @@ impl Response {
         Self(inverse.unwrap_or_else(|_| DMatrix::zeros(total, total)))
     }
 
-    /// How the two points slide along their features, when their separation changes at `rate` and the
-    /// features turn.
+    /// Displacements of the two points along their features, when their separation changes at
+    /// `rate` and the features turn.
     fn along(
         &self,
         features: &[Vec<Vec3>; 2],

@@ -28,7 +28,7 @@ pub struct Features {
 }
 
 impl Features {
-    /// Of a body in a pose.
+    /// The features of a body in a pose.
     pub fn of(body: &Polytope, pose: &Pose) -> Self {
         let corners = body.corners_at(pose);
         let at = |number: &usize| corners[*number];
@@ -49,7 +49,7 @@ impl Features {
         self.foot(point).0
     }
 
-    /// The point nearest to a point outside, with the dimensions of the feature it lies on. The face
+    /// The point nearest to a point outside, with the dimension of the feature it lies on. The face
     /// above which the point is highest comes before others that are equally near to rounding.
     fn foot(&self, point: &Vec3) -> (Vec3, usize) {
         let height = |(normal, rim): &(Vec3, Vec<Vec3>)| normal.dot(&(point - rim[0]));
@@ -123,7 +123,7 @@ fn best<T>(candidates: impl Iterator<Item = (f64, usize, T)>) -> Option<T> {
 }
 
 /// Whether the foot on another face comes before that on the highest: only if it is nearer by more
-/// than rounding, or if it lies inside an edge whose end the other is.
+/// than rounding, or if it lies inside an edge that has the other foot as an end.
 pub(crate) fn replaces(here: (f64, usize), there: (f64, usize)) -> bool {
     let is_inner = here.1 > there.1 && here.0 <= there.0 * (1.0 + EQUAL);
     is_inner || here.0 < there.0 * (1.0 - EQUAL)
@@ -152,7 +152,7 @@ pub fn on_face(normal: &Vec3, rim: &[Vec3], point: &Vec3) -> (Vec3, usize) {
     found.unwrap_or((foot, 2))
 }
 
-/// The same on an edge.
+/// Variant of [`on_face`] for an edge.
 fn on_edge([from, to]: &[Vec3; 2], point: &Vec3) -> (Vec3, usize) {
     let along = to - from;
     let place = (point - from).dot(&along) / along.norm_squared();

@@ -38,7 +38,7 @@ use protomer_kernel::{Pose, Vec3};
 use radial::{Attraction, Radial};
 use terms::Terms;
 
-/// σ_c over σ.
+/// Ratio of the length σ_c of contacts to σ.
 pub const CONTACT_RATIO: f64 = 0.15;
 
 choices! {
@@ -53,12 +53,12 @@ choices! {
     }
 }
 
-/// What two bodies feel of each other.
+/// Interaction of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interaction {
-    /// Which points feel each other.
+    /// Points that repel each other.
     pub form: Form,
-    /// How points, and centroids, attract each other.
+    /// Attraction between points, and between centroids.
     pub attraction: Attraction,
     /// The energy between the centroids.
     pub central: Central,
@@ -96,7 +96,7 @@ pub struct Placed<'a> {
     pub bodies: [&'a Polytope; 2],
     /// The radii by which they are rounded; zero for sharp bodies.
     pub radii: [f64; 2],
-    /// Their poses: where the centroids are, and how the bodies are turned.
+    /// Poses of the bodies: positions of the centroids, and orientations.
     pub poses: [&'a Pose; 2],
 }
 

@@ -18,18 +18,18 @@ use crate::bath::require;
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// 2^(1/6).
+/// The number 2^(1/6).
 const SIXTH_ROOT_OF_TWO: f64 = 1.122_462_048_309_373;
-/// Where the attraction begins to be switched off, over the cut-off.
+/// Distance at which the attraction begins to be switched off, over the cut-off.
 const SWITCHED_FROM: f64 = 0.8;
 /// The least cut-off over σ: the switch must not reach the minimum.
 const LEAST_CUT_OFF: f64 = 1.5;
 
-/// How strongly points attract each other beyond the minimum, and how far.
+/// Strength and range of the attraction between points beyond the minimum.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Attraction {
-    /// λ: 0 for the repulsion alone, 1 for Lennard and Jones.
+    /// Strength λ: 0 for the repulsion alone, 1 for Lennard-Jones.
     pub strength: f64,
     /// The cut-off c over σ; infinite for none.
     pub cut_off: f64,
@@ -61,12 +61,12 @@ impl Attraction {
     }
 }
 
-/// The energy of two points, with ε = 1.
+/// Radial potential: the energy of two points, with ε = 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Radial {
     /// The length σ.
     pub sigma: f64,
-    /// What they feel beyond the minimum.
+    /// Attraction beyond the minimum.
     pub attraction: Attraction,
 }
 
@@ -79,12 +79,12 @@ impl Radial {
         }
     }
 
-    /// Where the repulsion ends: 2^(1/6) σ.
+    /// Distance at which the repulsion ends: 2^(1/6) σ.
     pub fn minimum(&self) -> f64 {
         SIXTH_ROOT_OF_TWO * self.sigma
     }
 
-    /// Where the energy ends.
+    /// Distance beyond which the energy is zero.
     pub fn range(&self) -> f64 {
         match self.attraction.strength > 0.0 {
             true => self.attraction.cut_off * self.sigma,

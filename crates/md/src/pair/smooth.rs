@@ -60,23 +60,24 @@ pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2]) {
 pub(crate) struct Crossing {
     /// Starts of the edges.
     starts: [Vec3; 2],
-    /// From the start of each edge to its end: u and v.
+    /// Vectors u and v from the start of each edge to its end.
     along: [Vec3; 2],
-    /// From the start of the second edge to that of the first: r.
+    /// Vector r from the start of the second edge to that of the first.
     between: Vec3,
-    /// u·u, v·v.
+    /// Squares u·u and v·v.
     squares: [f64; 2],
-    /// u·v, u·r, v·r.
+    /// Products u·v, u·r and v·r.
     products: [f64; 3],
-    /// (u·u)(v·v) - (u·v)².
+    /// Determinant (u·u)(v·v) - (u·v)².
     determinant: f64,
-    /// Places of the closest points along the edges, between 0 and 1: s and t.
+    /// Places s and t of the closest points along the edges, between 0 and 1.
     places: [f64; 2],
     distance: f64,
 }
 
 impl Crossing {
-    /// `None` if the edges are parallel, farther apart than the reach, or closest at an end.
+    /// The crossing of two edges; `None` if they are parallel, farther apart than the reach, or
+    /// closest at an end.
     pub(crate) fn of(first: [Vec3; 2], second: [Vec3; 2], reach: f64) -> Option<Self> {
         let (u, v) = (first[1] - first[0], second[1] - second[0]);
         let r = first[0] - second[0];
@@ -142,7 +143,7 @@ impl Crossing {
     }
 }
 
-/// g(q) = q⁴/(1 + q⁴) with q² = (ℓ/σ_c)² sin² θ.
+/// Weight of the angle, g(q) = q⁴/(1 + q⁴) with q² = (ℓ/σ_c)² sin² θ.
 #[derive(Debug, Clone, Copy)]
 struct AngleWeight {
     value: f64,
@@ -153,7 +154,7 @@ struct AngleWeight {
 }
 
 impl AngleWeight {
-    /// From (ℓ/σ_c)², |u × v|² and |u|² |v|².
+    /// Computes the weight from (ℓ/σ_c)², |u × v|² and |u|² |v|².
     fn new(squared_ratio: f64, determinant: f64, product: f64) -> Self {
         let square = squared_ratio * determinant / product;
         let below = 1.0 / (1.0 + square * square);
@@ -171,7 +172,7 @@ impl AngleWeight {
     }
 }
 
-/// h(s) h(1 - s).
+/// Weight of the ends, h(s) h(1 - s).
 #[derive(Debug, Clone, Copy)]
 struct EndWeight {
     value: f64,

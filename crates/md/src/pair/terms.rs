@@ -4,13 +4,13 @@ use super::radial::Radial;
 use protomer_kernel::Vec3;
 use protomer_kernel::shape::closest::ClosestPoints;
 
-/// What two bodies feel so far.
+/// Sum of the terms of two bodies so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Terms {
     centroids: [Vec3; 2],
     /// The energy of two points.
     pub radial: Radial,
-    /// Radii by which the two bodies are rounded, added: points are nearer by as much.
+    /// Sum of the radii by which the two bodies are rounded: points are nearer by as much.
     pub radii: f64,
     /// Energy in units of ε.
     pub energy: f64,
@@ -21,7 +21,7 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Nothing yet.
+    /// An empty sum.
     pub fn about(centroids: [Vec3; 2], radial: Radial, radii: f64) -> Self {
         Self {
             centroids,

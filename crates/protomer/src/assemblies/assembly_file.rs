@@ -49,7 +49,7 @@ pub struct AssemblyFile {
     pub bodies: Vec<BodyEntry>,
     /// The placed bodies.
     pub placements: Vec<Placement>,
-    /// How the assembly was made; a note for readers, ignored by the engines.
+    /// Origin of the assembly: a note for readers, ignored by the engines.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub provenance: Option<serde_json::Value>,
 }
@@ -58,7 +58,7 @@ pub struct AssemblyFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyEntry {
-    /// The name by which placements refer to it.
+    /// Name by which placements refer to the kind.
     pub name: String,
     /// The body file, relative to the assembly file.
     pub file: PathBuf,
@@ -68,7 +68,7 @@ pub struct BodyEntry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Placement {
-    /// Name of its kind.
+    /// Name of the kind of body.
     pub body: String,
     /// Position of the body's origin, Å.
     pub position_angstrom: [f64; 3],
@@ -104,7 +104,7 @@ pub struct Assembly {
     pub kinds: Vec<usize>,
     /// The pose of each body.
     pub poses: Vec<Pose>,
-    /// The space that contains them.
+    /// Space that contains the bodies.
     pub boundary: Boundary,
     /// SHA-256 over the assembly file and the body files, in hexadecimal: the identity of the
     /// input.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Which arrangements to enumerate.
+/// Settings for the enumeration of arrangements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidatesSettings {
     /// Body files, in the order in which they alternate.
@@ -34,7 +34,7 @@ pub struct CandidatesSettings {
 pub struct CandidatesReport {
     /// The arrangements.
     pub candidates: Candidates,
-    /// Their assembly files, if any were written.
+    /// Assembly files of the arrangements, if any were written.
     pub assemblies: Vec<PathBuf>,
     #[serde(skip)]
     ring: usize,

@@ -14,9 +14,9 @@ use std::path::{Path, PathBuf};
 pub struct FluidAssembly {
     /// The assembly file.
     pub assembly: PathBuf,
-    /// Bodies.
+    /// Number of bodies.
     pub bodies: usize,
-    /// Their concentration, mmol/L.
+    /// Concentration of the bodies, mmol/L.
     pub concentration_millimolar: f64,
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// Which ring or stack to build.
+/// Settings of a ring or a stack of rings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RingSettings {
     /// Bodies per ring.

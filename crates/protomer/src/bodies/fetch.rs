@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Where the RCSB serves entry files.
+/// Base address of the entry files of the RCSB.
 pub const RCSB_DOWNLOAD: &str = "https://files.rcsb.org/download";
 
 /// An upper limit for a compressed entry file.
@@ -18,7 +18,7 @@ const LARGEST_DOWNLOAD_BYTES: u64 = 1 << 30;
 /// Entries that were downloaded or already present.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Fetched {
-    /// One per entry, in the order given.
+    /// Entries with their files, in the order given.
     pub files: Vec<FetchedEntry>,
 }
 
@@ -27,7 +27,7 @@ pub struct Fetched {
 pub struct FetchedEntry {
     /// The entry as requested.
     pub entry: String,
-    /// Its file.
+    /// File of the entry.
     pub file: PathBuf,
 }
 

@@ -48,7 +48,8 @@ impl BodyFolder {
         })
     }
 
-    /// Makes the body of a file and keeps it in the folder; returns what the tables say of it.
+    /// Makes the body of a file and keeps it in the folder; returns the record of the file for the
+    /// tables.
     ///
     /// # Errors
     /// If the body cannot be written, which says nothing of the file.
@@ -66,7 +67,7 @@ impl BodyFolder {
         }
     }
 
-    /// What the tables say of a file without a body.
+    /// Record of a file without a body, for the tables.
     pub fn failed(&self, file: &Path, error: &anyhow::Error) -> FileRecord {
         record_of(&FileOutcome::failed(file, error))
     }
@@ -76,7 +77,7 @@ impl BodyFolder {
         &self.paths.warnings_table
     }
 
-    /// Writes the tables, and returns how many files have no body and how many there are.
+    /// Writes the tables, and returns the number of files without a body and that of all files.
     ///
     /// # Errors
     /// Names the file that cannot be written; and the errors of the records.

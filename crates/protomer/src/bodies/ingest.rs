@@ -22,10 +22,10 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// How each file is converted.
+/// Settings for the conversion of each file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct IngestSettings {
-    /// How bodies are made.
+    /// Settings with which bodies are made.
     pub body: BodySettings,
     /// Name of the body, for a single file.
     pub name: Option<String>,
@@ -50,7 +50,7 @@ pub struct FileOutcome {
     /// The size and charge of the body.
     #[serde(flatten)]
     pub measures: Option<BodyMeasures>,
-    /// How far the mesh is from the exact surface.
+    /// Distance of the mesh from the exact surface.
     #[serde(flatten)]
     pub distance: Option<MeshDistance>,
     /// Atoms left out, by reason.
@@ -68,7 +68,7 @@ pub struct FileOutcome {
 pub struct MeshDistance {
     /// Root mean square over the mesh, Å.
     pub mesh_rms_distance_angstrom: f64,
-    /// The largest one found, Å.
+    /// Largest distance found, Å.
     pub mesh_largest_distance_angstrom: f64,
 }
 
@@ -269,7 +269,7 @@ pub(super) fn refuse_path(name: &str) -> Result<()> {
     Ok(())
 }
 
-/// The names that are there more than once.
+/// The names that occur more than once.
 fn repeated(names: &[String]) -> BTreeSet<String> {
     let mut sorted: Vec<&String> = names.iter().collect();
     sorted.sort_unstable();

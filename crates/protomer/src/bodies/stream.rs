@@ -30,13 +30,13 @@ const FILES_PER_THREAD: usize = 16;
 /// Version of the tables. Increase it with every change of their columns.
 const FORMAT: u32 = 2;
 
-/// How a stream ended.
+/// State in which a stream ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StreamState {
     /// All files are done.
     Finished,
-    /// It was stopped on request; the same command continues it.
+    /// The stream was stopped on request; the same command continues it.
     Stopped,
 }
 
@@ -47,9 +47,9 @@ pub struct StreamReport {
     pub table: PathBuf,
     /// The table with a row per warning or error.
     pub warnings_table: PathBuf,
-    /// How it ended.
+    /// State in which the stream ended.
     pub state: StreamState,
-    /// Files, or those of the part.
+    /// Number of files, or of those of the part.
     pub files: usize,
     /// Files that were converted in an earlier run.
     pub taken_over: usize,
@@ -82,7 +82,7 @@ impl Answer for StreamReport {
     }
 }
 
-/// What is done, as of the last block.
+/// Progress as of the last block.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Done {
@@ -296,7 +296,7 @@ impl Stream<'_> {
         }
     }
 
-    /// What earlier runs have done.
+    /// Progress of earlier runs; none if the tables begin anew.
     fn begin(&self, start_anew: bool) -> Result<Done> {
         let path = &self.paths.done;
         if start_anew || !path.exists() {

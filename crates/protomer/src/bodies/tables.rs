@@ -67,7 +67,7 @@ impl Row for WarningRow {
     }
 }
 
-/// What the tables say of an outcome.
+/// Record of an outcome, for the tables.
 pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
     let measures = |of: fn(&BodyMeasures) -> String| {
         let measures = outcome.measures.as_ref();

@@ -33,7 +33,7 @@ use serde::Serialize;
 use source::Source;
 use std::path::{Path, PathBuf};
 
-/// What to export, and how.
+/// Settings of an export.
 ///
 /// ```no_run
 /// use protomer::export::{ExportSettings, Frame, Viewer, export};
@@ -61,7 +61,7 @@ pub struct ExportSettings {
     pub replica: Option<u32>,
     /// The assembly of a run, if it is no longer where the run was begun with it.
     pub assembly: Option<PathBuf>,
-    /// What the B factor of each residue holds; zero if `None`.
+    /// Values for the B factors of residues; zero if `None`.
     pub values: Option<ResidueValues>,
     /// Whether copies are shifted by box lengths, so that a cluster is in one piece.
     pub gather: bool,
@@ -71,12 +71,12 @@ pub struct ExportSettings {
     pub force: bool,
 }
 
-/// What was written.
+/// Report on an export.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExportReport {
     /// The structure file.
     pub file: PathBuf,
-    /// The script beside it.
+    /// The script beside the structure file.
     pub script: Option<PathBuf>,
     /// Number of copies of bodies.
     pub copies: usize,

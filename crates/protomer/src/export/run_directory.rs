@@ -15,7 +15,7 @@ pub(super) struct RunFiles {
 }
 
 impl RunFiles {
-    /// Finds them in the directory of a sweep, or of one simulation of a sweep.
+    /// Finds the files in the directory of a sweep, or of one simulation of a sweep.
     pub(super) fn find(settings: &ExportSettings) -> Result<Self> {
         let directory = settings.input.as_path();
         let (sweep, simulation) = match ResultKind::of(directory) {

@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// A frame of a trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Frame {
-    /// Counted from zero.
+    /// Number of the frame, counted from zero.
     Number(u64),
-    /// The last one.
+    /// The last frame.
     Last,
 }
 

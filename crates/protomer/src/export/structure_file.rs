@@ -6,9 +6,9 @@ use std::path::Path;
 /// A format that structures are written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StructureFormat {
-    /// Fixed columns: up to 62 chains and 99 999 atoms.
+    /// PDB with fixed columns: up to 62 chains and 99 999 atoms.
     Pdb,
-    /// Any number of chains and atoms.
+    /// mmCIF with any number of chains and atoms.
     Mmcif,
 }
 

@@ -11,7 +11,7 @@ use serde::Serialize;
 /// Cluster sizes that the text lists.
 const MOST_SIZES: usize = 8;
 
-/// What scattering sees.
+/// Report on the scattering of an assembly or a trajectory.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ScatteringReport {
     /// Version of the program.
@@ -24,11 +24,11 @@ pub struct ScatteringReport {
     pub is_periodic: bool,
     /// The settings of the experiment.
     pub settings: experiment::Settings,
-    /// Each kind of body by itself.
+    /// Properties of each kind of body by itself.
     pub kinds: Vec<BodyRow>,
-    /// Each salt concentration, or the assembly.
+    /// Averages at each salt concentration, or of the assembly.
     pub states: Vec<StateRow>,
-    /// What stands against these means.
+    /// Warnings about the averages.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -36,7 +36,7 @@ pub struct ScatteringReport {
 /// A kind of body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BodyRow {
-    /// Name.
+    /// Name of the body.
     pub name: String,
     /// Hydrodynamic radius of one body, Å.
     pub hydrodynamic_radius_angstrom: f64,
@@ -75,13 +75,13 @@ pub struct StateRow {
 pub struct SizeRow {
     /// Bodies of such a cluster.
     pub bodies: usize,
-    /// Mean number of them in a frame.
+    /// Mean number of such clusters in a frame.
     pub clusters: f64,
-    /// Standard error; null for one frame.
+    /// Standard error of the number of clusters; null for one frame.
     pub clusters_error: Option<f64>,
-    /// Fraction of the bodies that are in them.
+    /// Fraction of the bodies that are in such clusters.
     pub fraction_of_bodies: f64,
-    /// Standard error; null for one frame.
+    /// Standard error of the fraction; null for one frame.
     pub fraction_error: Option<f64>,
 }
 
@@ -92,13 +92,13 @@ pub struct CurveRow {
     pub q_per_angstrom: f64,
     /// S(q) between the origins of the bodies.
     pub structure_factor: f64,
-    /// Standard error; null for one frame.
+    /// Standard error of S(q); null for one frame.
     pub structure_factor_error: Option<f64>,
     /// P(q) of the bodies, weighted with their squared volumes.
     pub form_factor: f64,
     /// I(q) of all bodies over the sum of their squared volumes.
     pub intensity: f64,
-    /// Standard error; null for one frame.
+    /// Standard error of I(q); null for one frame.
     pub intensity_error: Option<f64>,
 }
 

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// The folder in the directory of a run in which a report looks for the answer.
 pub const FOLDER: &str = "scattering";
 
-/// What to measure, and how.
+/// Settings of [`scattering()`].
 ///
 /// ```no_run
 /// use protomer::scattering::{ScatteringSettings, scattering};
@@ -49,7 +49,7 @@ pub const FOLDER: &str = "scattering";
 pub struct ScatteringSettings {
     /// An assembly file, or the directory of a simulation or a sweep.
     pub input: PathBuf,
-    /// Only this salt concentration of a sweep, mol/L.
+    /// Salt concentration of a sweep that is measured, mol/L; all if `None`.
     pub salt_molar: Option<f64>,
     /// The assembly of a run, if it is no longer where the run was begun with it.
     pub assembly: Option<PathBuf>,
@@ -59,7 +59,7 @@ pub struct ScatteringSettings {
     pub most_frames: usize,
     /// Gap of surfaces in contact, Å; that of the run, or 5 Å, if `None`.
     pub contact_gap_angstrom: Option<f64>,
-    /// The experiment; its contact gap is that above.
+    /// Settings of the experiment; `contact_gap_angstrom` replaces its contact gap.
     pub experiment: experiment::Settings,
     /// Directory for tables, JSON and figure.
     pub output: Option<PathBuf>,

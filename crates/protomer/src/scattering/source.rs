@@ -24,7 +24,7 @@ pub(crate) struct Series {
 /// Bodies and the states that they were in.
 pub(crate) struct Source {
     pub(crate) assembly: Assembly,
-    /// A wall counts as open space.
+    /// Boundary of the space; a wall counts as open space.
     pub(super) boundary: Boundary,
     pub(super) contact_gap_angstrom: f64,
     pub(crate) series: Vec<Series>,

@@ -27,9 +27,9 @@ use std::collections::BTreeMap;
 pub const FARTHEST_CONTACT_ANGSTROM: f64 = 6.0;
 /// Residues nearer than this are fully in contact, Å.
 const FULL_CONTACT_ANGSTROM: f64 = 5.0;
-/// G, kcal/mol: fitted.
+/// Constant G, kcal/mol, fitted.
 const CONSTANT_KCAL_PER_MOL: f64 = -5.01;
-/// p, kcal/mol: fitted.
+/// Energy p of a pair of polar residues, kcal/mol, fitted.
 const POLAR_PAIR_KCAL_PER_MOL: f64 = 0.251;
 /// Error of an estimate, kcal/mol: root mean square over the complexes of the fit, each left out of the
 /// fit for its own estimate.
@@ -100,7 +100,7 @@ impl ContactAffinity {
     }
 }
 
-/// s: 1 up to 5 Å, 0 from 6 Å on.
+/// Share s of a contact: 1 up to 5 Å, 0 from 6 Å on.
 fn share_of_contact(distance_angstrom: f64) -> f64 {
     let width_angstrom = FARTHEST_CONTACT_ANGSTROM - FULL_CONTACT_ANGSTROM;
     ((FARTHEST_CONTACT_ANGSTROM - distance_angstrom) / width_angstrom).clamp(0.0, 1.0)

@@ -10,7 +10,7 @@ use serde::Serialize;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What means of a sweep are that is not equilibrated.
+/// Warning about the means of a sweep that is not equilibrated.
 pub(crate) const NOT_ONE_STATE: &str =
     "the sweep is not equilibrated, so its means are over replicas in different states";
 
@@ -71,18 +71,18 @@ impl Answer for CompareReport {
 pub struct ComparedSweep {
     /// Name in the legend.
     pub name: String,
-    /// Whether its runs from the assembly and from the fluid agree; `None` if that is not known.
+    /// Whether the runs from the assembly and from the fluid agree; `None` if that is not known.
     pub equilibrated: Option<bool>,
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: Vec<f64>,
     /// Mean radius of gyration over replicas, Å.
     pub r_g_mean_angstrom: Vec<f64>,
-    /// Standard deviation over replicas, Å.
+    /// Standard deviation of the radius of gyration over replicas, Å.
     pub r_g_sd_angstrom: Vec<f64>,
-    /// Mean surviving fraction of the initial contacts; NaN if there were none.
+    /// Mean surviving fraction of the native contacts; NaN if there were none.
     pub native_contacts_mean: Vec<f64>,
-    /// Standard deviation over replicas.
+    /// Standard deviation of the surviving fraction over replicas.
     pub native_contacts_sd: Vec<f64>,
 }
 

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 pub struct ContactTerm {
     /// The scale.
     pub scale: ContactScale,
-    /// What multiplies the published attraction.
+    /// Factor of the published attraction.
     pub strength: f64,
-    /// What keeps residues of different bodies apart.
+    /// Core that keeps residues of different bodies apart.
     #[serde(default)]
     pub core: ContactCore,
 }
 
-/// What keeps residues of different bodies apart.
+/// Cores that keep residues of different bodies apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ContactCore {
@@ -62,7 +62,7 @@ impl ContactTerm {
         Ok(())
     }
 
-    /// One line that says what was used.
+    /// Description of the contact term in one line.
     pub fn describe(&self) -> String {
         let core = match self.core {
             ContactCore::Surface => "",

@@ -16,12 +16,12 @@ use std::time::{Duration, SystemTime};
 /// The environment variable that names another folder; set to nothing, there is no cache.
 pub const FOLDER_VARIABLE: &str = "PROTOMER_CACHE_DIR";
 
-/// What the entries of a folder may take together, bytes.
+/// Largest size of all entries of a folder together, bytes.
 pub const SIZE_LIMIT_BYTES: u64 = 2_000_000_000;
 
-/// How the names of entries end; only such files are counted and removed.
+/// Ending of the names of entries; only such files are counted and removed.
 const ENDING: &str = ".table";
-/// How the names of files end that are being written.
+/// Ending of the names of files that are being written.
 const PARTIAL_ENDING: &str = ".partial";
 /// A file still partial after this long was left by a program that ended.
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 3600);
@@ -31,7 +31,7 @@ const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 3600);
 pub struct DiskCache {
     folder: PathBuf,
     limit_bytes: u64,
-    /// Is told when the folder is made.
+    /// Function that is told when the folder is made.
     tell: fn(&str),
 }
 
@@ -45,8 +45,8 @@ impl DiskCache {
         }
     }
 
-    /// The same, which tells when it makes its folder: where that is, how large it may get, and how
-    /// to empty it.
+    /// The same cache, which tells when it makes its folder: where that is, how large it may get,
+    /// and how to empty it.
     pub fn telling(self, tell: fn(&str)) -> Self {
         Self { tell, ..self }
     }
@@ -64,7 +64,7 @@ impl DiskCache {
         )
     }
 
-    /// The same with another limit, bytes.
+    /// The same cache with another limit, bytes.
     pub fn with_limit(self, limit_bytes: u64) -> Self {
         Self {
             limit_bytes,
@@ -72,8 +72,8 @@ impl DiskCache {
         }
     }
 
-    /// The user's: `PROTOMER_CACHE_DIR`, or `protomer` in `XDG_CACHE_HOME` or in `~/.cache`; `None`
-    /// without any of them, or if the first is set to nothing.
+    /// The cache of the user: `PROTOMER_CACHE_DIR`, or `protomer` in `XDG_CACHE_HOME` or in
+    /// `~/.cache`; `None` without any of them, or if the first is set to nothing.
     pub fn of_user() -> Option<Self> {
         Self::of(|name| std::env::var_os(name))
     }
@@ -98,12 +98,12 @@ impl DiskCache {
         Some(Self::new(folder))
     }
 
-    /// Where an entry lies.
+    /// Path of an entry.
     pub fn path(&self, key: &str) -> PathBuf {
         self.folder.join(format!("{key}{ENDING}"))
     }
 
-    /// What `read` makes of an entry's bytes; `None` if there is no such entry.
+    /// Reads an entry with `read`; `None` if there is no such entry.
     ///
     /// # Errors
     /// If there is one that cannot be opened or that `read` refuses; names the file.

@@ -18,7 +18,7 @@ pub type PotentialTable = Table;
 /// Memory that tables may take where no limit is stated, bytes.
 pub const DEFAULT_MEMORY_LIMIT_BYTES: u64 = 4_000_000_000;
 
-/// Where tables come from.
+/// Store of energy tables.
 #[derive(Debug)]
 pub struct EnergyTables {
     memory_limit_bytes: u64,
@@ -33,20 +33,21 @@ pub struct EnergyTables {
 struct Disk {
     cache: DiskCache,
     warn: fn(&str),
-    /// A folder that took no table takes none of the others: said once.
+    /// Whether the folder has refused a table: it takes none of the others, and is warned of once.
     refused: AtomicBool,
 }
 
 #[derive(Debug, Default)]
 struct Made {
-    /// By the hash of what they are made of.
+    /// Tables by the hash of what they are made of.
     tables: HashMap<String, Arc<PotentialTable>>,
-    /// By the same hash; never on the disk, because a cell is made where a charge comes.
+    /// Cells by the hash of what they are made of; never on the disk, because a cell is made where
+    /// a charge comes.
     cells: HashMap<String, Arc<Cells>>,
-    /// By the hash of the tables that are compared.
+    /// Calibrations by the hash of the tables that are compared.
     calibrations: HashMap<String, Calibration>,
-    /// Held while a table or a comparison is made, so that nobody makes it a second time and different
-    /// ones are made side by side.
+    /// Locks held while a table or a comparison is made, so that nobody makes it a second time and
+    /// different ones are made side by side.
     making: HashMap<String, Arc<Mutex<()>>>,
 }
 
@@ -69,8 +70,8 @@ impl EnergyTables {
         }
     }
 
-    /// The same tables, looked for on the disk first and kept there. That an entry cannot be used
-    /// or written stops nothing: `warn` is told, and the table is made.
+    /// The same store with a cache on the disk, where it looks first and keeps its tables. An entry
+    /// that cannot be used or written stops nothing: `warn` is told, and the table is made.
     pub fn with_cache(self, cache: DiskCache, warn: fn(&str)) -> Self {
         Self {
             disk: Some(Disk {
@@ -243,7 +244,7 @@ impl Disk {
 }
 
 impl Made {
-    /// Takes a new table in; if there is no room, those go that only this map still holds.
+    /// Takes in a new table; if there is no room, drops those that only this map still holds.
     fn keep(
         &mut self,
         key: String,

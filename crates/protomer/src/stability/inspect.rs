@@ -37,10 +37,10 @@ pub struct Inspection {
     pub pair_energies: Vec<(usize, usize, f64)>,
     /// The energy by terms, kT; null if no medium was stated.
     pub terms_kt: Option<BTreeMap<&'static str, f64>>,
-    /// The same for the pairs in range, where more than the charges acts.
+    /// Energies of the pairs in range by terms, where more than the charges acts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pair_terms: Vec<PairTerms>,
-    /// The largest error bound of one of these energies, kT; zero for direct sums.
+    /// Largest error bound of a pair energy, kT; zero for direct sums.
     pub error_bound_kt_per_pair: f64,
     /// Pairs whose surfaces are closer than the contact gap.
     pub contacts: Vec<(usize, usize)>,
@@ -52,10 +52,10 @@ pub struct Inspection {
     /// The medium, if one was stated.
     #[serde(flatten)]
     pub interaction: Option<ScreenedCoulomb>,
-    /// Each kind of body, where its effective charges interact.
+    /// Effective charges of each kind of body, where they interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
-    /// What a user should know of these energies.
+    /// Warnings about the energies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -67,9 +67,9 @@ pub struct PairTerms {
     pub first: usize,
     /// Number of the second body.
     pub second: usize,
-    /// The kind of each.
+    /// Names of the two kinds of bodies.
     pub names: [String; 2],
-    /// By the name of the term, kT.
+    /// Energies by the name of the term, kT.
     pub terms_kt: BTreeMap<&'static str, f64>,
 }
 
@@ -179,7 +179,7 @@ fn sum_of_terms(pairs: &[PairTerms]) -> BTreeMap<&'static str, f64> {
     sums
 }
 
-/// What the surfaces say.
+/// Inspection of the surfaces alone.
 fn without_energies(engine: &Engine, settings: &RunSettings) -> Result<Inspection> {
     let system = engine.system()?;
     Ok(Inspection {

@@ -8,7 +8,7 @@ use protomer_kernel::electrolyte::water_permittivity;
 use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 
-/// What stays the same while the salt varies.
+/// Settings of the interaction that stay the same while the salt varies.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InteractionSettings {
@@ -23,13 +23,14 @@ pub struct InteractionSettings {
     pub debye_length_angstrom: Option<f64>,
     /// Cut-off, Å, with energies summed directly; none where `None`.
     pub cutoff_angstrom: Option<f64>,
-    /// Stated in the settings of every run without a cut-off. Earlier versions cut by default, and
-    /// their runs, which do not state it, cannot be continued with another interaction.
+    /// Reach of the interaction, stated in the settings of every run without a cut-off. Earlier
+    /// versions cut by default, and their runs, which do not state it, cannot be continued with
+    /// another interaction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub definition: Option<Definition>,
 }
 
-/// How far the interaction reaches.
+/// Reach of the interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Definition {
     /// Charges at all distances.
@@ -37,7 +38,7 @@ pub enum Definition {
     NoCutOff,
 }
 
-/// Between which parts of two bodies the contact gap is measured.
+/// Parts of two bodies between which the contact gap is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactDefinition {
     /// The surfaces. Earlier versions measured from the vertices of one mesh to the other surface,
@@ -63,7 +64,7 @@ impl Default for InteractionSettings {
 /// The screened Coulomb interaction at one salt concentration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ScreenedCoulomb {
-    /// What screens the charges.
+    /// Electrolyte that screens the charges.
     #[serde(flatten)]
     pub electrolyte: Electrolyte,
     /// Cut-off, Å; infinite for none, which JSON has as null.
@@ -146,7 +147,7 @@ impl ScreenedCoulomb {
         )?)
     }
 
-    /// One line that says what was used.
+    /// Description of the interaction in one line.
     pub fn describe(&self) -> String {
         let electrolyte = &self.electrolyte;
         let salt = match electrolyte.salt_molar() {
@@ -164,7 +165,7 @@ impl ScreenedCoulomb {
         )
     }
 
-    /// What is summed at which distance, in words.
+    /// Cut-off of the interaction, in words.
     pub fn definition(&self) -> String {
         match self.cutoff_angstrom.is_finite() {
             true => format!("cut at {} Å, not shifted", self.cutoff_angstrom),

@@ -23,19 +23,19 @@ pub const OWN_TERMS: &str = "own terms";
 /// A named model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
-    /// For complexes with native contacts.
+    /// Model for complexes with native contacts.
     Natural1,
-    /// For proteins in solution, whose surfaces meet anywhere.
+    /// Model for proteins in solution, whose surfaces meet anywhere.
     Solution1,
-    /// That of the thesis: charges in salt water, and hard surfaces.
+    /// Model of the thesis: charges in salt water, and hard surfaces.
     Thesis,
 }
 
 impl Model {
-    /// All of them.
+    /// All models.
     pub const ALL: [Self; 3] = [Self::Natural1, Self::Solution1, Self::Thesis];
 
-    /// The name by which users choose it.
+    /// Name by which users choose the model.
     pub fn name(self) -> &'static str {
         match self {
             Self::Natural1 => "natural-1",
@@ -66,7 +66,7 @@ impl Model {
         }
     }
 
-    /// What of a body is hard.
+    /// Hard core of the bodies of this model.
     pub fn core(self) -> HardCore {
         match self {
             Self::Natural1 | Self::Solution1 => HardCore::Native,

@@ -16,7 +16,7 @@ use protomer_mc::pair::Contacts;
 use protomer_mc::solvent_response::{ResponseBody, SolventResponse};
 use std::sync::Arc;
 
-/// What acts beside the charges.
+/// Terms of the energy beside the charges.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FurtherTerms {
     /// Attraction between residues.
@@ -35,7 +35,7 @@ pub struct PreparedTerms {
 }
 
 impl FurtherTerms {
-    /// Whether there are none.
+    /// Whether there are no further terms.
     pub fn is_none(&self) -> bool {
         self.contacts.is_none() && self.desolvation.is_none() && self.response.is_none()
     }

@@ -13,7 +13,7 @@ use protomer_training::learning::train::{
 };
 use std::path::Path;
 
-/// Larger matrices are only in metrics.json.
+/// Number of classes beyond which matrices are only in metrics.json.
 const MOST_CLASSES: usize = 40;
 /// Number of excluded samples that are listed.
 const MOST_NAMED: usize = 20;
@@ -222,7 +222,8 @@ fn table_of_numbers(numbers: &NumberMetrics) -> String {
         ])
 }
 
-/// Rows are true classes, columns predicted ones; the shade is the share of the row.
+/// The confusion matrix. Rows are true classes, columns predicted ones; the shade is the share of
+/// the row.
 fn confusion(metrics: &Metrics) -> String {
     if metrics.classes.len() > MOST_CLASSES {
         return paragraph(&format!(

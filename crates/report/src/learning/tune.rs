@@ -15,12 +15,12 @@ use std::path::Path;
 
 /// Number of trials shown unfolded.
 const MOST_SHOWN: usize = 10;
-/// Digits of numbers in the table.
+/// Number of digits in the table.
 const DIGITS: usize = 4;
 /// The settings drawn for each trial.
 const DRAWN: [&str; 3] = ["blocks (width × kernel)", "epochs at most", "learning rate"];
 
-/// `trials.csv`, best first.
+/// Rows of `trials.csv`, the best first.
 struct Trials {
     csv: String,
     columns: Vec<String>,
@@ -151,7 +151,7 @@ impl Trials {
         }
     }
 
-    /// The best ones.
+    /// A table of the best trials.
     fn shown(&self) -> String {
         let head = [
             "trial",

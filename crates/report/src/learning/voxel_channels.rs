@@ -147,7 +147,7 @@ impl Values {
         }
     }
 
-    /// Lowest, mean, standard deviation, highest.
+    /// Texts of the lowest value, the mean, the standard deviation and the highest value.
     fn shown(&self) -> [String; 4] {
         let count = self.count.max(1) as f64;
         let mean = self.sum / count;

@@ -18,7 +18,7 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// Labels with individual colours; if there are more, the figure shows all samples alike.
+/// Number of labels with individual colours; if there are more, the figure shows all samples alike.
 const MOST_COLOURS: usize = 6;
 /// Maximum number of rows in the tables of labels, clusters and exclusions; the data below have
 /// all.
@@ -114,7 +114,7 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
     problems
 }
 
-/// The word for it in `excluded`.
+/// Word for a reason in `excluded`.
 fn word(reason: Reason) -> String {
     match serde_json::to_value(reason) {
         Ok(serde_json::Value::String(word)) => word,
@@ -199,7 +199,7 @@ fn samples_table(samples: &[SampleRecord]) -> Result<Table> {
     Ok(table)
 }
 
-/// Sizes of the samples, by label: a histogram, and the occupied voxels.
+/// A figure of the sizes of the samples, by label: a histogram, and the occupied voxels.
 fn figure(samples: &[SampleRecord]) -> Figure {
     // Radius of gyration and occupied voxels of the samples of each label.
     let mut groups: BTreeMap<&str, Vec<[f64; 2]>> = BTreeMap::new();
@@ -257,7 +257,7 @@ struct Bins {
 }
 
 impl Bins {
-    /// About the square root of the number of values.
+    /// Bins for these values, about the square root of their number.
     fn new(values: impl Iterator<Item = f64> + Clone) -> Self {
         let number = values.clone().count();
         let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -293,7 +293,7 @@ impl Bins {
     }
 }
 
-/// Labels and clusters.
+/// The section on labels and clusters.
 fn groups(samples: &[SampleRecord], excluded: &[Exclusion]) -> Section {
     let mut labels: BTreeMap<&str, (usize, BTreeSet<&str>, usize)> = BTreeMap::new();
     let mut clusters: BTreeMap<&str, (usize, BTreeSet<&str>)> = BTreeMap::new();

@@ -17,7 +17,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// What a set is made of, besides its content.
+/// Settings, manifests and identity of a set: all that it is made of besides its content.
 #[derive(Debug, Clone, Copy)]
 pub struct Making<'a> {
     /// The settings.
@@ -96,7 +96,7 @@ fn meanings(channels: &[Channel]) -> Map<String, Value> {
     meanings
 }
 
-/// What the values of a channel mean.
+/// Meaning of the values of a channel.
 fn meaning(channel: Channel) -> &'static str {
     match channel {
         Channel::Shape => {

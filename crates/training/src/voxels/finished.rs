@@ -10,8 +10,8 @@ use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use std::collections::BTreeMap;
 
-/// Samples are read from the work file whenever they are asked for. What a report tells of the
-/// structures, exclusions and warnings, is in memory.
+/// Content of a set in the work file. Samples are read whenever they are asked for. What a report
+/// tells of the structures, exclusions and warnings, is in memory.
 pub(super) struct Finished<'a> {
     part: &'a Part<'a>,
     work: &'a WorkFile,

@@ -196,9 +196,9 @@ impl Manifest {
 
 /// A line of a manifest.
 struct Line<'a> {
-    /// Counted from one.
+    /// Number of the line, counted from one.
     number: usize,
-    /// Its first byte in the text.
+    /// First byte of the line in the text.
     begin: usize,
     text: &'a str,
 }
@@ -218,10 +218,10 @@ fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     lines.filter(|line| !line.text.trim().is_empty())
 }
 
-/// Where the known columns stand.
+/// Positions of the known columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Columns {
-    /// In the order of [`KNOWN`].
+    /// Position of each column in the order of [`KNOWN`].
     places: [Option<usize>; KNOWN.len()],
     count: usize,
 }

@@ -16,7 +16,7 @@ pub struct Origin {
     /// Number of structures in the manifest; `None` for sets of earlier versions, which did not
     /// record it.
     pub structures: Option<usize>,
-    /// Number of these in the set or excluded from it.
+    /// Number of structures of the manifest that are in the set or excluded from it.
     pub present: usize,
     /// The parts in this set, such as `2/8`; `1/1` for all.
     pub parts: Vec<String>,
@@ -102,7 +102,7 @@ pub struct Missing {
     pub manifest_sha256: String,
     /// Structures of the manifest.
     pub structures: usize,
-    /// Number of these that are in none of the sets.
+    /// Number of structures of the manifest that are in none of the sets.
     pub missing: usize,
     /// The parts present.
     pub parts: Vec<String>,

@@ -79,7 +79,7 @@ impl<'a> Part<'a> {
         )
     }
 
-    /// The key of its record in the work file.
+    /// The key of the record of a structure in the work file.
     pub(super) fn key(&self, structure: usize) -> Result<Digest> {
         let name = self.entry(structure)?.name;
         self.keys.of(&name, self.hash(structure))

@@ -10,25 +10,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exclusion {
-    /// Its manifest entry.
+    /// Manifest entry of the structure.
     #[serde(flatten)]
     pub row: Row,
-    /// Why.
+    /// Reason for the exclusion.
     pub reason: Reason,
-    /// A description in words.
+    /// Description of the reason in words.
     pub detail: String,
 }
 
 /// A sample without its voxels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SampleRecord {
-    /// Its manifest entry.
+    /// Manifest entry of the sample.
     pub row: Row,
     /// Occupied voxels.
     pub voxels: usize,
-    /// Its properties.
+    /// Properties of the sample.
     pub properties: Properties,
-    /// Warnings about its file.
+    /// Warnings about the file of the sample.
     pub warnings: Vec<String>,
 }
 

@@ -41,7 +41,7 @@ pub fn in_several_clusters(
 struct Groups(Vec<(u64, usize)>);
 
 impl Groups {
-    /// Of so many rows at most.
+    /// Empty groups, with room for so many rows.
     fn new(count: usize) -> Self {
         Self(Vec::with_capacity(count))
     }

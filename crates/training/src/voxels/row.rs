@@ -9,22 +9,22 @@ use serde::{Deserialize, Serialize};
 pub struct Row {
     /// Position in the manifest, from zero.
     pub entry: usize,
-    /// Its name.
+    /// Name of the structure.
     pub name: String,
     /// The file as named in the manifest.
     pub file: String,
-    /// Its class.
+    /// Class of the structure.
     pub label: String,
-    /// Its cluster.
+    /// Cluster of the structure.
     pub cluster: String,
-    /// Its family; may be empty.
+    /// Family of the structure; may be empty.
     pub family: String,
-    /// SHA-256 of its file; empty if it could not be read.
+    /// SHA-256 of the file; empty if it could not be read.
     pub sha256: String,
 }
 
 impl Row {
-    /// What [`Self::words`] are.
+    /// Names of [`Self::words`].
     pub const WORDS: [&'static str; 6] = ["name", "label", "cluster", "family", "file", "sha256"];
 
     /// The row of an entry.

@@ -18,7 +18,7 @@ use std::time::Instant;
 
 /// The current content of the output path of a set.
 pub enum OnDisk {
-    /// Nothing.
+    /// No file or folder.
     Nothing,
     /// The same set, complete.
     Same(Box<SampleReader>),

@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Spacing {
-    /// The same for all structures, Å.
+    /// One edge for all structures, Å.
     Angstrom(f64),
-    /// Each structure scaled to fill the grid.
+    /// An edge for each structure, with which it fills the grid.
     Fit(Fit),
 }
 
@@ -149,7 +149,7 @@ impl VoxelizeSettings {
         Ok(())
     }
 
-    /// Converts them to the settings for the voxels of one structure.
+    /// Converts the settings to those for the voxels of one structure.
     ///
     /// # Errors
     /// For unphysical solvent conditions.

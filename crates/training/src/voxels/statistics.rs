@@ -18,14 +18,14 @@ use std::collections::BTreeMap;
 /// The attribute `statistics` of a set.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Statistics {
-    /// The samples they cover: `training part`, or `all samples` if there are too few clusters to
-    /// split.
+    /// Samples that the statistics cover: `training part`, or `all samples` if there are too few
+    /// clusters to split.
     pub over: &'static str,
     /// Indices of these samples, from 0.
     pub samples: Vec<usize>,
     /// Seed of the split.
     pub split_seed: u64,
-    /// By the channel's name, in its unit.
+    /// Statistics of the channels by their names, each in the unit of the channel.
     pub channels: BTreeMap<String, ChannelStatistics>,
 }
 
@@ -52,7 +52,7 @@ pub struct ChannelStatistics {
 /// Accumulates statistics, one sample at a time.
 pub struct Gathering {
     over: &'static str,
-    /// Ascending.
+    /// Indices of the samples that the statistics cover, ascending.
     samples: Vec<usize>,
     split_seed: u64,
     channels: Vec<(String, Gathered)>,
@@ -70,8 +70,8 @@ struct Gathered {
     counts: Counts,
 }
 
-/// How often each value is there, by its bits in half precision: in pages of 256, since values lie
-/// close together.
+/// Number of occurrences of each value, by its bits in half precision: in pages of 256, since
+/// values lie close together.
 struct Counts(Vec<Vec<u64>>);
 
 impl Default for Counts {
@@ -90,7 +90,7 @@ impl Counts {
         page[place] += 1;
     }
 
-    /// The values that are there, with their counts.
+    /// The values that occur, with their counts.
     fn values(&self) -> Vec<(f32, u64)> {
         let mut values = Vec::new();
         for (high, page) in (0..=u8::MAX).zip(&self.0) {
@@ -214,7 +214,7 @@ impl Gathered {
     }
 }
 
-/// The median of values that are there so many times each, the upper of the two in the middle.
+/// The median of values that occur so many times each, the upper of the two in the middle.
 fn median(counted: &mut [(f32, u64)]) -> f32 {
     counted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let mut left = counted.iter().map(|(_, count)| count).sum::<u64>() / 2;

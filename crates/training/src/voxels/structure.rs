@@ -24,7 +24,7 @@ use protomer_kernel::{Pose, Rotation, Vec3};
 use protomer_results::FileRecord;
 use serde::{Deserialize, Serialize};
 
-/// Why a structure is excluded.
+/// Reasons for the exclusion of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Reason {
@@ -32,13 +32,13 @@ pub enum Reason {
     Unreadable,
     /// Too many residues lack heavy atoms, or the file was cut off.
     Truncated,
-    /// It contains no amino acids.
+    /// The file contains no amino acids.
     NoProtein,
-    /// It does not fit in the grid.
+    /// The structure does not fit in the grid.
     TooLarge,
     /// The potential did not converge or is not finite.
     Potential,
-    /// Something else.
+    /// Another error.
     Failed,
 }
 
@@ -47,11 +47,11 @@ pub enum Reason {
 pub enum Outcome {
     /// A sample.
     Sample(Box<Sample>),
-    /// Left out.
+    /// A structure that is left out.
     Excluded {
-        /// Why.
+        /// Reason for the exclusion.
         reason: Reason,
-        /// A description in words.
+        /// Description of the reason in words.
         detail: String,
     },
 }
@@ -59,9 +59,9 @@ pub enum Outcome {
 /// A sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// Its properties.
+    /// Properties of the structure.
     pub properties: Properties,
-    /// Its voxels.
+    /// Voxels of the structure.
     pub voxels: Voxels,
     /// Warnings about the file, such as unknown residues or missing atoms.
     pub warnings: Vec<String>,
@@ -92,12 +92,12 @@ pub struct Properties {
 /// Maximum number of warnings kept per structure.
 const MOST_WARNINGS: usize = 10;
 
-/// What was made of a structure.
+/// Results for a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Done {
-    /// Its voxels, or why there are none.
+    /// Sample of the structure, or the reason why there is none.
     pub outcome: Outcome,
-    /// What the tables say of its body, if there is a store for bodies.
+    /// Record of the body for the tables, if there is a store for bodies.
     pub body: Option<FileRecord>,
 }
 
@@ -237,7 +237,7 @@ fn sample(
 /// Atoms as they lie in the grid.
 struct Posed {
     atoms: Vec<VoxelAtom>,
-    /// Their places in the file.
+    /// Positions of the atoms in the file.
     positions: Vec<Vec3>,
     rotation: Rotation,
     middle: Vec3,
@@ -405,7 +405,7 @@ fn read(
     })
 }
 
-/// That a pH which the user chose does nothing to a PQR file, whose charges are its own.
+/// Warning that a pH which the user chose does nothing to a PQR file, whose charges are its own.
 fn ph_warning(ph: f64) -> Option<String> {
     let default = VoxelizeSettings::default().ph;
     (ph != default).then(|| {

@@ -7,16 +7,16 @@ use protomer_field::voxels::lattice::{SIZE_RANGE, SPACING_RANGE_ANGSTROM};
 use protomer_results::Shard;
 use rayon::prelude::*;
 
-/// What the structures of a manifest need.
+/// Sizes of the structures of a manifest, compared with the grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Survey {
     /// Structures that can be read and are proteins.
     pub structures: usize,
-    /// Those among them that do not fit.
+    /// Structures that do not fit in the grid.
     pub too_large: usize,
     /// The largest extent along an axis of the grid, as the structures will be turned, Å.
     pub largest_extent_angstrom: f64,
-    /// The spacing that they were held against, Å: for `fit` the largest.
+    /// Spacing of the grid that the structures were held against, Å: for `fit` the largest.
     pub spacing_angstrom: f64,
     /// Voxels along each edge.
     pub size: usize,

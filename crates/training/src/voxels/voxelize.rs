@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// How it ended.
+/// State in which the work on a set ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum State {
@@ -29,7 +29,7 @@ pub enum State {
     Written,
     /// The set already existed, from the same inputs and settings.
     NothingToDo,
-    /// It was stopped on request; the same command continues it.
+    /// The work was stopped on request; the same command continues it.
     Stopped,
 }
 
@@ -38,7 +38,7 @@ pub enum State {
 pub struct VoxelizeReport {
     /// The set.
     pub set: PathBuf,
-    /// How it ended.
+    /// State in which the work ended.
     pub state: State,
     /// Structures of the manifest, or of its part.
     pub structures: usize,

@@ -31,7 +31,7 @@ pub struct WorkFile {
     inner: Mutex<Inner>,
 }
 
-/// The end of the length before a record, where the record begins.
+/// Place where a record begins, at the end of the length before it; `None` without a record.
 type Place = Option<NonZeroU64>;
 
 const LENGTH_BYTES: u64 = 8;
@@ -277,7 +277,7 @@ mod tests {
         Digest::of(name.as_bytes())
     }
 
-    /// For three structures.
+    /// Opens a work file for three structures.
     fn open(path: &Path) -> Result<WorkFile> {
         WorkFile::open(path, ["a", "b", "c"].map(|name| Ok(key(name))).into_iter())
     }

@@ -13,9 +13,9 @@ use std::collections::HashMap;
 /// A chain in a file, and where it comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct WrittenChain {
-    /// Its identifier in the file: `auth_asym_id` in mmCIF.
+    /// Identifier of the chain in the file: `auth_asym_id` in mmCIF.
     pub chain: String,
-    /// The copy of a body that it belongs to, counted from zero.
+    /// The copy of a body that the chain belongs to, counted from zero.
     pub copy: usize,
     /// The name of the body.
     pub body: String,
@@ -23,7 +23,7 @@ pub struct WrittenChain {
     pub source_chain: String,
 }
 
-/// What is written, in order.
+/// Chains that are written, in order.
 pub(super) struct Layout<'a> {
     pub(super) chains: Vec<Chain<'a>>,
     /// The parts of each body that occurs.
@@ -58,7 +58,7 @@ pub(super) struct ChainPart {
 }
 
 impl<'a> Layout<'a> {
-    /// With identifiers of one character.
+    /// Layout with identifiers of one character.
     pub(super) fn for_pdb(copies: &'a [PlacedBody<'a>]) -> Result<Self> {
         let mut layout = Self::new(copies);
         let needed = layout.chains.len();
@@ -77,7 +77,7 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
-    /// With the identifiers A, B, ..., Z, AA, AB, ...
+    /// Layout with the identifiers A, B, ..., Z, AA, AB, ...
     pub(super) fn for_mmcif(copies: &'a [PlacedBody<'a>]) -> Self {
         let mut layout = Self::new(copies);
         for (number, chain) in layout.chains.iter_mut().enumerate() {
@@ -243,7 +243,7 @@ fn is_in_polymer<'a>(name: &str, atoms: impl Iterator<Item = &'a str>) -> bool {
 /// Identifiers of chains in a PDB file, in the order in which they are used.
 const CHARACTERS: &str = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
 
-/// A for 0, Z for 25, AA for 26.
+/// Letters of a number: A for 0, Z for 25, AA for 26.
 pub(super) fn letters(mut number: usize) -> String {
     let mut letters = Vec::new();
     loop {

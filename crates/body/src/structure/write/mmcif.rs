@@ -58,7 +58,7 @@ fn copies(text: &mut String, bodies: &PlacedBodies) {
     text.push_str("#\n");
 }
 
-/// Which copy, and which chain of its body, each chain is.
+/// Writes the copy to which each chain belongs, and the chain of its source.
 fn chains(text: &mut String, layout: &Layout) {
     let items = ["auth_asym_id", "copy_id", "source_chain"];
     begin_loop(text, "protomer_chain", items);
@@ -90,9 +90,9 @@ struct Unit {
 /// The molecules of the file, and what each is.
 #[derive(Default)]
 struct Units {
-    /// In the order of the chains: the polymer, if there is one, then the others.
+    /// Molecules in the order of the chains: the polymer of each, if there is one, then the others.
     units: Vec<Unit>,
-    /// Type and description.
+    /// Type and description of each entity.
     entities: Vec<(&'static str, String)>,
     entity_of: HashMap<String, usize>,
 }
@@ -135,7 +135,7 @@ impl Units {
         units
     }
 
-    /// Molecules with the same key are the same entity.
+    /// Adds a molecule. Molecules with the same key are the same entity.
     fn add(&mut self, label: String, kind: &'static str, key: String, what: String) {
         let next = self.entities.len();
         let entity = *self.entity_of.entry(key).or_insert(next);
@@ -235,7 +235,7 @@ struct Row<'a, 'l> {
     chain: &'l Chain<'a>,
     unit: &'l Unit,
     residue: usize,
-    /// Number in the sequence; none outside polymers.
+    /// Number in the sequence; `None` outside polymers.
     sequence_number: Option<i64>,
 }
 

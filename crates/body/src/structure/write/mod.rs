@@ -74,7 +74,7 @@ pub struct PlacedBodies<'a> {
 pub struct PlacedBody<'a> {
     /// The body.
     pub body: &'a Body,
-    /// Where it is.
+    /// Pose of the copy.
     pub pose: Pose,
     /// A number for each residue, written as the B factor of its atoms; empty for zero.
     pub residue_values: Vec<f64>,

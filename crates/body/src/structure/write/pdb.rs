@@ -60,7 +60,8 @@ impl Writer {
         }
     }
 
-    /// Which copy each chain belongs to, and how the atoms of its source were moved.
+    /// Writes the copy to which each chain belongs, and the motion of the atoms of each copy's
+    /// source.
     fn table(&mut self, bodies: &PlacedBodies, layout: &Layout) {
         self.remark("");
         self.remark("CHAINS OF THIS FILE; COPIES OF BODIES ARE COUNTED FROM 0");

@@ -20,7 +20,7 @@ use crate::chemistry::radii::radius_angstrom;
 
 const UNKNOWN: &str = "X";
 
-/// What is known about an atom.
+/// Properties of an atom from which its element follows.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NamedAtom<'a> {
     pub(super) name: &'a str,

@@ -16,8 +16,8 @@ const MAX_COORDINATE_ANGSTROM: f64 = 1e10;
 const MAX_RADIUS_ANGSTROM: f64 = 1e3;
 /// Expanded balls smaller than this are points and expose nothing, Å.
 const LEAST_EXPANDED_RADIUS_ANGSTROM: f64 = 1e-4;
-/// More candidate pairs than this are refused: minutes of work that only atoms piled on each other
-/// can ask for.
+/// Largest number of candidate pairs that is accepted: more take minutes, and only atoms piled on
+/// each other have them.
 const MAX_CANDIDATE_PAIRS: u64 = 500_000_000;
 
 /// Balls of radius r + p (+ a perturbation) about the atoms.
@@ -112,8 +112,8 @@ impl Balls {
     }
 }
 
-/// Of the atoms at exactly the same place, only the one with the largest ball; balls that are no
-/// more than points are left out.
+/// Atoms that have the largest ball of those at exactly the same place; balls that are no more than
+/// points are left out.
 fn largest_at_each_place(centres: &[Vec3], radii: &[f64]) -> Vec<u32> {
     let place = |atom: u32| {
         let centre = &centres[atom as usize];

@@ -37,7 +37,7 @@ impl CellList {
         }
     }
 
-    /// How many candidates all queries at the members' own places would visit together.
+    /// Number of candidates that queries at the places of all members would visit together.
     pub(crate) fn candidate_pairs(&self) -> u64 {
         let mut pairs = 0;
         for (key, (first, last)) in &self.ranges {

@@ -14,7 +14,7 @@ pub(crate) struct Cap {
     pub(crate) axis: Vec3,
     /// Distance of the plane from the sphere's centre, in radii, within (-1, 1).
     pub(crate) height: f64,
-    /// What takes the cap away.
+    /// Number of the ball or plane that takes the cap away.
     pub(crate) owner: u32,
 }
 
@@ -28,10 +28,10 @@ pub(crate) struct CircleArc {
     pub(crate) owners: [u32; 2],
 }
 
-/// What is left of a circle.
+/// Exposed part of a circle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Exposure {
-    /// Nothing, or the arcs that were handed over.
+    /// The arcs that were returned, perhaps none.
     Arcs,
     /// The whole circle.
     Whole,

@@ -70,9 +70,9 @@ pub struct Vertex {
 /// A connected part of the accessible surface on one ball.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
-    /// The atom whose ball it lies on.
+    /// The atom on whose ball the face lies.
     pub atom: u32,
-    /// Its shell: the connected component of the accessible surface.
+    /// Shell of the face: its connected component of the accessible surface.
     pub shell: u32,
     /// Solid angle seen from the atom.
     pub solid_angle: f64,
@@ -137,7 +137,7 @@ impl Arrangement {
         self.probe_radius
     }
 
-    /// How much radii were grown at most to resolve coincidences, Å.
+    /// Largest growth of the radii to resolve coincidences, Å.
     pub fn perturbation_angstrom(&self) -> f64 {
         self.perturbation
     }

@@ -48,7 +48,7 @@ impl Edge {
 /// A closed boundary curve of a region.
 pub(crate) type Loop = Vec<Edge>;
 
-/// Σ h φ - Σ ε over one loop.
+/// The sum Σ h φ - Σ ε over one loop.
 fn turning(edges: &[Edge]) -> f64 {
     let mut curvature = 0.0;
     for edge in edges {
@@ -120,7 +120,7 @@ pub(crate) fn regions(loops: &[Loop]) -> Vec<Vec<usize>> {
     regions
 }
 
-/// On which side of every loop the loop `number` lies; of its own it bounds the left.
+/// Whether the loop `number` lies on the left of each loop; it counts as on the left of itself.
 fn sides(loops: &[Loop], number: usize) -> Vec<bool> {
     let mut sides = Vec::with_capacity(loops.len());
     for (other, edges) in loops.iter().enumerate() {

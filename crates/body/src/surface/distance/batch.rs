@@ -13,11 +13,12 @@ use std::ops::Range;
 
 /// Points that go through the lists side by side.
 const LANES: usize = 16;
-/// After so many entries of a list, check whether the rest is too far away to matter.
+/// Number of entries of a list after which a search checks whether the rest is too far away to
+/// matter.
 const STRIDE: usize = 4;
-/// More than the error of a distance, in units of the radius of the largest ball.
+/// Upper bound of the error of a distance, in units of the radius of the largest ball.
 const ERROR_PER_RADIUS: f64 = 4e-6;
-/// More than the rounding of a bound, of itself and in Å.
+/// Upper bounds of the rounding of a bound, relative and in Å.
 const ROUNDING: f32 = 1e-6;
 const ROUNDING_ANGSTROM: f32 = 1e-5;
 /// No feature.
@@ -60,13 +61,13 @@ impl Edges {
     }
 }
 
-/// Where the accessible point nearest to a point is.
+/// Accessible point nearest to a point.
 pub(super) enum Nearest {
-    /// At the point itself.
+    /// The point itself.
     Here,
-    /// Out of reach.
+    /// A point out of reach.
     Nowhere,
-    /// At this place.
+    /// The point at this place.
     At(Vec3),
     Arc(u32),
     Vertex(u32),
@@ -181,8 +182,8 @@ impl SesSolid {
         (value, probe.map_or(Nearest::Nowhere, Nearest::At))
     }
 
-    /// What is nearest to a point that lies deepest in the ball of an atom; `None` for an arc or a
-    /// vertex.
+    /// Signed distance, Å, and nearest accessible point of a point that lies deepest in the ball of
+    /// an atom; `None` if an arc or a vertex is nearest.
     fn nearest_on_atom(&self, point: &Vec3, atom: u32) -> Option<(f64, Nearest)> {
         if atom == NOTHING {
             return Some((self.largest_value(), Nearest::Here));

@@ -37,7 +37,8 @@ impl HalfSpaces {
 pub(super) struct Exposure {
     /// Whether anything of an atom is exposed.
     pub(super) atoms: Vec<bool>,
-    /// For atom i the half-spaces `starts[i] .. starts[i + 1]`, largest cap first; for buried atoms none.
+    /// Starts of the half-spaces of each atom: those of atom i are `starts[i] .. starts[i + 1]`,
+    /// largest cap first; buried atoms have none.
     starts: Vec<u32>,
     half_spaces: Vec<HalfSpaces>,
 }

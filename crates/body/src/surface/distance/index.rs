@@ -7,7 +7,7 @@ use protomer_kernel::Vec3;
 const CHUNK_BITS: u32 = 2;
 const CHUNK: i32 = 1 << CHUNK_BITS;
 const CELLS: usize = (CHUNK * CHUNK * CHUNK) as usize;
-/// More than the rounding of a bound, Å.
+/// Upper bound of the rounding of a bound, Å.
 const ROUNDING_ANGSTROM: f64 = 1e-5;
 /// Lists of a cell, one for each [`Kind`].
 const KINDS: usize = 3;
@@ -18,7 +18,7 @@ pub(super) struct FeatureIndex {
     cell_edge: f64,
     cells_per_angstrom: f64,
     table: ChunkTable,
-    /// For list l of kind k, entries `starts[3 l + k] .. starts[3 l + k + 1]`.
+    /// Starts of entries: those of kind k in list l are `starts[3 l + k] .. starts[3 l + k + 1]`.
     starts: Vec<u32>,
     entries: Vec<Entry>,
 }
@@ -26,8 +26,8 @@ pub(super) struct FeatureIndex {
 /// A feature in a list.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry {
-    /// It is at least this far from the middle of the cell, Å; for atoms, their expanded sphere,
-    /// negative inside.
+    /// Lower bound of the distance of the feature from the middle of the cell, Å; for an atom, the
+    /// distance of its expanded sphere, negative inside.
     bound: f32,
     pub(super) number: u32,
 }
@@ -111,7 +111,7 @@ pub(super) struct Feature {
     pub(super) number: u32,
     pub(super) centre: Vec3,
     pub(super) radius: f64,
-    /// For an atom, the radius of its expanded ball, in which depth is measured, Å.
+    /// Radius of the expanded ball of an atom, in which depth is measured, Å.
     pub(super) depth_radius: f64,
 }
 
@@ -208,7 +208,7 @@ impl FeatureIndex {
         }
     }
 
-    /// Where among all cells the one of a point is.
+    /// Coordinates of the cell of a point among all cells.
     #[inline]
     pub(super) fn place_of(&self, point: &Vec3) -> [i32; 3] {
         [point.x, point.y, point.z].map(|x| cell_number(x * self.cells_per_angstrom))
@@ -246,7 +246,7 @@ impl FeatureIndex {
 
 /// A cell that has lists.
 pub(super) struct Cell {
-    /// Their number.
+    /// Number of the lists of the cell.
     pub(super) list: u32,
     middle: Vec3,
 }
@@ -356,7 +356,7 @@ fn cell_number(cells: f64) -> i32 {
     towards_zero.saturating_sub(i32::from(f64::from(towards_zero) > cells))
 }
 
-/// How far a coordinate lies outside the cells numbered `n` along an axis.
+/// Distance by which a coordinate lies outside the cells numbered `n` along an axis.
 fn gap(n: i32, x: f64, edge: f64) -> f64 {
     let (below, above) = (f64::from(n) * edge - x, x - (f64::from(n) + 1.0) * edge);
     below.max(above).max(0.0)

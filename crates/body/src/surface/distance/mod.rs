@@ -25,18 +25,19 @@ use exposure::Exposure;
 use index::{Entry, Feature, FeatureIndex, Kind, Lists, Nearby, limit};
 use protomer_kernel::Vec3;
 
-/// How far inside and outside the excluded surface the function is followed, Å. Deeper inside it
-/// keeps the value it has there; outside it is followed to the accessible surface if that is
-/// farther.
+/// Distance to which the function is followed inside and outside the excluded surface, Å. Deeper
+/// inside it keeps the value it has there; outside it is followed to the accessible surface if that
+/// is farther.
 const BAND_ANGSTROM: f64 = 1.0;
 /// Edge of the index cells in units of the largest reach of an atom, which then is listed in a few
 /// dozen cells; the lists are sorted by distance, so that long ones cost little more than short ones.
 const CELL_EDGE_PER_REACH: f64 = 0.6;
 
-/// This near its axis all points of a circle are equally near, Å.
+/// Distance from the axis of a circle below which all points of the circle count as equally near,
+/// Å.
 const ON_AXIS_ANGSTROM: f64 = 1e-12;
 
-/// What the distance needs to know of an arc.
+/// Compact form of an arc for the computation of distances.
 #[derive(Debug, Clone, Copy)]
 struct CompactArc {
     centre: Vec3,
@@ -67,12 +68,12 @@ pub struct SesSolid {
     vertices: Vec<Vec3>,
     cover: Vec<(Vec3, f64)>,
     bounds: (Vec3, Vec3),
-    /// Of the expanded balls, Å.
+    /// Largest radius of the expanded balls, Å.
     largest_radius: f64,
     index: FeatureIndex,
 }
 
-/// A point of the accessible surface and its distance from the point asked about.
+/// A point of the accessible surface and its distance from the given point.
 #[derive(Debug, Clone, Copy)]
 struct NearestPoint {
     point: Vec3,
@@ -283,8 +284,8 @@ impl SesSolid {
         self.nearest_edge(point, arcs, vertices, (f64::INFINITY, 0.0))
     }
 
-    /// How deep `point` lies within the accessible solid, at least, and in which ball; searches
-    /// everything if nothing is near.
+    /// The ball in which `point` lies deepest, and how deep, Å: a lower bound of its depth in the
+    /// accessible solid. Searches everything if nothing is near.
     fn deepest_anywhere(&self, point: &Vec3) -> Option<(u32, f64)> {
         let nearby = self.index.nearby(point);
         let near = self.deepest(point, nearby.lists.atoms, nearby.from_middle);
@@ -300,8 +301,8 @@ impl SesSolid {
         self.deepest(point, &exposed, 0.0)
     }
 
-    /// The signed distance of a point that its depth in a ball alone tells, Å: of one that a probe
-    /// centred there touches nothing from, or that is too deep inside.
+    /// The signed distance, Å, of a point at this depth in a ball, if the depth decides it: a probe
+    /// centred at the point touches nothing, or the point is too deep inside. `None` otherwise.
     fn value_at_depth(&self, depth: f64) -> Option<f64> {
         if depth <= 0.0 {
             Some((self.probe_radius - depth).min(self.largest_value()))
@@ -368,7 +369,7 @@ impl ImplicitSolid for SesSolid {
         });
     }
 
-    /// The atoms are inside.
+    /// Adds balls of the atoms, which are inside the solid.
     fn add_inner_balls(&self, point: &Vec3, reach_angstrom: f64, balls: &mut Vec<Ball>) {
         for entry in self.index.nearby(point).lists.atoms {
             let atom = entry.number;

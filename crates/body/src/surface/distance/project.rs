@@ -8,7 +8,7 @@
 use super::SesSolid;
 use protomer_kernel::Vec3;
 
-/// Steps after which a projection is taken as it is.
+/// Number of steps after which a projection is taken as it is.
 const MAX_STEPS: usize = 40;
 /// A projected point is this near the surface, Å.
 const TOLERANCE_ANGSTROM: f64 = 1e-10;
@@ -74,13 +74,14 @@ struct Step {
     value: f64,
     /// The accessible point nearest to it.
     centre: Vec3,
-    /// Where a probe there touches on the side of the point, and the outward unit normal.
+    /// Point where a probe at `centre` touches on the side of the point, and the outward unit
+    /// normal.
     onto: Vec3,
     normal: Vec3,
 }
 
-/// The first step from a point that a probe centred there would touch an atom from, with accessible
-/// points near.
+/// The first step from a point. `None` if a probe centred there would touch no atom, or no
+/// accessible point is near.
 fn first_step(solid: &SesSolid, point: &Vec3) -> Option<Step> {
     let (value, centre) = solid.signed_distance_and_probe(point);
     let centre = centre?;
@@ -96,8 +97,8 @@ fn first_step(solid: &SesSolid, point: &Vec3) -> Option<Step> {
     })
 }
 
-/// `point` itself if a probe centred there would touch an atom, otherwise a point of an atom in its
-/// direction.
+/// Point of the accessible solid for a point, and an outward direction: the point itself if a probe
+/// centred there would touch an atom, otherwise a point of an atom in its direction.
 fn onto_accessible_solid(solid: &SesSolid, point: &Vec3) -> (Vec3, Vec3) {
     let Some((atom, depth)) = solid.deepest_anywhere(point) else {
         return (*point, Vec3::z());

@@ -103,7 +103,7 @@ pub(super) struct Widths {
     pub(super) tiles_of_large_shells: usize,
 }
 
-/// For each vertex the root of a tree that holds its neighbours in the same coarse cell.
+/// Root, for each vertex, of a tree that holds its neighbours in the same coarse cell.
 fn united(dual: &Dual, widths: &Widths) -> Vec<u32> {
     let coarse_cell = |tile: &Tile, width: i32| tile.cell.map(|x| x.div_euclid(width));
     let (large, small) = (widths.of_large_shells, widths.of_small_shells);
@@ -118,7 +118,7 @@ fn united(dual: &Dual, widths: &Widths) -> Vec<u32> {
     })
 }
 
-/// For each vertex the root of a tree that holds its neighbours in the same cell.
+/// Root, for each vertex, of a tree that holds its neighbours in the same cell.
 fn forest(dual: &Dual, cell: impl Fn(&Tile, usize) -> Cell) -> Vec<u32> {
     let mut parent: Vec<u32> = (0..dual.tiles.len() as u32).collect();
     let mut cells = Vec::with_capacity(dual.tiles.len());
@@ -140,7 +140,7 @@ fn forest(dual: &Dual, cell: impl Fn(&Tile, usize) -> Cell) -> Vec<u32> {
     parent
 }
 
-/// How many vertices each root has.
+/// Number of vertices of each root.
 fn sizes(roots: &[u32]) -> Vec<usize> {
     let mut sizes = vec![0; roots.len()];
     for root in roots {
@@ -157,7 +157,7 @@ fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
     vertex
 }
 
-/// How many polygons have each edge.
+/// Number of polygons at each edge.
 pub(super) struct EdgeCounts {
     /// The first entry of each vertex, which lists the edges to vertices of higher number.
     head: Vec<u32>,

@@ -11,7 +11,7 @@ use super::cycles::Cycles;
 
 /// Nodes of a cube.
 pub(super) const ALL: u32 = (1 << 27) - 1;
-/// By how many bits a node comes after its neighbour along each axis.
+/// Number of bits by which a node comes after its neighbour along each axis.
 const STEP: [u32; 3] = [9, 3, 1];
 /// The lower ends of the edges of cells along each axis: on edges of the cube, inside its faces,
 /// and in its interior.

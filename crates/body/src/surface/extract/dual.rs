@@ -72,7 +72,7 @@ impl Quad {
         outside
     }
 
-    /// Where the surface crosses the edge, about, in cells.
+    /// Approximate place where the surface crosses the edge, in cells.
     pub(super) fn crossing(&self) -> [f64; 3] {
         let mut crossing = self.node.map(f64::from);
         let axis = usize::from(self.axis);
@@ -107,7 +107,7 @@ struct March<'a> {
     lattice: &'a SparseLattice<'a>,
     table: Vec<Cycles>,
     blocks: Vec<Block>,
-    /// Where in `blocks` each block is that the lattice keeps.
+    /// Place in `blocks` of each block that the lattice keeps.
     block_at: Vec<u32>,
     /// The quadrangles of crossed edges that are not on edges of cubes.
     other_quads: FastMap<(Cell, usize), u32>,
@@ -140,7 +140,7 @@ struct After {
 }
 
 impl After {
-    /// Where the quadrangle of the edge from a node of the block along `axis` is kept.
+    /// Slot of the quadrangle of the edge from a node of the block along `axis`.
     fn slot(&self, node: Cell, axis: usize) -> Option<Slot> {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         if (node[u] | node[v]) & 1 == 1 {
@@ -156,18 +156,18 @@ impl After {
 
 /// An edge of a cell.
 struct CellEdge {
-    /// Its lower end, from the first node of the block.
+    /// Lower end of the edge, from the first node of the block.
     node: Cell,
     axis: usize,
-    /// Its place among the cell's edges along the axis.
+    /// Place of the edge among those of the cell along the axis.
     place: usize,
     is_low_inside: bool,
 }
 
-/// Where a quadrangle is kept.
+/// Place where a quadrangle is kept.
 #[derive(Clone, Copy)]
 enum Slot {
-    /// Of a block, by number.
+    /// Block, by number, and place among its `quads`.
     OnCubeEdge(u32, usize),
     Other(Cell, usize),
 }
@@ -379,8 +379,8 @@ impl March<'_> {
         }
     }
 
-    /// Enters a tile of a cell into the quadrangle of one of its edges. Without `may_make` only if
-    /// there is one.
+    /// Enters a tile of a cell into the quadrangle of one of its edges. Without `may_make`, only if
+    /// the quadrangle exists.
     fn enter(&mut self, after: &After, edge: CellEdge, tile: u32, may_make: bool) {
         let Some(slot) = after.slot(edge.node, edge.axis) else {
             return;

@@ -10,9 +10,9 @@ use protomer_kernel::Vec3;
 pub(super) const BLOCK: i32 = 4;
 /// Nodes of a block, and blocks of a region: as many as a word has bits.
 pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
-/// From the first node of a block to its centre along each axis, in cells.
+/// Distance from the first node of a block to its centre along each axis, in cells.
 const HALF: f64 = 0.5 * (BLOCK - 1) as f64;
-/// At most this many blocks are looked at by the balls of the cover, and this many regions kept; a
+/// Largest number of blocks that the balls of the cover look at, and of regions that are kept; a
 /// protein of 50 000 atoms has about 40 000 regions.
 const MOST_LOOKS: f64 = 1e9;
 const MOST_REGIONS: usize = 4_000_000;
@@ -29,7 +29,7 @@ pub(super) struct SparseLattice<'a> {
     spacing: f64,
     /// Regions with blocks near the surface.
     pub(super) regions: Vec<Region>,
-    /// Where in `regions` a region is.
+    /// Place in `regions` of each region.
     index_of: FastMap<Cell, u32>,
     /// The inside nodes of each block that is kept, as bits.
     inside: Vec<u64>,
@@ -42,7 +42,7 @@ pub(super) struct Region {
     /// The blocks that are kept, as bits: those that hold a corner of a cell that the surface
     /// crosses, and some others near the surface.
     pub(super) kept: u64,
-    /// How many blocks the regions before this one keep.
+    /// Number of blocks that the regions before this one keep.
     kept_before: u32,
 }
 
@@ -85,12 +85,12 @@ impl<'a> SparseLattice<'a> {
         Ok(lattice)
     }
 
-    /// Where in `regions` the region at `place` is.
+    /// Place in `regions` of the region at `place`.
     pub(super) fn index(&self, place: &Cell) -> Option<u32> {
         self.index_of.get(place).copied()
     }
 
-    /// How many blocks are kept.
+    /// Number of blocks that are kept.
     pub(super) fn kept_blocks(&self) -> usize {
         self.inside.len()
     }
@@ -208,7 +208,7 @@ impl<'a> SparseLattice<'a> {
         }
     }
 
-    /// Of a cell, Å.
+    /// Diagonal of a cell, Å.
     fn diagonal(&self) -> f64 {
         3f64.sqrt() * self.spacing
     }
@@ -236,16 +236,16 @@ struct Buffers {
     points: Vec<Vec3>,
     at_centres: Vec<(f64, Option<Ball>)>,
     values: Vec<f64>,
-    /// Where in `blocks`, and which of its nodes, each point is.
+    /// Place in `blocks` of the block of each point, and the point's node in that block.
     left: Vec<(usize, usize)>,
     balls: Vec<Ball>,
 }
 
 /// A block that is being filled. Nodes are bits.
 struct Filling {
-    /// Its number in the region.
+    /// Number of the block in the region.
     number: usize,
-    /// Its first node, in cells from the origin.
+    /// First node of the block, in cells from the origin.
     first: [f64; 3],
     is_kept: bool,
     settled: u64,

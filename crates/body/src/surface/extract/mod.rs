@@ -30,11 +30,11 @@ const TILE_AREA: f64 = 2.0 / 3.0;
 
 /// Edge lengths of the first mesh.
 pub struct FirstEdges {
-    /// From this area on a shell is large, Å².
+    /// Area from which a shell counts as large, Å².
     pub large_shell_angstrom2: f64,
-    /// About the length of edges in large shells, Å.
+    /// Approximate length of edges in large shells, Å.
     pub in_large_shells_angstrom: f64,
-    /// About the length of edges in all other shells, Å.
+    /// Approximate length of edges in all other shells, Å.
     pub in_small_shells_angstrom: f64,
 }
 

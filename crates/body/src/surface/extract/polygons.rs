@@ -67,9 +67,9 @@ fn polygon(quad: &Quad, patches: &Patches) -> ([u32; 4], usize) {
 
 /// A diagonal of a quadrangle.
 enum Diagonal {
-    /// From the first corner to the third.
+    /// The diagonal from the first corner to the third.
     First,
-    /// From the second corner to the fourth.
+    /// The diagonal from the second corner to the fourth.
     Second,
 }
 

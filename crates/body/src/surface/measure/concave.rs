@@ -18,9 +18,9 @@ use std::f64::consts::{PI, TAU};
 /// Shifts of the cutting planes, in probe radii, tried in turn: probes on one circle all cut
 /// through its cusps, a coincidence that shifts of this size resolve.
 const SHIFTS: [f64; 6] = [1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5];
-/// How much larger than the whole cone a cut patch may seem.
+/// Tolerance of the solid angle of a cut patch, which may seem larger than the whole cone.
 const SOLID_ANGLE_TOLERANCE: f64 = 1e-6;
-/// Points of the sphere where the closed form fails.
+/// Number of sample points on the sphere where the closed form fails.
 const SAMPLES: u32 = 100_000;
 /// The planes of the cone bear the numbers 0 to 2, cutting probes the following.
 const CONE_PLANES: usize = 3;

@@ -38,9 +38,9 @@ pub struct SurfaceMeasure {
     pub sas_volume_angstrom3: f64,
     /// Area of the convex patches of the excluded surface, Å².
     pub convex_area_angstrom2: f64,
-    /// Area of its toroidal patches, Å².
+    /// Area of the toroidal patches of the excluded surface, Å².
     pub toroidal_area_angstrom2: f64,
-    /// Area of its concave patches, Å².
+    /// Area of the concave patches of the excluded surface, Å².
     pub concave_area_angstrom2: f64,
     /// Volume that the excluded surface encloses, Å³; negative for the shell of a cavity.
     pub ses_volume_angstrom3: f64,
@@ -131,8 +131,8 @@ impl Measure {
         measure
     }
 
-    /// Everything together: the areas include the walls of cavities, the volumes exclude the
-    /// cavities.
+    /// Areas and volumes of all shells together: the areas include the walls of cavities, the
+    /// volumes exclude the cavities.
     pub fn total(&self) -> SurfaceMeasure {
         let mut sum = SurfaceMeasure::default();
         for shell in &self.shells {
@@ -141,8 +141,8 @@ impl Measure {
         sum
     }
 
-    /// The outer shells only: areas without the walls of cavities, volumes with the cavities
-    /// filled.
+    /// Areas and volumes of the outer shells only: areas without the walls of cavities, volumes
+    /// with the cavities filled.
     pub fn without_cavities(&self) -> SurfaceMeasure {
         let mut sum = SurfaceMeasure::default();
         for shell in &self.shells {
@@ -249,9 +249,9 @@ impl Measure {
         self.shells = sums.into_iter().flatten().collect();
     }
 
-    /// A growth of all radii by ε adds ε A to a volume and about 2 ε A / r to an area; with ε the
-    /// amplitude of the perturbation this bounds its effect. A face that did not close spoils
-    /// everything.
+    /// Estimates the errors. A growth of all radii by ε adds ε A to a volume and about 2 ε A / r to
+    /// an area; with ε the amplitude of the perturbation this bounds its effect. A face that did
+    /// not close spoils everything.
     fn estimate_errors(&mut self, accessible: &Arrangement) {
         let amplitude = accessible.perturbation_angstrom();
         let probe = accessible.probe_radius_angstrom();

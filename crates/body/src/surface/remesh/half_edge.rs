@@ -95,7 +95,7 @@ impl HalfEdgeMesh {
         self.renumbered(&vertices, &self.triangles().collect::<Vec<u32>>())
     }
 
-    /// Those shells that `is_kept` says, in the order of [`Self::to_shells`].
+    /// The shells for which `is_kept` is true, in the order of [`Self::to_shells`].
     pub(crate) fn with_shells(&self, is_kept: &[bool]) -> Self {
         let kept = self.triangles_by_shell().into_iter().zip(is_kept);
         let kept = kept.filter(|(_, is_kept)| **is_kept);
@@ -111,7 +111,8 @@ impl HalfEdgeMesh {
         self.renumbered(&vertices, &triangles)
     }
 
-    /// These vertices and triangles alone, in this order. The triangles are all those at the vertices.
+    /// The mesh of these vertices and triangles alone, in this order. The triangles are all those
+    /// at the vertices.
     fn renumbered(&self, vertices: &[u32], triangles: &[u32]) -> Self {
         let mut number = vec![NONE; self.positions.len()];
         for (new, &old) in (0..).zip(vertices) {
@@ -204,12 +205,12 @@ impl HalfEdgeMesh {
         mesh
     }
 
-    /// The vertices there are, in ascending order.
+    /// The existing vertices, in ascending order.
     pub(crate) fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.positions.len() as u32).filter(|&vertex| self.outgoing[vertex as usize] != NONE)
     }
 
-    /// The triangles there are, in ascending order.
+    /// The existing triangles, in ascending order.
     pub(crate) fn triangles(&self) -> impl Iterator<Item = u32> + '_ {
         (0..self.origin.len() as u32 / 3).filter(|&t| self.origin[3 * t as usize] != NONE)
     }

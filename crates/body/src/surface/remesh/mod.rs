@@ -15,9 +15,10 @@ use crate::Result;
 use operations::{Onto, Remesher};
 use protomer_kernel::TriangleMesh;
 
-/// From this density on, edges are short: 1 Å or less, shorter than the radius of an atom or a probe.
+/// Density from which edges count as short: 1 Å or less, shorter than the radius of an atom or a
+/// probe.
 pub(super) const SHORT_EDGES_PER_ANGSTROM2: f64 = 1.0;
-/// How vertices are relaxed in each round of relax, split, collapse and flip, and after the last.
+/// Relaxations of vertices in each round of relax, split, collapse and flip, and after the last.
 struct Relaxations {
     rounds: &'static [Onto],
     afterwards: Onto,
@@ -27,9 +28,9 @@ const WITH_LONG_EDGES: Relaxations = Relaxations {
     rounds: &[Onto::About; 3],
     afterwards: Onto::About,
 };
-/// With short edges, a vertex left in the plane of its neighbours strays little from the surface, and the
-/// next relaxation pulls it back. A third round changes neither the distance from the surface nor the shape
-/// of the triangles by more than 2 %.
+/// Relaxations for short edges: a vertex left in the plane of its neighbours strays little from the
+/// surface, and the next relaxation pulls it back. A third round changes neither the distance from
+/// the surface nor the shape of the triangles by more than 2 %.
 const WITH_SHORT_EDGES: Relaxations = Relaxations {
     rounds: &[Onto::PlaneWhereFlat, Onto::About],
     afterwards: Onto::PlaneWhereFlat,

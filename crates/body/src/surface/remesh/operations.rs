@@ -5,35 +5,36 @@ use super::half_edge::HalfEdgeMesh;
 use crate::surface::implicit::ImplicitSolid;
 use protomer_kernel::Vec3;
 
-/// An edge longer than this many target lengths is split.
+/// Length in target lengths above which an edge is split.
 const LONG: f64 = 4.0 / 3.0;
-/// An edge shorter than this many target lengths is collapsed.
+/// Length in target lengths below which an edge is collapsed.
 const SHORT: f64 = 4.0 / 5.0;
 /// Cosine of the largest angle by which one operation may turn a triangle.
 const LARGEST_TURN: f64 = 0.49;
-/// A change must leave triangles with at least this quality, or better than before.
+/// Least quality of triangles after a change, unless they are better than before.
 const LEAST_QUALITY: f64 = 0.2;
-/// Better means by more than rounding, so that equal choices are made equally in every orientation
-/// of the body.
+/// Factor by which a quality must grow to be better: more than rounding, so that equal choices are
+/// made equally in every orientation of the body.
 const BETTER: f64 = 1.0 + 1e-9;
 /// An edge is not split where an apex is closer to its middle than this fraction of its length; not
 /// 1/4, at which halved edges tie.
 const CROWDED: f64 = 0.27;
-/// Below this quality the direction of a triangle means nothing.
+/// Quality below which the direction of a triangle means nothing.
 const DEGENERATE: f64 = 0.02;
 /// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell
 /// around a cavity that is next to nothing keeps a size.
 const SMALLEST_AREA: f64 = 5e-5;
 const SMALLEST_SHARE: f64 = 0.02;
-/// Splitting halves edges: this many passes shorten them a thousandfold.
+/// Largest number of passes of splitting, each of which halves edges: so many shorten them a
+/// thousandfold.
 const SPLIT_PASSES: usize = 10;
-/// When less than one in so many half-edges was split, the rest can wait for the next round.
+/// Number of half-edges per split above which splitting ends; the rest can wait for the next round.
 const FEW: u32 = 200;
 
-/// Above this [`Pull::flatness`] the triangles at a vertex are nearly in a plane.
+/// [`Pull::flatness`] above which the triangles at a vertex are nearly in a plane.
 const FLAT: f64 = 0.85;
 
-/// What relaxed vertices are moved onto.
+/// Target onto which relaxed vertices are moved.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Onto {
     /// The mean plane of the triangles around them where these are nearly in a plane, without asking
@@ -318,9 +319,10 @@ fn sides(ring: &[Vec3]) -> impl Iterator<Item = (&Vec3, &Vec3)> {
     ring.iter().zip(before)
 }
 
-/// What draws a vertex to the middle of its neighbourhood.
+/// Pull on a vertex towards the middle of its neighbourhood.
 struct Pull {
-    /// To the area-weighted centre, within the mean plane of the triangles at the vertex.
+    /// Displacement to the area-weighted centre, within the mean plane of the triangles at the
+    /// vertex.
     displacement: Vec3,
     /// Unit normal of that plane.
     normal: Vec3,
@@ -329,7 +331,7 @@ struct Pull {
 }
 
 impl Pull {
-    /// `None` for a vertex without triangles, or with triangles without area.
+    /// The pull on a vertex; `None` without triangles, or with triangles without area.
     fn of(here: &Vec3, ring: &[Vec3]) -> Option<Self> {
         let (mut area, mut centre, mut vector) = (0.0, Vec3::zeros(), Vec3::zeros());
         for (p, q) in sides(ring) {

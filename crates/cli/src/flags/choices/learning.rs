@@ -1,11 +1,11 @@
 //! Choices of the verbs of voxel sets and networks.
 
 choices! {
-    /// How samples are divided into training, validation and test parts.
+    /// Division of samples into training, validation and test parts.
     Split for protomer_training::learning::train::SplitBy {
-        /// By whole clusters: relatives are never on both sides.
+        /// Whole clusters: relatives are never on both sides.
         Cluster,
-        /// One by one: scores above those of a split by cluster measure leakage.
+        /// Single samples: scores above those of a split by cluster measure leakage.
         Sample,
     }
 }
@@ -29,11 +29,11 @@ choices! {
 choices! {
     /// The orientation of structures.
     VoxelOrientation for protomer_field::voxels::Orientation {
-        /// By a random rotation, derived from the seed and the structure's name.
+        /// A random rotation, derived from the seed and the structure's name.
         Random,
         /// Principal axes along x, y, z.
         Principal,
-        /// None.
+        /// The orientation as deposited.
         Deposited,
     }
 }
@@ -57,12 +57,12 @@ choices! {
 }
 
 choices! {
-    /// How channels are scaled.
+    /// Scaling of the channels.
     Scaling for protomer_learn::scaling::ScalingMode {
         /// Potential: arcsinh of the value over a robust scale of the occupied voxels; hydropathy:
         /// divided by 4.5.
         Robust,
-        /// None.
+        /// No scaling.
         Raw,
         /// Each sample standardised to mean 0 and deviation 1 over the box; a harmful control.
         BoxStandardised,

@@ -26,7 +26,7 @@ macro_rules! choices {
 pub mod learning;
 
 choices! {
-    /// How pair energies are computed.
+    /// Method of computing pair energies.
     Energy for protomer::stability::run::EnergyMode {
         /// The direct sum over all pairs of charges.
         Direct,
@@ -36,8 +36,8 @@ choices! {
         /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a
         /// variance model of the errors that is calibrated at the start.
         Calibrated,
-        /// The same levels, for each pair of bodies the first whose error is likely below a
-        /// tolerance.
+        /// Levels of rising accuracy, for each pair of bodies the first whose error is likely below
+        /// a tolerance.
         Approximate,
         /// Hard bodies without charges.
         None,
@@ -45,11 +45,11 @@ choices! {
 }
 
 choices! {
-    /// Where the replicas of a sweep start.
+    /// Starting states of the replicas of a sweep.
     ReplicaStarts for protomer::stability::run::Starts {
-        /// All from the assembly.
+        /// All replicas from the assembly.
         Assembly,
-        /// All from bodies scattered at random, each replica from others.
+        /// All replicas from bodies scattered at random, each from others.
         Fluid,
         /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to
         /// agree shows whether they are in equilibrium.
@@ -62,7 +62,7 @@ choices! {
     BenchPart for protomer::stability::bench::suite::Part {
         /// Moves per CPU-second of each energy mode against the number of charges.
         Charges,
-        /// What a move with energies by levels is made of.
+        /// The parts that make up a move with energies by levels.
         Parts,
         /// Cost of a move against the number of bodies, at the same density.
         Bodies,
@@ -72,7 +72,7 @@ choices! {
 }
 
 choices! {
-    /// How the squares of a lattice move at the start.
+    /// Velocities of the squares of a lattice at the start.
     StartVelocities for protomer_lattices::lattice::settings::Velocities {
         /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
         /// closes, from any other it opens.
@@ -101,7 +101,7 @@ choices! {
 choices! {
     /// The axis of projection of a body.
     ViewAxis for protomer_lattices::lattice::square_of_body::Axis {
-        /// Found from the moments of inertia.
+        /// The axis found from the moments of inertia.
         Auto,
         /// The body's x axis.
         X,
@@ -113,7 +113,7 @@ choices! {
 }
 
 choices! {
-    /// What to do with residues that lack heavy atoms.
+    /// Treatment of residues that lack heavy atoms.
     Missing for protomer_body::structure::MissingAtoms {
         /// Keep the residue as it is.
         Keep,
@@ -125,7 +125,7 @@ choices! {
 }
 
 choices! {
-    /// Where the charges of a body sit.
+    /// Model of the charges of a body.
     Charges for protomer_body::chemistry::ChargeModel {
         /// Partial charges of a force field on every heavy atom.
         ForceField,
@@ -137,7 +137,7 @@ choices! {
 }
 
 choices! {
-    /// What the B factors of an exported structure hold.
+    /// Contents of the B factors of an exported structure.
     ExportValues for protomer::export::ResidueValues {
         /// The net charge of the residue, e.
         Charge,
@@ -159,7 +159,7 @@ choices! {
 choices! {
     /// Symmetry required of an arrangement.
     AskedSymmetry for protomer_body::assembly::Symmetry {
-        /// None: every arrangement with distinct contacts.
+        /// No symmetry: every arrangement with distinct contacts.
         None,
         /// All rotations about the axis.
         Cyclic,
@@ -204,9 +204,9 @@ choices! {
 choices! {
     /// Boundary condition of a lattice.
     LatticeEdges for protomer_crystal::lattice::Edges {
-        /// Nothing.
+        /// Edges with nothing beyond them.
         Open,
-        /// The opposite edge.
+        /// Edges that continue at the opposite edge.
         Periodic,
     }
 }

@@ -63,10 +63,10 @@ pub struct StructureArgs {
 /// The shapes of copies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Shapes {
-    /// That of the reference, but its own where a copy would overlap another body otherwise or lose
-    /// contacts of the structure.
+    /// Shape of the reference, but the copy's own where it would overlap another body otherwise or
+    /// lose contacts of the structure.
     Fitting,
-    /// That of the reference.
+    /// Shape of the reference.
     Shared,
 }
 

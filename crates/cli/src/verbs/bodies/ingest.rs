@@ -33,7 +33,7 @@ pub struct IngestArgs {
     surface: SurfaceFlags,
     #[command(flatten)]
     core: CoreArgs,
-    /// Also write the mesh and the charges in these formats.
+    /// Write the mesh and the charges in these formats as well.
     #[arg(long, value_enum, value_delimiter = ',')]
     export: Vec<Export>,
     /// For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output

@@ -172,7 +172,7 @@ impl FrameworkArgs {
     }
 }
 
-/// A word that is neither a file nor has an extension is a misspelt builder.
+/// Refuses a word that is neither a file nor has an extension: it is a misspelt builder.
 fn refuse_unknown(file: &Path) -> Result<()> {
     if !file.exists() && file.extension().is_none() {
         bail!("{}", unknown(&file.to_string_lossy()));
@@ -189,7 +189,7 @@ fn unknown(word: &str) -> String {
     )
 }
 
-/// If an unknown flag follows a misspelt builder, the error is about the builder.
+/// Explains a usage error: if an unknown flag follows a misspelt builder, it is about the builder.
 pub fn explain_usage(error: clap::Error) -> clap::Error {
     if error.kind() != ErrorKind::UnknownArgument {
         return error;

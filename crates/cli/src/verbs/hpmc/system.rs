@@ -25,8 +25,8 @@ pub struct SystemArgs {
     /// Number of bodies.
     #[arg(long, default_value_t = 216)]
     bodies: usize,
-    /// How the bodies begin: fluid, the name of a crystal (simple-cubic, fcc, bcc, hcp, diamond,
-    /// hexagonal-diamond; square, hexagonal; row), or the file of a unit cell.
+    /// Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc,
+    /// hcp, diamond, hexagonal-diamond; square, hexagonal; row), or the file of a unit cell.
     #[arg(long, default_value = FLUID, value_name = "CRYSTAL")]
     start: String,
     /// Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space.
@@ -46,7 +46,7 @@ pub struct SystemArgs {
     /// Sweeps in which the steps are tuned and nothing is measured.
     #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]
     equilibration: u64,
-    /// Sweeps after that; a sweep is one trial move per body.
+    /// Sweeps after the equilibration; a sweep is one trial move per body.
     #[arg(long, default_value_t = 10_000)]
     sweeps: u64,
     /// Sweeps between measurements.
@@ -72,7 +72,7 @@ pub struct BoxArgs {
 }
 
 impl BoxArgs {
-    /// A constant pressure, with what changes of the box.
+    /// A constant pressure with this freedom of the box.
     pub fn pressure(&self, kt_per_volume: f64, freedom: Freedom) -> Pressure {
         Pressure {
             kt_per_volume,
@@ -90,7 +90,7 @@ impl BoxArgs {
     }
 }
 
-/// What of the box changes at constant pressure.
+/// Freedom of the box at constant pressure.
 pub fn freedom(anisotropic: bool, triclinic: bool) -> Freedom {
     match (anisotropic, triclinic) {
         (_, true) => Freedom::Shape,

@@ -15,7 +15,7 @@ pub struct AnimateArgs {
     /// The page [default: lattice.html in the directory].
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Also write the frames as SVG files into this directory.
+    /// Write the frames as SVG files into this directory as well.
     #[arg(long)]
     frames: Option<PathBuf>,
     /// Maximum number of frames, evenly spaced over the run.

@@ -47,7 +47,7 @@ pub struct TaskArgs {
     /// Shares of training, validation and test [default: 0.7,0.15,0.15].
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     fractions: Option<Vec<f64>>,
-    /// How channels are scaled [default: robust].
+    /// Scaling of the channels [default: robust].
     #[arg(long, value_enum)]
     scaling: Option<Scaling>,
     /// Exchanges of labels in the permutation test [default: 1000].
@@ -191,7 +191,7 @@ pub struct TrainArgs {
     /// flags override them.
     #[arg(long, conflicts_with = "control")]
     config: Option<PathBuf>,
-    /// Also train on every subset of the channels.
+    /// Train on every subset of the channels as well.
     #[arg(long)]
     ablate: bool,
     /// Number of seeds per subset.

@@ -32,7 +32,7 @@ pub struct TuneArgs {
     /// Seed of the drawn settings, split, weights, order and rotations.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Also try subsets of the channels.
+    /// Try subsets of the channels as well.
     #[arg(long)]
     vary_channels: bool,
     /// Directory of the results.

@@ -32,7 +32,7 @@ pub struct ContactArgs {
     /// Strength of the attraction: 0 for the repulsion alone, 1 for Lennard-Jones.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
     attraction: f64,
-    /// Where the attraction ends, in units of its length; inf for nowhere. It is switched off smoothly
+    /// Cut-off of the attraction, in units of its length; inf for none. It is switched off smoothly
     /// from 0.8 of that on.
     #[arg(long, default_value_t = 2.5, allow_negative_numbers = true)]
     attraction_cut_off: f64,

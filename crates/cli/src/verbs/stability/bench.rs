@@ -22,7 +22,8 @@ use protomer::stability::terms::FurtherTerms;
 use protomer_common::{quantity, range};
 use std::path::{Path, PathBuf};
 
-/// More charges than a direct sum over sixteen bodies can be waited for.
+/// Upper limit for the number of charges: a direct sum over sixteen bodies with more takes too
+/// long.
 const MOST_CHARGES: usize = 50_000;
 
 /// Measure trial moves per CPU-second on an assembly, from the state it is in, and hash the
@@ -39,8 +40,8 @@ pub struct BenchArgs {
     /// seconds].
     #[arg(long, value_parser = range::MOVES.number::<u64>())]
     moves: Option<u64>,
-    /// How energies are computed [default: the fastest way that decides as the direct sum; without
-    /// an assembly, each way].
+    /// Method of computing energies [default: the fastest way that decides as the direct sum;
+    /// without an assembly, each way].
     #[arg(long, value_enum, requires = "assembly")]
     energy: Option<Energy>,
     #[command(flatten)]

@@ -42,7 +42,8 @@ pub struct InspectArgs {
 }
 
 impl InspectArgs {
-    /// Overlaps and contacts need no salt; any word about charges or the medium asks for energies.
+    /// Whether energies are asked for, as by any flag of the charges or the medium; overlaps and
+    /// contacts need no salt.
     fn asks_for_energies(&self) -> bool {
         let asked_for_charges = self.energy.is_some()
             || self.charges.interaction.is_some()

@@ -63,7 +63,7 @@ pub struct PairArgs {
     /// directory; the command without this flag collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
     shard: Shard,
-    /// What keeps the bodies apart: their surfaces, or the cores of the beads of the contact term.
+    /// Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term.
     #[arg(long, value_enum, default_value_t = CoreChoice::Surface)]
     core: CoreChoice,
     #[command(flatten)]
@@ -80,10 +80,10 @@ pub struct PairArgs {
     scheduler: SchedulerArgs,
 }
 
-/// What acts between two bodies.
+/// Interactions between two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Interaction {
-    /// Nothing beside the surfaces.
+    /// No interaction besides the surfaces.
     Hard,
     /// The charges of the bodies, screened by salt.
     Bare,
@@ -95,7 +95,7 @@ enum Interaction {
     Response,
 }
 
-/// What keeps two bodies apart.
+/// Hard cores of two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum CoreChoice {
     /// The solvent-excluded surfaces.
@@ -174,7 +174,8 @@ impl PairArgs {
         })
     }
 
-    /// Stored even where it is the default, so that a run keeps it if the default changes.
+    /// Model of the inside of the bodies. It is stored even where it is the default, so that a run
+    /// keeps it if the default changes.
     fn effective_solute(&self) -> Option<SoluteModel> {
         match self.interaction() {
             Interaction::Effective | Interaction::Response => {

@@ -28,7 +28,7 @@ pub struct ResiduesArgs {
     /// of a run; none for an assembly].
     #[arg(short, long)]
     output: Option<PathBuf>,
-    /// Also scan exchanges of single charges on the surfaces, and the half salt they lead to.
+    /// Scan exchanges of single charges on the surfaces as well, and the half salt they lead to.
     #[arg(long)]
     mutations: bool,
     /// With --mutations: also list exchanges of residues that touch another body. Their energy
@@ -41,7 +41,7 @@ pub struct ResiduesArgs {
     /// Frames that are used for each salt concentration.
     #[arg(long, default_value_t = 200, value_parser = range::OBJECTS.number::<usize>())]
     frames: usize,
-    /// Also write a script that shows the structure, coloured by energy.
+    /// Write a script that shows the structure, coloured by energy.
     #[arg(long, value_enum)]
     script: Option<ExportViewer>,
     /// Assembly file of a run, if it has moved.

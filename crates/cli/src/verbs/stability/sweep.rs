@@ -32,7 +32,7 @@ pub struct SweepArgs {
     /// [default: 0].
     #[arg(long, value_name = "SWEEPS", value_parser = range::STEPS.number::<u64>())]
     exchange_every: Option<u64>,
-    /// Where the replicas start [default: assembly].
+    /// Starting states of the replicas [default: assembly].
     #[arg(long, value_enum)]
     starts: Option<ReplicaStarts>,
     /// Run only a part of the simulations, such as 2/8, alongside other processes in the same

@@ -72,8 +72,8 @@ pub struct VoxelizeArgs {
     /// Structures are excluded if a larger share of their residues lacks heavy atoms.
     #[arg(long, default_value_t = 0.25, allow_negative_numbers = true)]
     most_incomplete: f64,
-    /// Also make the bodies in this folder, as `protomer ingest --stream` does; each structure is read,
-    /// charged and given its exact surface only once.
+    /// Make the bodies in this folder as well, as `protomer ingest --stream` does; each structure
+    /// is read, charged and given its exact surface only once.
     #[arg(long, value_name = "FOLDER", help_heading = "Bodies")]
     bodies: Option<PathBuf>,
     /// With --bodies: mesh vertices per Å².
@@ -241,7 +241,7 @@ fn complaint(report: &VoxelizeReport) -> Option<Error> {
     })
 }
 
-/// Warnings.
+/// Notes on structures that were left out, and warnings.
 fn notes(report: &VoxelizeReport) -> Vec<String> {
     let mut lines = Vec::new();
     if report.state == State::Written {

@@ -23,12 +23,12 @@ const SEED: u64 = 1;
 /// Bodies whose volumes differ by less than this part are the same.
 const SAME_VOLUME: f64 = 1e-9;
 
-/// Where phases were measured.
+/// Directories in which phases were measured.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PhaseDirectories {
     /// The sweep of a fluid over packing fractions.
     pub fluid: Option<PathBuf>,
-    /// For each crystal its sweep and its free energy.
+    /// Sweep and free energy of each crystal.
     pub crystals: Vec<(PathBuf, PathBuf)>,
 }
 
@@ -67,7 +67,7 @@ pub fn phases_of_measurements(from: &PhaseDirectories, reservoirs: &[f64]) -> Re
     Ok(phases)
 }
 
-/// One phase, and where it was measured.
+/// One phase, and the sweep in which it was measured.
 struct MeasuredBranch {
     sweep: PathBuf,
     equation: EquationOfState,
@@ -263,7 +263,7 @@ fn packing_fractions(equation: &EquationOfState) -> Option<[f64; 2]> {
     Some([first.packing_fraction, last.packing_fraction])
 }
 
-/// What was measured at each packing fraction; all values must have errors.
+/// States measured at each packing fraction; all values must have errors.
 fn states(equation: &EquationOfState) -> Result<Vec<State>> {
     let mut states = Vec::new();
     for point in &equation.points {
@@ -397,7 +397,7 @@ fn free_volumes(curves: &[PhaseCurves], found: &tangent::Coexistence) -> Option<
     Some([of(0)?, of(1)?])
 }
 
-/// How the nearest coexistence of the same phases scatters over the draws.
+/// Scatter of the nearest coexistence of the same phases over the draws.
 fn uncertainty(found: &tangent::Coexistence, draws: &[Vec<tangent::Coexistence>]) -> Uncertainty {
     let distance = |other: &tangent::Coexistence| {
         let difference = |n: usize| (other.densities[n] - found.densities[n]).abs();

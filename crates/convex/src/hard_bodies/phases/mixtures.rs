@@ -6,7 +6,8 @@ use protomer_hpmc::free_volume_theory::{Mixture, PHASES};
 use protomer_hpmc::tangent;
 use protomer_kernel::Number;
 
-/// Beyond these, the gas is thinner than what tangents are looked for at.
+/// Largest size ratio; beyond these limits the gas is thinner than any for which tangents are
+/// sought.
 const LARGEST_SIZE_RATIO: f64 = 10.0;
 const SMALLEST_SIZE_RATIO: f64 = 1e-3;
 const DENSEST_RESERVOIR: f64 = 100.0;

@@ -56,7 +56,7 @@ pub struct Coexistence {
     pub phases: [String; 2],
     /// Packing fractions, ascending; densities if the tables have those.
     pub packing_fractions: [f64; 2],
-    /// What the errors of measured free energies make of it.
+    /// Uncertainty from the errors of measured free energies.
     #[serde(flatten)]
     pub uncertainty: Option<Uncertainty>,
     /// Pressure, with that of the depletants.
@@ -71,7 +71,7 @@ pub struct Coexistence {
     pub free_volume_fractions: Option<[f64; 2]>,
 }
 
-/// How a coexistence scatters when what was measured is drawn anew within its errors.
+/// Scatter of a coexistence when the measured values are drawn anew within their errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Standard errors of the packing fractions.
@@ -84,7 +84,7 @@ pub struct Uncertainty {
     pub share_of_draws: f64,
 }
 
-/// Where gas and liquid become one.
+/// Critical point, at which gas and liquid become one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CriticalPoint {
     /// Radius of the depletants over that of the spheres.
@@ -93,11 +93,11 @@ pub struct CriticalPoint {
     pub packing_fraction: f64,
     /// Packing fraction of the depletants in the reservoir.
     pub reservoir_packing_fraction: f64,
-    /// Whether no solid is more stable there.
+    /// Whether no solid is more stable at the critical point.
     pub is_stable: bool,
 }
 
-/// Where gas, liquid and solid coexist.
+/// Triple point, at which gas, liquid and solid coexist.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TriplePoint {
     /// Radius of the depletants over that of the spheres.
@@ -203,7 +203,7 @@ impl Coexistence {
 }
 
 impl Phases {
-    /// Without any, so far.
+    /// Phases without any coexistence, so far.
     fn none() -> Self {
         Self {
             has_coexistence: false,

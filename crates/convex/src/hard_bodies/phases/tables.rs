@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Samples of a table's spline.
 const SAMPLES: usize = 20_000;
-/// Fewer points make no spline that is worth a tangent.
+/// Smallest number of points for a spline that is worth a tangent.
 const FEWEST_POINTS: usize = 5;
 
 /// Phases whose free energies per volume are in tables, one file per phase: two columns, the density and

@@ -15,23 +15,23 @@ use serde::{Deserialize, Serialize};
 pub struct EquationOfState {
     /// The settings.
     pub settings: HardBodySweepSettings,
-    /// 1, 2 or 3.
+    /// Number of dimensions, 1, 2 or 3.
     pub dimension: usize,
     /// Volume of a body.
     pub body_volume: f64,
-    /// Second virial coefficient over that, for a fluid of the bodies alone.
+    /// Second virial coefficient over the volume of a body, for a fluid of the bodies alone.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub b2_over_volume: Option<f64>,
-    /// Each condition, in the order of the packing fractions.
+    /// Results for each condition, in the order of the packing fractions.
     pub points: Vec<StatePoint>,
 }
 
-/// What all runs at one condition measured: means, and their standard errors.
+/// Results of all runs at one condition: means, and their standard errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StatePoint {
     /// The part of the box that the bodies fill.
     pub packing_fraction: f64,
-    /// At constant pressure, its standard error.
+    /// Standard error of the packing fraction, at constant pressure.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub packing_fraction_error: Option<f64>,
     /// The constant pressure βP, kT per volume.
@@ -39,14 +39,14 @@ pub struct StatePoint {
     pub pressure_kt_per_volume: Option<f64>,
     /// Z = βP/ρ of the bodies, by trial compressions.
     pub compressibility_factor: f64,
-    /// Its standard error.
+    /// Standard error of the compressibility factor.
     pub compressibility_factor_error: Option<f64>,
     /// βP times the volume of a body.
     pub reduced_pressure: f64,
     /// Excess chemical potential by insertion, kT.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_chemical_potential_kt: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the excess chemical potential.
     #[serde(
         skip_serializing_if = "Option::is_none",
         default,
@@ -56,7 +56,7 @@ pub struct StatePoint {
     /// Excess free energy per body by integration from no bodies, kT.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub excess_free_energy_per_body_kt: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the excess free energy.
     #[serde(
         skip_serializing_if = "Option::is_none",
         default,
@@ -66,37 +66,38 @@ pub struct StatePoint {
     /// Free volume of the first depletant, as a part of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the free volume.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub free_volume_fraction_error: Option<f64>,
-    /// At constant pressure and under gravity: whether the runs have arrived.
+    /// Verdict on equilibrium, at constant pressure and under gravity.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub equilibrium: Option<MeanEquilibrium>,
-    /// Runs behind it.
+    /// Number of runs at this condition.
     pub seeds: usize,
 }
 
-/// Whether all runs at one condition have arrived: means, and their standard errors.
+/// Verdict on whether all runs at one condition have arrived: means, and their standard errors.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeanEquilibrium {
-    /// Whether nothing speaks against it in any of the runs.
+    /// Whether nothing speaks against equilibrium in any of the runs.
     pub is_reached: bool,
-    /// What the bodies bear, kT per volume; between walls, the pressure at the lower wall less that at the upper.
+    /// Pressure of the bodies, kT per volume; between walls, the pressure at the lower wall less
+    /// that at the upper.
     pub measured_pressure_kt_per_volume: f64,
-    /// Its standard error.
+    /// Standard error of the measured pressure.
     pub measured_pressure_kt_per_volume_error: Option<f64>,
-    /// What it is in equilibrium.
+    /// Pressure in equilibrium, kT per volume.
     pub expected_pressure_kt_per_volume: f64,
-    /// How much the packing fraction, or the mean height, grew over the measurement.
+    /// Growth of the packing fraction, or of the mean height, over the measurement.
     pub drift: Option<f64>,
-    /// Its standard error.
+    /// Standard error of the drift.
     pub drift_error: Option<f64>,
-    /// What speaks against equilibrium, each once.
+    /// Doubts about equilibrium, each once.
     pub doubts: Vec<String>,
 }
 
 impl MeanEquilibrium {
-    /// Of runs at one condition; `None` if none of them has to arrive anywhere.
+    /// Verdict on runs at one condition; `None` if they do not have to reach an equilibrium.
     fn of(runs: &[HardBodyResult]) -> Option<Self> {
         let all: Option<Vec<&Equilibrium>> =
             runs.iter().map(|run| run.equilibrium.as_ref()).collect();
@@ -324,7 +325,8 @@ impl EquationOfState {
         }
     }
 
-    /// What was measured, with its error, against the packing fraction; `None` if nothing was.
+    /// Panel of a measured quantity, with its error, against the packing fraction; `None` if it was
+    /// not measured.
     fn panel(
         &self,
         label: &str,

@@ -56,12 +56,12 @@ pub struct HardBodySweepSettings {
     pub pressures_kt_per_volume: Vec<f64>,
     /// Seeds of the runs at each condition.
     pub seeds: Vec<u64>,
-    /// All else.
+    /// All other settings.
     pub run: HardBodySettings,
 }
 
 impl Settings for HardBodySweepSettings {
-    /// More sweeps, conditions and seeds continue a sweep.
+    /// Settings that must stay the same: more sweeps, conditions and seeds continue a sweep.
     fn essential(&self) -> Self {
         let over_pressure = !self.pressures_kt_per_volume.is_empty();
         Self {

@@ -33,27 +33,26 @@ pub struct Detector {
     skin: f64,
     rods_block: bool,
     stops: Vec<Watch>,
-    /// For every pair, then every stop: how far the fastest square must have travelled before it
-    /// needs a look.
+    /// Value of `travelled` at which each pair, and then each stop, needs a look.
     due: Vec<f64>,
     /// Twice the farthest travel of a square since the list was made.
     travelled: f64,
-    /// What can have met in the last step looked at.
+    /// Watches whose gaps can have closed in the last step looked at.
     hot: Vec<Hot>,
-    /// What does meet on its path.
+    /// Contacts found on their paths.
     roots: Vec<Root>,
     free: Vec<f64>,
     total: Vec<f64>,
 }
 
-/// What can meet in a step, and whether it touched at its start.
+/// A watch whose gap can close in a step, and whether its bodies touched at the start.
 #[derive(Debug, Clone, Copy)]
 struct Hot {
     watch: Watch,
     touched: bool,
 }
 
-/// A contact on the path: when, and how fast the gap closes.
+/// A contact on the path: its time, and the rate at which the gap closes.
 #[derive(Debug, Clone, Copy)]
 struct Root {
     watch: Watch,
@@ -61,18 +60,18 @@ struct Root {
     rate: f64,
 }
 
-/// Where the first contact is.
+/// First contact in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
     /// Time since the start of the step.
     pub time: f64,
-    /// What meets.
+    /// Bodies that meet.
     pub watch: Watch,
 }
 
 impl Detector {
-    /// For a network at these positions. With `rods_block`, rods are obstacles for corners and for
-    /// the squares on which they hang.
+    /// A detector for a network at these positions. With `rods_block`, rods are obstacles for
+    /// corners and for the squares on which they hang.
     pub fn new(network: &Network, positions: &[f64], rods_block: bool) -> Self {
         let mut half_diagonal = 0.0_f64;
         for square in &network.squares {
@@ -104,18 +103,18 @@ impl Detector {
         self.rods_block
     }
 
-    /// How often the list of near pairs was made.
+    /// Number of times the list of near pairs was made.
     pub fn lists(&self) -> u64 {
         self.candidates.rebuilds()
     }
 
-    /// Everything on the list, with rods and stops.
+    /// All watches on the list, with those of rods and stops.
     pub fn watches(&self) -> impl Iterator<Item = Watch> + '_ {
         let pairs = self.candidates.pairs().iter().copied();
         pairs.map(Watch::Pair).chain(self.stops.iter().copied())
     }
 
-    /// What may be closed in the step last looked at.
+    /// Watches whose gaps may be closed in the step last looked at.
     pub fn hot(&self) -> impl Iterator<Item = &Watch> {
         self.hot.iter().map(|hot| &hot.watch)
     }

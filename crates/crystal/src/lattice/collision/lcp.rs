@@ -6,18 +6,18 @@
 //! the range of W (which velocities guarantee) a contact that depends on those already in the set
 //! has w = 0 once they have, and is never asked for.
 
-/// A solution.
+/// A solution of the complementarity problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// p ≥ 0.
+    /// Impulses p ≥ 0.
     pub impulses: Vec<f64>,
-    /// W p + q.
+    /// Rates W p + q after the impulses.
     pub left: Vec<f64>,
     /// False if the active-set method did not end and relaxation took over (no case is known).
     pub exact: bool,
 }
 
-/// How far w may be below zero, relative to the largest q.
+/// Largest amount by which w may be below zero, relative to the largest q.
 const TOLERANCE: f64 = 1e-13;
 /// A pivot this small, relative to its diagonal, means a dependent contact.
 const DEPENDENT: f64 = 1e-11;

@@ -28,7 +28,7 @@ pub struct Probe<const N: usize> {
     pub to_kink: f64,
 }
 
-/// Where a march ended.
+/// Outcome of a march.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
     /// No root.
@@ -42,7 +42,7 @@ pub enum End {
     },
     /// The gap was negative at the start.
     Overlapping {
-        /// How far.
+        /// Depth of the overlap.
         depth: f64,
     },
 }

@@ -17,7 +17,7 @@ const REFINEMENTS: usize = 3;
 /// The path of third order is trusted if it moves the contact by at most this share of the step.
 const LARGEST_CORRECTION: f64 = 0.1;
 
-/// A step: where it begins and ends.
+/// A step, with its beginning and its end.
 pub(super) struct Path<'a> {
     network: &'a Network,
     positions: &'a [f64],

@@ -9,17 +9,17 @@ use crate::lattice::rods::RodSystem;
 use crate::lattice::{Dynamics, State};
 use crate::plane::Vector;
 
-/// What is left of the time to a goal counts as none below this share of a step.
+/// Time left to a goal counts as none below this share of a step.
 const REACHED: f64 = 1e-12;
 
 /// The first contact of a trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstContact {
-    /// When.
+    /// Time of the contact.
     pub time: f64,
     /// The state at contact, before any impact.
     pub state: State,
-    /// Everything that touches; corners head on from either side.
+    /// All contacts at that time; corners head on are listed from either side.
     pub contacts: Vec<Contact>,
 }
 
@@ -120,11 +120,11 @@ pub fn first_contact(
 /// The velocities after an impact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
-    /// Velocities after it.
+    /// Velocities after the impact.
     pub velocities_after: Vec<f64>,
-    /// The touches, corners that meet head on once.
+    /// Contacts; corners that meet head on are listed once.
     pub contacts: Vec<Contact>,
-    /// Impulse of each.
+    /// Impulse of each contact.
     pub impulses: Vec<f64>,
 }
 
@@ -194,7 +194,7 @@ fn touch(
     ))
 }
 
-/// From the target to its image that is nearest to the striker.
+/// Vector from the target to its image that is nearest to the striker.
 fn to_nearest_image(network: &Network, positions: &[f64], striker: usize, target: usize) -> Vector {
     let Some(cell) = network.cell else {
         return [0.0; 2];

@@ -19,7 +19,7 @@ use crate::lattice::rods::RodSystem;
 pub struct Impact {
     /// p of every contact, ≥ 0.
     pub impulses: Vec<f64>,
-    /// N v⁻.
+    /// Rates N v⁻ of the gaps before the impact.
     pub before: Vec<f64>,
     /// Change of the kinetic energy by the impulses.
     pub energy_change: f64,

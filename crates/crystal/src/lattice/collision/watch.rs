@@ -11,7 +11,7 @@ use crate::lattice::network::{Corner, Network};
 use crate::plane::{Vector, cross, direction, dot, left_of, minus, norm, plus, scaled};
 use std::ops::Range;
 
-/// What could meet.
+/// Bodies that could meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Watch {
     /// Two bodies.
@@ -26,7 +26,7 @@ pub enum Watch {
 }
 
 impl Watch {
-    /// Both bodies in words.
+    /// Names of both bodies, in words.
     pub fn names(&self, network: &Network) -> (String, String) {
         match *self {
             Self::Pair(pair) => (
@@ -182,7 +182,7 @@ fn corners_of(square: usize) -> impl Iterator<Item = Corner> {
     (1..=4).map(move |vertex| Corner { square, vertex })
 }
 
-/// How far a point is above the sides of a rectangle (eq. 12 of the paper, less l², over √2 l):
+/// Height of a point above the sides of a rectangle (eq. 12 of the paper, less l², over √2 l):
 /// negative inside.
 fn height_above(body: &Rectangle, point: Vector) -> f64 {
     let [x, y] = minus(point, body.centre);

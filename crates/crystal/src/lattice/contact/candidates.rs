@@ -25,10 +25,10 @@ pub enum Body {
 pub struct Pair {
     /// A square.
     pub first: usize,
-    /// What it could meet: a square of a higher index (or its own image), or a rod that does not
-    /// hang on it.
+    /// Body that the square could meet: a square of a higher index (or its own image), or a rod
+    /// that does not hang on it.
     pub second: Body,
-    /// From the second body to the image of it that is meant.
+    /// Vector from the second body to the image of it that is meant.
     pub shift: [f64; 2],
 }
 
@@ -67,7 +67,7 @@ impl Candidates {
         &self.pairs
     }
 
-    /// How often the list was made.
+    /// Number of times the list was made.
     pub fn rebuilds(&self) -> u64 {
         self.rebuilds
     }

@@ -20,7 +20,7 @@ impl<'a> Layout<'a> {
         [self.positions[3 * square], self.positions[3 * square + 1]]
     }
 
-    /// ρ: from the centre of a square to its corner.
+    /// Vector ρ from the centre of a square to its corner.
     pub fn arm(&self, corner: Corner) -> Vector {
         let half_diagonal = self.network.squares[corner.square].half_diagonal;
         let at_rest = corner.direction().map(|x| x * half_diagonal);
@@ -31,7 +31,7 @@ impl<'a> Layout<'a> {
         plus(self.centre(corner.square), self.arm(corner))
     }
 
-    /// From the centre of a square (its image at `shift`) to a point.
+    /// Vector from the centre of a square (its image at `shift`) to a point.
     pub fn seen_from_centre(&self, square: usize, shift: Vector, point: Vector) -> Vector {
         minus(minus(point, shift), self.centre(square))
     }
@@ -48,7 +48,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// Both ends of a rod, the second as the image to which the rod leads.
+    /// The two ends of a rod, the second as the image to which the rod leads.
     pub fn rod_ends(&self, rod: usize) -> [Vector; 2] {
         let ends = self.network.rods[rod];
         [
@@ -57,7 +57,8 @@ impl<'a> Layout<'a> {
         ]
     }
 
-    /// From the end of a rod that hangs on a square (0 is `from`, 1 is `to`) to its other end.
+    /// Vector from the end of a rod that hangs on a square (0 is `from`, 1 is `to`) to its other
+    /// end.
     pub fn along_rod(&self, rod: usize, end: u8) -> Vector {
         let [from, to] = self.rod_ends(rod);
         if end == 0 {
@@ -68,7 +69,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// From the square at the second end of a rod to the periodic image at which the rod ends.
+/// Vector from the square at the second end of a rod to the periodic image at which the rod ends.
 pub(crate) fn rod_shift(network: &Network, rod: usize) -> Vector {
     let cell = network.cell.unwrap_or([0.0; 2]);
     let image = network.rods[rod].image;

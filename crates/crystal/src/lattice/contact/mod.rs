@@ -29,7 +29,7 @@ pub const TOUCHING: f64 = 1e-9;
 /// Corners nearer than this many half-diagonals meet head on.
 const HEAD_ON: f64 = 10.0 * TOUCHING;
 
-/// One touch.
+/// A contact of two bodies.
 ///
 /// ```
 /// use protomer_crystal::lattice::{Contact, Corner, Edges, Network, Square, State};
@@ -52,16 +52,16 @@ pub enum Contact {
         target: usize,
         /// The side, 0 to 3: outward normal at θ + 0°, 90°, 180°, 270°.
         side: u8,
-        /// From the target to the periodic image of it that is struck.
+        /// Vector from the target to the periodic image of it that is struck.
         shift: [f64; 2],
     },
     /// Two corners head on. The normal is the bisector ρ_target - ρ_striker.
     VertexVertex {
         /// One corner.
         striker: Corner,
-        /// The other.
+        /// The other corner.
         target: Corner,
-        /// From the target to the periodic image of it that is struck.
+        /// Vector from the target to the periodic image of it that is struck.
         shift: [f64; 2],
     },
     /// A corner of a square on a rod. The rod has no mass: it passes the impulse on to its two
@@ -73,7 +73,7 @@ pub enum Contact {
         rod: usize,
         /// Whether the corner is on the left of the rod (seen along it) or on its right.
         left: bool,
-        /// From the rod to the periodic image of it that is struck.
+        /// Vector from the rod to the periodic image of it that is struck.
         shift: [f64; 2],
     },
     /// A rod flat along a side of the square on which it hangs: 135° from the diagonal.
@@ -166,7 +166,7 @@ impl Contact {
         }
     }
 
-    /// n: the rate of the gap is n · v.
+    /// Row n of the contact: the rate of the gap is n · v.
     pub fn row(&self, network: &Network, positions: &[f64]) -> Row {
         let layout = Layout::new(network, positions);
         match *self {

@@ -20,9 +20,9 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 pub struct Rectangle {
     /// Centre.
     pub centre: [f64; 2],
-    /// Half its edges.
+    /// Half the lengths of the edges.
     pub half: [f64; 2],
-    /// Its first axis: cosine and sine of its angle.
+    /// First axis of the rectangle: cosine and sine of its angle.
     pub axis: [f64; 2],
     /// Velocity of the centre.
     pub velocity: [f64; 2],
@@ -33,9 +33,9 @@ pub struct Rectangle {
 /// The separation along one axis and its rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Along {
-    /// m.
+    /// Separation m.
     pub distance: f64,
-    /// dm/dt.
+    /// Rate of the separation, dm/dt.
     pub rate: f64,
     /// The lowest dm/dt once another corner leads.
     pub worst_rate: f64,
@@ -97,7 +97,7 @@ impl Rectangle {
         }
     }
 
-    /// The same rectangle elsewhere.
+    /// The rectangle moved by a shift.
     pub fn moved(mut self, shift: [f64; 2]) -> Self {
         self.centre = plus(self.centre, shift);
         self
@@ -120,7 +120,7 @@ pub fn separation(a: &Rectangle, b: &Rectangle) -> f64 {
 
 /// The relative motion of two rectangles.
 struct Relative {
-    /// From the centre of B to that of A, and its rate.
+    /// Vector from the centre of B to that of A, and its rate.
     d: Vector,
     v: Vector,
     /// |cos φ| and |sin φ| of the relative angle φ, and their rates.
@@ -143,8 +143,7 @@ impl Relative {
         }
     }
 
-    /// How far a rectangle reaches along the first and the second axis of the other one, and the
-    /// rates.
+    /// Reach of a rectangle along the first and the second axis of the other one, and its rates.
     #[inline(always)]
     fn reaches(&self, body: &Rectangle) -> [[f64; 2]; 2] {
         let [x, y] = body.half;
@@ -189,7 +188,7 @@ pub fn along_axes(a: &Rectangle, b: &Rectangle) -> [Along; 4] {
     ]
 }
 
-/// How long until another corner of the turning bodies leads, from the relative angle and its rate.
+/// Time until another corner of the turning bodies leads, from the relative angle and its rate.
 pub fn time_to_next_corner(a: &Rectangle, b: &Rectangle) -> f64 {
     let turning = b.spin - a.spin;
     if turning == 0.0 {

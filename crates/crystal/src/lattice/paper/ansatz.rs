@@ -19,13 +19,13 @@ use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 /// Eigenvalues of K below this share of the largest count as zero.
 const SINGULAR: f64 = 1e-10;
 
-/// What does not change from sub-step to sub-step.
+/// Quantities that do not change from sub-step to sub-step.
 pub struct Ansatz<'a> {
     network: &'a Network,
     positions: &'a [f64],
     velocities: &'a [f64],
     accelerations: &'a [f64],
-    /// D.
+    /// Matrix D.
     gradient: DMatrix<f64>,
     /// K = D M⁻¹ Dᵀ.
     gram: SymmetricEigen<f64, Dyn>,
@@ -42,17 +42,17 @@ struct RodMotion {
     centripetal: Vector,
 }
 
-/// Where a sub-step leads.
+/// Result of a sub-step.
 pub struct Landing {
     /// x, y, θ of square after square.
     pub positions: Vec<f64>,
-    /// What the equations (38) leave over, as a share of their right-hand side.
+    /// Residual of the equations (38), as a share of their right-hand side.
     pub residual: f64,
 }
 
 impl<'a> Ansatz<'a> {
-    /// For sub-steps from a state. `accelerations` are those of the forces, `total` with those of
-    /// the rods (eq. 23).
+    /// An ansatz for sub-steps from a state. `accelerations` are those of the forces, `total` with
+    /// those of the rods (eq. 23).
     pub fn new(
         network: &'a Network,
         positions: &'a [f64],
@@ -85,12 +85,12 @@ impl<'a> Ansatz<'a> {
         }
     }
 
-    /// Eigenvalues of K that are not above this are zero.
+    /// Threshold up to which eigenvalues of K count as zero.
     fn zero(&self) -> f64 {
         SINGULAR * self.gram.eigenvalues.amax()
     }
 
-    /// How many of the equations (38) are independent.
+    /// Number of independent equations (38).
     pub fn rank(&self) -> usize {
         let zero = self.zero();
         let eigenvalues = self.gram.eigenvalues.iter();

@@ -41,7 +41,7 @@ const SINGULAR: f64 = 1e-10;
 /// Iterations after which a decomposition of eq. 43 is given up; it takes a few per contact.
 const MOST_ITERATIONS: usize = 10_000;
 
-/// How the paper's protocol is followed.
+/// Settings of the paper's protocol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperSettings {
@@ -140,7 +140,7 @@ impl PaperEngine {
         &mut self.dynamics
     }
 
-    /// One step of length `step`.
+    /// Makes one step of length `step`.
     ///
     /// # Errors
     /// Those of [`Dynamics::step`]; the state may then be that of the collision.
@@ -381,7 +381,7 @@ impl Hit {
         Contact::of_corner(network, positions, self.striker, self.target, self.shift)
     }
 
-    /// How fast the corner leaves the square.
+    /// Rate at which the corner leaves the square.
     fn rate(&self, network: &Network, state: &State) -> f64 {
         let contact = self.contact(network, &state.positions);
         let row = contact.row(network, &state.positions);

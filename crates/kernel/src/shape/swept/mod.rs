@@ -25,9 +25,9 @@ use std::f64::consts::PI;
 /// The wanted error of an overlap, as a part of it, and that of the integrals along rays.
 const ACCURACY: f64 = 1e-7;
 const ALONG_A_RAY: f64 = 1e-8;
-/// Angles that are first integrated between.
+/// Number of angular sectors that are integrated first.
 const SECTORS: usize = 8;
-/// Halvings that find where a concave function ends.
+/// Number of halvings that find where a concave function ends.
 const HALVINGS: usize = 45;
 
 /// A convex body in its place, swept by a ball.
@@ -85,7 +85,7 @@ impl Swept {
         self.pieces.interval(origin, direction)
     }
 
-    /// The volume (in a plane, the area) that is inside of both, to about 1e-7 of it.
+    /// The volume (in a plane, the area) inside both bodies, to about 1e-7 of it.
     pub fn overlap(&self, other: &Self) -> f64 {
         let shared = Shared::of([self, other]);
         match shared {
@@ -102,19 +102,19 @@ impl Swept {
     }
 }
 
-/// What two bodies share, seen along a line.
+/// Common part of two bodies, seen along a line.
 struct Shared<'a> {
     bodies: [&'a Swept; 2],
-    /// A point inside of both.
+    /// A point inside both bodies.
     inside: Vec3,
     along: Vec3,
     across: [Vec3; 2],
-    /// Longer than any length across.
+    /// A length longer than any length across.
     reach: f64,
 }
 
 impl<'a> Shared<'a> {
-    /// `None` if no point is inside of both.
+    /// The common part of two bodies; `None` if no point is inside both.
     fn of(bodies: [&'a Swept; 2]) -> Option<Self> {
         let inside = between(bodies)?;
         if !bodies.iter().all(|body| body.holds(&inside)) {
@@ -138,7 +138,7 @@ impl<'a> Shared<'a> {
         })
     }
 
-    /// The length of a line that is inside of both; negative if there is none.
+    /// The length of the part of a line inside both bodies; negative if there is none.
     fn length(&self, across: &Vec3) -> f64 {
         let origin = self.inside + across;
         let intervals = self
@@ -150,7 +150,7 @@ impl<'a> Shared<'a> {
         }
     }
 
-    /// How far the lines that are inside of both reach in a direction.
+    /// Largest distance from the inner point, in a direction, of lines that cross the common part.
     fn rim(&self, direction: &Vec3) -> f64 {
         let (mut within, mut beyond) = (0.0, self.reach);
         for _ in 0..HALVINGS {

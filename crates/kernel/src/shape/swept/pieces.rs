@@ -10,7 +10,7 @@ use super::super::hull::Hull;
 use super::super::polytope::Polytope;
 use crate::{Pose, Vec3};
 
-/// Below this part of the size, a line is parallel to a plane or to an axis.
+/// Part of the size below which a line is parallel to a plane or to an axis.
 const PARALLEL: f64 = 1e-14;
 
 /// The pieces of a swept body.
@@ -27,12 +27,12 @@ pub(super) struct Pieces {
 #[derive(Debug, Clone, Copy)]
 struct Rod {
     from: Vec3,
-    /// Of length one.
+    /// Direction of the rod, of length one.
     axis: Vec3,
     length: f64,
 }
 
-/// All points whose height along a normal is at most this.
+/// All points whose height along a normal is at most a given height.
 #[derive(Debug, Clone, Copy)]
 struct HalfSpace {
     normal: Vec3,
@@ -80,7 +80,7 @@ impl Pieces {
         (corners, pieces)
     }
 
-    /// A point, a segment or, in space, a polygon.
+    /// The pieces of a point, a segment or, in space, a polygon.
     fn of_thin(shape: &Shape, radius: f64, pose: &Pose) -> (Vec<Vec3>, Self) {
         let corners = match shape {
             Shape::Flat(corners) => corners
@@ -121,7 +121,8 @@ impl Pieces {
         self.radius
     }
 
-    /// Where a line enters and leaves, as distances from its origin along a direction of length one.
+    /// Interval of a line between its entry and its exit, as distances from its origin along a
+    /// direction of length one.
     pub(super) fn interval(&self, origin: &Vec3, direction: &Vec3) -> Option<[f64; 2]> {
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut take = |interval: Option<[f64; 2]>| {
@@ -183,7 +184,7 @@ fn in_ball(centre: &Vec3, radius: f64, origin: &Vec3, direction: &Vec3) -> Optio
 }
 
 impl Rod {
-    /// `None` for a rod without length, which its balls cover.
+    /// The rod between two points; `None` without length, as its balls cover it then.
     fn new(from: Vec3, to: Vec3) -> Option<Self> {
         let length = (to - from).norm();
         let axis = (to - from).try_normalize(0.0)?;

@@ -1,6 +1,6 @@
 //! The integral of a function that is smooth but for kinks.
 
-/// Nodes and weights of the Gauss-Legendre rule of ten on (-1, 1), those that are positive.
+/// Positive nodes, and their weights, of the Gauss-Legendre rule of ten nodes on (-1, 1).
 const RULE: [(f64, f64); 5] = [
     (0.148_874_338_981_631_21, 0.295_524_224_714_752_87),
     (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
@@ -8,7 +8,7 @@ const RULE: [(f64, f64); 5] = [
     (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
     (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
 ];
-/// Most panels; a kink needs about one per digit of the result.
+/// Largest number of panels; a kink needs about one per digit of the result.
 const MOST_PANELS: usize = 4000;
 
 /// A part of the range.
@@ -16,9 +16,9 @@ const MOST_PANELS: usize = 4000;
 struct Panel {
     from: f64,
     to: f64,
-    /// By the rule on its two halves.
+    /// Integrals by the rule on the two halves.
     halves: [f64; 2],
-    /// How far the rule on the whole is from that.
+    /// Difference between the rule on the whole panel and that on its halves.
     difference: f64,
 }
 

@@ -14,9 +14,9 @@ pub struct LatticeSweep {
     pub version: String,
     /// The resolved settings.
     pub settings: LatticeSettings,
-    /// One row per r0 and κ.
+    /// Rows of the conditions, one per r0 and κ.
     pub conditions: Vec<ConditionRow>,
-    /// One row per run.
+    /// Rows of the runs, one per run.
     pub runs: Vec<RunRow>,
 }
 

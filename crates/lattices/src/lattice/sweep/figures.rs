@@ -26,13 +26,13 @@ const MOST_POINTS: usize = 2000;
 
 /// A quantity of a figure.
 struct Quantity {
-    /// Its column in the tables of conditions and of runs.
+    /// Column of the quantity in the tables of conditions and of runs.
     column: &'static str,
-    /// Its axis label.
+    /// Label of the axis.
     label: &'static str,
     /// Whether single runs are shown: the pooled ratios of the conditions have none.
     of_runs: bool,
-    /// Whether its axis is logarithmic.
+    /// Whether the axis is logarithmic.
     log: bool,
 }
 
@@ -279,7 +279,7 @@ impl Against {
     }
 }
 
-/// A panel per quantity, a series per κ.
+/// A figure against r0 with a panel per quantity and a series per κ.
 fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Figure {
     let axes = axes(&sweep.settings);
     let label = "rod length r_{0} / l";
@@ -301,7 +301,8 @@ fn against_r0(sweep: &LatticeSweep, title: &str, quantities: &[Quantity]) -> Fig
     }
 }
 
-/// Against κ, one series per r0; κ = 0 cannot be shown on a logarithmic axis.
+/// A figure of the spread against κ, one series per r0; κ = 0 cannot be shown on a logarithmic
+/// axis.
 fn spread(sweep: &LatticeSweep) -> Figure {
     let axes = axes(&sweep.settings);
     let log = axes.kappa.iter().filter(|kappa| **kappa > 0.0).count() > 1;
@@ -388,7 +389,7 @@ fn find<T, const N: usize>(columns: [(&'static str, T); N], name: &str) -> Optio
     columns.find_map(|(column, value)| (column == name).then_some(value))
 }
 
-/// |R| and |P| of every condition side by side.
+/// Draws |R| and |P| of every condition side by side.
 fn indices(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> {
     let mut maps = Vec::new();
     for (row, data) in sweep.conditions.iter().zip(data).take(MOST_MATRICES) {

@@ -152,7 +152,7 @@ impl Campaign for Sweep<'_> {
     }
 }
 
-/// Reads what the runs wrote.
+/// Reads the results of the runs.
 fn collect(
     settings: &LatticeSettings,
     tasks: &[Task],
@@ -202,11 +202,11 @@ fn collect(
 
 /// The runs of one r0 and κ.
 struct Condition {
-    /// r0 and κ.
+    /// Values of r0 and κ.
     at: [f64; 2],
-    /// Those that were completed.
+    /// Rows of the runs that were completed.
     runs: Vec<RunRow>,
-    /// The number of those that were not.
+    /// Number of runs that were not completed.
     failed: usize,
     series: Series,
 }

@@ -14,7 +14,7 @@ pub struct Task {
     pub condition: usize,
     /// The settings of the run.
     pub settings: LatticeSettings,
-    /// Its directory.
+    /// Directory of the run.
     pub directory: PathBuf,
 }
 

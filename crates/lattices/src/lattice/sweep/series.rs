@@ -13,12 +13,12 @@ use protomer_crystal::analysis::synchronisation::{
 };
 use std::f64::consts::FRAC_PI_4;
 
-/// How one run of the sweep ended.
+/// Outcome of one run of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Outcome {
-    /// It was completed.
+    /// The run was completed.
     Done(Box<RunOutcome>),
-    /// It could not be completed, for this reason.
+    /// The run could not be completed, for this reason.
     Failed(String),
 }
 
@@ -31,20 +31,20 @@ impl Outcome {
 /// The result of one run of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunOutcome {
-    /// Its result.
+    /// Result of the run.
     pub result: LatticeResult,
-    /// Its Lyapunov exponent, if measured.
+    /// Lyapunov exponent of the run, if measured.
     pub exponent: Option<Exponent>,
 }
 
 /// The time series of a run or, once merged, of all runs of a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Time, root mean square difference of two angles, averaged over runs.
+    /// Pairs of a time and the root mean square difference of two angles, averaged over runs.
     pub phase_differences: Vec<[f64; 2]>,
     /// Strains along x and y since the last row of the log.
     pub strains: Vec<[f64; 2]>,
-    /// exp i(θ_a - θ_b).
+    /// Averages of exp i(θ_a - θ_b).
     pub synchronisation: Synchronisation,
     /// Passages of the checkerboard mode through the open state, run by run.
     pub crossings: Vec<Vec<Crossing>>,

@@ -22,7 +22,7 @@ pub const RIDGE: f64 = 1e-6;
 pub struct RunRow {
     /// Length of the rods.
     pub r0: f64,
-    /// κ.
+    /// Constant κ of the coherence potential.
     pub kappa: f64,
     /// Seed.
     pub seed: u64,
@@ -32,11 +32,11 @@ pub struct RunRow {
     pub energy_error: f64,
     /// Standard deviation over time of the share of the checkerboard mode in the rotational energy.
     pub checkerboard_deviation: f64,
-    /// Mean of that share.
+    /// Mean over time of the share of the checkerboard mode in the rotational energy.
     pub checkerboard_fraction: f64,
     /// The first maximum of the standard deviation of the angles about the coherent state.
     pub largest_spread: f64,
-    /// When it was.
+    /// Time of the maximum in `largest_spread`.
     pub largest_spread_time: f64,
     /// Poisson's ratio ν_xy for a load along x, from the strains between rows of the log.
     pub poisson_ratio_xy: f64,
@@ -47,11 +47,11 @@ pub struct RunRow {
     /// Leading eigenvalue of the matrix of |R|, over the number of squares: 1 if all squares turn
     /// alike.
     pub synchronisation: f64,
-    /// The same of the partial indices.
+    /// Leading eigenvalue of the matrix of the partial indices |P|, over the number of squares.
     pub partial_synchronisation: f64,
     /// Standard deviation over time of the share of the checkerboard mode in all energy.
     pub checkerboard_deviation_of_total: f64,
-    /// Mean of that share.
+    /// Mean over time of the share of the checkerboard mode in all energy.
     pub checkerboard_fraction_of_total: f64,
     /// Passages of the checkerboard mode through the open state, per unit of time.
     pub crossing_rate: f64,
@@ -59,9 +59,9 @@ pub struct RunRow {
     pub crossing_speed: f64,
     /// Maximal Lyapunov exponent, 1/time, if it was measured.
     pub lyapunov_exponent: f64,
-    /// Its standard error.
+    /// Standard error of the Lyapunov exponent.
     pub lyapunov_error: f64,
-    /// Why the run could not be completed; its numbers are then NaN.
+    /// Reason why the run could not be completed; its numbers are then NaN.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
 }
@@ -209,7 +209,7 @@ fn leading(angles: &Synchronisation) -> Result<[f64; 2]> {
 pub struct Estimate {
     /// Mean over the runs with a finite value.
     pub mean: f64,
-    /// Standard error of it.
+    /// Standard error of the mean.
     pub error: f64,
 }
 
@@ -223,52 +223,54 @@ impl Estimate {
     }
 }
 
-/// One r0 and κ, averaged over its runs.
+/// Results at one r0 and κ, averaged over the runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ConditionRow {
     /// Length of the rods.
     pub r0: f64,
-    /// κ.
+    /// Constant κ of the coherence potential.
     pub kappa: f64,
     /// Number of completed runs, over which everything is averaged.
     pub runs: usize,
     /// Number of runs that could not be completed.
     pub failed_runs: usize,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::collision_rate`].
     pub collision_rate: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::checkerboard_deviation`].
     pub checkerboard_deviation: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::checkerboard_fraction`].
     pub checkerboard_fraction: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::largest_spread`].
     pub largest_spread: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::largest_spread_time`].
     pub largest_spread_time: Estimate,
-    /// ν_xy from the strains of all runs together; the error is from a jackknife over blocks.
+    /// Poisson's ratio ν_xy from the strains of all runs together; the error is from a jackknife
+    /// over blocks.
     pub poisson_ratio_xy: Estimate,
-    /// ν_yx, likewise.
+    /// Poisson's ratio ν_yx from the strains of all runs together; the error is from a jackknife
+    /// over blocks.
     pub poisson_ratio_yx: Estimate,
     /// Squared correlation of the strains of all runs together; without error.
     pub r_squared: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::synchronisation`].
     pub synchronisation: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::partial_synchronisation`].
     pub partial_synchronisation: Estimate,
     /// Leading eigenvalue of the indices of all runs together, over the number of squares.
     pub pooled_synchronisation: f64,
-    /// The same of the partial indices.
+    /// Leading eigenvalue of the partial indices of all runs together, over the number of squares.
     pub pooled_partial_synchronisation: f64,
     /// Largest relative deviation of the energy in any run.
     pub energy_error: f64,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::checkerboard_deviation_of_total`].
     pub checkerboard_deviation_of_total: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::checkerboard_fraction_of_total`].
     pub checkerboard_fraction_of_total: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::crossing_rate`].
     pub crossing_rate: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::crossing_speed`].
     pub crossing_speed: Estimate,
-    /// As in [`RunRow`].
+    /// Mean of [`RunRow::lyapunov_exponent`].
     pub lyapunov_exponent: Estimate,
 }
 
@@ -364,7 +366,7 @@ impl ConditionRow {
     }
 }
 
-/// One row per r0 and κ; every estimate with its standard error, NaN if unavailable.
+/// A table with one row per r0 and κ; every estimate with its standard error, NaN if unavailable.
 ///
 /// # Errors
 /// Never for the rows built here, which all have the same length.
@@ -407,7 +409,7 @@ impl RunRow {
     }
 }
 
-/// One row per run.
+/// A table with one row per run.
 ///
 /// # Errors
 /// Never for the rows built here, which all have the same length.
@@ -432,7 +434,7 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
     Ok(table.to_csv()?)
 }
 
-/// One row per passage of the checkerboard mode through the open state.
+/// A table with one row per passage of the checkerboard mode through the open state.
 ///
 /// # Errors
 /// Never for the rows built here, which all have the same length.

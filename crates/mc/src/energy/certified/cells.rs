@@ -21,9 +21,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Groups of charges nearer to a cell than this many of its half edges are summed one by one.
 const NEAR_HALF_EDGES: f64 = 4.0;
-/// A cell near more groups than this is divided,
+/// Largest number of groups near a cell that is not divided.
 const MOST_NEAR_GROUPS: usize = 8;
-/// unless its half edge is this short, Å.
+/// Half edge of the cells that are never divided, Å.
 const LEAST_HALF_EDGE_ANGSTROM: f64 = 2.0;
 /// The largest octree, Å. Charges farther away are summed directly.
 const MOST_HALF_EDGE_ANGSTROM: f64 = 16384.0;
@@ -68,9 +68,9 @@ struct Cell {
 /// An energy and the largest error that it can have, kT.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Interval {
-    /// Its middle.
+    /// Middle of the interval.
     pub energy_kt: f64,
-    /// How far the energy can be from it.
+    /// Largest distance of the energy from the middle.
     pub error_kt: f64,
 }
 

@@ -17,14 +17,15 @@ use serde::Serialize;
 use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
 
-/// How many decisions each level made.
+/// Number of decisions at each level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct DecidedByBounds {
-    /// From the distances of bodies alone.
+    /// Decisions from the distances of bodies alone.
     pub far: u64,
-    /// With the charges of one body in the cells of the other, for one pair of bodies or more.
+    /// Decisions with the charges of one body in the cells of the other, for one pair of bodies or
+    /// more.
     pub cells: u64,
-    /// With a direct sum for one pair of bodies or more.
+    /// Decisions with a direct sum for one pair of bodies or more.
     pub direct: u64,
 }
 
@@ -40,14 +41,14 @@ pub struct Certified {
     decided: DecidedByBounds,
 }
 
-/// What is known of a pair of bodies at one pose.
+/// Energies known of a pair of bodies at one pose.
 #[derive(Debug)]
 struct Known {
     bodies: (usize, usize),
     types: (usize, usize),
-    /// Of the images of the second body that count, in the frame of the first.
+    /// Poses of the images of the second body that count, in the frame of the first.
     images: SmallVec<[RelativePose; 1]>,
-    /// The most that they hold together, kT.
+    /// The most that the images hold together, kT.
     far_kt: f64,
     in_cells: OnceLock<Option<Interval>>,
     direct_kt: OnceLock<f64>,
@@ -89,14 +90,14 @@ impl Certified {
         }
     }
 
-    /// How far from a body's origin charges of another interact with it, Å.
+    /// Largest distance from a body's origin at which charges of another interact with it, Å.
     pub fn cell_reach_angstrom(potential: &Yukawa, system: &System) -> f64 {
         let radius = |kind: &Arc<BodyType>| kind.charge_radius_angstrom();
         let largest = system.types().iter().map(radius).fold(0.0, f64::max);
         Reach::of_multipoles(system, potential).largest_angstrom() + largest
     }
 
-    /// How many decisions each level made.
+    /// Number of decisions at each level.
     pub fn decided(&self) -> DecidedByBounds {
         self.decided
     }
@@ -207,8 +208,8 @@ impl Certified {
         Some(Summand::new(known, 1.0))
     }
 
-    /// What is reported: a function of the pose alone. Not a number where the direct sum is none, which
-    /// every decision with this pair has refused.
+    /// Reported energy: a function of the pose alone. Not a number where the direct sum is none,
+    /// which every decision with this pair has refused.
     fn reported(&self, known: &Known) -> Interval {
         let unknown = Interval {
             energy_kt: f64::NAN,
@@ -219,7 +220,7 @@ impl Certified {
 }
 
 impl Summand {
-    /// From the distance alone.
+    /// A summand known from the distance alone.
     fn new(known: Arc<Known>, sign: f64) -> Self {
         let interval = Interval {
             energy_kt: 0.0,
@@ -233,7 +234,7 @@ impl Summand {
         }
     }
 
-    /// Of a pair before the move.
+    /// Summand of a pair before the move.
     fn before(known: &Arc<Known>) -> Self {
         Self::new(Arc::clone(known), -1.0)
     }
@@ -244,7 +245,7 @@ impl Summand {
 }
 
 impl EnergyModel for Certified {
-    /// That of the direct sum, so that cluster moves draw the same random numbers.
+    /// Range of the direct sum, so that cluster moves draw the same random numbers.
     fn range_angstrom(&self, system: &System) -> f64 {
         Reach::new(system, &self.potential).largest_angstrom()
     }

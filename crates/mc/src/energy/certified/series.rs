@@ -23,7 +23,8 @@ const ROWS: usize = POINTS * (POINTS + 1) / 2;
 pub(super) struct Series([[f32; POINTS]; ROWS]);
 
 impl Series {
-    /// From all coefficients, x fastest, then y, then z; with the largest error that storing them brings.
+    /// The series from all coefficients, x fastest, then y, then z; with the largest error that
+    /// storing them brings.
     fn new(coefficients: &[f64]) -> (Self, f64) {
         let (mut rows, mut row, mut change) = ([[0.0; POINTS]; ROWS], 0, 0.0);
         for (number, of_x) in coefficients.chunks_exact(POINTS).enumerate() {

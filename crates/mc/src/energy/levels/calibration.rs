@@ -17,18 +17,19 @@ use std::sync::Arc;
 /// A decision is left open within this many standard deviations.
 pub const MULTIPLE: f64 = 6.0;
 
-/// Coarse errors have longer tails than a comparison of some hundred poses shows.
+/// Factor on the scales of coarse errors, whose tails are longer than a comparison of some hundred
+/// poses shows.
 const TAIL: f64 = 2.5;
-/// The same of fine errors.
+/// Factor on the scales of fine errors, for their tails.
 const FINE_TAIL: f64 = 1.5;
-/// Where the comparison met no such pair: the model as it stands.
+/// Scale where the comparison met no such pair: the model as it stands.
 const NOT_MET: f64 = 1.0;
-/// Where errors are below what rounding makes of them.
+/// Least scale, where errors are smaller than those of rounding.
 const LEAST_SCALE: f64 = 0.05;
 
 /// Poses compared for each pair of types.
 const POSES: u32 = 96;
-/// Of these, poses compared with the direct sum.
+/// Poses compared with the direct sum for each pair of types.
 const DIRECT_POSES: u32 = 20;
 /// The moves of the comparison, Å and rad: small ones, and some large ones of distant pairs.
 const STEP_ANGSTROM: f64 = 0.3;
@@ -41,10 +42,10 @@ const DRIFT_RADIAN: f64 = 0.05;
 /// Standard deviations in units of the variance model, from comparisons on random poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Calibration {
-    /// Of pairs with points near each other. Their errors are those of close cells, and have random
-    /// signs.
+    /// Scales of pairs with points near each other. Their errors are those of close cells, and have
+    /// random signs.
     pub contact: ListScales,
-    /// Of all other pairs. Their errors are small, but add up over the net charge.
+    /// Scales of all other pairs. Their errors are small, but add up over the net charge.
     pub distant: ListScales,
     /// Poses compared.
     pub poses: u32,
@@ -54,23 +55,24 @@ pub struct Calibration {
     pub largest: f64,
 }
 
-/// Of energies of one kind of pairs.
+/// Scales of energies of one kind of pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ListScales {
-    /// Of energies from all points.
+    /// Scales of energies from all points.
     pub coarse: Scales,
-    /// Of expansions of the far points.
+    /// Scales of expansions of the far points.
     pub expansion: Scales,
-    /// Of fine energies: of all charges, and of those left in the table after each step of sharpening.
+    /// Scales of fine energies: of all charges, and of those left in the table after each step of
+    /// sharpening.
     pub fine: [f64; 1 + STEPS],
 }
 
-/// Of an energy and of its changes.
+/// Scales of an energy and of its changes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Scales {
-    /// Of an energy.
+    /// Scale of an energy.
     pub energy: f64,
-    /// Of its change with the same list.
+    /// Scale of the change of an energy with the same list.
     pub change: f64,
 }
 
@@ -116,14 +118,15 @@ struct Errors {
     distant: ListErrors,
 }
 
-/// Those of lists.
+/// Errors of energies from lists.
 #[derive(Debug, Default)]
 struct ListErrors {
     coarse: Vec<ListError>,
     coarse_changes: Vec<ListError>,
     expanded: Vec<ListError>,
     expanded_changes: Vec<ListError>,
-    /// Of fine energies, by steps of sharpening, over the square root of the model's variance.
+    /// Errors of fine energies, by steps of sharpening, over the square root of the model's
+    /// variance.
     fine: [Vec<f64>; 1 + STEPS],
 }
 
@@ -136,7 +139,7 @@ struct ListError {
 }
 
 impl ListError {
-    /// In standard deviations of the model with these scales.
+    /// The error in standard deviations of the model with these scales.
     fn ratio(&self, points_scale: f64, expansion_scale: f64) -> f64 {
         let points = self.points_variance * points_scale.powi(2);
         let expansion = self.expansion_variance * expansion_scale.powi(2);
@@ -144,7 +147,7 @@ impl ListError {
     }
 }
 
-/// What the levels say of one pose with a list.
+/// Energies of the levels at one pose with a list.
 struct Compared {
     list: ListEnergy,
     coarse_kt: f64,
@@ -287,7 +290,7 @@ impl ListErrors {
         });
     }
 
-    /// The points' scales first, then what expansions add.
+    /// Finds the scales of the points first, then those of the expansions.
     fn scales(&self) -> ListScales {
         let of_points = |errors: &[ListError]| {
             let ratios = errors.iter().map(|error| error.ratio(1.0, 0.0));

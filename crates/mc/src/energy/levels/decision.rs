@@ -12,16 +12,17 @@ use protomer_kernel::pose::RelativePose;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// How many decisions each level made.
+/// Number of decisions at each level.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Decided {
-    /// From lists of points, the far ones expanded about an earlier pose.
+    /// Decisions from lists of points, the far ones expanded about an earlier pose.
     pub expanded: u64,
-    /// With all points of a list in coarse tables, for one pair of bodies or more.
+    /// Decisions with all points of a list in coarse tables, for one pair of bodies or more.
     pub coarse: u64,
-    /// With all charges in fine tables, for one pair of bodies or more, or all but the least certain.
+    /// Decisions with all charges in fine tables, for one pair of bodies or more, or all but the
+    /// least certain.
     pub fine: u64,
-    /// With a direct sum for one pair of bodies or more.
+    /// Decisions with a direct sum for one pair of bodies or more.
     pub direct: u64,
 }
 
@@ -31,14 +32,14 @@ pub(super) struct Change {
     new: Option<Arc<Known>>,
     old: Option<Arc<Known>>,
     level: usize,
-    /// Of the energy, kT, and its standard deviation.
+    /// Change of the energy, kT, and its standard deviation.
     change_kt: f64,
     deviation_kt: f64,
-    /// Of images far away nothing is kept.
+    /// Kind of images, near or far away; nothing is kept of those far away.
     images: Images,
 }
 
-/// What a decision rests on: pairs with what is known of them, and a bound for the others.
+/// Basis of a decision: pairs with what is known of them, and a bound for the others.
 #[derive(Default)]
 pub(super) struct Changes {
     pub known: Vec<Change>,
@@ -64,7 +65,7 @@ impl Levels {
         Ok((change_kt, variance.sqrt()))
     }
 
-    /// Adds a bound of what becomes of the images of one partner that are far away.
+    /// Adds a bound of the change of the energy of the images of one partner that are far away.
     pub(super) fn add_far(
         &self,
         changes: &mut Changes,
@@ -77,7 +78,7 @@ impl Levels {
         changes.far.add(partner, bound_kt);
     }
 
-    /// What becomes of the near images of one partner, at the first level.
+    /// Change of the energy of the near images of one partner, at the first level.
     pub(super) fn first_change(
         &mut self,
         trial: &Trial<'_>,
@@ -106,7 +107,7 @@ impl Levels {
         self.change_to(trial, partner, (old, poses, lists), Images::Near)
     }
 
-    /// What becomes of the images of one partner that are far away.
+    /// Change of the energy of the images of one partner that are far away.
     fn far_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
         let old = self.known(&trial.system.pair(trial.body, partner), Images::Far);
         let poses = self.image_poses(&trial.pair(partner), Images::Far);
@@ -170,8 +171,8 @@ impl Levels {
     }
 
     /// Looks more closely where least is known: at images far away where their bound is as large as
-    /// the likely error of the others (kT), else at the least certain of these. Whether anything was left
-    /// to look at.
+    /// the likely error of the others (kT), else at the least certain of these. Returns whether
+    /// anything was left to look at.
     fn refine(&mut self, trial: &Trial<'_>, changes: &mut Changes, error_kt: f64) -> Result<bool> {
         if changes.far.bound_kt() >= error_kt
             && let Some(partner) = changes.far.take_widest()
@@ -191,7 +192,8 @@ impl Levels {
         Ok(true)
     }
 
-    /// The same by energies to within a tolerance for each pair; images far away hold less.
+    /// Variant of [`rises_less`](Self::rises_less) by energies to within a tolerance for each pair;
+    /// images far away hold less.
     fn rises_less_within(&mut self, changes: &mut [Change], threshold_kt: f64) -> bool {
         let mut rise = 0.0;
         for change in changes.iter_mut() {
@@ -221,7 +223,7 @@ impl Levels {
         }
     }
 
-    /// Nothing is kept of images far away.
+    /// Proposes the new energies of the pairs; nothing is kept of images far away.
     pub(super) fn propose(&mut self, trial: &Trial<'_>, changes: Changes) {
         let near = |change: &Change| change.images == Images::Near;
         for change in changes.known.into_iter().filter(near) {

@@ -14,7 +14,7 @@ use std::hint::black_box;
 pub(super) struct Derivatives {
     pub value: f32,
     pub gradient: [f32; 3],
-    /// By xx, yy, zz, xy, xz and yz.
+    /// Second derivatives by xx, yy, zz, xy, xz and yz.
     pub second: [f32; 6],
 }
 
@@ -24,7 +24,7 @@ const LANES: usize = 8;
 const IN_Y: [usize; LANES] = [0, 1, 2, 0, 1, 0, 0, 0];
 const IN_Z: [usize; LANES] = [0, 0, 0, 1, 1, 2, 0, 0];
 
-/// By order of differentiation in x.
+/// Values by order of differentiation in x.
 type ByOrder = [[f32; LANES]; 3];
 
 impl Field {

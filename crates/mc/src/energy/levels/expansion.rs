@@ -170,7 +170,7 @@ impl Expansion {
         self.test_variance * self.extent(from_reference).max(1.0).powi(6)
     }
 
-    /// How much of the error changes when the pair, after one motion from the reference pose or
+    /// Relative change of the error when the pair, after one motion from the reference pose or
     /// another, moves by `step`.
     pub fn shift(&self, from_reference: [&Motion; 2], step: &Motion) -> f64 {
         let extents = from_reference.map(|motion| self.extent(motion));

@@ -13,19 +13,20 @@ use protomer_kernel::potential::Yukawa;
 
 /// An image that surely holds less than this is far away, kT.
 const FAR_KT: f64 = 4e-3;
-/// The same, of the tolerance for a pair: a body meets fewer than a hundred images.
+/// Energy below which an image is far away, as a part of the tolerance for a pair: a body meets
+/// fewer than a hundred images.
 const PART_OF_TOLERANCE: f64 = 0.01;
 
 /// The images of a pair that are meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Images {
-    /// Those of which something is kept.
+    /// Near images, of which something is kept.
     Near,
-    /// Those farther away.
+    /// Images farther away.
     Far,
 }
 
-/// Which images are far away, and what they hold at most.
+/// Distances beyond which images are far away, and bounds of what they hold.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Far {
     near: Reach,
@@ -36,7 +37,8 @@ pub(super) struct Far {
 }
 
 impl Far {
-    /// For images in reach of each other; less is far where only a tolerance (kT) is asked for.
+    /// The bounds for images in reach of each other; those far away hold less where only a
+    /// tolerance (kT) is asked for.
     pub fn new(
         system: &System,
         potential: &Yukawa,
@@ -59,7 +61,7 @@ impl Far {
         &self.near
     }
 
-    /// Which this image is, at a displacement of origins in Å.
+    /// Whether this image, at a displacement of origins in Å, is near or farther away.
     pub fn which(&self, pair: &Pair<'_>, image: &Vec3) -> Images {
         match self.near.holds(pair, image) {
             true => Images::Near,
@@ -67,7 +69,7 @@ impl Far {
         }
     }
 
-    /// How many images of a pair are near.
+    /// Number of near images of a pair.
     pub fn near_images(&self, pair: &Pair<'_>) -> usize {
         match self.nearest_only {
             true => usize::from(self.near.is_met(pair)),
@@ -102,7 +104,8 @@ pub(super) struct FarImages {
 }
 
 impl FarImages {
-    /// Those of a partner, which hold no more than this before and after the move together.
+    /// Adds the images of a partner, which hold no more than this before and after the move
+    /// together.
     pub fn add(&mut self, partner: usize, bound_kt: f64) {
         if bound_kt > 0.0 {
             self.bounds_kt.push((bound_kt, partner));
@@ -110,7 +113,7 @@ impl FarImages {
         }
     }
 
-    /// What all of them hold at most, kT.
+    /// Largest energy that all these images can hold, kT.
     pub fn bound_kt(&self) -> f64 {
         self.sum_kt
     }

@@ -26,13 +26,15 @@ const COVERED: u32 = u32::MAX;
 /// A cell so far from the charges that the next box's cell serves in its place, before that one's
 /// number is known.
 const ROOMY: u32 = u32::MAX - 1;
-/// Above these bits of a place's number: by how many boxes its cell is farther out.
+/// Number of low bits of an entry of the index that hold a cell; those above say by how many boxes
+/// the cell is farther out.
 const CELL_BITS: u32 = 28;
-/// How far, in its edges, charges must be from such a cell of the next box.
+/// Least distance, in its edges, of charges from a cell of the next box that serves in place of
+/// smaller ones.
 const ROOM: f32 = 2.0;
-/// Adding it rounds to an integer, which then is in the low bits.
+/// Number whose addition rounds to an integer, which then is in the low bits.
 const ROUNDER: f32 = 12_582_912.0; // 1.5 · 2²³
-/// This part of a box's margin, the outermost, is not used, so that rounding leads to no place beyond.
+/// Outermost part of a box's margin that is not used, so that rounding leads to no place beyond.
 const UNUSED_MARGIN: f64 = 1e-4;
 
 /// The tabulated potential of one body type.
@@ -46,7 +48,7 @@ pub(super) struct Field {
     shells: Vec<Shell>,
     /// The cell of each place of each shell, and above [`CELL_BITS`] how much larger it is.
     index: Vec<u32>,
-    /// How far each cell's centre is from the nearest charge, Å.
+    /// Distance of each cell's centre from the nearest charge, Å.
     pub distance: Vec<f32>,
     /// Mean square errors of each cell's coarse and fine series, (kT/e)².
     pub errors: Vec<[f32; 2]>,
@@ -68,12 +70,12 @@ struct Shell {
     edge: f64,
 }
 
-/// Where 16 points lie: their cells, and their coordinates in them from -1 to 1.
+/// Positions of 16 points: their cells, and their coordinates in them from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spots {
     pub cell: [u32; BLOCK],
     pub at: [[f32; BLOCK]; 3],
-    /// Of the cells, Å.
+    /// Edges of the cells, Å.
     pub edge: [f32; BLOCK],
 }
 
@@ -134,7 +136,8 @@ impl Field {
         field
     }
 
-    /// Adds the next cell: how far its centre is from the nearest charge, its errors, its series.
+    /// Adds the next cell: the distance of its centre from the nearest charge, its errors, its
+    /// series.
     pub fn add_cell(&mut self, distance: f32, errors: [f32; 2], fine: Fine) {
         self.distance.push(distance);
         self.errors.push(errors);
@@ -246,8 +249,8 @@ impl Field {
         })
     }
 
-    /// Where 16 points (Å, in the body's frame) lie; `None` if one is beyond the table. One operation
-    /// on all points after another, as vector units like it.
+    /// Finds the cells of 16 points (Å, in the body's frame) and their coordinates in them; `None`
+    /// if one is beyond the table. Each operation runs over all points, as suits vector units.
     #[inline(always)]
     pub fn locate(&self, x: &[[f32; BLOCK]; 3]) -> Option<Spots> {
         let mut excess = [0.5; BLOCK];
@@ -315,7 +318,7 @@ impl Field {
         }
     }
 
-    /// The same for the fine series.
+    /// Asks for the fine series of these spots.
     #[inline(always)]
     pub fn prefetch_fine(&self, spots: &Spots) {
         for cell in spots.cell {
@@ -366,13 +369,13 @@ impl Field {
         spots.cell.iter().zip(charge).map(of).sum()
     }
 
-    /// The same from the fine series.
+    /// Variance of the energy of these charges from the fine series, kT².
     #[inline(always)]
     pub fn fine_variance(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f32 {
         self.fine_variances(spots, charge).iter().sum()
     }
 
-    /// That of each charge.
+    /// Variance of the energy of each of these charges from the fine series, kT².
     #[inline(always)]
     pub fn fine_variances(&self, spots: &Spots, charge: &[f32; BLOCK]) -> [f32; BLOCK] {
         let mut variances = [0.0; BLOCK];
@@ -403,8 +406,8 @@ fn truncation_errors(series: &[f64], weights: &[[f64; 2]]) -> [f32; 2] {
     errors.map(|square| square as f32)
 }
 
-/// By how much the square of each coefficient counts in the errors of the coarse and of the fine
-/// series. Each factor T_n with n > 0 has the mean square 1/2.
+/// Weights of the square of each coefficient in the errors of the coarse and of the fine series.
+/// Each factor T_n with n > 0 has the mean square 1/2.
 fn truncation_weights() -> Vec<[f64; 2]> {
     let weights = |place: usize| {
         let orders = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];

@@ -20,8 +20,8 @@ const HIGH_ORDERS: usize = 4;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Fine {
-    /// Of the low products: orders 0 and 1 in z, each with a unit in its last lane: of order 2, and
-    /// of all others.
+    /// Orders 0 and 1 in z of the low products, each with a unit in its last lane: that of order 2,
+    /// and that of all others.
     pub leading: [[f32; BLOCK]; 2],
     /// Orders 2 to 5 of the low products.
     pub low: [[i16; BLOCK]; FINE - 2],
@@ -30,7 +30,7 @@ pub(super) struct Fine {
 }
 
 impl Fine {
-    /// From all 6³ coefficients; x runs fastest, then y, then z.
+    /// The fine series from all 6³ coefficients; x runs fastest, then y, then z.
     pub fn new(series: &[f64]) -> Self {
         let at = |[i, j]: [usize; 2], k: usize| series[i + FINE * (j + FINE * k)] as f32;
         let low = |k: usize| PRODUCTS[..LOW].iter().map(move |product| at(*product, k));
@@ -165,7 +165,7 @@ const HIGH_X: Functions = Functions::of(LOW, BLOCK, 0);
 const HIGH_Y: Functions = Functions::of(LOW, BLOCK, 1);
 
 impl Functions {
-    /// Of `count` products from `first` on; the other lanes are zero.
+    /// Functions of `count` products from `first` on; the other lanes are zero.
     const fn of(first: usize, count: usize, axis: usize) -> Self {
         let mut functions = Self {
             odd: [0.0; BLOCK],

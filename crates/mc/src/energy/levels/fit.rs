@@ -11,7 +11,7 @@ use protomer_kernel::Vec3;
 use protomer_kernel::potential::Yukawa;
 use std::f64::consts::PI;
 
-/// Where equivalent charges are fitted, in radii of the node.
+/// Distance at which equivalent charges are fitted, in radii of the node.
 pub(super) const FIT_DISTANCE: f32 = 1.5;
 
 const NEAR_POINTS: usize = 120;
@@ -23,7 +23,7 @@ const STEPS: usize = 40;
 /// Equivalent charges stay within this many radii.
 const LARGEST_DISTANCE: f64 = 0.95;
 
-/// What stands for a node's charges.
+/// Equivalent charges of a node.
 pub(super) struct Equivalent {
     pub charges: Vec<(Vec3, f64)>,
     /// Root mean square error of the potential on the near sphere, kT/e.

@@ -8,16 +8,17 @@ use protomer_kernel::pose::RelativePose;
 use smallvec::SmallVec;
 use std::sync::{Arc, OnceLock};
 
-/// What is known of one pair of bodies at one pose.
+/// Energies known of one pair of bodies at one pose.
 #[derive(Debug)]
 pub(super) struct Known {
     /// The types of the two bodies.
     pub types: (usize, usize),
-    /// Most pairs have one.
+    /// Images of the second body; most pairs have one.
     pub images: SmallVec<[Image; 1]>,
     pub expanded_kt: f64,
     pub coarse_kt: OnceLock<f64>,
-    /// With all charges in the table, and after each step of sharpening. Few pairs need them.
+    /// Energies with all charges in the table, and after each step of sharpening, which few pairs
+    /// need.
     pub fine: OnceLock<Box<[OnceLock<Estimate>; 1 + STEPS]>>,
     pub direct_kt: OnceLock<f64>,
 }
@@ -27,7 +28,7 @@ pub(super) struct Known {
 pub(super) struct Image {
     pub relative: RelativePose,
     pub list: Arc<List>,
-    /// At most the list's [slack](List::slack_angstrom) at this pose, Å.
+    /// Lower bound of the list's [slack](List::slack_angstrom) at this pose, Å.
     pub slack_angstrom: f32,
     /// The energy without the list's far points, kT.
     pub close_kt: f64,

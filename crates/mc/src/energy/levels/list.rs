@@ -14,8 +14,9 @@ use protomer_kernel::vectorised;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// An expansion costs as much as half a dozen energies of all points. Where cluster moves are made, many
-/// lists are used only once or twice.
+/// Number of uses of a list before its expansion is made. An expansion costs as much as half a
+/// dozen energies of all points. Where cluster moves are made, many lists are used only once or
+/// twice.
 const USES_OF_ALL_POINTS: u32 = 2;
 
 /// The potential beyond the reach varies over some such distance.
@@ -35,14 +36,15 @@ pub(super) struct List {
     /// Points farther away, at most moves replaced by their [`Expansion`].
     pub(super) far_points: Vec<Block>,
     pub(super) far_centre: [f32; 3],
-    /// Made when the pair has moved a few times; `None` where the table ends before.
+    /// Expansion of the far points, made when the pair has moved a few times; `None` where the
+    /// table ends before.
     pub(super) expansion: OnceLock<Option<Expansion>>,
-    /// How many energies were found at poses other than the reference.
+    /// Number of energies found at poses other than the reference.
     pub(super) uses: AtomicU32,
     pub(super) near: NearPairs,
     /// All parts of the second body.
     pub(super) parts: Vec<Parts>,
-    /// Of the sphere around the second body's origin that holds its charges, Å.
+    /// Radius of the sphere around the second body's origin that holds its charges, Å.
     pub(super) radius: f32,
     /// The least [length](Part::length) of a part, Å.
     pub(super) least_length: f32,
@@ -72,7 +74,7 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// These parts; empty lanes repeat the last.
+    /// Arranges these parts in lanes; empty lanes repeat the last.
     pub fn new(parts: &[Part]) -> Vec<Self> {
         let lanes = |parts: &[Part]| {
             let part = |lane: usize| parts[lane.min(parts.len() - 1)];
@@ -87,7 +89,7 @@ impl Parts {
         parts.chunks(BLOCK).map(lanes).collect()
     }
 
-    /// Bounds on how far they move by a displacement, Å.
+    /// Bounds on how far the parts move by a displacement, Å.
     #[inline(always)]
     fn distances(&self, displacement: &Motion) -> [f32; BLOCK] {
         let [x, y, z] = &self.centre;
@@ -105,9 +107,9 @@ impl Parts {
 /// The energy of a list at a pose, kT.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ListEnergy {
-    /// With the expansion in place of the far points.
+    /// Energy with the expansion in place of the far points.
     pub expanded_kt: f64,
-    /// Without the far points.
+    /// Energy without the far points.
     pub close_kt: f64,
     /// Variance of the expansion by the error model, kT².
     pub expansion_variance: f64,
@@ -125,8 +127,8 @@ impl List {
         self.slack_angstrom(pose) >= 0.0
     }
 
-    /// How far every charge of the second body may move from this pose while the points serve, Å;
-    /// negative where they do not.
+    /// Distance that every charge of the second body may move from this pose while the points
+    /// serve, Å; negative where they do not.
     pub fn slack_angstrom(&self, pose: &RelativePose) -> f32 {
         self.least_slack(&Motion::between(&self.reference, pose))
     }
@@ -159,8 +161,9 @@ impl List {
         self.variance * self.shift(from, to).powi(2)
     }
 
-    /// How far the second body moves between two poses, in units of the lengths over which the
-    /// errors of its points vary: 1 Å near the other body, more farther away; 1/3 rad everywhere.
+    /// Distance that the second body moves between two poses, in units of the lengths over which
+    /// the errors of its points vary: 1 Å near the other body, more farther away; 1/3 rad
+    /// everywhere.
     fn shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let motion = Motion::between(from, to);
         let farthest = match self.is_contact {
@@ -175,7 +178,7 @@ impl List {
 
     vectorised! {
         fused
-        /// How far the parts move at most, each in units of its length.
+        /// Largest distance that a part moves, in units of its length.
         fn farthest_in_lengths[farthest_avx512, farthest_avx2, farthest](
             self: &Self,
             displacement: &Motion
@@ -194,7 +197,7 @@ impl List {
         most.into_iter().fold(0.0, f32::max)
     }
 
-    /// How much of the expansion's error changes from one pose to another.
+    /// Relative change of the expansion's error from one pose to another.
     pub fn expansion_shift(&self, from: &RelativePose, to: &RelativePose) -> f64 {
         let step = Motion::between(from, to);
         let from_reference = [from, to].map(|pose| Motion::between(&self.reference, pose));
@@ -214,7 +217,8 @@ impl List {
         })
     }
 
-    /// The same with the expansion in place of the far points once the list has been used a few times.
+    /// The energy at this pose, with the expansion in place of the far points once the list has
+    /// been used a few times.
     pub fn energy(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
         let uses = self.uses.fetch_add(1, Ordering::Relaxed);
         match self.far_points.is_empty() || uses < USES_OF_ALL_POINTS {
@@ -223,7 +227,7 @@ impl List {
         }
     }
 
-    /// The same with the expansion.
+    /// The energy at this pose with the expansion in place of the far points.
     pub fn expanded_energy(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
         let Some(expansion) = self.expansion.get_or_init(|| self.expand(first)) else {
             return self.energy_of_points(first, pose);

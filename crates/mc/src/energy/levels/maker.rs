@@ -21,7 +21,7 @@ pub(super) const COARSE_OPENING: f32 = 1.0;
 /// Points farther away may move by this part of their distance.
 pub(super) const PART_OF_DISTANCE: f32 = 0.3;
 
-/// Of single precision, kT².
+/// Variance of an energy by the rounding of single precision, kT².
 const ROUNDING_VARIANCE: f64 = 1e-9;
 
 /// A node stands for its charges where that costs less than this variance, kT².

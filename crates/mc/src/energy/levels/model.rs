@@ -76,7 +76,7 @@ impl Levels {
         self
     }
 
-    /// How many decisions each level made.
+    /// Number of decisions at each level.
     pub fn decided(&self) -> Decided {
         self.decided
     }
@@ -86,7 +86,7 @@ impl Levels {
         self.calibration
     }
 
-    /// How many pair energies were found at the first level.
+    /// Number of pair energies found at the first level.
     pub fn first_energies(&self) -> u64 {
         self.first_energies
     }
@@ -137,7 +137,7 @@ impl Levels {
     }
 }
 
-/// What is known of a pair, if its energy is finite.
+/// Returns what is known of a pair, if its energy is finite.
 fn checked(pair: &Pair<'_>, known: Arc<Known>) -> Result<Arc<Known>> {
     finite(pair.first, pair.second, known.expanded_kt)?;
     Ok(known)
@@ -152,14 +152,14 @@ struct Reported {
     error_kt: f64,
 }
 
-/// How far from its charges a table must reach for this system, Å.
+/// Distance to which a table must reach from its charges for this system, Å.
 pub fn table_reach_angstrom(potential: &Yukawa, system: &System) -> f64 {
     Reach::of_multipoles(system, potential).largest_angstrom()
 }
 
 impl EnergyModel for Levels {
-    /// That of the direct sum: a cluster move draws a random number for each body in the cells of this
-    /// size around a place, and must draw the same ones.
+    /// Range of the direct sum: a cluster move draws a random number for each body in the cells of
+    /// this size around a place, and must draw the same ones.
     fn range_angstrom(&self, system: &System) -> f64 {
         Reach::new(system, &self.potential).largest_angstrom()
     }

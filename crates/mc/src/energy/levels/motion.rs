@@ -36,8 +36,8 @@ impl Motion {
         length(self.apply(centre)) + self.turn() * radius
     }
 
-    /// How far a [displacement](Self::between) moves points at a distance of one from its axis:
-    /// 2 sin(φ/2) for a turn by φ.
+    /// Distance that a [displacement](Self::between) moves points at a distance of one from its
+    /// axis: 2 sin(φ/2) for a turn by φ.
     #[inline(always)]
     pub fn turn(&self) -> f32 {
         let squares = self
@@ -94,7 +94,7 @@ impl Motion {
         self.apply_lanes([x, y, z])
     }
 
-    /// Where sixteen points go.
+    /// Moves sixteen points.
     #[inline(always)]
     pub fn apply_lanes(&self, [x, y, z]: [&[f32; BLOCK]; 3]) -> [[f32; BLOCK]; 3] {
         let places = [x, y, z];
@@ -106,7 +106,7 @@ impl Motion {
     }
 }
 
-/// One coordinate of where sixteen points go.
+/// One coordinate of sixteen moved points.
 #[inline(always)]
 fn along_lanes([a, b, c]: [f32; 3], t: f32, [x, y, z]: [&[f32; BLOCK]; 3]) -> [f32; BLOCK] {
     let mut moved = [t; BLOCK];

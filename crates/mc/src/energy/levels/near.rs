@@ -15,7 +15,7 @@ const GROUPS: usize = 4;
 /// Room for so many pairs of each group is made at once.
 const EXPECTED: usize = 256;
 
-/// Of sixteen pairs: places in the second body (x, y, z) and in the first, each in its own frame, Å;
+/// Sixteen pairs: places in the second body (x, y, z) and in the first, each in its own frame, Å;
 /// products of the charges, e².
 type Pairs = [[f32; BLOCK]; PARTS];
 const PARTS: usize = 7;
@@ -23,7 +23,7 @@ const PARTS: usize = 7;
 /// The near pairs of a list.
 #[derive(Debug, Clone, Default)]
 pub(super) struct NearPairs {
-    /// Ascending by how far (Å) pairs are apart at the reference pose at least.
+    /// Blocks of pairs, ascending by their least distance (Å) at the reference pose.
     blocks: Vec<(f32, Pairs)>,
     /// A sphere around all charges of the second body among them.
     centre: [f32; 3],
@@ -43,7 +43,7 @@ pub(super) struct NearMaker {
 }
 
 impl NearMaker {
-    /// For pairs that are less than `skin` (Å) out of the near part's range.
+    /// A maker for pairs that are less than `skin` (Å) out of the near part's range.
     pub fn new(near_radius: f32, skin: f32) -> Self {
         let near_square = near_radius * near_radius;
         let width_square = ((near_radius + skin).powi(2) - near_square) / GROUPS as f32;
@@ -57,8 +57,8 @@ impl NearMaker {
         }
     }
 
-    /// A pair of charges (Å, e), each in its body's frame, with the square of their distance; the
-    /// second must be [included](Self::include).
+    /// Adds a pair of charges (Å, e), each in its body's frame, with the square of their distance;
+    /// the second must be [included](Self::include).
     #[inline(always)]
     pub fn add(&mut self, first: [f32; 4], second: [f32; 4], square: f32) {
         let [x, y, z, charge] = second;
@@ -69,7 +69,7 @@ impl NearMaker {
         self.groups[group].push([x, y, z, sx, sy, sz, charge * source]);
     }
 
-    /// A charge of the second body that is among the pairs.
+    /// Includes a charge of the second body that is among the pairs.
     #[inline(always)]
     pub fn include(&mut self, [x, y, z, _]: [f32; 4]) {
         for (axis, place) in [x, y, z].into_iter().enumerate() {
@@ -146,7 +146,7 @@ impl NearPairs {
         }
     }
 
-    /// The same in double precision.
+    /// The pairs' near energies at a pose in double precision, kT.
     #[inline(always)]
     pub fn energy_kt(&self, split: &Split, pose: &RelativePose, from_reference: &Motion) -> f64 {
         let mut sum = [0.0_f64; BLOCK];

@@ -6,22 +6,22 @@ use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
 use std::ops::Range;
 
-/// How far (Å) points may have moved before new ones are chosen; charges that can come within the
-/// near part's range until then are listed, and nodes hold until then.
+/// Distance (Å) that points may have moved before new ones are chosen; charges that can come within
+/// the near part's range until then are listed, and nodes hold until then.
 pub(super) const SKIN_ANGSTROM: f32 = 2.2;
 
-/// For each cell of a grid, the charges within a distance of any of its points.
+/// Charges within a distance of any point of each cell of a grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Neighbours {
     low: [f32; 3],
     inverse_edge: f32,
     cells: [i32; 3],
-    /// Where each cell's blocks begin; one more at the end.
+    /// Start of each cell's blocks; one more at the end.
     starts: Vec<u32>,
     blocks: Vec<Block>,
 }
 
-/// Where charges of lanes that are left over stand, Å: out of every range.
+/// Coordinate of the charges of unused lanes, Å: out of every range.
 const NOWHERE: f32 = 1e4;
 
 impl Neighbours {

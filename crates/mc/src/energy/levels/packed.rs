@@ -20,14 +20,14 @@ pub(super) const LAST: usize = BLOCK - 1;
 #[repr(align(128))]
 pub(super) struct Packed(pub [[i16; BLOCK]; COARSE]);
 
-/// What the coefficients of a cell are multiples of, and the first of them, kT/e.
+/// First coefficient of a cell, and the unit of its other coefficients, kT/e.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Head {
     pub first: f32,
     pub unit: f32,
 }
 
-/// Those of the coefficients that a fine series has.
+/// Packs a coarse series of those of its coefficients that a fine series has.
 pub(super) fn pack(fine: &Fine) -> (Head, Packed) {
     let mut rows = [[0.0_f32; BLOCK]; COARSE];
     for (z, row) in rows.iter_mut().enumerate() {
@@ -45,7 +45,7 @@ pub(super) fn pack(fine: &Fine) -> (Head, Packed) {
     (Head { first, unit }, Packed(packed))
 }
 
-/// Which coefficient a lane of a row holds.
+/// Orders of the coefficient that a lane of a row holds.
 fn orders(lane: usize, row: usize) -> Option<[usize; 3]> {
     let of_product = [lane % COARSE, lane / COARSE, row];
     match (lane, row) {

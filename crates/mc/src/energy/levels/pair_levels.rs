@@ -161,7 +161,8 @@ impl Levels {
         sum.unwrap_or_else(|| self.direct_kt(known))
     }
 
-    /// From the fine tables after so many steps of sharpening; the direct sum where they end before.
+    /// The energy from the fine tables after so many steps of sharpening; the direct sum where they
+    /// end before.
     fn fine_estimate(&self, known: &Known, steps: usize) -> Estimate {
         let fine = known.fine.get_or_init(Box::default);
         *fine[steps].get_or_init(|| {
@@ -210,8 +211,8 @@ impl Levels {
         })
     }
 
-    /// Of the fine energy of an image after so many steps of sharpening, kT²; `modelled` by the error
-    /// model.
+    /// Variance of the fine energy of an image after so many steps of sharpening, kT²; `modelled`
+    /// is that of the error model.
     fn fine_variance(&self, image: &Image, steps: usize, modelled: f64) -> f64 {
         let scale = self.calibration.of(&image.list).fine[steps];
         (scale * fine_deviation(modelled)).powi(2)
@@ -232,7 +233,7 @@ impl Levels {
         })
     }
 
-    /// Of the energy of an image from its list, kT².
+    /// Variance of the energy of an image from its list, kT².
     fn variance(&self, image: &Image, level: usize) -> f64 {
         let scales = self.calibration.of(&image.list);
         let points = image.list.variance * scales.coarse.energy.powi(2);
@@ -242,7 +243,8 @@ impl Levels {
         }
     }
 
-    /// Errors from the same points cancel, the more so the less the pair has moved.
+    /// Variance of the change of the energy of a pair, kT². Errors from the same points cancel, the
+    /// more so the less the pair has moved.
     pub(super) fn change_variance(&self, new: &Known, old: &Known, level: usize) -> f64 {
         let mut variance = 0.0;
         for number in 0..new.images.len().max(old.images.len()) {
@@ -259,7 +261,7 @@ impl Levels {
         variance
     }
 
-    /// Of the change of the energy of an image from one list at two poses, kT².
+    /// Variance of the change of the energy of an image from one list at two poses, kT².
     fn moved_variance(&self, new: &Image, old: &Image, level: usize) -> f64 {
         let (list, from, to) = (&new.list, &old.relative, &new.relative);
         let scales = self.calibration.of(list);

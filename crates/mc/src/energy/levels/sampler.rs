@@ -11,7 +11,7 @@ use protomer_kernel::Vec3;
 use protomer_kernel::fused::add;
 use protomer_kernel::vectorised;
 
-/// Of distances, Å.
+/// Bound of the rounding of distances, Å.
 const ROUNDING: f32 = 1e-3;
 
 /// The charges in arrays of 16.
@@ -92,7 +92,7 @@ impl Sites {
 
     vectorised! {
         fused
-        /// How far the nearest charge is from a place, Å.
+        /// Distance of a place from the nearest charge, Å.
         pub fn nearest[nearest_avx512, nearest_avx2, least_distance](
             self: &Self,
             x: [f32; 3]

@@ -24,7 +24,7 @@ pub(super) const STEPS: usize = 5;
 pub(super) struct Ranking {
     /// Places in the blocks of the second body. Within a step they have no order.
     places: Vec<u32>,
-    /// Where each step ends.
+    /// End of each step among the places.
     ends: [usize; STEPS],
     /// Variance of the charges in the table after each step, kT².
     left: [f64; STEPS],
@@ -42,7 +42,7 @@ impl Ranking {
         &self.places[start..self.ends[step]]
     }
 
-    /// From the variance that each charge in blocks brings, kT².
+    /// The ranking from the variance that each charge in blocks brings, kT².
     fn new(variances: &[[f32; BLOCK]], charges: usize) -> Self {
         let variances = variances.as_flattened();
         let mut places: Vec<u32> = (0..variances.len() as u32).collect();
@@ -70,7 +70,7 @@ impl Table {
         Some(Ranking::new(&variances, other.charges.len()))
     }
 
-    /// What a step adds to the energy, kT; `None` where the table ends before the other body.
+    /// Energy that a step adds, kT; `None` where the table ends before the other body.
     pub(super) fn correction_kt(
         &self,
         other: &Self,

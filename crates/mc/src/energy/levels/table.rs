@@ -15,7 +15,7 @@ use protomer_kernel::potential::Yukawa;
 const NEAR_SPACINGS: f64 = 1.9;
 const NEAR_BOUNDS_ANGSTROM: (f64, f64) = (3.0, 8.0);
 
-/// Immutable, to be shared.
+/// Data of one body type under one potential, immutable and to be shared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     pub(super) split: Split,
@@ -42,7 +42,8 @@ impl Table {
         Self::assemble(charges, potential, tree, field)
     }
 
-    /// How many potentials of single charges a new table takes: nearly all of the time it needs.
+    /// Number of potentials of single charges that a new table computes, which takes nearly all of
+    /// its time.
     pub fn evaluations(charges: &ChargeCloud, reach_angstrom: f64) -> f64 {
         if charges.is_empty() {
             return 0.0;
@@ -97,7 +98,7 @@ pub(super) fn fine_deviation(variance: f64) -> f64 {
     (variance + 1e-10).sqrt()
 }
 
-/// Near pairs are few if the radius follows the density of the charges.
+/// Range of the near part, Å. Near pairs are few if it follows the density of the charges.
 fn near_radius(charges: &ChargeCloud) -> f64 {
     let (low, high) = charges.bounds_angstrom();
     // The ellipsoid in the bounding box.

@@ -6,9 +6,9 @@ use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
 use protomer_kernel::potential::Yukawa;
 
-/// Charges of a leaf, which has no equivalent ones.
+/// Largest number of charges of a leaf, which has no equivalent ones.
 const LEAF: usize = 12;
-/// A node is no more than this many charges with as many times fewer equivalent ones.
+/// Number of equivalent charges of a node.
 const EQUIVALENT: usize = 16;
 /// Nodes of fewer charges than this have [`FEW_EQUIVALENT`].
 const SMALL: usize = 24;
@@ -20,7 +20,7 @@ pub(super) struct Tree {
     pub nodes: Vec<Node>,
     /// Position (Å) and charge (e): those of each node in turn.
     pub points: Vec<[f32; 4]>,
-    /// Of all charges, e.
+    /// Sum of all charges, e.
     pub net_charge: f32,
     /// Half the diagonal of the charges' bounding box, Å.
     pub radius: f32,
@@ -33,7 +33,7 @@ pub(super) struct Tree {
 pub(super) struct Node {
     pub centre: [f32; 3],
     pub radius: f32,
-    /// Its points: true charges in a leaf, equivalent ones elsewhere.
+    /// First of the node's points: true charges in a leaf, equivalent ones elsewhere.
     pub first: u32,
     pub count: u32,
     /// The second child; the first follows the node. Zero for a leaf.
@@ -64,7 +64,7 @@ impl Tree {
         }
     }
 
-    /// Adds a node of these charges and its children; its number.
+    /// Adds a node of these charges and its children, and returns its number.
     fn grow(&mut self, charges: &mut [(Vec3, f64)], potential: &Yukawa) -> u32 {
         let (low, high) = bounds(charges);
         let centre = (low + high) / 2.0;

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// A displacement by more than this, Å, opens the contacts of a structure.
 const LARGE_DISPLACEMENT_ANGSTROM: f64 = 1.0;
 
-/// What [`assemble_structure`](super::assemble_structure) found and did.
+/// Result of [`assemble_structure`](super::assemble_structure).
 #[derive(Debug, Clone, Serialize)]
 pub struct StructureAssembly {
     /// The assembly file.
@@ -23,11 +23,11 @@ pub struct StructureAssembly {
     pub placed: Vec<String>,
     /// Pairs of placed bodies that overlapped as hard bodies.
     pub overlaps: Vec<(usize, usize)>,
-    /// How far each placed body was moved to remove the overlaps: root mean square over its atoms, Å.
+    /// Displacement of each placed body to remove the overlaps: root mean square over its atoms, Å.
     pub moved_angstrom: Vec<f64>,
     /// Pairs of residues of different bodies with heavy atoms within 4.5 Å in the structure.
     pub native_contacts: usize,
-    /// The share of them that the placed bodies have; `None` if there are none.
+    /// Share of the native contacts that the placed bodies have; `None` if there are none.
     pub native_contacts_kept: Option<f64>,
     /// Copies that keep a shape of their own, and why.
     pub own_shapes: Vec<OwnShape>,
@@ -41,7 +41,7 @@ pub struct StructureAssembly {
     pub structure_warnings: Vec<String>,
     /// The full report on the selection of atoms, of the first file.
     pub selection: SelectionReport,
-    /// The same of further files.
+    /// The full reports on the selection of atoms, one for each further file.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub further_selections: Vec<SelectionReport>,
     /// Whether the assembly has a periodic box already.
@@ -56,19 +56,19 @@ pub struct StructureBody {
     pub file: PathBuf,
     /// The unit it was made from: a chain, joined chains, or a file.
     pub reference: String,
-    /// The units that are copies of it, the reference among them.
+    /// The units that are copies of the body, the reference among them.
     pub chains: Vec<String>,
     /// Root mean square distance of each copy from the reference, Å.
     pub rmsd_angstrom: Vec<f64>,
-    /// Its size and charge.
+    /// Size and charge of the body.
     #[serde(flatten)]
     pub measures: BodyMeasures,
-    /// Warnings about its surface.
+    /// Warnings about the surface of the body.
     pub warnings: Vec<String>,
 }
 
 impl StructureAssembly {
-    /// What a user should know before simulating it.
+    /// Warnings that a user should read before simulating the assembly.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for warning in self.structure_warnings.iter().chain(&self.proposals) {

@@ -119,7 +119,7 @@ pub(super) fn gaps_in_interfaces(files: &[File], units: &[NamedUnit]) -> Vec<Str
     )]
 }
 
-/// The first of a list, and how many more there are.
+/// The first items of a list, and the number of further ones.
 pub(super) fn shortened(list: &[String]) -> String {
     match list.len() {
         0..=MOST_LISTED => list.join(", "),
@@ -136,7 +136,7 @@ fn positions(unit: &Unit) -> Vec<Vec3> {
     atoms.map(|atom| atom.position).collect()
 }
 
-/// How many of some points are within a distance of any of others.
+/// Number of `points` within a distance of any of `others`.
 fn count_within(points: &[Vec3], others: &[Vec3], distance_angstrom: f64) -> usize {
     let Some((low, high)) = bounds(points) else {
         return 0;

@@ -47,8 +47,8 @@ pub(super) struct NamedUnit {
     pub unit: Unit,
 }
 
-/// What becomes a body: each chain of one file, and each of several files as a whole; or what the user
-/// stated, with the chains of no stated body each on its own.
+/// The units that become bodies: each chain of a single file, or each of several files as a whole;
+/// or the bodies that the user stated, and each chain of no stated body by itself.
 pub(super) fn units(files: &[File], stated: &[ChainNames]) -> Result<Vec<NamedUnit>> {
     if !stated.is_empty() {
         return stated_units(files, stated);

@@ -30,7 +30,7 @@ use shapes::Placed;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Whether copies of a unit have one shape.
+/// Shapes of the copies of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum CopyShapes {
     /// Shape of the reference, unless a copy differs from it and would overlap another body or lose contacts
@@ -41,10 +41,10 @@ pub enum CopyShapes {
     Shared,
 }
 
-/// How a structure is decomposed into bodies.
+/// Settings for the decomposition of a structure into bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureSettings {
-    /// How bodies are made.
+    /// Settings with which bodies are made.
     pub body: BodySettings,
     /// Chains that make up one body; the others are a body each.
     pub joined: Vec<ChainNames>,
@@ -296,7 +296,7 @@ fn overlap_message(
     message
 }
 
-/// What is hard of the atoms of a unit, in the frame of its body.
+/// Atoms of the hard core of a unit, in the frame of its body.
 fn core_atoms(unit: &Unit, settings: &BodySettings) -> CoreAtoms {
     let origin = protomer_body::assembly::native_contacts::centroid(unit);
     let surface = &settings.surface;

@@ -24,13 +24,14 @@ const LEAST_CONTACTS_KEPT: f64 = 0.95;
 pub struct OwnShape {
     /// Name of the copy.
     pub copy: String,
-    /// The reference whose shape it would share.
+    /// The reference whose shape the copy would share otherwise.
     pub reference: String,
     /// Root mean square distance from the reference, Å.
     pub rmsd_angstrom: f64,
-    /// What it would overlap then.
+    /// Bodies that the copy would overlap with the shape of the reference.
     pub would_overlap: Vec<String>,
-    /// How many of its native residue contacts it would lose then; 0 where it would overlap.
+    /// Number of native residue contacts that the copy would lose with the shape of the reference;
+    /// 0 where it would overlap.
     pub would_lose_contacts: usize,
 }
 

@@ -166,7 +166,7 @@ fn row(chain: char, [x, y, z]: [f64; 3]) -> String {
     atoms.collect()
 }
 
-/// What is made of texts, one file each.
+/// Assembles a structure from texts, one file each.
 fn made(
     texts: &[String],
     settings: &StructureSettings,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Half the width and half the height of the barrel without its bumps, Å.
 const HALF_WIDTH_ANGSTROM: f64 = 12.5;
 const HALF_HEIGHT_ANGSTROM: f64 = 19.5;
-/// Bumps and dents: how many, how high at most (Å), and how far they reach (1 - cosine of the
+/// Bumps and dents: their number, their largest height (Å), and their reach (1 - cosine of the
 /// angle).
 const BUMPS: usize = 60;
 const BUMP_HEIGHT_ANGSTROM: f64 = 2.5;

@@ -12,8 +12,9 @@ use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges};
 use protomer_mc::{Interaction, Settings, Simulation, System};
 use protomer_results::Interrupt;
 
-/// Rates are measured over at least this many moves where moves are cheap (what overlap tests
-/// remember fills up at first), and over so many times the direct sum's where they are not.
+/// Least number of moves over which a rate is measured (what overlap tests remember fills up at
+/// first); where moves are not cheap, at most `MOST_TIMES_THE_DIRECT_SUM` times those of the direct
+/// sum.
 const FEWEST_CHEAP_MOVES: u64 = 320;
 const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
 
@@ -24,15 +25,15 @@ pub(super) struct Prepared {
     yukawa: Yukawa,
     energy: EnergyMode,
     tolerance_kt: f64,
-    /// Of the modes that have tables.
+    /// Model of energies by levels, for the modes that have tables.
     levels: Option<Levels>,
-    /// Of the mode with cells, which its copies share.
+    /// Model of energies with proven bounds, for the mode with cells, which its copies share.
     certified: Option<Certified>,
     /// Processor time of the tables, all threads together, s.
     pub(super) setup_seconds: f64,
 }
 
-/// What moves took.
+/// Measurement of a number of moves.
 #[derive(Debug, Clone)]
 pub(super) struct Timing {
     pub(super) moves: u64,
@@ -98,7 +99,7 @@ impl Prepared {
         prepared.unwrap_or_else(|| Levels::for_system(self.yukawa, &self.system))
     }
 
-    /// The same of energies with proven bounds.
+    /// A model of energies with proven bounds, with the prepared cells if this mode has them.
     fn certified(&self) -> Certified {
         let prepared = self.certified.clone();
         prepared.unwrap_or_else(|| Certified::for_system(self.yukawa, &self.system))
@@ -160,7 +161,7 @@ impl Prepared {
         self.time_with(&mut || self.model(), moves, seconds, seed, interrupt)
     }
 
-    /// As [`Prepared::time`], with a model of the caller's for each run.
+    /// Variant of [`Prepared::time`] with a model of the caller's for each run.
     pub(super) fn time_with(
         &self,
         model: &mut dyn FnMut() -> Box<dyn EnergyModel>,

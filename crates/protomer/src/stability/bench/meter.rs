@@ -8,14 +8,14 @@ use protomer_mc::system::{System, Trial};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// What was read in a simulation so far.
+/// Readings of a simulation so far.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Readings {
     /// Decisions that the coarse level settled.
     pub(super) settled: Decisions,
     /// Decisions that asked for finer levels.
     pub(super) refined: Decisions,
-    /// Taking over or dropping the energies of a move.
+    /// Time to take over or drop the energies of moves.
     pub(super) keeping: Duration,
 }
 
@@ -84,7 +84,7 @@ impl Metered {
     }
 }
 
-/// What a model has done so far.
+/// Counts of a model so far: refined decisions, and energies at the coarse level.
 struct Counts {
     refined: u64,
     coarse: u64,

@@ -35,12 +35,12 @@ use protomer_mc::{Settings, Simulation};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// What is timed.
+/// Settings of [`bench()`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BenchSettings {
-    /// Trial moves.
+    /// Number of trial moves.
     pub moves: u64,
-    /// How energies are computed; where `None`, the fastest way that decides as the direct sum.
+    /// Mode of the energies; if `None`, the fastest one with the decisions of the direct sum.
     pub energy: Option<EnergyMode>,
     /// Largest error of the energy of two bodies, kT, of approximate energies; the usual one where
     /// `None`.
@@ -48,7 +48,7 @@ pub struct BenchSettings {
     /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
     /// the bodies themselves.
     pub effective_charges: Option<SoluteModel>,
-    /// What acts beside the charges.
+    /// Terms of the energy beside the charges.
     pub terms: FurtherTerms,
     /// Seed of the random numbers.
     pub seed: u64,
@@ -73,16 +73,17 @@ impl Default for BenchSettings {
     }
 }
 
-/// What [`bench()`] measures.
+/// Result of [`bench()`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BenchResult {
-    /// How energies were computed.
+    /// Mode of the energies.
     pub energy: EnergyMode,
-    /// What is summed at which distance.
+    /// Cut-off of the interaction, in words.
     pub definition: String,
-    /// What makes the decisions those of the direct sum.
+    /// Basis of the claim that the decisions are those of the direct sum.
     pub promise: Promise,
-    /// What decisions by levels rest on.
+    /// Number of decisions that each level made, and the calibration of the levels if they have
+    /// one.
     #[serde(flatten)]
     pub levels: Option<LevelReport>,
     /// Trial moves made.
@@ -106,7 +107,7 @@ pub struct BenchResult {
     /// The medium.
     #[serde(flatten)]
     pub interaction: ScreenedCoulomb,
-    /// Each kind of body, where its effective charges interact.
+    /// Effective charges of each kind of body, where they interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
 }
@@ -129,7 +130,7 @@ impl Answer for BenchResult {
     }
 }
 
-/// So many that the set-up of energies does not count.
+/// Number of moves so large that the set-up of energies does not count.
 const MANY_MOVES: f64 = 1e12;
 
 /// Makes the moves and measures them.

@@ -14,19 +14,19 @@ use std::sync::Arc;
 pub const CLUSTER_BODIES: usize = 16;
 /// Box of the cluster, Å.
 const CLUSTER_BOX_ANGSTROM: f64 = 600.0;
-/// From how far a body comes in, Å, and in which steps it does.
+/// Distance from which a body comes in, Å, and length of its steps.
 const FROM_ANGSTROM: f64 = 140.0;
 const STEP_ANGSTROM: f64 = 1.0;
-/// Ways in that a body tries; it takes the one that leads it nearest to the middle.
+/// Number of ways in that a body tries; it takes the one that leads it nearest to the middle.
 const WAYS: usize = 24;
 /// Rounds of shaking, in which every body tries a small move towards the middle.
 const SHAKES: usize = 300;
-/// How far a body turns in a shake for each Å it moves, rad.
+/// Largest turn of a body in a shake for each Å of its largest displacement, rad.
 const RAD_PER_ANGSTROM: f64 = 0.1;
-/// In the end all places are drawn apart by this factor, so that neighbours have about a tenth of
+/// Factor by which all places are drawn apart in the end, so that neighbours have about a tenth of
 /// an Å between them.
 const LOOSENED: f64 = 1.004;
-/// Places tried for each body of a spread state.
+/// Largest number of places tried for each body of a spread state.
 const MOST_PLACES: u32 = 10_000;
 
 /// Sixteen bodies of alternating kinds, each close to contact with its neighbours, none
@@ -57,7 +57,7 @@ pub fn cluster(types: &[Arc<BodyType>], seed: u64) -> Result<System> {
     system(types, &bodies, CLUSTER_BOX_ANGSTROM)
 }
 
-/// Where a body comes to rest on its way to the middle from a random direction, in a random
+/// Pose in which a body comes to rest on its way to the middle from a random direction, in a random
 /// orientation.
 fn way_in(
     types: &[Arc<BodyType>],
@@ -78,8 +78,8 @@ fn way_in(
     at(distance)
 }
 
-/// Every body tries one small move (of at most `step` Å, and in proportion rad) and takes it if it
-/// leads towards the middle.
+/// Lets every body try one small move (of at most `step` Å, and in proportion rad), which it takes
+/// if that leads towards the middle.
 fn shake(types: &[Arc<BodyType>], bodies: &mut [(usize, Pose)], step: f64, rng: &mut CounterRng) {
     for index in 0..bodies.len() {
         let (kind, old) = bodies[index];

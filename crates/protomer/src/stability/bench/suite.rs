@@ -28,7 +28,7 @@ use std::time::Instant;
 pub enum Part {
     /// Moves per CPU-second of each energy mode against the number of charges.
     Charges,
-    /// What a move with energies by levels is made of.
+    /// Parts of a move with energies by levels.
     Parts,
     /// Cost of a move against the number of bodies, at the same density.
     Bodies,
@@ -41,7 +41,7 @@ impl Part {
     pub const ALL: [Part; 4] = [Part::Charges, Part::Parts, Part::Bodies, Part::Threads];
 }
 
-/// How much is measured.
+/// Settings of the benchmark without an assembly.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SuiteSettings {
     /// The parts to run.
@@ -54,8 +54,8 @@ pub struct SuiteSettings {
     pub few_charges: usize,
     /// Numbers of threads.
     pub threads: Vec<usize>,
-    /// Trial moves that the direct sum makes and that are hashed; by the number of charges where
-    /// `None`.
+    /// Trial moves that the direct sum makes and that are hashed; if `None`, chosen by the number
+    /// of charges.
     pub moves: Option<u64>,
     /// Moves of a replica in the part on threads: hard bodies, calibrated energies, approximate
     /// energies.
@@ -174,7 +174,7 @@ pub fn run_suite(
     Ok(result)
 }
 
-/// What the parts share.
+/// Data that the parts share.
 struct Suite<'a> {
     settings: &'a SuiteSettings,
     yukawa: Yukawa,
@@ -200,7 +200,7 @@ impl Suite<'_> {
         cluster(&self.kinds(charges)?, self.settings.seed)
     }
 
-    /// The cluster with what this mode needs.
+    /// Prepares the cluster for an energy mode.
     fn prepared(&self, charges: usize, energy: EnergyMode) -> Result<Prepared> {
         self.prepared_from(&self.cluster(charges)?, energy)
     }
@@ -215,7 +215,7 @@ impl Suite<'_> {
         )
     }
 
-    /// Before anything is measured.
+    /// Checks, before anything is measured, that the cluster has room for the interaction.
     fn check_room(&self) -> Result<()> {
         let system = self.cluster(self.settings.few_charges)?;
         require_room(&system, &DirectSum::new(self.yukawa))
@@ -397,9 +397,9 @@ impl Suite<'_> {
     }
 }
 
-/// The time outside the energy model is the overlap test's and that of proposing and finding
-/// neighbours. Shares are told by the wall clock within the run and applied to its processor time,
-/// which other work on the machine does not lengthen.
+/// Row of the parts of a move. The time outside the energy model is that of the overlap test and of
+/// proposing and finding neighbours. Shares are told by the wall clock within the run and applied
+/// to its processor time, which other work on the machine does not lengthen.
 fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     let moves = timing.moves as f64;
     let move_microseconds = 1e6 / timing.moves_per_cpu_second();
@@ -424,7 +424,7 @@ fn parts_row(charges: usize, timing: &Timing, readings: &Readings) -> PartsRow {
     }
 }
 
-/// How many other bodies have their origin within the range (Å), on average over the bodies.
+/// Number of other bodies with their origin within the range (Å), on average over the bodies.
 fn mean_neighbours(system: &System, range_angstrom: f64) -> f64 {
     let near = |first: usize, second: &usize| {
         system.pair(first, *second).displacement.norm_squared() < range_angstrom * range_angstrom
@@ -435,7 +435,7 @@ fn mean_neighbours(system: &System, range_angstrom: f64) -> f64 {
     2.0 * pairs as f64 / system.len() as f64
 }
 
-/// What all replicas took together.
+/// Times and decisions of all replicas together.
 struct Replicas {
     wall_seconds: f64,
     cpu_seconds: f64,

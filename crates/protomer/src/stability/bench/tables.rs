@@ -10,13 +10,13 @@ use serde::Serialize;
 pub struct RateRow {
     /// Charges per body.
     pub charges: usize,
-    /// How energies were computed.
+    /// Mode of the energies.
     pub energy: EnergyMode,
     /// Moves timed.
     pub moves: u64,
     /// Moves per second of processor time.
     pub moves_per_cpu_second: f64,
-    /// The same in units of the direct sum's.
+    /// Moves per second of processor time, in units of those of the direct sum.
     pub speed_up: Option<f64>,
     /// Accepted fraction.
     pub acceptance: f64,
@@ -26,15 +26,15 @@ pub struct RateRow {
     pub memory_bytes: usize,
     /// The largest bound of a pair energy's error that was used, kT; zero for sums.
     pub error_bound_kt_per_pair: f64,
-    /// How many decisions the hash is over.
+    /// Number of decisions in the hash.
     pub decisions: u64,
     /// SHA-256 of the first decisions, a byte 1 or 0 each.
     pub decisions_sha256: String,
-    /// Whether these are the decisions of the direct sum.
+    /// Whether the decisions are those of the direct sum.
     pub decides_as_direct: Option<bool>,
 }
 
-/// What a trial move with energies by levels is made of.
+/// Parts of a trial move with energies by levels.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PartsRow {
     /// Charges per body.
@@ -43,19 +43,19 @@ pub struct PartsRow {
     pub moves: u64,
     /// Processor time of a move, µs.
     pub move_microseconds: f64,
-    /// Of it: proposing, finding neighbours and the overlap test.
+    /// Time to propose a move, find neighbours and test for overlaps, µs.
     pub overlap_microseconds: f64,
-    /// Of it: coarse energies, and decisions by them.
+    /// Time for coarse energies, and decisions by them, µs.
     pub coarse_microseconds: f64,
-    /// Of it: finer levels for decisions that the coarse one left open.
+    /// Time for finer levels where the coarse one left a decision open, µs.
     pub refinement_microseconds: f64,
-    /// Of it: keeping the energies of accepted moves, dropping those of rejected ones.
+    /// Time to keep the energies of accepted moves and drop those of rejected ones, µs.
     pub keeping_microseconds: f64,
     /// Fraction of the moves that reached the energies, the others being stopped by an overlap.
     pub decided_by_energy: f64,
-    /// Intervals per move.
+    /// Pair energies at the coarse level per move.
     pub coarse_energies_per_move: f64,
-    /// Fraction of the energy decisions that needed direct sums.
+    /// Fraction of the energy decisions that needed finer levels.
     pub refined: f64,
 }
 
@@ -66,7 +66,7 @@ pub struct BodiesRow {
     pub bodies: usize,
     /// Edge of the periodic cube, Å.
     pub box_angstrom: f64,
-    /// How energies were computed.
+    /// Mode of the energies.
     pub energy: EnergyMode,
     /// Other bodies within the range of the interaction (of the surfaces, for hard bodies), on
     /// average.
@@ -75,14 +75,14 @@ pub struct BodiesRow {
     pub moves: u64,
     /// Processor time of a move, µs.
     pub move_microseconds: f64,
-    /// The same per neighbour, µs.
+    /// Processor time of a move per neighbour, µs.
     pub microseconds_per_neighbour: f64,
 }
 
 /// Independent replicas on some threads.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ThreadsRow {
-    /// How energies were computed.
+    /// Mode of the energies.
     pub energy: EnergyMode,
     /// Threads.
     pub threads: usize,
@@ -94,7 +94,7 @@ pub struct ThreadsRow {
     pub wall_seconds: f64,
     /// Processor time of all threads, s.
     pub cpu_seconds: f64,
-    /// Wall-clock time of the first row of this mode over this one's.
+    /// Wall-clock time of the first row of this mode over that of this row.
     pub speed_up: f64,
     /// SHA-256 of the decisions of all replicas: the same on any number of threads.
     pub decisions_sha256: String,
@@ -111,14 +111,14 @@ pub struct SuiteResult {
     pub machine_threads: usize,
     /// Seed of bodies, states and moves.
     pub seed: u64,
-    /// Whether it ran to its end; otherwise rows are missing.
+    /// Whether the benchmark ran to its end; otherwise rows are missing.
     pub complete: bool,
     /// The medium.
     #[serde(flatten)]
     pub interaction: ScreenedCoulomb,
     /// Moves per CPU-second of each energy mode.
     pub charges: Vec<RateRow>,
-    /// What a move is made of.
+    /// Parts of a move.
     pub parts: Vec<PartsRow>,
     /// Cost of a move against the number of bodies.
     pub bodies: Vec<BodiesRow>,
@@ -163,7 +163,7 @@ impl Answer for SuiteResult {
     }
 }
 
-/// A titled table; none without rows.
+/// A titled table; `None` without rows.
 fn section(
     title: &str,
     heading: &[&str],
@@ -292,7 +292,7 @@ impl ThreadsRow {
     }
 }
 
-/// Three figures.
+/// A number with three significant figures.
 fn figures(value: f64) -> String {
     let digits = if value.is_finite() && value > 0.0 {
         2 - value.log10().floor() as i32

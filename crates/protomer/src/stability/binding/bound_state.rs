@@ -20,7 +20,7 @@ const SAME_POSE_ANGSTROM: f64 = 2.0;
 const MISSED_KT: f64 = 1.0;
 /// Fewest poses, by weight, that a constant may rest on.
 const FEWEST_POSES: f64 = 20.0;
-/// With a larger share of the state near its limit, the limit decides.
+/// Largest share of the state near its limit; with more, the limit decides.
 const MOST_AT_LIMIT: f64 = 0.1;
 
 /// The bound state about the pose at one pH and the first salt.

@@ -26,7 +26,7 @@ pub(super) struct FastInteraction {
     settings: RunSettings,
 }
 
-/// The same bodies in one medium.
+/// Two bodies prepared for the interaction of simulations, in one medium.
 pub(super) struct FastMedium {
     engine: Engine,
     settings: RunSettings,
@@ -35,7 +35,7 @@ pub(super) struct FastMedium {
 
 /// The energy of a pose.
 pub(super) struct FastEnergy {
-    /// Its terms, kT.
+    /// Terms of the energy, kT.
     pub terms_kt: BTreeMap<&'static str, f64>,
 }
 
@@ -142,7 +142,8 @@ impl FastMedium {
             .body_pair(&self.interaction, gap_angstrom, false)
     }
 
-    /// The same without the response of the solvent, with tables of the charges for many energies.
+    /// The bodies and what acts between them without the response of the solvent, with tables of
+    /// the charges for many energies.
     ///
     /// # Errors
     /// If the charges have no screening.

@@ -19,7 +19,7 @@ pub(super) struct Inputs {
     settings: BodySettings,
     /// The pH values; `None` for the charges of the files.
     pub ph: Vec<Option<f64>>,
-    /// What a user should know of the files.
+    /// Warnings about the files.
     pub warnings: Vec<String>,
 }
 
@@ -174,7 +174,7 @@ fn read_file(path: &Path, settings: &BodySettings, warnings: &mut Vec<String>) -
 }
 
 impl File {
-    /// Names of its chains.
+    /// Names of the chains of the file.
     fn chains(&self) -> Vec<String> {
         match self {
             File::Structure { selection, .. } => chains_of(selection),
@@ -190,7 +190,7 @@ impl File {
         }
     }
 
-    /// A body of some of its chains.
+    /// A body of some chains of the file.
     fn input(&self, group: &ChainGroup, name: &str) -> Input {
         let name = name.to_owned();
         match self {
@@ -263,7 +263,7 @@ fn groups(
     Ok(groups)
 }
 
-/// One file whose chains do not say which two bodies are meant.
+/// Error for one file whose chains do not say which two bodies are meant.
 fn unclear(chains: &[String]) -> anyhow::Error {
     match chains {
         [] | [_] => anyhow::anyhow!(
@@ -277,7 +277,7 @@ fn unclear(chains: &[String]) -> anyhow::Error {
     }
 }
 
-/// Names of the bodies: of the file, with the chains where both are from one.
+/// Names of the bodies: that of the file, with the chains where both are from one.
 fn names(paths: &[&Path], groups: &[ChainGroup]) -> Vec<String> {
     let name = |group: &ChainGroup| {
         let stem = stem(paths[group.file]);

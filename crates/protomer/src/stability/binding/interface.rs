@@ -19,12 +19,13 @@ const FARTHEST_ANGSTROM: f64 = 10.0;
 /// Atoms of two molecules that are nearer than this are in conflict, Å: a hydrogen bond has 2.5 Å, a
 /// disulfide 2.05 Å.
 const CONFLICT_ANGSTROM: f64 = 2.0;
-/// With more of the atoms of the smaller body in conflict, one body is within the other.
+/// Largest share of the atoms of the smaller body in conflict; with more, one body is within the
+/// other.
 const MOST_IN_CONFLICT: f64 = 0.05;
 /// Residues that a warning names.
 const MOST_NAMED: usize = 12;
 
-/// Where two bodies meet.
+/// Interface of two bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Interface {
     /// Distance of the closest heavy atoms, Å.
@@ -33,7 +34,7 @@ pub(super) struct Interface {
     pub nearest_angstrom: BTreeMap<(u32, u32), f64>,
     /// Residues of each body at the interface.
     pub near: [BTreeSet<u32>; 2],
-    /// What a user should know.
+    /// Warnings about the interface.
     pub warnings: Vec<String>,
 }
 
@@ -143,7 +144,7 @@ impl Interface {
         }
     }
 
-    /// Names what is at the interface and no amino acid.
+    /// Warns of residues at the interface that are no amino acids.
     fn warn_of_residues_without_scale(&mut self, partners: &Partners) {
         let mut names = BTreeSet::new();
         for (body, near) in partners.bodies.iter().zip(&self.near) {
@@ -164,7 +165,7 @@ impl Interface {
         }
     }
 
-    /// Names residues at the interface that lack atoms.
+    /// Warns of residues at the interface that lack atoms.
     fn warn_of_missing_atoms(&mut self, partners: &Partners) {
         let mut names = Vec::new();
         for side in 0..2 {

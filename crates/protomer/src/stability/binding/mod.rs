@@ -94,7 +94,7 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
     Ok(End::Finished(found))
 }
 
-/// Why the solves ended early.
+/// Reasons for an early end of the solves.
 enum Early {
     Stopped,
     Failed(FieldError),

@@ -39,14 +39,14 @@ pub struct Binding {
     /// Slope d ln K / d ln c of the association constant with the salt concentration at the first pH,
     /// from the charge part alone; null with a single salt.
     pub d_ln_k_d_ln_salt: Option<f64>,
-    /// Its expected error from the grids.
+    /// Expected error of the slope from the grids.
     pub d_ln_k_d_ln_salt_error: Option<f64>,
-    /// Each pH with each salt.
+    /// Results at each pH with each salt.
     pub conditions: Vec<BindingCondition>,
     /// The bound state at each pH and the first salt.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub bound_states: Vec<BoundStateSummary>,
-    /// The slope at each pH.
+    /// Slope at each pH.
     pub slopes: Vec<SlopeAtPh>,
     /// Exchanges of charge at the interface, at the first salt.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -60,22 +60,22 @@ pub struct Binding {
     pub ion_radius_angstrom: f64,
     /// The fine grid.
     pub grid: Option<Grid>,
-    /// What a user should know of these numbers.
+    /// Warnings about the results.
     pub warnings: Vec<String>,
 }
 
 /// One of the two bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BoundBody {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// The file.
+    /// File of the body.
     pub file: String,
-    /// Names of its chains.
+    /// Names of the chains of the body.
     pub chains: Vec<String>,
-    /// Atoms.
+    /// Number of atoms.
     pub atoms: usize,
-    /// Residues.
+    /// Number of residues.
     pub residues: usize,
     /// Net charge at the first pH, e.
     pub net_charge_e: f64,
@@ -91,15 +91,15 @@ pub struct BindingCondition {
     /// Charge part of the binding free energy by the Poisson-Boltzmann equation, kT: at the first salt
     /// from the fine grid, at the others with the extrapolated effect of the salt.
     pub poisson_boltzmann_kt: f64,
-    /// Its expected error from the grids, kT.
+    /// Expected error of `poisson_boltzmann_kt` from the grids, kT.
     pub error_kt: f64,
-    /// Its difference from that at the first salt, kT.
+    /// Difference of `poisson_boltzmann_kt` from that at the first salt, kT.
     pub salt_effect_kt: f64,
-    /// The expected error of the difference from the grids, kT.
+    /// Expected error of `salt_effect_kt` from the grids, kT.
     pub salt_effect_error_kt: f64,
     /// Calibrated estimate of the standard binding free energy at 1 M, kcal/mol.
     pub delta_g_kcal_per_mol: f64,
-    /// Error of that estimate in the calibration, kcal/mol.
+    /// Error of `delta_g_kcal_per_mol` in the calibration, kcal/mol.
     pub delta_g_error_kcal_per_mol: f64,
     /// log₁₀ of the dissociation constant in mol/L that the energies of the model give by integration over the
     /// poses around the given one; null if it was not requested, or nothing has room there.
@@ -108,40 +108,41 @@ pub struct BindingCondition {
     pub log10_kd_error: Option<f64>,
     /// Energy of the fast interaction for the same pose, kT.
     pub energy_kt: f64,
-    /// The same by terms, kT.
+    /// Energy of the fast interaction by terms, kT.
     pub terms_kt: BTreeMap<&'static str, f64>,
 }
 
-/// The slope at one pH.
+/// Slope d ln K / d ln c at one pH.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlopeAtPh {
     /// pH; null where the files have charges of their own.
     pub ph: Option<f64>,
     /// d ln K / d ln c of the association constant; null with a single salt.
     pub d_ln_k_d_ln_salt: Option<f64>,
-    /// Its expected error from the grids.
+    /// Expected error of the slope from the grids.
     pub d_ln_k_d_ln_salt_error: Option<f64>,
 }
 
-/// What one exchange of charge would change.
+/// Effect of one exchange of charge.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExchangeRow {
     /// pH.
     pub ph: Option<f64>,
-    /// Which residue.
+    /// Name of the residue.
     #[serde(flatten)]
     pub name: ResidueName,
-    /// Such as `A:K15E`.
+    /// Name of the exchange, such as `A:K15E`.
     pub mutation: String,
-    /// What happens to its charge.
+    /// Kind of the exchange.
     pub change: Change,
-    /// By how much the charge changes, e.
+    /// Change of the charge of the residue, e.
     pub charge_change_e: f64,
     /// Change of the charge part of the binding free energy, kT; positive where it weakens the complex.
     pub energy_change_kt: f64,
-    /// The part that is linear in the change of charge, kT.
+    /// Part of the energy change that is linear in the change of charge, kT.
     pub first_order_kt: f64,
-    /// The quadratic part, kT: what the charge itself loses by the solvent that the partner displaces.
+    /// Part of the energy change that is quadratic in the change of charge, kT: what the charge
+    /// itself loses by the solvent that the partner displaces.
     pub second_order_kt: f64,
 }
 
@@ -168,7 +169,7 @@ impl Binding {
         }
     }
 
-    /// What does not depend on the conditions.
+    /// Adds what does not depend on the conditions.
     pub(super) fn describe(
         &mut self,
         partners: &Partners,
@@ -201,7 +202,7 @@ impl Binding {
         Ok(())
     }
 
-    /// The energies at one pH.
+    /// Adds the energies at one pH.
     pub(super) fn add(
         &mut self,
         ph: Option<f64>,
@@ -276,7 +277,7 @@ impl Binding {
         }
     }
 
-    /// What follows from all conditions.
+    /// Adds what follows from all conditions.
     pub(super) fn finish(&mut self) {
         if let Some(first) = self.slopes.first() {
             self.d_ln_k_d_ln_salt = first.d_ln_k_d_ln_salt;

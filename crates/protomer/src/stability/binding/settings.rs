@@ -17,15 +17,15 @@ use std::path::PathBuf;
 pub struct BindingSettings {
     /// Structure, PQR or body file of the receptor, or of the whole complex.
     pub receptor: PathBuf,
-    /// That of the ligand, in the same frame.
+    /// Structure, PQR or body file of the ligand, in the frame of the receptor.
     pub ligand: Option<PathBuf>,
     /// The chains of the two bodies; empty for a file each, or for the two chains of one file.
     pub bodies: Vec<ChainNames>,
     /// The model that says which bodies are made and how charges interact, for the energy of simulations.
     pub model: Model,
-    /// Attraction between residues, for the same energy.
+    /// Attraction between residues, for the energy of simulations.
     pub contacts: Option<ContactTerm>,
-    /// Which atoms of structure files to use.
+    /// Selection of the atoms of structure files.
     pub selection: SelectionSettings,
     /// pH values at which structure files are charged; the usual one if empty.
     pub ph: Vec<f64>,

@@ -101,15 +101,15 @@ pub fn require_electrolyte(interaction: &ScreenedCoulomb, choice: &str) -> Resul
     Ok(())
 }
 
-/// What effective charges stand for one kind of body in one medium.
+/// Effective charges of one kind of body in one medium.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EffectiveBody {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
     /// Sum of the charges of the body, e.
     pub net_charge_e: f64,
-    /// The charge it looks like from afar, on average over directions, e; null where that is an
-    /// extrapolation too far ([`EffectiveCharges::charge_from_afar_e`]).
+    /// Charge that the body looks like from afar, on average over directions, e; null where that is
+    /// an extrapolation too far ([`EffectiveCharges::charge_from_afar_e`]).
     pub net_effective_charge_e: Option<f64>,
     /// Number of effective charges.
     pub effective_charges: usize,
@@ -118,13 +118,13 @@ pub struct EffectiveBody {
     pub relative_residual: f64,
     /// Condition of the regularised equations of the fit.
     pub condition: f64,
-    /// What to do about a bad fit.
+    /// Warning about a bad fit, and what to do.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }
 
 impl EffectiveBody {
-    /// These effective charges of a body.
+    /// Summary of the effective charges of a body.
     pub fn new(body: &Body, charges: &EffectiveCharges) -> Self {
         Self {
             name: body.name.clone(),
@@ -137,7 +137,7 @@ impl EffectiveBody {
         }
     }
 
-    /// One line that says what stands for the body.
+    /// Description of the effective charges in one line.
     pub fn describe(&self) -> String {
         let from_afar = match self.net_effective_charge_e {
             Some(charge_e) => format!("which looks like {charge_e:+.2} e from afar"),

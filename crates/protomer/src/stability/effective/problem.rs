@@ -11,8 +11,8 @@ use protomer_field::{ChargedSphere, DielectricModel};
 use protomer_io::atomic::sha256_hex;
 use std::fmt::Write;
 
-/// Part of every key: another way of fitting makes other charges. To be raised with every change of
-/// `protomer_field` that moves them.
+/// Version of the fit, part of every key: another way of fitting makes other charges. To be raised
+/// with every change of `protomer_field` that moves them.
 const VERSION: &str = "effective charges 1";
 
 /// A body in a medium that has effective charges.

@@ -37,7 +37,7 @@ pub fn run_warning(system: &System, run: &RunSettings, mean_contacts: f64) -> Op
     })
 }
 
-/// What is wrong with energies of surfaces that are too near.
+/// Warning about the energies of surfaces that are too near.
 pub(crate) fn out_of_range(surfaces: &str, has_desolvation: bool) -> String {
     let near = format!("{surfaces} are nearer than {LEAST_GAP_ANGSTROM} Å");
     warning_that(&near, has_desolvation)

@@ -28,8 +28,8 @@ const DIGITS: usize = 64;
 /// Bytes of a number.
 const NUMBER: usize = 8;
 
-/// Where effective charges come from. Whoever asks for the same ones shares them; who asks while
-/// they are being fitted waits.
+/// Store of effective charges. Whoever asks for the same ones shares them; who asks while they are
+/// being fitted waits.
 ///
 /// ```no_run
 /// use protomer::bodies::body_file;
@@ -48,7 +48,8 @@ const NUMBER: usize = 8;
 #[derive(Debug, Default)]
 pub struct EffectiveStore {
     disk: Option<Disk>,
-    /// By the hash of what they are made of. Held while one is fitted: a fit uses all threads.
+    /// Fitted charges by the hash of what they are made of. Held while one is fitted: a fit uses
+    /// all threads.
     made: Mutex<HashMap<String, Arc<EffectiveCharges>>>,
     fitted: AtomicUsize,
 }
@@ -57,13 +58,14 @@ pub struct EffectiveStore {
 struct Disk {
     cache: DiskCache,
     warn: fn(&str),
-    /// A folder that took no entry takes none of the others: said once.
+    /// Whether the folder has refused an entry: it takes none of the others, and is warned of once.
     refused: AtomicBool,
 }
 
 impl EffectiveStore {
-    /// The same store, which looks on the disk first and keeps there what it fits. That an entry
-    /// cannot be used or written stops nothing: `warn` is told, and the charges are fitted.
+    /// The same store with a cache on the disk, where it looks first and keeps what it fits. An
+    /// entry that cannot be used or written stops nothing: `warn` is told, and the charges are
+    /// fitted.
     pub fn with_cache(self, cache: DiskCache, warn: fn(&str)) -> Self {
         let disk = Some(Disk {
             cache,
@@ -73,7 +75,7 @@ impl EffectiveStore {
         Self { disk, ..self }
     }
 
-    /// How many fits were made here, because neither memory nor disk had them.
+    /// Number of fits that were made here, because neither memory nor disk had them.
     pub fn fitted(&self) -> usize {
         self.fitted.load(Ordering::Relaxed)
     }
@@ -114,7 +116,7 @@ impl EffectiveStore {
     }
 }
 
-/// Does work that waits for nobody. A thread of the common pool that waits for its share of a fit
+/// Does work on threads of its own. A thread of the common pool that waits for its share of a fit
 /// would meanwhile begin another simulation, which may wait for this very fit.
 fn on_threads_of_its_own<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new()

@@ -42,7 +42,7 @@ pub struct Condition<'a> {
 /// An estimate in memory.
 pub struct State {
     estimator: Estimator,
-    /// What is found after the estimate.
+    /// Wells, searched for after the estimate.
     wells: Option<Wells>,
     pair: BodyPair,
     effective: Option<[EffectiveCharges; 2]>,
@@ -88,7 +88,7 @@ impl<'a> Condition<'a> {
         Arc::ptr_eq(&first.kind, &second.kind)
     }
 
-    /// How much is sampled here: an error of B₂₂ becomes one of B₂.
+    /// Settings of the sampling, with the error of B₂₂ as one of B₂.
     fn sampling(&self) -> Result<PairSettings> {
         let mut sampling = self.settings.sampling;
         if let Some(error) = self.settings.b22_error_mol_ml_per_g2 {

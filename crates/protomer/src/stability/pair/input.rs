@@ -62,7 +62,7 @@ impl PairBodies {
         Self::read_with(first, second, ph, &BodySettings::default())
     }
 
-    /// As [`PairBodies::read`], with these settings for structure files.
+    /// Reads like [`PairBodies::read`], with these settings for structure files.
     ///
     /// # Errors
     /// As [`PairBodies::read`].
@@ -139,7 +139,7 @@ impl PairBodies {
         bodies.map(|prepared| Arc::clone(&prepared.body)).collect()
     }
 
-    /// What [`PairBodies::of_results`] needs of a record.
+    /// Details of a record that [`PairBodies::of_results`] needs.
     pub(super) fn details(&self, directory: &Path) -> Value {
         let [first, second] = self.files.each_ref().map(|file| path_from(file, directory));
         json!({ FILES: first.zip(second).map(|(first, second)| [first, second]) })

@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// The file with the energies of residues at the bound poses of one condition.
 pub(super) const RESIDUES: &str = "residues.csv";
-/// Its columns.
+/// Columns of that file.
 const COLUMNS: [&str; 10] = [
     "pose",
     "body",
@@ -77,7 +77,7 @@ pub(super) fn to_csv(bodies: [&Body; 2], poses: &[ResidueEnergies]) -> Result<St
 /// The table of the residues of a condition, as its file has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidueTable {
-    /// Where it was read from.
+    /// Path that it was read from.
     pub path: String,
     /// The text of the file.
     pub csv: String,

@@ -51,20 +51,20 @@ pub struct ConditionResult {
     pub bjerrum_length_angstrom: f64,
     /// B₂ (B₁₂ of two different bodies), Å³.
     pub b2_angstrom3: f64,
-    /// Its standard error, Å³.
+    /// Standard error of B₂, Å³.
     pub b2_error_angstrom3: f64,
     /// B₂ of the surfaces alone, Å³.
     pub b2_hard_angstrom3: f64,
-    /// Its standard error, Å³.
+    /// Standard error of B₂ of the surfaces, Å³.
     pub b2_hard_error_angstrom3: f64,
     /// B₂ in the units of scattering experiments, mol mL/g²: N_A B₂/(M₁ M₂); null where the molar
     /// mass of a body is not known.
     pub b22_mol_ml_per_g2: Option<f64>,
-    /// Its standard error, mol mL/g².
+    /// Standard error of B₂₂, mol mL/g².
     pub b22_error_mol_ml_per_g2: Option<f64>,
     /// Dissociation constant of the poses in contact, mol/L; null if contacts are not favoured.
     pub kd_molar: Option<f64>,
-    /// Its standard error, mol/L.
+    /// Standard error of the dissociation constant, mol/L.
     pub kd_error_molar: Option<f64>,
     /// ∫ exp(-U) over poses in contact, Å³.
     pub association_volume_angstrom3: f64,
@@ -99,7 +99,7 @@ pub struct PoseResult {
     pub parts: EnergyParts,
     /// Position of the second body in the frame of the first, Å.
     pub position_angstrom: [f64; 3],
-    /// Its orientation, a quaternion, scalar first.
+    /// Orientation of the second body, a quaternion, scalar first.
     pub orientation_wxyz: [f64; 4],
     /// Share of its well in the association constant; null where wells were not integrated one by one.
     #[serde(default)]
@@ -112,7 +112,7 @@ pub struct PoseResult {
     pub log10_kd_error: Option<f64>,
 }
 
-/// How poses in contact become a constant of association.
+/// Conversion of integrals over poses in contact to constants of association.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Association {
     /// N/2 · N pairs of equal bodies stand for N · N of different ones.
@@ -142,7 +142,7 @@ pub struct PairPart {
     pub shard: usize,
     /// The number of parts.
     pub of: usize,
-    /// Its conditions.
+    /// Number of its conditions.
     pub conditions: usize,
 }
 

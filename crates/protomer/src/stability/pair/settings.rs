@@ -13,15 +13,15 @@ use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What acts between two bodies beside their surfaces.
+/// Interactions of two bodies in addition to their surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Energies {
-    /// Nothing.
+    /// No energy.
     Hard,
     /// The charges of the bodies, screened by salt.
     Bare,
-    /// Their effective charges: those that give the potential around bodies of low permittivity
+    /// Effective charges of the bodies: those that give the potential around bodies of low permittivity
     /// that salt does not enter.
     Effective,
     /// The charges of the bodies, and the response of the salt water that the bodies displace.
@@ -39,7 +39,7 @@ impl Energies {
     }
 }
 
-/// Everything that shapes the thermodynamics of a pair, beside the bodies.
+/// Everything that shapes the thermodynamics of a pair, apart from the bodies.
 ///
 /// ```
 /// use protomer::stability::pair::{Energies, PairRunSettings};
@@ -59,14 +59,14 @@ pub struct PairRunSettings {
     pub salt_molar: Vec<f64>,
     /// pH values at which structure files are made into bodies; none for body files.
     pub ph: Vec<f64>,
-    /// What acts between the bodies.
+    /// Interaction of the bodies.
     pub energies: Energies,
     /// Two bodies whose surfaces are closer than this are bound, Å.
     pub contact_gap_angstrom: f64,
-    /// How that gap is measured; `None` only in the settings of earlier versions.
+    /// Definition of that gap; `None` only in the settings of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_definition: Option<ContactDefinition>,
-    /// How much is sampled.
+    /// Settings of the sampling.
     pub sampling: PairSettings,
     /// The wanted standard error of B₂₂, mol mL/g², in the place of a relative one.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -173,7 +173,7 @@ impl PairRunSettings {
         self.energies == Energies::Hard && self.contacts.is_none()
     }
 
-    /// What acts beside the charges.
+    /// Terms in addition to the charges.
     pub(super) fn further_terms(&self) -> FurtherTerms {
         FurtherTerms {
             contacts: self.contacts,
@@ -189,7 +189,7 @@ impl PairRunSettings {
         name_of_terms(&self.further_terms(), has_own_charges, bodies)
     }
 
-    /// What keeps the bodies apart.
+    /// Core that keeps the bodies apart.
     pub(super) fn core(&self) -> Core {
         match self.contacts.map(|contacts| contacts.core) {
             Some(ContactCore::Beads) => Core::Energy,

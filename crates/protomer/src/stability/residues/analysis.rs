@@ -16,7 +16,7 @@ use rayon::prelude::*;
 /// Frames that are in memory together.
 const TOGETHER: usize = 16;
 
-/// What one frame gives.
+/// Results of one frame.
 struct Found {
     system: System,
     counts: bool,
@@ -82,7 +82,7 @@ pub fn analyse(
     Ok((averages, scanned))
 }
 
-/// What residues contribute with the charges of these bodies, and the terms of the medium.
+/// Contributions of residues with the charges of these bodies, and the terms of the medium.
 fn contributions(
     settings: &ResiduesSettings,
     at: &AtSalt,

@@ -20,7 +20,7 @@ const STRUCTURE: &str = "residues.cif";
 /// Ends of the scale of colours, kT.
 const LIMITS_KT: [f64; 8] = [0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0];
 
-/// Where files go; `None` for none.
+/// Folder of the files; `None` for none.
 fn folder(settings: &ResiduesSettings, run: &Run) -> Option<PathBuf> {
     let of_run = run.directory.as_ref().map(|run| run.join(FOLDER));
     settings.output.clone().or(of_run)

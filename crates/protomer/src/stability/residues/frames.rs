@@ -24,18 +24,18 @@ pub struct Run {
     pub settings: RunSettings,
     /// The directory of a run; `None` for an assembly.
     pub directory: Option<PathBuf>,
-    /// What the results are made from: the identity of the run, or the hash of the assembly.
+    /// Identity of the run, or hash of the assembly, from which the results are made.
     pub identity: String,
 }
 
 /// A salt concentration, and why it was chosen.
 pub struct ShownSalt {
     pub salt_molar: f64,
-    /// `None` if it was asked for, or is the only one.
+    /// Reason for the choice; `None` if the salt was asked for, or is the only one.
     pub why: Option<&'static str>,
 }
 
-/// What the sweep itself says.
+/// Answer of the sweep itself.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SweepAnswer {
     pub half_salt_molar: Option<f64>,
@@ -46,12 +46,13 @@ pub struct SweepAnswer {
 
 /// The frames at one salt concentration.
 pub struct AtSalt {
-    /// With the charges and the terms of this medium.
+    /// Engine with the charges and the terms of this medium.
     pub engine: Engine,
-    /// With the charges of the bodies themselves, where effective ones interact: energies of residues
-    /// are shared out by these.
+    /// Engine with the charges of the bodies themselves, where effective ones interact: energies of
+    /// residues are shared out by these.
     pub plain: Option<Engine>,
-    /// The frames that count; all if `None`.
+    /// Contacts of the assembly, if only frames count in which it holds; all frames count if
+    /// `None`.
     bound: Option<AssemblyContacts>,
     pub interaction: ScreenedCoulomb,
     /// Blocks of frames that follow each other.
@@ -264,7 +265,7 @@ impl Run {
         )
     }
 
-    /// How the mean energy of these frames rises with the logarithm of the salt, kT: from the same
+    /// Rise of the mean energy of these frames with the logarithm of the salt, kT: from the same
     /// frames at the neighbouring salts of the run. `None` for an assembly, and without salt.
     pub fn rise_with_salt_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<Option<f64>> {
         let salts = self.salts();

@@ -7,7 +7,8 @@ use protomer_plot::{ColourMap, literal};
 /// Rows and columns of a map.
 const MOST: usize = 16;
 
-/// Which pairs of residues touch, and in what share of the frames. `None` if none does.
+/// Map of the pairs of residues that touch, with the share of the frames in which they do. `None`
+/// if none does.
 pub fn contact_map(result: &ResiduesResult) -> Option<ColourMap> {
     map(
         result,

@@ -42,7 +42,7 @@ use frames::Run;
 use protomer_results::Progress;
 use std::sync::Arc;
 
-/// Which residues hold an assembly together.
+/// Finds the residues that hold an assembly together.
 ///
 /// # Errors
 /// For an input without bodies or frames, bodies without residues, a medium that is missing, and

@@ -18,7 +18,7 @@ use protomer_mc::contributions::{
     Averages, ChargeSites, Contributions, Mean, Response, charge_sites, mean_of_blocks, reweighted,
 };
 
-/// With fewer effective frames there is no number.
+/// Least number of effective frames; with fewer there is no number.
 pub const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
 /// Exchanges of residues that touch another body in more than this share of frames and copies are
 /// not recommended.
@@ -36,7 +36,7 @@ struct Exchange {
     charge_change_e: f64,
 }
 
-/// All exchanges of a run, and which contacts count.
+/// All exchanges of a run, and the contacts that count.
 pub struct Scan {
     sites: Vec<ChargeSites>,
     exchanges: Vec<Exchange>,
@@ -46,20 +46,21 @@ pub struct Scan {
 /// The frames at one salt concentration.
 pub struct ScannedSalt {
     salt_molar: f64,
-    /// For each kind what one elementary charge looks like: 1 without effective charges.
+    /// Effective charge of one elementary charge for each kind of body: 1 without effective
+    /// charges.
     effective_per_charge: Vec<f64>,
     frames: Vec<ScannedFrame>,
 }
 
 struct ScannedFrame {
     block: usize,
-    /// Whether its energies count.
+    /// Whether the energies of the frame count.
     counts: bool,
     contacts_left: f64,
     responses: Vec<Response>,
 }
 
-/// Where half of the contacts are left, and how many frames that rests on.
+/// Salt at which half of the contacts are left, with the number of effective frames.
 struct Half {
     salt_molar: f64,
     effective_frames: f64,
@@ -98,7 +99,7 @@ impl Scan {
         })
     }
 
-    /// Where charges are changed.
+    /// Sites at which charges are changed.
     pub fn sites(&self) -> &[ChargeSites] {
         &self.sites
     }
@@ -108,7 +109,7 @@ impl Scan {
         self.contacts.left(system)
     }
 
-    /// No frames yet.
+    /// A scan of one salt concentration, without frames yet.
     pub fn at(&self, at: &AtSalt, contributions: &Contributions) -> ScannedSalt {
         let bodies = &at.engine.assembly().bodies;
         let is_effective = at.engine.effective_bodies().is_some();
@@ -270,7 +271,8 @@ impl Scan {
         })
     }
 
-    /// By leaving out a block at a time (jackknife); `None` if a shift without one is not known.
+    /// Standard error of the shift of the half salt, by leaving out a block at a time (jackknife);
+    /// `None` if a shift without one is not known.
     fn error_of_shift(&self, scanned: &[ScannedSalt], exchange: &Exchange) -> Option<f64> {
         let last = |salt: &ScannedSalt| salt.frames.last().map_or(0, |frame| frame.block + 1);
         let blocks = scanned.iter().map(last).min().unwrap_or(0);
@@ -294,7 +296,7 @@ fn jackknife(values: &[f64]) -> Option<f64> {
     (values.len() > 1 && error.is_finite()).then_some(error)
 }
 
-/// What stands against half salts from frames with weights.
+/// Reason why frames with weights give no half salts; `None` if they do.
 pub fn note(run: &Run, sweep: &SweepAnswer) -> Option<&'static str> {
     match (run.salts().len(), sweep.is_equilibrated) {
         (1, _) => Some("there is one salt, so there is no half salt; scan a sweep over several"),
@@ -329,7 +331,7 @@ impl ScannedSalt {
     }
 }
 
-/// What a residue may become, and by how much its charge changes (e).
+/// Exchanges that are possible for a residue, each with the change of its charge (e).
 pub(crate) fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAcid, f64)> {
     let Residue { name, .. } = &body.residues[residue];
     let ph = body.provenance.settings.get("ph");
@@ -377,7 +379,7 @@ fn charges_of_residues(body: &Body) -> Vec<f64> {
     charges
 }
 
-/// Least squares through the origin: what an elementary charge of this body looks like.
+/// Effective charge of one elementary charge of a body: least squares through the origin.
 fn slope(charges_e: &[f64], effective_e: &[f64]) -> f64 {
     let products = charges_e.iter().zip(effective_e).map(|(q, of)| q * of);
     let squares = charges_e.iter().map(|q| q * q);

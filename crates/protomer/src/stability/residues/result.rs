@@ -10,7 +10,7 @@ use protomer_mc::contributions::{Averages, Mean};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// What holds an assembly together.
+/// Energies of residues and of pairs of residues, averaged over frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResiduesResult {
     /// The version of the program.
@@ -21,7 +21,7 @@ pub struct ResiduesResult {
     pub input: PathBuf,
     /// The identity of the run, or the hash of the assembly with its bodies.
     pub identity: String,
-    /// Why this salt was chosen; null if it was asked for, or is the only one.
+    /// Reason for the choice of this salt; null if it was asked for, or is the only one.
     pub salt_chosen: Option<&'static str>,
     /// The medium.
     #[serde(flatten)]
@@ -43,21 +43,23 @@ pub struct ResiduesResult {
     pub touching_angstrom: f64,
     /// The charges by which energies are shared out.
     pub shared_by: SharedBy,
-    /// What stands against the energies of residues, in words; null where the charges of the bodies
+    /// Caveat about the energies of residues, in words; null where the charges of the bodies
     /// interact.
     pub charges_note: Option<&'static str>,
     /// The mean energy of the run itself, with effective charges or the response of the solvent, kT;
     /// null where the charges of the bodies interact and nothing else.
     pub effective_energy_kt: Option<f64>,
-    /// What a user should know of the energies.
+    /// Warnings about the energies.
     pub warnings: Vec<String>,
     /// The energy that is shared out: that of the whole assembly.
     pub energy: WholeEnergy,
     /// Share of the residues that touch no residue of another body.
     pub residues_outside_contacts: Mean,
-    /// The energy of their charges, kT: half of each pair counts with each of its residues.
+    /// Energy of the charges of residues outside contacts, kT: half of each pair counts with each
+    /// of its residues.
     pub outside_contacts_kt: Mean,
-    /// The same as a share of the energy of the charges; null where that is not negative.
+    /// Energy of the charges of residues outside contacts, as a share of the energy of all charges;
+    /// null where that is not negative.
     pub outside_contacts_share: Option<Mean>,
     /// The share of the energy of the charges between residues that do not touch each other; null
     /// where the energy is not negative.
@@ -66,7 +68,8 @@ pub struct ResiduesResult {
     pub residues: Vec<ResidueRow>,
     /// Pairs with 0.01 kT or more, and those that touch.
     pub pairs: Vec<PairRow>,
-    /// What stands against the half salts of `mutations`, in words; null if nothing does.
+    /// Reason why frames with weights give no half salts for `mutations`, in words; null if they
+    /// do.
     pub mutations_note: Option<&'static str>,
     /// Exchanges of single charges, the one that lowers the energy most first; null unless
     /// asked for.
@@ -81,22 +84,22 @@ pub struct ResiduesResult {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SharedBy {
-    /// Those of the bodies, which are those that interact.
+    /// Charges of the bodies, which are those that interact.
     Charges,
-    /// Those of the bodies, in the place of the effective ones that interact.
+    /// Charges of the bodies, in the place of the effective ones that interact.
     PlainCharges,
 }
 
 /// An energy by terms, kT.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WholeEnergy {
-    /// The sum.
+    /// Sum of the terms.
     pub total_kt: Mean,
-    /// Of the charges.
+    /// Energy of the charges.
     pub charges_kt: Mean,
     /// Attraction between residues.
     pub contacts_kt: Mean,
-    /// What charges lose to other bodies.
+    /// Desolvation of charges by other bodies.
     pub desolvation_kt: Mean,
     /// The response of the solvent that the bodies displace.
     pub solvent_response_kt: Mean,
@@ -105,7 +108,7 @@ pub struct WholeEnergy {
 /// The mean energy of a residue by terms, kT.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TermMeans {
-    /// Of the charges.
+    /// Energy of the charges.
     pub charges_kt: f64,
     /// Attraction between residues.
     pub contacts_kt: f64,
@@ -119,57 +122,58 @@ pub struct TermMeans {
 /// The name of a residue.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResidueName {
-    /// The body.
+    /// Name of the body.
     pub body: String,
-    /// Its chain in the source.
+    /// Chain of the residue in the source of the body.
     pub chain: String,
-    /// Its number there.
+    /// Number of the residue in the source of the body.
     pub number: i32,
     /// Insertion code; empty for none.
     pub insertion_code: String,
-    /// Three letters.
+    /// Name of the residue, three letters.
     pub residue: String,
 }
 
-/// What one residue contributes, per copy of its body.
+/// Contribution of one residue, per copy of its body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResidueRow {
-    /// Which residue.
+    /// Name of the residue.
     #[serde(flatten)]
     pub name: ResidueName,
-    /// Its energy with all residues of other bodies, kT; each pair counts in full with both.
+    /// Energy of the residue with all residues of other bodies, kT; each pair counts in full with
+    /// both.
     pub energy_kt: Mean,
-    /// The same by terms.
+    /// Energy of the residue by terms.
     #[serde(flatten)]
     pub parts: TermMeans,
-    /// Share of frames and copies in which it touches a residue of another body.
+    /// Share of frames and copies in which the residue touches a residue of another body.
     pub touching: f64,
-    /// Its part of the surface of its own body, Å².
+    /// Area of the residue in the surface of its own body, Å².
     pub surface_angstrom2: f64,
-    /// Whether this is so little that the residue is buried in its own body.
+    /// Whether this area is so little that the residue is buried in its own body.
     pub buried: bool,
 }
 
-/// What one pair of residues contributes, over all pairs of bodies.
+/// Contribution of one pair of residues, over all pairs of bodies.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairRow {
     /// A residue.
     pub first: ResidueName,
     /// A residue of another body.
     pub second: ResidueName,
-    /// Their energy, kT.
+    /// Energy of the pair, kT.
     pub energy_kt: Mean,
-    /// Of the charges, kT.
+    /// Energy of the charges, kT.
     pub charges_kt: f64,
     /// Attraction between residues, kT.
     pub contacts_kt: f64,
     /// Share of frames in which two such residues touch.
     pub touching: f64,
-    /// How many such pairs touch on average.
+    /// Mean number of such pairs that touch.
     pub contacts: f64,
 }
 
-/// What happens to the charge of a residue.
+/// Changes of the charge of a residue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Change {
@@ -186,21 +190,22 @@ pub enum Change {
 /// The exchange of one charge, in all copies of a body.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MutationRow {
-    /// Which residue.
+    /// Name of the residue.
     #[serde(flatten)]
     pub name: ResidueName,
-    /// As `ingest --mutate` takes it.
+    /// Name of the exchange as `ingest --mutate` takes it.
     pub mutation: String,
-    /// What happens to the charge.
+    /// Kind of the exchange.
     pub change: Change,
-    /// By how much the charge of the residue changes, e.
+    /// Change of the charge of the residue, e.
     pub charge_change_e: f64,
     /// Share of frames and copies in which the residue touches a residue of another body.
     pub touching: f64,
-    /// Whether it is listed without being asked for: false for a residue that touches in more than a
-    /// tenth of frames and copies. The scan knows the change of the charge and nothing of the contact.
+    /// Whether the exchange is listed without being asked for: false for a residue that touches in
+    /// more than a tenth of frames and copies. The scan knows the change of the charge and nothing
+    /// of the contact.
     pub recommended: bool,
-    /// By how much the energy of the assembly changes while the bodies stay as they are, kT.
+    /// Change of the energy of the assembly while the bodies stay as they are, kT.
     pub energy_change_kt: Mean,
     /// Effective frames at the salts between which the half salt lies, the fewer; at the salt that is
     /// shown if there is none.
@@ -208,16 +213,16 @@ pub struct MutationRow {
     /// The salt at which half of the contacts are left, from the frames with weights, mol/L; null if
     /// the runs are not known to be in equilibrium, or the frames are too few to tell.
     pub half_salt_molar: Option<f64>,
-    /// How far that is from the half salt without the exchange, mol/L.
+    /// Difference from the half salt without the exchange, mol/L.
     pub half_salt_shift_molar: Option<Mean>,
-    /// The half salt to first order: where salt makes up for the change of the energy, mol/L; null if
-    /// the sweep has no half salt, or salt does not weaken the assembly.
+    /// The half salt to first order, at which salt makes up for the change of the energy, mol/L;
+    /// null if the sweep has no half salt, or salt does not weaken the assembly.
     pub first_order_half_salt_molar: Option<f64>,
-    /// At each salt of the run, ascending.
+    /// Effects at each salt of the run, ascending.
     pub at_salts: Vec<MutationAtSalt>,
 }
 
-/// What an exchange leads to at one salt concentration.
+/// Effect of an exchange at one salt concentration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MutationAtSalt {
     /// Salt concentration, mol/L.
@@ -235,7 +240,7 @@ const RESPONSE: &str = "the response of the solvent counts with the residues who
                         with pairs; charges are at their own places there, so the sum may differ from the energy of the run by \
                         some tenths of a kT";
 
-/// The name of a term, its energy in the assembly, and where that of a residue is.
+/// The name of a term, its energy in the assembly, and a function for that of a residue.
 pub(super) type FurtherTerm = (&'static str, Mean, fn(&TermMeans) -> f64);
 
 /// Pairs with less energy that never touch are left out, kT.
@@ -385,7 +390,7 @@ impl ResidueName {
         }
     }
 
-    /// Such as `A:K15`.
+    /// Short name, such as `A:K15`.
     pub fn short(&self) -> String {
         let letter = match AminoAcid::of_residue(&self.residue) {
             Some(amino_acid) => amino_acid.letter().to_string(),
@@ -397,7 +402,7 @@ impl ResidueName {
         )
     }
 
-    /// Such as `plus A:K15`.
+    /// Full name, such as `plus A:K15`.
     pub fn full(&self) -> String {
         format!("{} {}", self.body, self.short())
     }

@@ -5,7 +5,7 @@ use crate::stability::run::RunSettings;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 
-/// Which energies are shared out, and what is written.
+/// Settings of [`residues`](super::residues()).
 #[derive(Debug, Clone)]
 pub struct ResiduesSettings {
     /// An assembly file, or the directory of a sweep or a simulation.
@@ -17,7 +17,7 @@ pub struct ResiduesSettings {
     pub salt_molar: Option<f64>,
     /// The assembly of a run, if it is no longer where the run was begun with it.
     pub assembly: Option<PathBuf>,
-    /// How the bodies of an assembly file interact.
+    /// Interaction of the bodies of an assembly file.
     pub pose: PoseSettings,
     /// Residues touch where heavy atoms of them are closer than this, Å.
     pub touching_angstrom: f64,
@@ -38,7 +38,7 @@ pub struct ResiduesSettings {
 pub struct PoseSettings {
     /// Medium, effective charges and further terms.
     pub run: RunSettings,
-    /// Whether anything of it was stated, which a run then refuses.
+    /// Whether any of these settings was stated, which a run then refuses.
     pub is_stated: bool,
 }
 

@@ -10,8 +10,8 @@ use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
 use serde::Serialize;
 use std::path::Path;
 
-/// Above this energy of a body that touches none, mass action holds only roughly, kT. In the validation
-/// half of this shifts a fraction by 5 % at an eighth of the concentration.
+/// Largest energy of a body that touches no other, kT; above it mass action holds only roughly. In
+/// the validation half of it shifts a fraction by 5 % at an eighth of the concentration.
 const LARGEST_ENERGY_APART_KT: f64 = 0.05;
 
 /// Curves over salt from all frames of a sweep.
@@ -25,11 +25,10 @@ pub struct ReweightingResult {
     pub frames: usize,
     /// Blocks of frames from which the errors come.
     pub blocks: usize,
-    /// Salts that were simulated, mol/L, and the free energies there, kT, that of the first being
-    /// zero.
+    /// Salts that were simulated, mol/L.
     #[serde(rename = "simulated_salt_M")]
     pub simulated_salt_molar: Vec<f64>,
-    /// -ln of the partition function at each of these.
+    /// -ln of the partition function at each simulated salt, kT, that of the first being zero.
     #[serde(rename = "free_energy_kT")]
     pub free_energy_kt: Vec<f64>,
     /// Whether the starts of the sweep agree; null if all start alike.
@@ -48,12 +47,12 @@ pub struct ConcentrationCurve {
     /// Concentration of the bodies, mol/L; zero in open space.
     #[serde(rename = "concentration_M")]
     pub concentration_molar: f64,
-    /// Where half of the contacts are left; null if nowhere, on too few frames, or if the starts of
-    /// the sweep disagree.
+    /// Salt at which half of the contacts are left; null if there is none, if the frames are too
+    /// few, or if the starts of the sweep disagree.
     pub half_salt: Option<HalfSaltEstimate>,
-    /// Where half of the bodies touch another.
+    /// Salt at which half of the bodies touch another.
     pub half_bound_salt: Option<HalfSaltEstimate>,
-    /// Ascending by salt.
+    /// Points of the curves, ascending by salt.
     pub points: Vec<CurvePoint>,
 }
 
@@ -67,7 +66,7 @@ pub struct CurvePoint {
     pub contacts_left: Option<Estimate>,
     /// Fraction of the bodies that touch another.
     pub bound_fraction: Estimate,
-    /// How many frames of equal weight would be as good.
+    /// Number of frames of equal weight that would be as good.
     pub effective_frames: f64,
 }
 
@@ -83,13 +82,14 @@ pub struct Estimate {
 /// A half salt.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HalfSaltEstimate {
-    /// mol/L.
+    /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: f64,
-    /// Of 95 %, mol/L; null if the curve leaves the salts of the sweep without some of the frames.
+    /// Interval of 95 % of the half salt, mol/L; null if the curve without some of the frames has
+    /// none within the salts of the sweep.
     #[serde(rename = "interval_M")]
     pub interval_molar: Option<[f64; 2]>,
-    /// How many frames of equal weight would be as good, near it.
+    /// Number of frames of equal weight that would be as good near the half salt.
     pub effective_frames: f64,
 }
 
@@ -328,7 +328,7 @@ impl ConcentrationCurve {
 type ValueOfPoint = fn(&CurvePoint) -> Option<Estimate>;
 type HalfOfCurve = fn(&ConcentrationCurve) -> Option<HalfSaltEstimate>;
 
-/// A curve, and where it is one half with its interval.
+/// A curve, with the salt at which it is one half and its interval.
 fn series(
     curve: &ConcentrationCurve,
     value: ValueOfPoint,
@@ -356,7 +356,7 @@ fn series(
     }
 }
 
-/// Without an interval the bar has no length.
+/// Bar of a half salt; without an interval it has no length.
 fn span(half: HalfSaltEstimate) -> Span {
     let [from, to] = half.interval_molar.unwrap_or([half.salt_molar; 2]);
     Span {

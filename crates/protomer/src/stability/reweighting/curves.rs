@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use protomer_mc::contributions::Reweighted;
 use protomer_mc::reweighting::Mixture;
 
-/// With fewer effective frames there is no half salt.
+/// Least number of effective frames; with fewer there is no half salt.
 pub(super) const FEWEST_EFFECTIVE_FRAMES: f64 = 10.0;
 
 /// A concentration of bodies.
@@ -140,7 +140,7 @@ fn mean_at(left_out: &[Averages], of: Quantity, place: usize) -> Vec<f64> {
     means.collect()
 }
 
-/// Where a curve crosses one half; `None` if it does not, or rests on too few frames there.
+/// Salt at which a curve crosses one half; `None` if it does not, or rests on too few frames there.
 fn half_salt(
     salts: &[f64],
     averages: &Averages,

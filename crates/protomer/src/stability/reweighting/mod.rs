@@ -32,7 +32,7 @@ pub const FOLDER: &str = "reweighting";
 /// Salts between two neighbours of the sweep, if none are named.
 const BETWEEN_NEIGHBOURS: usize = 3;
 
-/// What is asked.
+/// Settings of [`reweighting()`].
 #[derive(Debug, Clone)]
 pub struct ReweightingSettings {
     /// The directory of a sweep over several salt concentrations.
@@ -197,7 +197,7 @@ fn salts_of_curves(settings: &ReweightingSettings, run: &RunSettings) -> Result<
     Ok(salts)
 }
 
-/// Evenly in the logarithm; from pure water on, evenly.
+/// Interpolates evenly in the logarithm of the salt; from pure water on, evenly in the salt.
 fn between(low: f64, high: f64, part: usize) -> f64 {
     let part = part as f64 / (BETWEEN_NEIGHBOURS + 1) as f64;
     match (part > 0.0, low > 0.0) {

@@ -19,18 +19,18 @@ const FEWEST_BLOCKS: usize = 8;
 pub(super) struct Samples {
     /// Salts that were simulated, ascending, mol/L.
     pub(super) simulated_molar: Vec<f64>,
-    /// What is measured of each frame.
+    /// Measurements of each frame.
     pub(super) frames: Vec<Frame>,
-    /// The energy of each frame at each of these salts, kT: `energies_kt[salt][frame]`.
+    /// Salts of the sweep and of the curves, mol/L, each with the energies of all frames there, kT.
     energies_kt: Vec<(f64, Vec<f64>)>,
     /// Number of blocks.
     pub(super) blocks: usize,
 }
 
-/// What is measured of a frame.
+/// Measurements of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
-    /// Index of the salt at which it was found.
+    /// Index of the salt at which the frame was found.
     pub(super) salt: usize,
     pub(super) replica: usize,
     /// Frames of a replica that follow each other are of one block, at all salts: states that are

@@ -18,19 +18,19 @@ const TABLE_EVALUATION_SECONDS: f64 = 1.0e-9;
 /// this program, good to a factor of about two.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EnergyCosts {
-    /// All moves with direct sums.
+    /// Time of all moves with direct sums.
     pub direct_seconds: f64,
-    /// The tables of energies by levels, unless they are in the cache.
+    /// Time to make the tables of energies by levels, unless they are in the cache.
     pub tables_seconds: f64,
-    /// All moves with energies by levels.
+    /// Time of all moves with energies by levels.
     pub levels_seconds: f64,
 }
 
 impl EnergyCosts {
-    /// From the number of charges of each type and the potentials that its table takes
-    /// ([`evaluations`](protomer_mc::energy::levels::Table::evaluations)), the type of each body,
-    /// the number of images (one or more) of a partner that a body meets, and the number of trial
-    /// moves.
+    /// Estimates the costs from the number of charges of each type and the potentials that its
+    /// table takes ([`evaluations`](protomer_mc::energy::levels::Table::evaluations)), the type of
+    /// each body, the number of images (one or more) of a partner that a body meets, and the number
+    /// of trial moves.
     ///
     /// ```
     /// use protomer::stability::run::{EnergyCosts, EnergyMode};

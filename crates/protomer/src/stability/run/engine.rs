@@ -27,7 +27,7 @@ pub struct Engine {
     tables: Arc<EnergyTables>,
     terms: Option<TermsByType>,
     effective_store: Arc<EffectiveStore>,
-    /// Where effective charges stand in the place of those of the bodies.
+    /// Effective charges of each kind of body, if they stand in the place of those of the bodies.
     effective_bodies: Option<Vec<EffectiveBody>>,
 }
 
@@ -104,7 +104,7 @@ impl Engine {
         engine.with_terms(&run.further_terms(), interaction)
     }
 
-    /// What the effective charges of each kind of body are like; `None` where the charges of the
+    /// Properties of the effective charges of each kind of body; `None` where the charges of the
     /// bodies themselves interact.
     pub fn effective_bodies(&self) -> Option<&[EffectiveBody]> {
         self.effective_bodies.as_deref()
@@ -171,12 +171,12 @@ impl Engine {
         })
     }
 
-    /// What acts beside the charges; `None` if nothing does.
+    /// Terms of the energy beside the charges; `None` if there are none.
     pub fn terms(&self) -> Option<&TermsByType> {
         self.terms.as_ref()
     }
 
-    /// The bodies at other places.
+    /// The system with the bodies at other places.
     ///
     /// # Errors
     /// If there is not a pose for each body, or one lies outside a wall.
@@ -194,7 +194,7 @@ impl Engine {
         Ok(System::new(types, &placed, self.assembly.boundary)?)
     }
 
-    /// The bodies at their places.
+    /// The system with the bodies at their places.
     ///
     /// # Errors
     /// If a placement lies outside a wall.
@@ -252,8 +252,8 @@ impl Engine {
         Ok(resolved)
     }
 
-    /// What energies will cost in this run at one salt concentration. Effective charges are those at
-    /// the first: their number hardly depends on the salt.
+    /// Estimates the cost of energies in this run at one salt concentration. Effective charges are
+    /// those at the first: their number hardly depends on the salt.
     ///
     /// # Errors
     /// As [`with_effective_charges`](Self::with_effective_charges).
@@ -267,7 +267,7 @@ impl Engine {
         engine.costs(&interaction, trials)
     }
 
-    /// What energies will cost in one medium, for this many trial moves.
+    /// Estimates the cost of energies in one medium, for this many trial moves.
     ///
     /// # Errors
     /// If the interaction makes no sense.
@@ -284,8 +284,8 @@ impl Engine {
         Ok(EnergyCosts::estimate(&types, kinds, images, trial_moves))
     }
 
-    /// How many images of another body a body interacts with, for bodies spread evenly over the box;
-    /// one at least, for those that are near.
+    /// Number of images of another body that a body interacts with, for bodies spread evenly over
+    /// the box; one at least, for those that are near.
     fn images_of_a_partner(&self, interaction: &ScreenedCoulomb) -> Result<f64> {
         let system = self.system()?;
         let Boundary::Periodic { .. } = system.boundary() else {
@@ -296,7 +296,7 @@ impl Engine {
         Ok((ball / system.boundary().volume_angstrom3()).max(1.0))
     }
 
-    /// What a run in open space can answer and what it cannot; `None` with a box or a wall.
+    /// Warning about what a run in open space can and cannot answer; `None` with a box or a wall.
     pub fn open_space_warning(&self) -> Option<String> {
         let edge_angstrom = self.suggested_box_angstrom()?;
         Some(format!(

@@ -39,16 +39,16 @@ pub struct Rung<'a> {
     pub interaction: ScreenedCoulomb,
     /// Index of the salt concentration in the settings.
     pub salt_index: u32,
-    /// The directory of its outputs.
+    /// Directory of the outputs of the rung.
     pub directory: PathBuf,
 }
 
-/// What a ladder answers.
+/// Answer of a ladder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LadderAnswer {
-    /// Of each rung.
+    /// Acceptance ratios of each rung.
     pub accepted: Vec<AcceptedFractions>,
-    /// What the exchanges did.
+    /// Statistics of the exchanges.
     pub exchanged: Exchanged,
 }
 
@@ -59,12 +59,12 @@ pub struct Exchanged {
     pub replica: u32,
     /// Accepted fraction of the swaps between each salt concentration and the next higher one.
     pub acceptance: Vec<f64>,
-    /// Ways of states from the lowest to the highest salt and back.
+    /// Round trips of states from the lowest to the highest salt and back.
     pub round_trips: f64,
 }
 
 impl Exchanged {
-    /// In one line.
+    /// Description of the exchanges in one line.
     pub fn text(&self) -> String {
         let fractions: Vec<String> = self
             .acceptance

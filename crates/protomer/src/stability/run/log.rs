@@ -9,7 +9,7 @@ pub struct LogRow {
     pub sweep: u64,
     /// Radius of gyration of the body positions, Å.
     pub r_g_angstrom: f64,
-    /// Fraction of the initial contacts that persist; NaN if there were none initially.
+    /// Fraction of the native contacts, those of the assembly, that are left; NaN if it has none.
     pub native_contacts: f64,
     /// Bodies in the largest cluster.
     pub largest_cluster: usize,

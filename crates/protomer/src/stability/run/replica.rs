@@ -213,7 +213,7 @@ impl Replica<'_> {
 }
 
 impl AcceptedFractions {
-    /// From the counts of a simulation.
+    /// Computes the ratios from the counts of a simulation.
     pub fn of(statistics: &Statistics) -> Self {
         Self {
             translation_acceptance: accepted_fraction(&statistics.translation),

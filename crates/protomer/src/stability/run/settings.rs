@@ -51,14 +51,14 @@ pub struct RunSettings {
     /// none.
     #[serde(skip_serializing_if = "is_zero")]
     pub exchange_every: u64,
-    /// Where the replicas start.
+    /// Starts of the replicas.
     #[serde(skip_serializing_if = "Starts::is_default")]
     pub starts: Starts,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Two bodies whose surfaces are closer than this are in contact, Å.
     pub contact_gap_angstrom: f64,
-    /// How that gap is measured; stated in the settings of every run that
+    /// Definition of the contact gap; stated in the settings of every run that
     /// [`Engine::resolved`](super::Engine::resolved) has seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contact_definition: Option<ContactDefinition>,
@@ -66,8 +66,8 @@ pub struct RunSettings {
     pub log_every: u64,
     /// Sweeps between two frames of the trajectory; zero for no trajectory.
     pub trajectory_every: u64,
-    /// How energies are computed; where it is `None`,
-    /// [`Engine::resolved`](super::Engine::resolved) chooses.
+    /// Mode of the energies; where it is `None`, [`Engine::resolved`](super::Engine::resolved)
+    /// chooses.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyMode>,
     /// Largest error of the energy of two bodies, kT, for approximate energies only;
@@ -92,21 +92,21 @@ pub struct RunSettings {
     pub medium: InteractionSettings,
 }
 
-/// Where the replicas of a sweep start.
+/// Starts of the replicas of a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Starts {
-    /// All from the assembly.
+    /// All replicas from the assembly.
     #[default]
     Assembly,
-    /// All from bodies scattered at random, each replica from others.
+    /// All replicas from bodies scattered at random, each from others.
     Fluid,
     /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to agree
     /// shows whether they are in equilibrium.
     Both,
 }
 
-/// Where one replica starts.
+/// Start of one replica.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Start {
     /// The poses of the assembly.
@@ -131,7 +131,7 @@ impl Starts {
     }
 }
 
-/// Runs of earlier versions had none and do not say so.
+/// Whether there are no binding moves. Runs of earlier versions had none and do not say so.
 fn is_none(moves: &u32) -> bool {
     *moves == 0
 }
@@ -143,7 +143,7 @@ fn is_zero(number: &u64) -> bool {
 /// Default of the largest error of the energy of two bodies, kT, for approximate energies.
 pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
-/// How pair energies are computed.
+/// Modes of computing pair energies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EnergyMode {
@@ -155,21 +155,22 @@ pub enum EnergyMode {
     /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a variance
     /// model of the errors that is calibrated at the start.
     Calibrated,
-    /// The same levels, for each pair of bodies the first whose error is likely below a tolerance.
+    /// Levels of rising accuracy, for each pair of bodies the first whose error is likely below a
+    /// tolerance.
     Approximate,
     /// Hard bodies without charges.
     None,
 }
 
-/// In what sense decisions are those of the direct sum.
+/// Basis of the claim that decisions are those of the direct sum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Promise {
-    /// By construction, or by proven bounds.
+    /// Construction, or proven bounds.
     Certified,
-    /// By a variance model of the errors, calibrated at the start.
+    /// A variance model of the errors, calibrated at the start.
     Calibrated,
-    /// Not at all.
+    /// No such claim.
     None,
 }
 
@@ -179,7 +180,7 @@ impl EnergyMode {
         !matches!(self, EnergyMode::Direct | EnergyMode::None)
     }
 
-    /// In what sense this mode makes the decisions of the direct sum.
+    /// Basis of the claim that the decisions of this mode are those of the direct sum.
     pub fn promise(self) -> Promise {
         match self {
             EnergyMode::Direct | EnergyMode::Certified => Promise::Certified,
@@ -272,7 +273,7 @@ pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> Pat
 
 /// Upper limit for the number of runs, each of which has a folder.
 const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
-/// Runs stop between sweeps only, so a sweep must not be too long.
+/// Largest number of moves of one kind per sweep: runs stop between sweeps only.
 const MOST_MOVES: u32 = 100_000;
 
 impl Settings for RunSettings {
@@ -300,7 +301,8 @@ impl Settings for RunSettings {
 }
 
 impl RunSettings {
-    /// What holds bodies together in this model, and what it therefore cannot answer.
+    /// Description of what holds bodies together in this model, and of what it therefore cannot
+    /// answer.
     pub fn what_attracts(&self) -> String {
         let mut attractions = Vec::new();
         if self.energy != Some(EnergyMode::None) {
@@ -514,7 +516,7 @@ impl RunSettings {
         Ok(())
     }
 
-    /// What acts beside the charges.
+    /// Terms of the energy beside the charges.
     pub fn further_terms(&self) -> FurtherTerms {
         FurtherTerms {
             contacts: self.contacts,
@@ -532,7 +534,7 @@ impl RunSettings {
         name_of_terms(&self.further_terms(), has_own_charges, bodies)
     }
 
-    /// What `--interaction` was chosen, where not the bare charges.
+    /// Choice of `--interaction`; `None` for the bare charges.
     fn choice(&self) -> Option<&'static str> {
         match (self.effective_charges, self.solvent_response) {
             (Some(_), _) => Some("effective"),

@@ -60,7 +60,7 @@ pub fn figure(result: &SweepResult) -> Figure {
 /// Replicas that are averaged together, and the name of their curve.
 struct Group {
     name: &'static str,
-    /// `None` for all replicas.
+    /// Start of the replicas; `None` for all replicas.
     start: Option<Start>,
 }
 
@@ -77,11 +77,11 @@ fn groups(result: &SweepResult) -> Vec<Group> {
     }
 }
 
-/// What is drawn against salt.
+/// Observable that is drawn against salt.
 struct Observable {
     axis: Axis,
     value: fn(&Stability, &ReplicaResult) -> Option<f64>,
-    /// Where it is one half, with the interval, mol/L.
+    /// Salt at which the observable is one half, with the interval, mol/L.
     half: Option<(f64, [Option<f64>; 2])>,
 }
 

@@ -10,7 +10,7 @@ pub struct FractionAt {
     pub salt_molar: f64,
     /// The fraction, 0 to 1.
     pub fraction: f64,
-    /// Its standard error.
+    /// Standard error of the fraction.
     pub error: f64,
 }
 
@@ -19,18 +19,18 @@ pub struct FractionAt {
 pub struct HalfSalt {
     /// The concentration, mol/L.
     pub salt_molar: f64,
-    /// Of 95 %, mol/L. An end is `None` where the curves that the errors allow do not cross one half
-    /// within the salt concentrations of the sweep.
+    /// Interval of 95 %, mol/L. An end is `None` where the curves that the errors allow do not
+    /// cross one half within the salt concentrations of the sweep.
     pub interval_molar: [Option<f64>; 2],
 }
 
 const HALF: f64 = 0.5;
-/// Curves drawn within the errors.
+/// Number of curves drawn within the errors.
 const CURVES: u64 = 2000;
-/// Parts of these beyond each end of the interval.
+/// Share of these curves beyond each end of the interval.
 const TAIL: f64 = 0.025;
 
-/// Where a curve crosses one half.
+/// Crossing of a curve with one half.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Crossing {
     BelowAll,
@@ -84,7 +84,8 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
     })
 }
 
-/// The same without an interval, for points in the order of the salt, mol/L.
+/// The salt at which the fraction is one half, mol/L, without an interval; for points in the order
+/// of the salt.
 pub fn crossing_molar(points: &[FractionAt]) -> Option<f64> {
     let fractions: Vec<f64> = points.iter().map(|point| point.fraction).collect();
     if fractions.iter().any(|fraction| !fraction.is_finite()) {
@@ -94,8 +95,8 @@ pub fn crossing_molar(points: &[FractionAt]) -> Option<f64> {
     crossing(points, &fractions, linear).salt_molar()
 }
 
-/// `between_points` says which part of the way between two points the crossing is at, from where a
-/// line would have it and from how far the fraction falls.
+/// Finds the crossing of a curve with one half. `between_points` says which part of the way between
+/// two points it is at, from where a line would have it and from how far the fraction falls.
 fn crossing(
     points: &[FractionAt],
     fractions: &[f64],
@@ -115,7 +116,7 @@ fn crossing(
     Crossing::AboveAll
 }
 
-/// Linear in the logarithm of the salt; from pure water on, in the salt.
+/// Interpolates linearly in the logarithm of the salt; from pure water on, in the salt.
 fn between(low: f64, high: f64, part: f64) -> f64 {
     match low > 0.0 {
         true => low * (high / low).powf(part),

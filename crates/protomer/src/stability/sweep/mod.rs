@@ -104,7 +104,7 @@ pub struct SweepPart {
     pub shard: usize,
     /// The number of parts.
     pub of: usize,
-    /// Its simulations.
+    /// Number of simulations of the part.
     pub simulations: usize,
 }
 
@@ -238,7 +238,7 @@ pub fn resolved(
     engine.resolved(settings, kept.and_then(|begun| begun.energy))
 }
 
-/// What runs by itself in a sweep.
+/// Task of a sweep that runs by itself.
 enum Task {
     /// One simulation.
     Simulation { salt_index: usize, replica: u32 },
@@ -246,10 +246,10 @@ enum Task {
     Ladder { replica: u32 },
 }
 
-/// What a task has left.
+/// Result of a task.
 struct Part {
     replica: u32,
-    /// With the index of the salt concentration.
+    /// Acceptance ratios, with the index of the salt concentration.
     accepted: Vec<(usize, AcceptedFractions)>,
     exchanged: Option<Exchanged>,
 }
@@ -257,7 +257,8 @@ struct Part {
 /// One salt concentration of a sweep.
 struct Medium {
     interaction: ScreenedCoulomb,
-    /// With the effective charges and the terms of this medium, made by the first simulation that needs it.
+    /// Engine with the effective charges and the terms of this medium, made by the first simulation
+    /// that needs it.
     engine: OnceLock<Engine>,
 }
 
@@ -387,8 +388,8 @@ impl<'a> Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// What a user should know of the energies: fits that stand badly for a body, and bodies nearer
-    /// to each other than effective charges hold.
+    /// Warnings about the energies: fits that stand badly for a body, and bodies nearer to each
+    /// other than effective charges hold.
     fn warnings(&self, salts: &[SaltRow], replicas: &[Vec<ReplicaResult>]) -> Result<Vec<String>> {
         let bodies = salts.iter().flat_map(|row| &row.effective_bodies).flatten();
         let mut warnings = effective::warnings(bodies);

@@ -27,13 +27,13 @@ pub struct SweepResult {
     pub salts: Vec<SaltRow>,
     /// The replicas behind each row.
     pub replicas: Vec<Vec<ReplicaResult>>,
-    /// Where it falls apart, and whether that is an equilibrium.
+    /// Salt at which the assembly falls apart, and whether that is an equilibrium.
     #[serde(flatten)]
     pub stability: Stability,
-    /// What the exchanges between salt concentrations did.
+    /// Statistics of the exchanges between salt concentrations.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub exchanges: Vec<Exchanged>,
-    /// What a user should know of the energies.
+    /// Warnings about the energies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// The log of the only simulation; empty if there are several.
@@ -42,7 +42,7 @@ pub struct SweepResult {
 }
 
 impl SweepResult {
-    /// What cannot be said, in words: one replica has no spread, one concentration no curve.
+    /// Notes on what cannot be said: one replica has no spread, one concentration no curve.
     pub(super) fn missing_errors(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if self.settings.replicas == 1 {

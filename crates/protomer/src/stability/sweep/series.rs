@@ -4,7 +4,7 @@
 use crate::stability::run::LogRow;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
 
-/// More points than this cannot be told apart on a page.
+/// Largest number of points that can be told apart on a page.
 const MOST_POINTS: usize = 1000;
 
 /// An observable of the log: its label, its value in a row, and the range of its axis.

@@ -15,29 +15,29 @@ const LEAST_FRACTION: f64 = 0.05;
 const LEAST_BODIES: f64 = 0.5;
 const LEAST_KT: f64 = 1.0;
 
-/// Why a run without a box has no half salt.
+/// Reason why a run without a box has no half salt.
 const OPEN_SPACE: &str = "no equilibrium: the assembly has no box, and bodies that come apart drift away for ever; contacts \
                           are those that lasted as many sweeps, and R_g measures how far the bodies have drifted";
 
-/// Where an assembly falls apart.
+/// Salts at which an assembly falls apart, and whether its runs are equilibrated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stability {
     /// The salt at which half of the contacts of the assembly are left, mol/L; `None` if that is
     /// at no salt of the sweep, or if the runs are not equilibrated.
     pub half_salt_molar: Option<f64>,
-    /// Its interval of 95 %, mol/L.
+    /// Interval of 95 % of `half_salt_molar`, mol/L.
     pub half_salt_interval_molar: Option<[Option<f64>; 2]>,
     /// The salt at which half of the bodies touch another, mol/L.
     pub half_bound_salt_molar: Option<f64>,
-    /// Its interval of 95 %, mol/L.
+    /// Interval of 95 % of `half_bound_salt_molar`, mol/L.
     pub half_bound_salt_interval_molar: Option<[Option<f64>; 2]>,
-    /// Which contacts count.
+    /// Contacts that count for the half salt.
     pub half_salt_contacts: CountedContacts,
     /// Whether runs from the assembly and from the fluid agree; `None` if all start alike.
     pub equilibrated: Option<bool>,
-    /// The same in words.
+    /// Agreement of the runs, in words.
     pub equilibration: String,
-    /// Contacts of the assembly.
+    /// Number of contacts of the assembly.
     #[serde(skip)]
     native: usize,
     /// The part of the contacts left at the lowest and the highest salt.
@@ -45,13 +45,13 @@ pub struct Stability {
     contacts_at_ends: Option<[f64; 2]>,
 }
 
-/// Which contacts are compared with those of the assembly.
+/// Contacts that are compared with those of the assembly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CountedContacts {
-    /// Those between the bodies that touch in the assembly.
+    /// Contacts between the bodies that touch in the assembly.
     Native,
-    /// All, by their number: bodies of a kind are alike.
+    /// All contacts, by their number: bodies of a kind are alike.
     Any,
 }
 
@@ -66,8 +66,8 @@ impl CountedContacts {
 }
 
 impl Stability {
-    /// From the replicas at each salt concentration. `native`: contacts of the assembly; `is_open`:
-    /// whether it has neither box nor wall.
+    /// Finds the half salts from the replicas at each salt concentration. `native`: contacts of the
+    /// assembly; `is_open`: whether it has neither box nor wall.
     pub fn new(
         settings: &RunSettings,
         replicas: &[Vec<ReplicaResult>],
@@ -114,7 +114,7 @@ impl Stability {
         }
     }
 
-    /// Where half of the contacts are left, in words.
+    /// Salt at which half of the contacts are left, in words.
     pub fn headline(&self) -> Option<String> {
         let half = self.half_salt_molar.zip(self.half_salt_interval_molar);
         Some(match (self.equilibrated, half, self.contacts_at_ends?) {
@@ -211,7 +211,7 @@ fn points(
 }
 
 /// The mean over replicas, and its error: the larger of that from their spread and that from their
-/// own.
+/// own errors.
 fn average(summaries: &[Summary]) -> (f64, f64) {
     let number = summaries.len() as f64;
     let mean = summaries.iter().map(|summary| summary.mean).sum::<f64>() / number;
@@ -228,17 +228,17 @@ fn average(summaries: &[Summary]) -> (f64, f64) {
     (mean, spread.max(own).sqrt())
 }
 
-/// What runs from both starts must agree in.
+/// Observable in which runs from both starts must agree.
 struct Observable {
     of: fn(&ReplicaResult) -> Option<Summary>,
-    /// Smaller differences do not matter.
+    /// Smallest difference that matters.
     least: f64,
-    /// Both means in words.
+    /// Function that states both means in words.
     words: fn(f64, f64) -> String,
 }
 
-/// In the order in which a disagreement is named. A bound fraction alone would call a stack and the
-/// small groups of a fluid alike.
+/// Observables in the order in which a disagreement is named. A bound fraction alone would call a
+/// stack and the small groups of a fluid alike.
 fn observables(native: usize) -> [Observable; 4] {
     [
         Observable {
@@ -344,7 +344,7 @@ fn equilibration(
     (Some(true), words.into())
 }
 
-/// How far two means are apart, if that is more than their errors allow and more than `least`.
+/// Difference of two means, if it is more than their errors allow and more than `least`.
 fn disagreement(assembly: &[Summary], fluid: &[Summary], least: f64) -> Option<f64> {
     if assembly.is_empty() || fluid.is_empty() {
         return None;

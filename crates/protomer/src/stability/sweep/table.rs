@@ -14,9 +14,9 @@ use serde::Serialize;
 pub struct ReplicaResult {
     /// Index of the replica.
     pub replica: u32,
-    /// Observables averaged over production.
+    /// Radius of gyration, averaged over production, Å.
     pub r_g_angstrom: Summary,
-    /// Surviving fraction of the native contacts; `None` if there were no contacts initially.
+    /// Fraction of the native contacts, those of the assembly, that are left; `None` without any.
     pub native_contacts: Option<Summary>,
     /// Bodies in the largest cluster.
     pub largest_cluster: Summary,
@@ -34,12 +34,12 @@ pub struct ReplicaResult {
     /// Fraction of the bodies that touch another; `None` in logs of earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound_fraction: Option<Summary>,
-    /// Each kind of body, where its effective charges interact: in the answer of a single
+    /// Effective charges of each kind of body, where they interact: in the answer of a single
     /// simulation. Those of a sweep are in its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
-    /// What a user should know of the energies: in the answer of a single simulation. The warnings
-    /// of a sweep are its own.
+    /// Warnings about the energies, in the answer of a single simulation. The warnings of a sweep
+    /// are its own.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
@@ -123,22 +123,22 @@ pub struct SaltRow {
     pub cutoff_angstrom: f64,
     /// Mean radius of gyration over replicas, Å.
     pub r_g_mean_angstrom: f64,
-    /// Standard deviation over replicas, Å.
+    /// Standard deviation of the radius of gyration over replicas, Å.
     pub r_g_sd_angstrom: f64,
-    /// Standard error of the mean from the correlated series, Å.
+    /// Standard error of the mean radius of gyration from the correlated series, Å.
     pub r_g_se_angstrom: f64,
-    /// Mean surviving fraction of native contacts; NaN if there were none initially.
+    /// Mean fraction of the native contacts that are left; NaN if the assembly has none.
     pub native_contacts_mean: f64,
-    /// Standard deviation over replicas.
+    /// Standard deviation of the fraction of native contacts over replicas.
     pub native_contacts_sd: f64,
     /// Mean number of bodies in the largest cluster.
     pub largest_cluster_mean: f64,
-    /// Standard deviation over replicas.
+    /// Standard deviation of the size of the largest cluster over replicas.
     pub largest_cluster_sd: f64,
     /// Mean energy, kT.
     #[serde(rename = "energy_mean_kT")]
     pub energy_mean_kt: f64,
-    /// Standard deviation over replicas, kT.
+    /// Standard deviation of the energy over replicas, kT.
     #[serde(rename = "energy_sd_kT")]
     pub energy_sd_kt: f64,
     /// Acceptance ratio of translations.
@@ -149,15 +149,15 @@ pub struct SaltRow {
     pub cluster_moved_mean: f64,
     /// Mean fraction of the bodies that touch another; NaN in results of earlier versions.
     pub bound_fraction_mean: f64,
-    /// Standard deviation over replicas.
+    /// Standard deviation of the bound fraction over replicas.
     pub bound_fraction_sd: f64,
     /// Mean number of pairs of bodies in contact; NaN in results of earlier versions.
     pub contacts_mean: f64,
-    /// Standard deviation over replicas.
+    /// Standard deviation of the number of contacts over replicas.
     pub contacts_sd: f64,
     /// Number of replicas.
     pub replicas: usize,
-    /// Each kind of body, where its effective charges interact.
+    /// Effective charges of each kind of body, where they interact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub effective_bodies: Option<Vec<EffectiveBody>>,
 }

@@ -16,9 +16,9 @@ const INDIFFERENT: [&str; 2] = ["seed", "most_incomplete"];
 pub struct Difference {
     /// The setting of `protomer voxelize`.
     pub setting: String,
-    /// Its value in the training.
+    /// Value of the setting in the training.
     pub trained_on: Value,
-    /// Its value in this set.
+    /// Value of the setting in this set.
     pub set: Value,
 }
 

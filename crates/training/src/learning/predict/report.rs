@@ -22,17 +22,18 @@ use std::path::{Path, PathBuf};
 /// The prediction for one sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplePrediction {
-    /// Its name.
+    /// Name of the sample.
     pub name: String,
-    /// Its file, as the manifest of the set names it.
+    /// File of the sample, as the manifest of the set names it.
     pub file: String,
-    /// Its label in the set.
+    /// Label of the sample in the set.
     pub label: String,
-    /// Its true class; `None` if the label is not a class of the network.
+    /// True class of the sample; `None` if the label is not a class of the network.
     pub class: Option<String>,
-    /// The part of the training that it belonged to; `None` if this is not the set of the training.
+    /// Part of the training that the sample belonged to; `None` if this is not the set of the
+    /// training.
     pub part: Option<Part>,
-    /// Why it is not scored, if this is not the set of the training.
+    /// Reason why the sample is not scored, if this is not the set of the training.
     pub unscored: Option<Unscored>,
     /// The most probable class.
     pub predicted: String,
@@ -62,7 +63,7 @@ pub struct SetScores {
     pub prior_log_loss_nats: f64,
     /// `prior_log_loss_nats` - `log_loss_nats`: the information gained per sample.
     pub nats_gained_over_prior: f64,
-    /// How near the predicted numbers come, if the network predicts one.
+    /// Scores of the predicted numbers, if the network predicts numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numbers: Option<NumberScores>,
 }
@@ -70,9 +71,9 @@ pub struct SetScores {
 /// The number of samples that are not scored for one reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct NotScored {
-    /// Why.
+    /// Reason why the samples are not scored.
     pub why: Unscored,
-    /// How many.
+    /// Number of samples.
     pub samples: usize,
 }
 
@@ -85,7 +86,7 @@ pub struct PredictReport {
     pub run: PathBuf,
     /// The set.
     pub set: PathBuf,
-    /// Whether it is the set of the training; if so, only its test part is scored.
+    /// Whether the set is that of the training; if so, only its test part is scored.
     pub is_training_set: bool,
     /// Names of the classes, in the order of the probabilities.
     pub classes: Vec<String>,
@@ -191,7 +192,7 @@ impl PredictReport {
 }
 
 impl Answer for PredictReport {
-    /// The accuracy is never shown without that of the majority class.
+    /// The scores as text. The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
         let mut lines = vec![format!(
             "{} samples predicted, {} left out",

@@ -13,8 +13,8 @@ pub struct Trained {
     pub settings: TrainSettings,
     /// The network with its scaling and classes.
     pub model: Model,
-    /// The structures it has seen; `None` if it was trained by an earlier version, which did not
-    /// record them.
+    /// The structures that the network has seen; `None` if it was trained by an earlier version,
+    /// which did not record them.
     pub seen: Option<TrainedOn>,
 }
 

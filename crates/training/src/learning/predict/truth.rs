@@ -12,23 +12,23 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Part {
-    /// The weights were fitted to it.
+    /// The part that the weights were fitted to.
     Training,
-    /// Epoch and temperature were chosen on it.
+    /// The part on which epoch and temperature were chosen.
     Validation,
-    /// It was reserved for the scores.
+    /// The part that was reserved for the scores.
     Test,
 }
 
-/// Why a sample is not scored in a set other than that of the training.
+/// Reasons why a sample is not scored in a set other than that of the training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unscored {
-    /// Its label is not a class of the network.
+    /// The label of the sample is not a class of the network.
     NoClass,
-    /// Its file was in the training or the validation part.
+    /// The file of the sample was in the training or the validation part.
     SameFile,
-    /// Its cluster was in the training or the validation part.
+    /// The cluster of the sample was in the training or the validation part.
     SameCluster,
     /// The set does not record the file it was made from.
     FileUnknown,
@@ -52,7 +52,7 @@ impl Unscored {
     }
 }
 
-/// What is known about the samples of a set, apart from predictions.
+/// Classes of the samples of a set, and whether training has seen them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Whether this is the set of the training.
@@ -61,12 +61,12 @@ pub struct Truth {
     pub classes: Vec<Option<usize>>,
     /// The part that each sample belonged to; `None` if this is not the set of the training.
     pub parts: Vec<Option<Part>>,
-    /// Why a sample is not scored, if this is not the set of the training.
+    /// Reason why each sample is not scored, if this is not the set of the training.
     pub unscored: Vec<Option<Unscored>>,
 }
 
 impl Part {
-    /// Its name in tables.
+    /// Name of the part in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Training => "training",

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentReport {
-    /// Its name.
+    /// Name of the experiment.
     pub name: String,
     /// The network's input channels.
     pub channels: Vec<String>,
@@ -35,9 +35,9 @@ pub struct ControlReport {
     pub form: Form,
     /// The purpose of the control.
     pub shows: String,
-    /// Its experiments, the main one first.
+    /// Experiments of the control, the main one first.
     pub experiments: Vec<ExperimentReport>,
-    /// Whether all of them met the expectation.
+    /// Whether all experiments met the expectation.
     pub reached: bool,
 }
 

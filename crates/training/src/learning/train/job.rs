@@ -80,7 +80,8 @@ pub fn run_job(
     Ok(train_and_ablate(job, set, path, device, execution)?.0)
 }
 
-/// Also returns the directory, held for further work in it.
+/// Runs or continues a training and its ablation; also returns the directory, held for further work
+/// in it.
 fn train_and_ablate(
     job: &Job,
     set: &dyn SampleSource,
@@ -133,7 +134,7 @@ fn ablate(
 pub struct ControlRun {
     control: Control,
     form: Form,
-    /// The main one first; only it has an ablation.
+    /// Experiments with their jobs, the main one first; only it has an ablation.
     experiments: Vec<(Experiment, Job)>,
 }
 

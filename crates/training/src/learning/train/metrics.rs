@@ -121,7 +121,7 @@ pub struct Metrics {
     /// test them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub single_cluster_classes: Vec<String>,
-    /// How near the predicted numbers come, if it is a number that is predicted.
+    /// Scores of the predicted numbers, if it is a number that is predicted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub numbers: Option<NumberMetrics>,
     /// All subsets of the channels, if requested.
@@ -138,9 +138,9 @@ pub struct Metrics {
 pub struct NumberMetrics {
     /// The classes that the numbers are cut into.
     pub classes: NumberClasses,
-    /// Of the network.
+    /// Scores of the network.
     pub scores: NumberScores,
-    /// Of predictions without a network, by name.
+    /// Scores of predictions without a network, by name.
     pub baselines: BTreeMap<String, NumberScores>,
     /// 95 % intervals.
     pub bootstrap_95: NumberIntervals,
@@ -155,7 +155,7 @@ impl NumberMetrics {
         "rank correlation",
     ];
 
-    /// What predicts without the network, the simplest first, and how near it comes. The majority is left
+    /// Scores of predictions without the network, by name, the simplest first. The majority is left
     /// out: it names one class, which only accuracies can judge.
     pub fn of_baselines(&self) -> Vec<(String, &NumberScores)> {
         let mut rows = Vec::new();
@@ -188,7 +188,7 @@ pub(super) fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String>
 pub struct Predictions<'a> {
     /// All samples of the set.
     pub descriptions: &'a [Description],
-    /// The class of each.
+    /// The class of each sample.
     pub labels: &'a [usize],
     /// The numbers of all samples, if it is a number that is predicted.
     pub numbers: Option<&'a Numbers>,
@@ -319,7 +319,7 @@ impl Predictions<'_> {
         })
     }
 
-    /// `predictions.csv`: one row per sample of the test part.
+    /// Writes `predictions.csv`: one row per sample of the test part.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -412,5 +412,5 @@ impl Metrics {
     }
 }
 
-/// The name of the file.
+/// Name of the file of the metrics.
 pub const FILE_NAME: &str = "metrics.json";

@@ -14,11 +14,11 @@ use protomer_learn::view::View;
 pub struct Prepared<'a> {
     /// The samples that have a class.
     pub view: View<'a>,
-    /// Their descriptions, with the class as label.
+    /// Descriptions of the samples, with the class as label.
     pub descriptions: Vec<Description>,
-    /// Their classes.
+    /// Classes of the samples.
     pub classes: Classes,
-    /// Their numbers, if it is a number that is predicted.
+    /// Numbers of the samples, if it is a number that is predicted.
     pub numbers: Option<Numbers>,
     /// The split, without samples that cannot be read.
     pub split: Split,
@@ -26,7 +26,7 @@ pub struct Prepared<'a> {
     pub quarantined: Vec<Quarantined>,
     /// Labels too rare for a separate class, merged into "other".
     pub other_labels: Vec<LabelCount>,
-    /// If clusters stay together: classes confined to one cluster.
+    /// Classes confined to one cluster, if clusters stay together.
     pub single_cluster_classes: Vec<String>,
 }
 
@@ -52,7 +52,7 @@ impl Numbers {
         })
     }
 
-    /// The same with the means of the training part.
+    /// The same numbers, with the means of the training part.
     fn fitted(mut self, training: &[usize], descriptions: &[Description]) -> Self {
         let weights = family_weights(descriptions);
         let weighted = |sample: &usize| (self.of_samples[*sample], weights[*sample]);

@@ -276,13 +276,13 @@ impl Run for TrainingRun<'_> {
         Ok(Value::Null)
     }
 
-    /// The metrics are written last: their presence marks a finished training, whatever the record
-    /// states.
+    /// Reads the metrics. They are written last: their presence marks a finished training, whatever
+    /// the record states.
     fn finished(&self, directory: &Path, _record: Option<&Record>) -> Result<Option<Metrics>> {
         Metrics::read(directory)
     }
 
-    /// Progress is kept even if training failed.
+    /// Keeps the progress even if training failed.
     fn rescue(&self, epochs: &mut Epochs) -> Option<EngineCheckpoint> {
         epochs.checkpoint.clone()
     }
@@ -327,7 +327,7 @@ pub fn train_in(
     Ok(end)
 }
 
-/// As [`train_in`]; the directory stays ours for further work in it.
+/// Variant of [`train_in`] that also returns the directory, held for further work in it.
 pub(super) fn train_holding(
     settings: &TrainSettings,
     set: &dyn SampleSource,
@@ -428,7 +428,7 @@ fn write_results(
     Ok(metrics)
 }
 
-/// `predicted_numbers.svg`.
+/// Writes `predicted_numbers.svg`.
 fn write_numbers(
     settings: &TrainSettings,
     numbers: &Numbers,
@@ -451,7 +451,7 @@ fn write_numbers(
     Ok(())
 }
 
-/// `learning_curve.svg`, with the loss of the prior on the validation part.
+/// Writes `learning_curve.svg`, with the loss of the prior on the validation part.
 fn write_curve(
     settings: &TrainSettings,
     prepared: &Prepared,
@@ -485,7 +485,7 @@ fn write_curve(
     Ok(())
 }
 
-/// `history.csv`: one row per epoch.
+/// The table of `history.csv`: one row per epoch.
 fn history_table(history: &[EpochRecord]) -> Result<Table> {
     let columns = [
         "epoch",

@@ -24,7 +24,7 @@ pub enum Source {
     },
     /// A synthetic set.
     Control {
-        /// Which.
+        /// Name of the control.
         name: Control,
         /// Form of the control.
         variant: Variant,
@@ -86,14 +86,14 @@ impl Source {
     }
 }
 
-/// How samples are divided into training, validation and test parts.
+/// Unit in which samples are divided into training, validation and test parts.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplitBy {
-    /// By whole clusters: relatives are never on both sides.
+    /// Whole clusters: relatives are never on both sides.
     #[default]
     Cluster,
-    /// One by one: scores above those of a split by cluster measure leakage.
+    /// Single samples: scores above those of a split by cluster measure leakage.
     Sample,
 }
 
@@ -105,8 +105,8 @@ pub struct TrainSettings {
     pub target: Target,
     /// Classes with fewer samples are merged into one class.
     pub least_samples: usize,
-    /// Into how many classes numbers are cut; [`Self::NUMBER_CLASSES`] if it is not given. Only for the
-    /// target [`Target::Number`].
+    /// Number of classes that numbers are cut into; [`Self::NUMBER_CLASSES`] if it is not given.
+    /// Only for the target [`Target::Number`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub number_classes: Option<usize>,
     /// The unit of the split.
@@ -145,7 +145,7 @@ impl TrainSettings {
     /// The default of [`Self::number_classes`].
     pub const NUMBER_CLASSES: usize = 5;
 
-    /// Settings from a file.
+    /// Reads settings from a file.
     ///
     /// # Errors
     /// Names the file, the line and the key.

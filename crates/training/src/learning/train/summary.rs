@@ -12,7 +12,7 @@ use protomer_learn::number_scores::{NumberIntervals, NumberScores};
 const MOST_CLASSES_SHOWN: usize = 12;
 
 impl Answer for Metrics {
-    /// The accuracy is never shown without that of the majority class.
+    /// The scores as text. The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
         let mut parts = vec![head(self)];
         parts.extend(self.numbers.as_ref().map(numbers));
@@ -81,7 +81,7 @@ fn scores(metrics: &Metrics) -> String {
     columns(&rows)
 }
 
-/// How near predicted numbers come, in their own unit.
+/// Table of the scores of predicted numbers, in their own unit.
 fn numbers(metrics: &NumberMetrics) -> String {
     let decimals = decimals_of(metrics.scores.rms_error);
     let error = |value: f64| format!("{value:.decimals$}");

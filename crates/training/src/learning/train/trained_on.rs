@@ -25,11 +25,11 @@ pub struct TrainedOn {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Seen {
-    /// Its name in the set.
+    /// Name of the structure in the set.
     pub name: String,
-    /// Its cluster.
+    /// Cluster of the structure.
     pub cluster: String,
-    /// SHA-256 of its file.
+    /// SHA-256 of the file of the structure.
     pub sha256: String,
 }
 

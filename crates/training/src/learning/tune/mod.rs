@@ -57,7 +57,7 @@ const LAYOUT: Layout = Layout {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TuneSettings {
-    /// Trials.
+    /// Number of trials.
     pub trials: usize,
     /// Epochs of a trial that is not stopped early.
     pub epochs: usize,
@@ -72,12 +72,12 @@ pub struct TuneSettings {
 /// One trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// Its number.
+    /// Number of the trial.
     pub number: usize,
-    /// Its progress.
+    /// Progress of the trial.
     #[serde(flatten)]
     pub reached: Reached,
-    /// Its settings.
+    /// Settings of the trial.
     pub settings: TrainSettings,
 }
 
@@ -171,7 +171,7 @@ impl Settings for TuneSettings {
 }
 
 impl TuneSettings {
-    /// Which trials train for how many epochs.
+    /// Schedule of the search: which trials train for how many epochs.
     ///
     /// # Errors
     /// For no trials, no epochs, or too many trials.

@@ -31,7 +31,7 @@ pub(crate) struct Standing {
     pub ended: Vec<Trial>,
     /// The epochs of the next rung; `None` at the end.
     pub rung: Option<Range<usize>>,
-    /// Indices into `running` of the trials that have not reached it.
+    /// Indices into `running` of the trials that have not reached the next rung.
     pub behind: Vec<usize>,
     /// Total epochs of all records.
     pub epochs: u64,

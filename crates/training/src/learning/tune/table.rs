@@ -7,7 +7,7 @@ use protomer_io::atomic::write_atomically;
 use protomer_io::csv::{Cell, Table};
 use std::path::Path;
 
-/// `trials.csv`: one row per trial, best first.
+/// Writes `trials.csv`: one row per trial, best first.
 pub(crate) fn write_table<'a>(trials: impl Iterator<Item = &'a Trial>, path: &Path) -> Result<()> {
     let columns = [
         "trial",
