@@ -180,17 +180,17 @@ impl Run {
         let salts = self.salts();
         if let (Some(asked), Some(_)) = (settings.salt_molar, &self.directory) {
             let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
-            let found = salts.iter().find(is_asked);
-            let known = || {
+            let matching_salt = salts.iter().find(is_asked);
+            let choices = || {
                 let salts = salts.iter().map(|salt| format!("{} mM", 1e3 * salt));
                 salts.collect::<Vec<_>>().join(", ")
             };
-            let salt_molar = *found.with_context(|| {
+            let salt_molar = *matching_salt.with_context(|| {
                 format!(
                     "{} holds no salt of {} mM, only {}; choose one of them",
                     settings.input.display(),
                     1e3 * asked,
-                    known()
+                    choices()
                 )
             })?;
             return Ok(ShownSalt {
@@ -214,40 +214,45 @@ impl Run {
                 ),
             });
         }
-        match self.highest_that_holds()? {
-            Some(salt_molar) => Ok(ShownSalt {
-                salt_molar,
-                why: Some("the highest salt at which more than half of the contacts are left"),
-            }),
-            None => Ok(ShownSalt {
-                salt_molar: *lowest,
-                why: Some("the lowest salt of the sweep"),
-            }),
-        }
+        Ok(self.highest_that_holds()?.unwrap_or(ShownSalt {
+            salt_molar: *lowest,
+            why: Some("the lowest salt of the sweep"),
+        }))
     }
 
-    /// The highest salt at which more than half of the contacts of the assembly are left, from the
-    /// result of the sweep.
-    fn highest_that_holds(&self) -> Result<Option<f64>> {
+    /// The highest salt at which the assembly holds, from the result of the sweep: more than half of
+    /// its contacts are left, or, where bodies change places, more than half of them are bound.
+    fn highest_that_holds(&self) -> Result<Option<ShownSalt>> {
         let Some(directory) = &self.directory else {
             return Ok(None);
         };
-        let result: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
-        let mut highest: Option<f64> = None;
-        let rows = result
-            .as_ref()
-            .and_then(|result| result["salts"].as_array());
-        for row in rows.into_iter().flatten() {
-            let numbers = (row["salt_M"].as_f64(), row["native_contacts_mean"].as_f64());
-            if let (Some(salt), Some(left)) = numbers
-                && left > 0.5
-            {
-                highest = Some(highest.map_or(salt, |highest| highest.max(salt)));
-            }
-        }
+        let Some(result): Option<Value> =
+            keys::read_json_if_present(&directory.join("sweep.json"))?
+        else {
+            return Ok(None);
+        };
+        let (share, why) = match result["half_salt_contacts"].as_str() {
+            Some("any") => (
+                "bound_fraction_mean",
+                "the highest salt at which more than half of the bodies touch another",
+            ),
+            _ => (
+                "native_contacts_mean",
+                "the highest salt at which more than half of the contacts are left",
+            ),
+        };
+        let rows = result["salts"].as_array().into_iter().flatten();
+        let holds = |row: &&Value| row[share].as_f64().is_some_and(|share| share > 0.5);
+        let salts = rows.filter(holds).filter_map(|row| row["salt_M"].as_f64());
+        let highest = salts.max_by(f64::total_cmp).map(salt_label);
         let ours = self.settings.salt_molar.iter().copied();
-        let is_same = |salt: &f64| highest.is_some_and(|of| salt_label(of) == salt_label(*salt));
-        Ok(ours.into_iter().find(is_same))
+        let same = ours
+            .into_iter()
+            .find(|salt| Some(salt_label(*salt)) == highest);
+        Ok(same.map(|salt_molar| ShownSalt {
+            salt_molar,
+            why: Some(why),
+        }))
     }
 
     /// The answer of the sweep, if there is one.
@@ -267,7 +272,7 @@ impl Run {
 
     /// Rise of the mean energy of these frames with the logarithm of the salt, kT: from the same
     /// frames at the neighbouring salts of the run. `None` for an assembly, and without salt.
-    pub fn rise_with_salt_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<Option<f64>> {
+    pub fn rise_with_salt_kt(&self, ensemble: &AtSalt, salt_molar: f64) -> Result<Option<f64>> {
         let salts = self.salts();
         let place = salts.iter().position(|salt| *salt == salt_molar);
         let (Some(place), true) = (place, salts.len() > 1) else {
@@ -280,13 +285,13 @@ impl Run {
         if low <= 0.0 {
             return Ok(None);
         }
-        let energies = [low, high].map(|salt| self.mean_energy_kt(at, salt));
+        let energies = [low, high].map(|salt| self.mean_energy_kt(ensemble, salt));
         let [low_kt, high_kt] = energies;
         Ok(Some((high_kt? - low_kt?) / (high / low).ln()))
     }
 
     /// The mean energy of the frames that count at another salt, kT.
-    pub fn mean_energy_kt(&self, at: &AtSalt, salt_molar: f64) -> Result<f64> {
+    pub fn mean_energy_kt(&self, ensemble: &AtSalt, salt_molar: f64) -> Result<f64> {
         let interaction = self.settings.medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
         let direct = RunSettings {
@@ -296,9 +301,9 @@ impl Run {
         };
         let mut model = engine.energy_model(&direct, &interaction)?;
         let (mut sum, mut frames) = (0.0, 0.0);
-        for poses in at.blocks.iter().flatten() {
+        for poses in ensemble.blocks.iter().flatten() {
             let system = engine.system_at(poses)?;
-            if !at.counts(&system) {
+            if !ensemble.counts(&system) {
                 continue;
             }
             model.reset(&system)?;
