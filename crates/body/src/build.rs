@@ -326,8 +326,8 @@ impl Draft {
         let interior_radius = self.surface.interior_radius_angstrom;
         warnings.extend(cavity_warnings(&cavities, interior_radius));
         if cavities.kept > 0 {
-            let kept = cavities.kept.to_string();
-            settings.insert("enclosed_interiors".into(), kept);
+            let count = cavities.kept.to_string();
+            settings.insert("enclosed_interiors".into(), count);
         }
         let pieces = surface.topology.components - surface.topology.cavities;
         if pieces > 1 {

@@ -23,7 +23,7 @@ pub(crate) fn sift_points(file: &str, points: &[PointRecord]) -> Result<SiftedPo
     refuse_other_unit(file, points)?;
     let mut first_at: HashMap<ExactPosition, &PointRecord> = HashMap::with_capacity(points.len());
     let (mut unbuilt, mut repeated, mut coincident) = (0, 0, 0);
-    let mut kept = Vec::with_capacity(points.len());
+    let mut records = Vec::with_capacity(points.len());
     for point in points {
         let is_atom = !point.residue_name.is_empty();
         if is_atom && is_placeholder(&point.position) {
@@ -38,7 +38,7 @@ pub(crate) fn sift_points(file: &str, points: &[PointRecord]) -> Result<SiftedPo
             }
             coincident += 1;
         }
-        kept.push(point.clone());
+        records.push(point.clone());
     }
     let mut warnings = Vec::new();
     for (count, what) in [
@@ -54,7 +54,7 @@ pub(crate) fn sift_points(file: &str, points: &[PointRecord]) -> Result<SiftedPo
         }
     }
     Ok(SiftedPoints {
-        points: kept,
+        points: records,
         warnings,
     })
 }

@@ -108,10 +108,10 @@ impl Front {
     }
 
     /// The execution of resumable work: the first Ctrl-C or SIGTERM, or a time limit, asks it
-    /// to stop and prints `what`. A second signal ends the process immediately.
-    pub fn execution(&self, what: &'static str, limit_minutes: Option<f64>) -> Result<Execution> {
+    /// to stop and prints `notice`. A second signal ends the process immediately.
+    pub fn execution(&self, notice: &'static str, limit_minutes: Option<f64>) -> Result<Execution> {
         Ok(Execution {
-            interrupt: self.interrupt(what, limit_minutes)?,
+            interrupt: self.interrupt(notice, limit_minutes)?,
             ..self.execution_without_signals()
         })
     }
@@ -127,7 +127,7 @@ impl Front {
         }
     }
 
-    fn interrupt(&self, what: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
+    fn interrupt(&self, notice: &'static str, limit_minutes: Option<f64>) -> Result<Interrupt> {
         let duration = |minutes: f64| {
             Duration::try_from_secs_f64(minutes * 60.0)
                 .map_err(|_| anyhow!("--time-limit is {minutes} minutes; give zero or more"))
@@ -137,12 +137,12 @@ impl Front {
             return Ok(interrupt.clone().with_limit(limit));
         }
         let interrupt = Interrupt::after(limit);
-        listen_for_signals(&interrupt, what)?;
+        listen_for_signals(&interrupt, notice)?;
         Ok(interrupt)
     }
 }
 
-fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
+fn listen_for_signals(interrupt: &Interrupt, notice: &'static str) -> Result<()> {
     let on_signal = interrupt.clone();
     // Not `is_requested`: an expired time limit must not make the first signal count as the second.
     let signalled = AtomicBool::new(false);
@@ -150,7 +150,7 @@ fn listen_for_signals(interrupt: &Interrupt, what: &'static str) -> Result<()> {
         if signalled.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        note(&format!("{what} (repeat to stop immediately)"));
+        note(&format!("{notice} (repeat to stop immediately)"));
         on_signal.request();
         // The signal handler has a thread of its own, which must be free for a second signal.
         let watched = on_signal.clone();

@@ -379,7 +379,7 @@ fn beginning(about: &str) -> &str {
 
 /// The examples of a verb, by its name after that of the program.
 pub fn examples_of(path: &str) -> &'static [&'static str] {
-    match EXAMPLES.iter().find(|(of, _)| *of == path) {
+    match EXAMPLES.iter().find(|(verb, _)| *verb == path) {
         Some((_, examples)) => examples,
         None => &[],
     }
@@ -416,8 +416,8 @@ pub fn without_double_dash(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::StyledStrs(tips)) = error.remove(ContextKind::Suggested) else {
         return error;
     };
-    let kept = |tip: &StyledStr| !tip.to_string().contains("'-- ");
-    let tips: Vec<StyledStr> = tips.into_iter().filter(kept).collect();
+    let is_helpful = |tip: &StyledStr| !tip.to_string().contains("'-- ");
+    let tips: Vec<StyledStr> = tips.into_iter().filter(is_helpful).collect();
     if !tips.is_empty() {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
     }
@@ -429,10 +429,10 @@ pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::E
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;
     };
-    let known = GROUPS
+    let is_verb = GROUPS
         .iter()
         .any(|(_, verbs)| verbs.contains(&word.as_str()));
-    if !known {
+    if !is_verb {
         return error;
     }
     let reason = format!(

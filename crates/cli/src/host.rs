@@ -96,11 +96,11 @@ impl Progress for Bar {
         }
     }
 
-    fn describe(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
+    fn describe(&self, activity: &str) {
+        self.bar.set_message(activity.to_owned());
         self.bar.enable_steady_tick(TICK);
         if self.explains {
-            note(what);
+            note(activity);
         }
     }
 }

@@ -26,17 +26,17 @@ pub struct NumberFlag {
 pub fn number_flags() -> Vec<NumberFlag> {
     let mut syntax = syntax();
     syntax.build();
-    let mut found = Vec::new();
-    collect(&syntax, &[], &mut found);
-    found
+    let mut flags = Vec::new();
+    collect(&syntax, &[], &mut flags);
+    flags
 }
 
-fn collect(command: &Command, verb: &[String], found: &mut Vec<NumberFlag>) {
+fn collect(command: &Command, verb: &[String], flags: &mut Vec<NumberFlag>) {
     for arg in command.get_arguments().filter(|arg| !arg.is_global_set()) {
         let kinds = [(true, is_whole(arg)), (false, is_real(arg))];
         let kind = kinds.into_iter().find(|(_, holds)| *holds);
         if let (Some(flag), Some((is_whole, _))) = (arg.get_long(), kind) {
-            found.push(NumberFlag {
+            flags.push(NumberFlag {
                 verb: verb.to_vec(),
                 flag: flag.to_owned(),
                 is_whole,
@@ -49,7 +49,7 @@ fn collect(command: &Command, verb: &[String], found: &mut Vec<NumberFlag>) {
     {
         let mut words = verb.to_vec();
         words.push(sub.get_name().to_owned());
-        collect(sub, &words, found);
+        collect(sub, &words, flags);
     }
 }
 

@@ -318,7 +318,7 @@ fn annotation(arg: &Arg, verb: &str) -> String {
         () if is_path(arg) => {
             let object = OBJECTS
                 .iter()
-                .find(|(of, arg, _)| *of == verb && *arg == name);
+                .find(|(command, arg, _)| *command == verb && *arg == name);
             object.map_or("Path | str".to_owned(), |(_, _, class)| {
                 format!("Path | str | {class}")
             })
@@ -344,12 +344,12 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
     // Required parameters come first.
     flags.sort_by_key(|arg| !arg.is_required_set());
     let verb = path.join(" ");
-    let of = |arg: &Arg| Parameter::of(arg, &verb);
-    let placed: Vec<Parameter> = placed.into_iter().map(of).collect();
-    let mut flags: Vec<Parameter> = flags.into_iter().map(of).collect();
-    if let Some(at) = flags.iter().position(|flag| flag.name == SALT) {
-        let numbers = Parameter::salt_molar(&flags[at]);
-        flags.insert(at + 1, numbers);
+    let to_parameter = |arg: &Arg| Parameter::of(arg, &verb);
+    let placed: Vec<Parameter> = placed.into_iter().map(to_parameter).collect();
+    let mut flags: Vec<Parameter> = flags.into_iter().map(to_parameter).collect();
+    if let Some(index) = flags.iter().position(|flag| flag.name == SALT) {
+        let numbers = Parameter::salt_molar(&flags[index]);
+        flags.insert(index + 1, numbers);
     }
     let result = class_of(path);
     let _ = writeln!(text, "{indent}def {name}(");
@@ -376,8 +376,8 @@ fn write_function(text: &mut String, command: &Command, path: &[&str], name: &st
         "{indent}    progress: Callable[[int, int, str], None] | None = None,\n{indent}) -> {result}:"
     );
     let inner = format!("{indent}    ");
-    let known: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
-    let sections = sections(command, path, result, &known, WIDTH - inner.len());
+    let parameters: Vec<&Parameter> = placed.iter().chain(&flags).chain(&shared).collect();
+    let sections = sections(command, path, result, &parameters, WIDTH - inner.len());
     write_docstring(text, &sections, &inner);
     let words: Vec<String> = path.iter().map(|word| format!("\"{word}\"")).collect();
     let names = placed.iter().map(|parameter| parameter.name.as_str());
@@ -454,11 +454,11 @@ fn sections(
         }
         lines
     };
-    let mut known = Vec::new();
+    let mut descriptions = Vec::new();
     for parameter in parameters {
-        known.push((parameter.name.as_str(), parameter.help.as_str()));
+        descriptions.push((parameter.name.as_str(), parameter.help.as_str()));
     }
-    known.push((
+    descriptions.push((
         "progress",
         "Called as progress(done, total, unit) during the work.",
     ));
@@ -477,7 +477,7 @@ fn sections(
     }
     let mut sections = vec![
         wrapped(&sentence(&about(command)), width, ""),
-        described("Parameters", &known),
+        described("Parameters", &descriptions),
         described("Returns", &[(result, fields)]),
         described("Raises", &raises),
     ];
@@ -509,9 +509,10 @@ fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> 
         let flags = || command.get_arguments().filter(|arg| !arg.is_positional());
         let arg = match (word.strip_prefix("--"), word.strip_prefix('-')) {
             (Some(long), _) => flags().find(|arg| arg.get_long() == Some(long))?,
-            (None, Some(short)) => {
-                flags().find(|arg| arg.get_short().is_some_and(|own| short == own.to_string()))?
-            }
+            (None, Some(short)) => flags().find(|arg| {
+                arg.get_short()
+                    .is_some_and(|letter| short == letter.to_string())
+            })?,
             (None, None) => {
                 places.push(format!("\"{word}\""));
                 continue;
@@ -531,7 +532,7 @@ fn python_call(command: &Command, path: &[&str], words: &str) -> Option<String> 
                 }
             }
         };
-        match keywords.iter_mut().find(|(known, _)| *known == name) {
+        match keywords.iter_mut().find(|(keyword, _)| *keyword == name) {
             Some((_, values)) => values.push(value),
             None => keywords.push((name, vec![value])),
         }

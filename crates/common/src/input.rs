@@ -119,25 +119,25 @@ pub fn expand(inputs: &[PathBuf]) -> Result<Vec<PathBuf>> {
         let entries = input
             .read_dir()
             .with_context(|| format!("cannot read the folder {}", input.display()))?;
-        let mut found = Vec::new();
+        let mut structures = Vec::new();
         for entry in entries {
             let path = entry
                 .with_context(|| format!("cannot read the folder {}", input.display()))?
                 .path();
             if path.is_file() && is_structure(&path) {
                 require_text(&path)?;
-                found.push(path);
+                structures.push(path);
             }
         }
-        if found.is_empty() {
+        if structures.is_empty() {
             bail!(
                 "{} holds no structure file ({})",
                 input.display(),
                 STRUCTURE_ENDINGS.join(", ")
             );
         }
-        found.sort();
-        files.extend(found);
+        structures.sort();
+        files.extend(structures);
     }
     Ok(files)
 }

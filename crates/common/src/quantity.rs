@@ -112,15 +112,15 @@ pub fn salt_list(text: &str) -> Result<Vec<f64>> {
     let mut salts = Vec::new();
     for item in text.split(',').map(str::trim) {
         match item.split_once("..") {
-            Some((first, rest)) => salts.extend(salt_range(item, first, rest)?),
+            Some((first, remainder)) => salts.extend(salt_range(item, first, remainder)?),
             None => salts.push(salt_molar(item)?),
         }
     }
     Ok(salts)
 }
 
-fn salt_range(item: &str, first: &str, rest: &str) -> Result<Vec<f64>> {
-    let Some((last, count)) = rest.split_once('/') else {
+fn salt_range(item: &str, first: &str, remainder: &str) -> Result<Vec<f64>> {
+    let Some((last, count)) = remainder.split_once('/') else {
         bail!("the range '{item}' lacks the number of values; write it as 10mM..300mM/8");
     };
     // The lower end of a range may omit the unit: 10..300mM/8.
@@ -160,7 +160,7 @@ fn round_to_micromolar(salt_molar: f64) -> f64 {
 
 /// Parses `value × unit`; a unit is a suffix and a power of ten. Positive powers of ten are
 /// exact, so dividing by them keeps 150mM exactly 0.15.
-fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
+fn parse(text: &str, quantity: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
     let text = text.trim();
     for (suffix, power) in units {
         let Some(number) = text.strip_suffix(suffix) else {
@@ -176,7 +176,7 @@ fn parse(text: &str, what: &str, units: &[(&str, i32)], example: &str) -> Result
             });
         }
     }
-    bail!("'{text}' is not {what}; write it like {example}")
+    bail!("'{text}' is not {quantity}; write it like {example}")
 }
 
 #[cfg(test)]

@@ -191,8 +191,8 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
             let occupied = input.occupied.as_ref();
             match occupied.filter(|occupied| SCATTER_BELOW * occupied.count(number) < width) {
                 Some(occupied) => {
-                    for at in occupied.of_row(number, padded_width) {
-                        row.add_voxel::<S, J, V, K>(at, &mut sums);
+                    for column in occupied.of_row(number, padded_width) {
+                        row.add_voxel::<S, J, V, K>(column, &mut sums);
                     }
                 }
                 None => row.add_all::<S, J, V, K>(&mut sums),
@@ -222,18 +222,18 @@ impl Row {
     #[inline(always)]
     unsafe fn add_voxel<S: Lanes, const J: usize, const V: usize, const K: usize>(
         self,
-        at: usize,
+        column: usize,
         sums: &mut Sums<S, J, V, K>,
     ) {
-        for k in 0..K.min(at + 1) {
-            let x = at - k;
+        for k in 0..K.min(column + 1) {
+            let x = column - k;
             if x >= self.width {
                 continue;
             }
             // SAFETY: the caller's promise.
             unsafe {
                 for (j, sums) in sums.iter_mut().enumerate() {
-                    let value = S::splat(self.input.add(j * self.plane + at));
+                    let value = S::splat(self.input.add(j * self.plane + column));
                     for (v, sum) in sums[k].iter_mut().enumerate() {
                         let vector = S::load(self.gradient.add(x * self.stride + v * S::WIDTH));
                         *sum = S::multiply_add(value, vector, *sum);

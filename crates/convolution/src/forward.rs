@@ -355,10 +355,10 @@ impl Rows<'_> {
             }};
         }
         while vector < vectors {
-            let left = vectors - vector;
-            if S::MANY && left >= 4 && width < 8 {
+            let remaining_vectors = vectors - vector;
+            if S::MANY && remaining_vectors >= 4 && width < 8 {
                 sweep!(4: 4 2 1);
-            } else if S::MANY && left >= 2 {
+            } else if S::MANY && remaining_vectors >= 2 {
                 sweep!(2: 8 4 2 1);
             } else if S::MANY {
                 sweep!(1: 16 8 4 2 1);
@@ -385,13 +385,15 @@ impl Rows<'_> {
         let stride = self.geometry.padded_outputs();
         out.fill(0.0);
         for tap in taps {
-            for at in occupied.of_row(tap.input / padded_width, padded_width) {
-                for k in 0..K.min(at + 1) {
-                    let x = at - k;
+            for column in occupied.of_row(tap.input / padded_width, padded_width) {
+                for k in 0..K.min(column + 1) {
+                    let x = column - k;
                     if x < width {
-                        // SAFETY: voxel `at` < padded width of row tap.input lies in the padded
+                        // SAFETY: voxel `column` < padded width of row tap.input lies in the padded
                         // grid, k < K, and x < W.
-                        unsafe { self.scatter_voxel::<S, K>(tap, at, k, &mut out[x * stride..]) };
+                        unsafe {
+                            self.scatter_voxel::<S, K>(tap, column, k, &mut out[x * stride..])
+                        };
                     }
                 }
             }
@@ -408,7 +410,7 @@ impl Rows<'_> {
     unsafe fn scatter_voxel<S: Lanes, const K: usize>(
         self,
         tap: &TapRow,
-        at: usize,
+        column: usize,
         k: usize,
         out: &mut [f32],
     ) {
@@ -427,7 +429,7 @@ impl Rows<'_> {
                         .input
                         .numbers
                         .as_ptr()
-                        .add(channel * plane + tap.input + at);
+                        .add(channel * plane + tap.input + column);
                     let row = channel * K * K * K + k;
                     let weight = self
                         .weights

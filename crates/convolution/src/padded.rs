@@ -76,7 +76,7 @@ impl Occupied {
         }
         let [depth, height, _] = geometry.edges;
         let (padded_height, kernel) = (geometry.padded_edges()[1], geometry.kernel);
-        let mut seen = Vec::with_capacity(depth * height);
+        let mut masks = Vec::with_capacity(depth * height);
         for row in 0..depth * height {
             let first = row / height * padded_height + row % height;
             let mut below = 0;
@@ -87,9 +87,9 @@ impl Occupied {
             for k in 0..kernel {
                 sees |= below >> k;
             }
-            seen.push(sees);
+            masks.push(sees);
         }
-        Some(seen)
+        Some(masks)
     }
 }
 

@@ -34,13 +34,13 @@ impl Entries {
     /// Lists the entries of the gradient of the pooled outputs, (O, D/2, H/2, W/2), with the
     /// corners that pooling chose.
     ///
-    /// `seen`, if known, says row by row which outputs see anything of the input. The others do not
+    /// `masks`, if known, say row by row which outputs see anything of the input. The others do not
     /// change the weights and are left out.
     pub fn pooled(
         geometry: &Geometry,
         gradient: &[f32],
         codes: &[u8],
-        seen: Option<&[u128]>,
+        masks: Option<&[u128]>,
     ) -> Self {
         let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
         let [_, padded_height, padded_width] = geometry.padded_edges();
@@ -51,7 +51,7 @@ impl Entries {
         for (i, (gradient, codes)) in rows.enumerate() {
             entries.begin_row();
             let (z, y) = (2 * (i % (depth * height) / height), 2 * (i % height));
-            let below = seen.map(|seen| rows_below(geometry, seen, z, y));
+            let below = masks.map(|masks| rows_below(geometry, masks, z, y));
             if below == Some([0; 4]) {
                 continue;
             }
@@ -122,10 +122,10 @@ impl Entries {
 /// Masks of the outputs that see anything of the input, for the four rows of outputs below a row of
 /// windows.
 #[inline(always)]
-fn rows_below(geometry: &Geometry, seen: &[u128], z: usize, y: usize) -> [u128; 4] {
+fn rows_below(geometry: &Geometry, masks: &[u128], z: usize, y: usize) -> [u128; 4] {
     array::from_fn(|i| {
         let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
-        seen.get(row).copied().unwrap_or(u128::MAX)
+        masks.get(row).copied().unwrap_or(u128::MAX)
     })
 }
 

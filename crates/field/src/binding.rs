@@ -167,7 +167,7 @@ impl BoundPair<'_> {
             grid_around(&complex, &settings[0])?,
             grid_around(&complex, &settings[1])?,
         ];
-        let mut solve = |spheres: &[ChargedSphere], of: &dyn Fn(&AddedCharges) -> bool| {
+        let mut solve = |spheres: &[ChargedSphere], is_wanted: &dyn Fn(&AddedCharges) -> bool| {
             let work = Work {
                 spheres,
                 dielectric: &dielectric,
@@ -175,7 +175,8 @@ impl BoundPair<'_> {
                 grids: &grids,
                 electrolytes,
             };
-            let wanted: Vec<&AddedCharges> = added.iter().filter(|added| of(added)).collect();
+            let wanted: Vec<&AddedCharges> =
+                added.iter().filter(|added| is_wanted(added)).collect();
             work.solve(&wanted, solved)
         };
         let of_complex = solve(&complex, &|_| true)?;
@@ -325,18 +326,18 @@ impl Work<'_> {
             if energies_kt.is_empty() {
                 in_reaction_kt = added
                     .iter()
-                    .map(|of| in_reaction(&of.charges, &fine))
+                    .map(|addition| in_reaction(&addition.charges, &fine))
                     .collect();
             }
             energies_kt.push([coarse, fine].map(|potential| potential.solvation_energy_kt));
             solved()?;
         }
         drop(charged);
-        let mut found = Vec::with_capacity(added.len());
-        for (of, in_reaction_kt) in added.iter().zip(in_reaction_kt) {
-            let alone = OnGrids::new(&solutes, &of.charges)?;
+        let mut added_energies = Vec::with_capacity(added.len());
+        for (addition, in_reaction_kt) in added.iter().zip(in_reaction_kt) {
+            let alone = OnGrids::new(&solutes, &addition.charges)?;
             let [_, fine] = alone.solve(&self.dielectric.electrolyte, self.settings)?;
-            found.push(AddedInSolute {
+            added_energies.push(AddedInSolute {
                 mutual_kt: 0.5 * (in_reaction_kt + in_reaction(self.spheres, &fine)),
                 own_kt: fine.solvation_energy_kt,
             });
@@ -344,7 +345,7 @@ impl Work<'_> {
         }
         Ok(Solved {
             energies_kt,
-            added: found,
+            added: added_energies,
         })
     }
 }

@@ -103,7 +103,7 @@ impl ChargeTree {
     /// Charges that stand for all charges at any place of a box, given by its lowest and highest
     /// corner; `far` is [`FAR`] or [`FARTHER`].
     pub fn seen_from(&self, low: &Vec3, high: &Vec3, far: f64) -> Vec<Source> {
-        let mut seen = Vec::new();
+        let mut sources = Vec::new();
         let mut waiting = vec![0];
         while let Some(number) = waiting.pop() {
             let Some(cluster) = self.boxes.get(number) else {
@@ -112,12 +112,14 @@ impl ChargeTree {
             let nearest = cluster.middle.sup(low).inf(high);
             let is_far = (nearest - cluster.middle).norm() >= far * cluster.half_diagonal;
             match cluster.children {
-                _ if is_far && !cluster.equivalent.is_empty() => seen.extend(&cluster.equivalent),
+                _ if is_far && !cluster.equivalent.is_empty() => {
+                    sources.extend(&cluster.equivalent)
+                }
                 Some(children) => waiting.extend(children),
-                None => seen.extend(&self.sources[cluster.sources.clone()]),
+                None => sources.extend(&self.sources[cluster.sources.clone()]),
             }
         }
-        seen
+        sources
     }
 }
 

@@ -35,19 +35,19 @@ impl<const N: usize> Chebyshev<N> {
 
     /// The weights at x of the values at the points; they sum to one.
     pub fn weights_at(&self, x: f64) -> [f64; N] {
-        let mut at = [0.0; N];
+        let mut weights = [0.0; N];
         let mut sum = 0.0;
         for n in 0..N {
             let offset = x - self.points[n];
             if offset == 0.0 {
-                at = [0.0; N];
-                at[n] = 1.0;
-                return at;
+                weights = [0.0; N];
+                weights[n] = 1.0;
+                return weights;
             }
-            at[n] = self.weights[n] / offset;
-            sum += at[n];
+            weights[n] = self.weights[n] / offset;
+            sum += weights[n];
         }
-        at.map(|weight| weight / sum)
+        weights.map(|weight| weight / sum)
     }
 }
 

@@ -85,8 +85,8 @@ impl Superposition {
     /// The sum at the places of a box between two corners, with far atoms in clusters and the error
     /// of `charge_tree`.
     pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> ScreenedSum {
-        let seen = self.tree.seen_from(low, high, FARTHER);
-        ScreenedSum::new(&seen, 0.5 * (low + high), self.kappa)
+        let sources = self.tree.seen_from(low, high, FARTHER);
+        ScreenedSum::new(&sources, 0.5 * (low + high), self.kappa)
     }
 
     /// The distance of the nearest charge from a plane perpendicular to an axis, Å; 0 if there are

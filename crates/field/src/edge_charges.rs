@@ -98,7 +98,7 @@ impl EdgeCharges {
         let [exact, near] = [exact, near].map(|edges| (edges * length).powi(2));
         let middle = edge.middle - self.origin;
         let axes @ [third, first, second] = edge.axes();
-        let at = axes.map(|axis| middle[axis] as f32);
+        let coordinates = axes.map(|axis| middle[axis] as f32);
         let (mut of_far, mut of_exact) = ([[0.0_f32; LANES]; 5], [[0.0_f32; LANES]; 3]);
         let mut of_near = AtEdge::default();
         for (number, group) in self.groups.iter().enumerate() {
@@ -107,7 +107,11 @@ impl EdgeCharges {
             let mut squares = [0.0; LANES];
             let (mut exact_lanes, mut near_lanes) = (0, 0);
             for lane in 0..LANES {
-                let (dz, dx, dy) = (at[0] - z[lane], at[1] - x[lane], at[2] - y[lane]);
+                let (dz, dx, dy) = (
+                    coordinates[0] - z[lane],
+                    coordinates[1] - x[lane],
+                    coordinates[2] - y[lane],
+                );
                 let square = dx * dx + dy * dy + dz * dz;
                 [offsets[0][lane], offsets[1][lane], offsets[2][lane]] = [dz, dx, dy];
                 squares[lane] = square;
@@ -188,13 +192,13 @@ impl Group {
             } else {
                 between.end
             };
-            let along = dz[lane] + offset;
-            let across = dx[lane] * dx[lane] + dy[lane] * dy[lane];
-            let to_place = across + along * along;
+            let axial_offset = dz[lane] + offset;
+            let radial_square = dx[lane] * dx[lane] + dy[lane] * dy[lane];
+            let to_place = radial_square + axial_offset * axial_offset;
             let inverse = 1.0 / if is_between { to_place } else { between.end };
             let value = strength * inverse.sqrt();
             sums[0][lane] += value;
-            sums[1][lane] -= value * along * inverse;
+            sums[1][lane] -= value * axial_offset * inverse;
             let offsets = [dz[lane], dx[lane], dy[lane]];
             let angle = expanded_solid_angle(offsets, (1.0 / square).sqrt(), length);
             sums[2][lane] += strength * angle;
@@ -237,12 +241,12 @@ impl EdgePlace {
     fn add(&self, source: &Source, sum: &mut AtEdge) {
         let from_charge = self.middle - source.place;
         let [z, x, y] = self.axes().map(|axis| from_charge[axis]);
-        let across = x * x + y * y;
-        let (distance, along) = ((across + z * z).sqrt(), z + self.offset);
-        let to_place = (across + along * along).sqrt();
+        let radial_square = x * x + y * y;
+        let (distance, axial_offset) = ((radial_square + z * z).sqrt(), z + self.offset);
+        let to_place = (radial_square + axial_offset * axial_offset).sqrt();
         let inverse = 1.0 / to_place.max(source.least_distance_angstrom);
         sum.value += source.strength * inverse;
-        sum.slope -= source.strength * along * inverse.powi(3);
+        sum.slope -= source.strength * axial_offset * inverse.powi(3);
         let angle = if distance <= NEAR_IN_EDGES * self.length {
             solid_angle([z, x, y], self.length)
         } else {
@@ -289,13 +293,13 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
 fn expanded_solid_angle<T: Real>([z, x, y]: [T; 3], inverse_distance: T, edge: T) -> T {
     let number = T::from;
     let inverse = inverse_distance * inverse_distance;
-    let [xx, yy, zz] = [x, y, z].map(|along| along * along * inverse);
+    let [xx, yy, zz] = [x, y, z].map(|coordinate| coordinate * coordinate * inverse);
     let area = edge * edge;
     let small = area * inverse;
     let second = number(15.0) * zz - number(9.0);
     let fourth = (number(945.0) * zz - number(1050.0)) * zz + number(225.0);
-    let across = number(15.0) - number(105.0) * (xx + yy) + number(945.0) * xx * yy;
-    let of_fourth = fourth / number(1920.0) + across / number(1440.0);
+    let lateral = number(15.0) - number(105.0) * (xx + yy) + number(945.0) * xx * yy;
+    let of_fourth = fourth / number(1920.0) + lateral / number(1440.0);
     let series = number(1.0) - small / number(24.0) * second + small * small * of_fourth;
     area * z * inverse * inverse_distance * series
 }
@@ -339,8 +343,8 @@ pub(crate) mod tests {
         for turn in 0..3000 {
             let mut place: [f64; 3] = rng.vector_in_ball([0.5, 1.0, 4.0][turn % 3]).into();
             place[0] *= [1.0, 1e-7, 1e-12, 0.0][turn % 4];
-            let (found, slow) = (solid_angle(place, 0.7), slow_solid_angle(place, 0.7));
-            assert!((found - slow).abs() < 1e-12, "{place:?}: {found} {slow}");
+            let (angle, slow) = (solid_angle(place, 0.7), slow_solid_angle(place, 0.7));
+            assert!((angle - slow).abs() < 1e-12, "{place:?}: {angle} {slow}");
         }
     }
 
@@ -351,14 +355,14 @@ pub(crate) mod tests {
         for _ in 0..20_000 {
             let r = rng.uniform_in(NEAR_IN_EDGES, 2.0 * NEAR_IN_EDGES) * edge;
             let place: [f64; 3] = (rng.unit_vector() * r).into();
-            let (found, slow) = (
+            let (expanded, slow) = (
                 expanded_solid_angle(place, 1.0 / r, edge),
                 slow_solid_angle(place, edge),
             );
             let whole = (edge / r).powi(2);
             assert!(
-                (found - slow).abs() < 2e-4 * whole,
-                "{place:?}: {found} {slow}"
+                (expanded - slow).abs() < 2e-4 * whole,
+                "{place:?}: {expanded} {slow}"
             );
         }
     }
@@ -366,12 +370,12 @@ pub(crate) mod tests {
     /// Flux through a square, by many points.
     fn slow_flux(edge: &EdgePlace, source: &Source) -> f64 {
         let n = 200;
-        let along = |index: usize| edge.length * ((index as f64 + 0.5) / n as f64 - 0.5);
+        let coordinate = |index: usize| edge.length * ((index as f64 + 0.5) / n as f64 - 0.5);
         let mut sum = 0.0;
         for code in 0..n * n {
             let mut offset = edge.middle - source.place;
-            offset[(edge.axis + 1) % 3] += along(code % n);
-            offset[(edge.axis + 2) % 3] += along(code / n);
+            offset[(edge.axis + 1) % 3] += coordinate(code % n);
+            offset[(edge.axis + 2) % 3] += coordinate(code / n);
             sum += offset[edge.axis] / offset.norm().powi(3);
         }
         source.strength * sum * (edge.length / n as f64).powi(2)
@@ -390,23 +394,23 @@ pub(crate) mod tests {
                 offset: rng.uniform_in(-0.35, 0.35),
             };
             let charges = EdgeCharges::new(vec![charge], Vec3::new(1.0, -3.0, 2.0));
-            let found = charges.at(&edge);
+            let potential = charges.at(&edge);
             let mut offset = edge.middle - charge.place;
             let r = offset.norm();
             let whole = 1.3 * (edge.length / r).powi(2);
-            assert!((found.flux - slow_flux(&edge, &charge)).abs() < 1e-3 * whole);
+            assert!((potential.flux - slow_flux(&edge, &charge)).abs() < 1e-3 * whole);
             offset[edge.axis] += edge.offset;
             let value = 1.3 / offset.norm();
             let slope = -1.3 * offset[edge.axis] / offset.norm().powi(3);
             assert!(
-                (found.value - value).abs() < 1e-5 * 1.3 / r,
-                "{r}: {found:?}"
+                (potential.value - value).abs() < 1e-5 * 1.3 / r,
+                "{r}: {potential:?}"
             );
             assert!(
-                (found.slope - slope).abs() < 4e-4 * 1.3 / (r * r),
-                "{r}: {found:?}"
+                (potential.slope - slope).abs() < 4e-4 * 1.3 / (r * r),
+                "{r}: {potential:?}"
             );
-            assert_eq!(found, charges.at_any(&edge));
+            assert_eq!(potential, charges.at_any(&edge));
         }
     }
 

@@ -82,9 +82,9 @@ impl FarCharges {
             for i in 0..POWERS - k {
                 for j in 0..POWERS - k - i {
                     let twice = |n: usize| ((n + 2) * (n + 1)) as f64;
-                    let across = twice(i) * coefficients[i + 2][j][k - 2]
+                    let transverse = twice(i) * coefficients[i + 2][j][k - 2]
                         + twice(j) * coefficients[i][j + 2][k - 2];
-                    coefficients[i][j][k] = -across / twice(k - 2);
+                    coefficients[i][j][k] = -transverse / twice(k - 2);
                 }
             }
         }
@@ -108,8 +108,8 @@ impl FarCharges {
             for a in (0..POWERS - n).rev() {
                 let mut row = 0.0;
                 for b in (0..POWERS - n - a).rev() {
-                    let at = n * STRIDES[axis] + a * STRIDES[first] + b * STRIDES[second];
-                    row = row * y + coefficients[at];
+                    let index = n * STRIDES[axis] + a * STRIDES[first] + b * STRIDES[second];
+                    row = row * y + coefficients[index];
                 }
                 sum = sum * x + row;
             }
@@ -178,9 +178,10 @@ impl Groups {
                             add(&of_group[k][i][j - 2]);
                         }
                         for lane in 0..LANES {
-                            let here = (one * first[lane] + two * second[lane]) * inverse[lane];
-                            of_group[k][i][j][lane] = here;
-                            sums[k][i][j][lane] += here;
+                            let coefficient =
+                                (one * first[lane] + two * second[lane]) * inverse[lane];
+                            of_group[k][i][j][lane] = coefficient;
+                            sums[k][i][j][lane] += coefficient;
                         }
                     }
                 }

@@ -232,7 +232,7 @@ impl Block {
     /// The points that are not on a face of the grid.
     pub fn without_faces(&self, grid: &Grid) -> Self {
         Self {
-            first: self.first.map(|at| at.max(1)),
+            first: self.first.map(|index| index.max(1)),
             end: [0, 1, 2].map(|axis| self.end[axis].min(grid.shape[axis] - 1)),
         }
     }

@@ -190,7 +190,7 @@ impl BoxMoves {
         rng: &mut CounterRng,
     ) -> Result<()> {
         let change = self.propose::<D>(pressure.freedom, number, rng);
-        let by = change.deformation::<D>();
+        let deformation = change.deformation::<D>();
         let is_likely = rng.uniform() < change.weight(system, pressure).exp();
         let step = match change {
             Change::Volume(_) | Change::Length(..) => &mut self.volume,
@@ -199,18 +199,18 @@ impl BoxMoves {
         };
         let is_allowed = match change {
             Change::Stretch(..) | Change::Length(..) => {
-                is_within(&self.first_shape, &system.space().deformed(&by))
+                is_within(&self.first_shape, &system.space().deformed(&deformation))
             }
             Change::Volume(_) | Change::Shear(..) => true,
         };
         let end = match is_likely && is_allowed {
-            true => system.try_deform(&by),
+            true => system.try_deform(&deformation),
             false => Deformation::Blocked,
         };
         step.counts.note(end == Deformation::Done);
         match end {
             Deformation::TooSmall => Err(Error::BoxShrinks {
-                edge: system.space().deformed(&by).smallest_length(),
+                edge: system.space().deformed(&deformation).smallest_length(),
                 least: least_edge(system.body(), &[]),
                 bodies: fewest_bodies(&self.first_shape, pressure.freedom, system.body()),
             }),
@@ -279,20 +279,22 @@ fn shape<const D: usize>(space: &PeriodicBox<D>) -> [f64; D] {
 impl Change {
     /// E, row by row.
     fn deformation<const D: usize>(&self) -> [[f64; D]; D] {
-        let mut by = [[0.0; D]; D];
-        for (axis, row) in by.iter_mut().enumerate() {
+        let mut deformation = [[0.0; D]; D];
+        for (axis, row) in deformation.iter_mut().enumerate() {
             row[axis] = match self {
                 Self::Volume(growth) => (growth / D as f64).exp(),
-                Self::Length(along, growth) if *along == axis => growth.exp(),
-                Self::Stretch([along, _], growth) if *along == axis => growth.exp(),
-                Self::Stretch([_, across], growth) if *across == axis => (-growth).exp(),
+                Self::Length(length_axis, growth) if *length_axis == axis => growth.exp(),
+                Self::Stretch([longer_axis, _], growth) if *longer_axis == axis => growth.exp(),
+                Self::Stretch([_, shorter_axis], growth) if *shorter_axis == axis => {
+                    (-growth).exp()
+                }
                 _ => 1.0,
             };
         }
         if let Self::Shear([row, column], part) = self {
-            by[*row][*column] = *part;
+            deformation[*row][*column] = *part;
         }
-        by
+        deformation
     }
 
     /// ln(J π'/π).

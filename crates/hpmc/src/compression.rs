@@ -68,16 +68,16 @@ impl Compression {
         let grid = Grid::new(&system.space, range, &system.positions);
         let is_convex = system.body.pieces().is_none();
         for body in 0..system.len() {
-            let here = system.where_it_is(body);
+            let pose = system.where_it_is(body);
             let but = body as u32;
-            grid.any_near(&here.position, range * range, but, |near| {
+            grid.any_near(&pose.position, range * range, but, |near| {
                 if near.body <= but {
                     return false;
                 }
                 if is_convex {
                     let overlaps_within = |bins: usize| {
                         let part = bins as f64 / BINS as f64;
-                        system.is_overlap(&here, &near, 1.0 - part * self.largest)
+                        system.is_overlap(&pose, &near, 1.0 - part * self.largest)
                     };
                     if overlaps_within(BINS) {
                         visit(first(overlaps_within) - 1, 1.0);
@@ -85,7 +85,7 @@ impl Compression {
                     return false;
                 }
                 for sign in [-1.0, 1.0] {
-                    if let Some(change) = system.first_contact(&here, &near, sign, self.largest) {
+                    if let Some(change) = system.first_contact(&pose, &near, sign, self.largest) {
                         let bin = (change / self.largest * BINS as f64) as usize;
                         visit(bin.min(BINS - 1), -sign);
                     }

@@ -73,7 +73,7 @@ impl<const D: usize> UnitCell<D> {
                 return Err(Error::UnknownCrystal {
                     name: name.to_owned(),
                     dimension: D,
-                    known: NAMES[D - 1],
+                    names: NAMES[D - 1],
                 });
             }
         };
@@ -104,8 +104,8 @@ impl<const D: usize> UnitCell<D> {
                         let [from, to] = [number, other].map(|site| self.sites[site].place[axis]);
                         to - from + shift[axis]
                     });
-                    let along = self.space.at(&parts);
-                    let bond = Vec3::from_fn(|axis, _| along.get(axis).copied().unwrap_or(0.0));
+                    let vector = self.space.at(&parts);
+                    let bond = Vec3::from_fn(|axis, _| vector.get(axis).copied().unwrap_or(0.0));
                     if bond.norm() > SAME {
                         bonds.push(bond);
                     }
@@ -129,10 +129,10 @@ impl<const D: usize> UnitCell<D> {
     fn is_translation(&self, to: &Site<D>, symmetry: &Symmetry) -> bool {
         let first = &self.sites[0];
         self.sites.iter().all(|site| {
-            let moved: [f64; D] =
+            let shifted_place: [f64; D] =
                 std::array::from_fn(|axis| site.place[axis] + to.place[axis] - first.place[axis]);
             let lands_on = |other: &Site<D>| {
-                is_same_place(&moved, &other.place)
+                is_same_place(&shifted_place, &other.place)
                     && symmetry.are_alike(&other.rotation, &site.rotation)
             };
             self.sites.iter().any(lands_on)
@@ -227,8 +227,8 @@ fn faces_along(directions: &[Vec3]) -> Rotation {
             }
             let matrix = frame(first, second) * from.transpose();
             let looks_along = |face: &Vec3| {
-                let turned = matrix * face;
-                let is_near = |way: &Vec3| (way.normalize() - turned).norm() < 1e-3;
+                let normal = matrix * face;
+                let is_near = |way: &Vec3| (way.normalize() - normal).norm() < 1e-3;
                 directions.iter().any(is_near)
             };
             if faces.iter().all(looks_along) {
@@ -303,8 +303,8 @@ impl<const D: usize> Crystal<D> {
         require_packing_fraction(packing_fraction)?;
         let sites = cell.sites.len();
         if bodies == 0 || !bodies.is_multiple_of(sites) {
-            let across = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
-            let nearest = across.max(2.0).powi(D as i32) as usize * sites;
+            let cells_per_edge = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
+            let nearest = cells_per_edge.max(2.0).powi(D as i32) as usize * sites;
             let least = least_edge(body, depletants);
             return Err(Error::PartialCell {
                 bodies,
@@ -316,10 +316,10 @@ impl<const D: usize> Crystal<D> {
         let (scaled, repeats) = cells_of_crystal(cell, bodies, body.volume / packing_fraction);
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
         for number in 0..cells {
-            let (mut rest, mut corner) = (number, [0.0; D]);
+            let (mut index, mut corner) = (number, [0.0; D]);
             for axis in 0..D {
-                corner[axis] = (rest % repeats[axis]) as f64;
-                rest /= repeats[axis];
+                corner[axis] = (index % repeats[axis]) as f64;
+                index /= repeats[axis];
             }
             for site in &cell.sites {
                 positions
@@ -397,12 +397,12 @@ impl<const D: usize> Crystal<D> {
     pub fn first_overlap(&self, body: &HardBody<D>) -> Option<[usize; 2]> {
         let space = self.space.reduced();
         let reach = 2.0 * body.outer_radius;
-        let turned = |rotation: &Rotation| {
+        let rotated_corners = |rotation: &Rotation| {
             let mut corners = vec![[[0.0; 4]; D]; body.blocks()];
             body.turned_into(rotation, &mut corners);
             corners
         };
-        let corners: Vec<Vec<Block<D>>> = self.rotations.iter().map(turned).collect();
+        let corners: Vec<Vec<Block<D>>> = self.rotations.iter().map(rotated_corners).collect();
         let places: Vec<[f64; D]> = self.positions.iter().map(|x| space.wrap(x)).collect();
         for first in 0..places.len() {
             for second in first..places.len() {
@@ -431,10 +431,10 @@ impl<const D: usize> Crystal<D> {
                 continue;
             }
             for image in 0..3_usize.pow(D as u32) {
-                let mut rest = image;
+                let mut quotient = image;
                 let translation = cell.at(&std::array::from_fn(|axis| {
-                    let shift = (rest % 3) as f64 - 1.0;
-                    rest /= 3;
+                    let shift = (quotient % 3) as f64 - 1.0;
+                    quotient /= 3;
                     site.place[axis] - first.place[axis] + shift
                 }));
                 let length = norm(&translation);
@@ -457,17 +457,19 @@ impl<const D: usize> Crystal<D> {
     pub(crate) fn bonds(&self, symmetry: &Symmetry) -> Vec<Bond<D>> {
         let translations = self.translations(symmetry);
         let mut bonds = Vec::new();
-        for along in &translations {
-            let is_across =
-                |slip: &&[f64; D]| dot(slip, along).abs() < ACROSS * norm(slip) * norm(along);
+        for translation in &translations {
+            let is_across = |slip: &&[f64; D]| {
+                dot(slip, translation).abs() < ACROSS * norm(slip) * norm(translation)
+            };
             let slips: Vec<[f64; D]> = translations.iter().filter(is_across).copied().collect();
             if slips.is_empty() {
                 continue;
             }
             let site_at = |place: &[f64; D]| {
                 let is_near = |other: &[f64; D]| {
-                    let apart = std::array::from_fn(|axis| other[axis] - place[axis] - along[axis]);
-                    norm(&self.space.nearest_image(&apart)) < SAME * norm(along)
+                    let apart =
+                        std::array::from_fn(|axis| other[axis] - place[axis] - translation[axis]);
+                    norm(&self.space.nearest_image(&apart)) < SAME * norm(translation)
                 };
                 self.positions.iter().position(is_near)
             };
@@ -531,20 +533,20 @@ fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
     let (mut best, mut shortest) = ([1; D], f64::INFINITY);
     let divisors: Vec<usize> = (1..=cells).filter(|n| cells.is_multiple_of(*n)).collect();
     for first in 0..divisors.len().pow(D as u32 - 1) {
-        let (mut rest, mut left, mut repeats) = (first, cells, [1; D]);
+        let (mut quotient, mut remaining_cells, mut repeats) = (first, cells, [1; D]);
         for repeat in repeats.iter_mut().take(D - 1) {
-            *repeat = divisors[rest % divisors.len()];
-            rest /= divisors.len();
-            if !left.is_multiple_of(*repeat) {
-                left = 0;
+            *repeat = divisors[quotient % divisors.len()];
+            quotient /= divisors.len();
+            if !remaining_cells.is_multiple_of(*repeat) {
+                remaining_cells = 0;
                 break;
             }
-            left /= *repeat;
+            remaining_cells /= *repeat;
         }
-        if left == 0 {
+        if remaining_cells == 0 {
             continue;
         }
-        repeats[D - 1] = left;
+        repeats[D - 1] = remaining_cells;
         let lengths = (0..D).map(|axis| edges[axis] * repeats[axis] as f64);
         let longest = lengths.fold(0.0, f64::max);
         if longest < shortest * (1.0 - 1e-9) {

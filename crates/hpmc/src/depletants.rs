@@ -142,11 +142,11 @@ impl<const D: usize> System<D> {
         let count: usize = cells.iter().product();
         let mut free = 0;
         for number in 0..count {
-            let (mut rest, mut straight) = (number, [0.0; D]);
+            let (mut quotient, mut straight) = (number, [0.0; D]);
             for axis in 0..D {
-                let place = (rest % cells[axis]) as f64 + rng.uniform();
+                let place = (quotient % cells[axis]) as f64 + rng.uniform();
                 straight[axis] = place * lengths[axis] / cells[axis] as f64;
-                rest /= cells[axis];
+                quotient /= cells[axis];
             }
             let point = self.space.sheared(&straight);
             let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {

@@ -121,8 +121,9 @@ impl<const D: usize> Springs<D> {
     fn slips(&self, body: usize, step: &[f64; D]) -> bool {
         self.bonds.iter().any(|bond| {
             let other = &self.displacements[bond.others[body]];
-            let own = &self.displacements[body];
-            let apart: [f64; D] = std::array::from_fn(|axis| own[axis] + step[axis] - other[axis]);
+            let displacement = &self.displacements[body];
+            let apart: [f64; D] =
+                std::array::from_fn(|axis| displacement[axis] + step[axis] - other[axis]);
             let is_too_long = |slip: &[f64; D]| 2.0 * dot(&apart, slip).abs() > dot(slip, slip);
             dot(&apart, &apart) > self.short_squared && bond.slips.iter().any(is_too_long)
         })
@@ -150,9 +151,9 @@ impl<const D: usize> Field<D> for Springs<D> {
         }
         let bodies = self.displacements.len() as f64;
         let squared = dot(&self.step, &self.step);
-        let own = 2.0 * dot(&self.displacements[body], &self.step) + squared;
+        let body_term = 2.0 * dot(&self.displacements[body], &self.step) + squared;
         let all = (2.0 * dot(&self.sum, &self.step) + squared) / bodies;
-        self.strength * (own - all)
+        self.strength * (body_term - all)
     }
 
     fn moved(&mut self, trial: &Trial<D>) {

@@ -48,10 +48,12 @@ pub fn excess_free_energies(factors: &[Factor], b2_over_volume: f64) -> Result<V
         (factor.value - 1.0) / factor.packing_fraction
     })?;
     let mut variances = vec![0.0; factors.len()];
-    for moved in 0..factors.len() {
-        let moves = integrals(factors, 0.0, |number, factor| match number == moved {
-            true => factor.standard_error / factor.packing_fraction,
-            false => 0.0,
+    for perturbed_index in 0..factors.len() {
+        let moves = integrals(factors, 0.0, |number, factor| {
+            match number == perturbed_index {
+                true => factor.standard_error / factor.packing_fraction,
+                false => 0.0,
+            }
         })?;
         for (variance, part) in variances.iter_mut().zip(moves) {
             *variance += part * part;

@@ -125,14 +125,14 @@ pub enum Error {
         nearest: usize,
     },
     /// The name is not that of a crystal.
-    #[error("'{name}' is not a crystal in {dimension} dimensions; known are {known}")]
+    #[error("'{name}' is not a crystal in {dimension} dimensions; known are {names}")]
     UnknownCrystal {
         /// The name.
         name: String,
         /// Number of dimensions of the bodies.
         dimension: usize,
         /// Names of the crystals that are known.
-        known: &'static str,
+        names: &'static str,
     },
     /// A curve needs more points.
     #[error("there are {given} points; a curve through them needs at least {fewest}")]

@@ -173,8 +173,8 @@ impl Mixture {
 
     /// Coexistence of gas and liquid, whether or not a solid is more stable.
     pub fn gas_and_liquid(&self) -> Option<Coexistence> {
-        let found = self.beyond(0.0, |branches| coexistences(&branches[..1]));
-        found.first().copied()
+        let tangents = self.beyond(0.0, |branches| coexistences(&branches[..1]));
+        tangents.first().copied()
     }
 
     /// Calls a function with the branches of the fluid, sampled beyond a packing fraction, and the
@@ -262,8 +262,8 @@ impl Mixture {
             Some((thin, *thick.first()?))
         };
         let is_below = |reservoir: f64| {
-            let found = both(reservoir);
-            found.is_some_and(|(thin, thick)| thin.chemical_potential < thick.chemical_potential)
+            let phases = both(reservoir);
+            phases.is_some_and(|(thin, thick)| thin.chemical_potential < thick.chemical_potential)
         };
         let mut low = critical.reservoir * (1.0 + 1e-4);
         let mut high = low;

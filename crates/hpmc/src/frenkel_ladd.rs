@@ -202,8 +202,10 @@ impl<'a, const D: usize> Measurement<'a, D> {
                 CounterRng::for_purpose(self.seed, stream, step, Purpose::HardBodyInsertion);
             let (displacements, rotations) = einstein.sample(&mut rng);
             let places = self.crystal.positions.iter().zip(&displacements);
-            let moved = places.map(|(site, by)| std::array::from_fn(|axis| site[axis] + by[axis]));
-            system.put_all(moved.collect(), rotations);
+            let trial_positions = places.map(|(site, displacement)| {
+                std::array::from_fn(|axis| site[axis] + displacement[axis])
+            });
+            system.put_all(trial_positions.collect(), rotations);
             free += u32::from(!system.has_overlaps());
         }
         Ok(free)
@@ -249,11 +251,11 @@ impl<'a, const D: usize> Measurement<'a, D> {
         };
         let rotations: Vec<Rotation> = state.orientations_wxyz.iter().map(rotation).collect();
         let bodies = self.crystal.positions.len();
-        for found in [positions.len(), displacements.len(), rotations.len()] {
-            if found != bodies {
+        for count in [positions.len(), displacements.len(), rotations.len()] {
+            if count != bodies {
                 return Err(Error::OutOfRange {
                     quantity: "the number of saved bodies",
-                    value: found as f64,
+                    value: count as f64,
                     requirement: "that of the crystal; start again with --force",
                 });
             }

@@ -191,11 +191,11 @@ impl<const D: usize> Grid<D> {
         }
         let rows = 3_usize.pow(D as u32 - 1);
         for row in 0..rows {
-            let (mut base, mut shift, mut rest) = (0, [0.0; D], row);
+            let (mut base, mut shift, mut quotient) = (0, [0.0; D], row);
             for axis in 1..D {
-                base += cells[axis][rest % 3];
-                shift[axis] = shifts[axis][rest % 3];
-                rest /= 3;
+                base += cells[axis][quotient % 3];
+                shift[axis] = shifts[axis][quotient % 3];
+                quotient /= 3;
             }
             if is_tilted {
                 self.add_overhangs(&mut shift, &times, row);
@@ -230,13 +230,13 @@ impl<const D: usize> Grid<D> {
 
     /// Adds what the edges, passed so many times, overhang along earlier axes, for one row of cells.
     fn add_overhangs(&self, shift: &mut [f64; D], times: &[[f64; 3]; D], row: usize) {
-        let mut rest = row;
+        let mut quotient = row;
         for (axis, times) in times.iter().enumerate().skip(1) {
             let edge = self.space.edge(axis);
             for (x, part) in shift.iter_mut().zip(edge).take(axis) {
-                *x += times[rest % 3] * part;
+                *x += times[quotient % 3] * part;
             }
-            rest /= 3;
+            quotient /= 3;
         }
     }
 
@@ -253,12 +253,12 @@ impl<const D: usize> Grid<D> {
         let range = squared_range.sqrt();
         let straight = self.straight(place);
         for number in 0..steps.iter().product() {
-            let (mut cell, mut rest, mut stride) = (0, number, 1);
+            let (mut cell, mut quotient, mut stride) = (0, number, 1);
             for axis in 0..D {
                 let n = self.cells[axis];
                 let home = self.coordinate(axis, straight[axis]);
-                cell += stride * ((home + n - 1 + rest % steps[axis]) % n);
-                rest /= steps[axis];
+                cell += stride * ((home + n - 1 + quotient % steps[axis]) % n);
+                quotient /= steps[axis];
                 stride *= n;
             }
             let from = cell * self.room;

@@ -40,9 +40,9 @@ impl Walls {
         let weights = weights();
         let (mut density, mut heights) = ([0.0; 2], 0.0);
         for body in 0..system.len() {
-            let here = system.where_it_is(body);
-            heights += here.position[D - 1];
-            let gaps = system.gaps_to_walls(&here);
+            let pose = system.where_it_is(body);
+            heights += pose.position[D - 1];
+            let gaps = system.gaps_to_walls(&pose);
             for (density, gap) in density.iter_mut().zip(gaps) {
                 let bin = gap / largest * BINS as f64;
                 if bin < BINS as f64 {

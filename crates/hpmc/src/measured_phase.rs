@@ -142,16 +142,16 @@ impl MeasuredPhase {
 
     /// The phase with values drawn within their errors.
     fn drawn(&self, rng: &mut CounterRng) -> Self {
-        let mut draw = |known: Estimated| Estimated {
-            value: known.value + known.standard_error * normal(rng),
-            ..known
+        let mut draw = |estimate: Estimated| Estimated {
+            value: estimate.value + estimate.standard_error * normal(rng),
+            ..estimate
         };
         let states = self.states.iter().map(|state| State {
             compressibility_factor: draw(state.compressibility_factor),
-            free_volume_fraction: state.free_volume_fraction.map(|known| {
-                let drawn = draw(known);
+            free_volume_fraction: state.free_volume_fraction.map(|estimate| {
+                let drawn = draw(estimate);
                 // A free volume has a logarithm.
-                if drawn.value > 0.0 { drawn } else { known }
+                if drawn.value > 0.0 { drawn } else { estimate }
             }),
             ..*state
         });
@@ -191,7 +191,7 @@ impl MeasuredPhase {
 
     /// (Z - 1)/φ of a crystal; ((Z - 1)/φ - B2/v)/φ of a fluid.
     fn factors(&self) -> Vec<Measured> {
-        let of = |state: &State| {
+        let factor = |state: &State| {
             let x = state.packing_fraction;
             let Estimated {
                 value,
@@ -211,20 +211,20 @@ impl MeasuredPhase {
                 },
             }
         };
-        self.states.iter().map(of).collect()
+        self.states.iter().map(factor).collect()
     }
 
     /// (ln α)/φ, where it was measured.
     fn free_volumes(&self) -> Vec<Measured> {
-        let of = |state: &State| {
-            let (x, known) = (state.packing_fraction, state.free_volume_fraction?);
-            (known.value > 0.0).then(|| Measured {
+        let log_free_volume = |state: &State| {
+            let (x, fraction) = (state.packing_fraction, state.free_volume_fraction?);
+            (fraction.value > 0.0).then(|| Measured {
                 x,
-                value: known.value.ln() / x,
-                standard_error: known.standard_error / known.value / x,
+                value: fraction.value.ln() / x,
+                standard_error: fraction.standard_error / fraction.value / x,
             })
         };
-        self.states.iter().filter_map(of).collect()
+        self.states.iter().filter_map(log_free_volume).collect()
     }
 
     fn curves_of(&self, factor: Polynomial, free_volume: Option<Polynomial>) -> PhaseCurves {

@@ -143,10 +143,10 @@ impl<const D: usize> Pieces<D> {
         for (first, a) in self.pieces.iter().enumerate() {
             for (second, b) in self.pieces.iter().enumerate().skip(first + 1) {
                 let offset = minus(&b.centre, &a.centre);
-                let (own, other) = (shrunk(a), shrunk(b));
+                let (shrunk_first, shrunk_second) = (shrunk(a), shrunk(b));
                 let pair = Pair {
-                    first: &own,
-                    second: &other,
+                    first: &shrunk_first,
+                    second: &shrunk_second,
                     offset,
                     reach: 2.0 * smaller * self.rounding_radius,
                     error: error_of_heights(
@@ -256,7 +256,7 @@ impl<const D: usize> Pieces<D> {
 
     /// Decides whether two pieces that touch to within rounding overlap.
     fn exact(&self, pair: &Pair<'_, D>, first: &Turned<'_, D>, second: &Turned<'_, D>) -> bool {
-        let faces = [first, second].map(|turned| turned.piece.faces.as_slice());
+        let faces = [first, second].map(|turned_piece| turned_piece.piece.faces.as_slice());
         if self.rounding_radius > 0.0 || faces.iter().any(|faces| faces.is_empty()) {
             return true;
         }
@@ -265,11 +265,15 @@ impl<const D: usize> Pieces<D> {
 
     /// Whether a point, from the centre of the body, is within a radius of it.
     pub(crate) fn cover(&self, corners: &[Block<D>], point: &[f64; D], radius: f64) -> bool {
-        self.turned(corners).any(|turned| {
-            let from_piece = minus(point, &turned.centre);
-            let outer = turned.piece.outer_radius + radius;
+        self.turned(corners).any(|turned_piece| {
+            let from_piece = minus(point, &turned_piece.centre);
+            let outer = turned_piece.piece.outer_radius + radius;
             dot(&from_piece, &from_piece) < outer * outer
-                && is_within(turned.corners, &from_piece, self.rounding_radius + radius)
+                && is_within(
+                    turned_piece.corners,
+                    &from_piece,
+                    self.rounding_radius + radius,
+                )
         })
     }
 
@@ -288,16 +292,17 @@ impl<const D: usize> Pieces<D> {
         for a in self.turned(first) {
             for b in self.turned(second) {
                 let apart = minus(&b.centre, &a.centre);
-                let at = |change: f64| plus(&offset.map(|x| x * (1.0 + sign * change)), &apart);
+                let separation =
+                    |change: f64| plus(&offset.map(|x| x * (1.0 + sign * change)), &apart);
                 let outer = a.piece.outer_radius + b.piece.outer_radius;
-                if least_distance_squared(&at(0.0), &at(range)) >= outer * outer {
+                if least_distance_squared(&separation(0.0), &separation(range)) >= outer * outer {
                     continue;
                 }
-                let pair = |change: f64| self.pair(&a, &b, at(change), error);
+                let pair = |change: f64| self.pair(&a, &b, separation(change), error);
                 let velocity = offset.map(|x| x * sign);
-                if let Some(found) = contact(pair, &velocity, range, LEAST_STEP * largest) {
-                    range = found;
-                    nearest = Some(found);
+                if let Some(first_change) = contact(pair, &velocity, range, LEAST_STEP * largest) {
+                    range = first_change;
+                    nearest = Some(first_change);
                 }
             }
         }
@@ -322,14 +327,14 @@ fn hull<const D: usize>(pieces: &[Piece<D>]) -> Result<Vec<[f64; D]>> {
     let shape = match D {
         2 => Shape::flat(&corners.iter().map(|x| [x[0], x[1]]).collect::<Vec<_>>())?,
         _ => {
-            let at = |corner: &[f64; D]| Vec3::from_fn(|axis, _| corner[axis]);
-            Shape::solid(&corners.iter().map(at).collect::<Vec<_>>())?
+            let point = |corner: &[f64; D]| Vec3::from_fn(|axis, _| corner[axis]);
+            Shape::solid(&corners.iter().map(point).collect::<Vec<_>>())?
         }
     };
     Ok(match shape {
         Shape::Flat(corners) => {
-            let at = |[x, y]: [f64; 2]| std::array::from_fn(|axis| [x, y][axis]);
-            corners.into_iter().map(at).collect()
+            let point = |[x, y]: [f64; 2]| std::array::from_fn(|axis| [x, y][axis]);
+            corners.into_iter().map(point).collect()
         }
         Shape::Solid(hull) => hull.corners().iter().map(coordinates).collect(),
     })
@@ -345,8 +350,8 @@ fn contact<'a, const D: usize>(
     let mut change = 0.0;
     let mut direction = pair(0.0).offset;
     while change < range {
-        let here = pair(change);
-        if here.overlap(&mut direction, || true) {
+        let current_pair = pair(change);
+        if current_pair.overlap(&mut direction, || true) {
             return Some(change);
         }
         // The plane that separates them moves towards the second piece with this velocity.
@@ -354,20 +359,20 @@ fn contact<'a, const D: usize>(
         if closing <= 0.0 {
             return None;
         }
-        change += (here.gap_along(&direction) / closing).max(least_step);
+        change += (current_pair.gap_along(&direction) / closing).max(least_step);
     }
     None
 }
 
 /// The square of the distance of the origin from a segment.
 fn least_distance_squared<const D: usize>(from: &[f64; D], to: &[f64; D]) -> f64 {
-    let along = minus(to, from);
-    let length = dot(&along, &along);
+    let displacement = minus(to, from);
+    let length = dot(&displacement, &displacement);
     let part = match length > 0.0 {
-        true => (-dot(from, &along) / length).clamp(0.0, 1.0),
+        true => (-dot(from, &displacement) / length).clamp(0.0, 1.0),
         false => 0.0,
     };
-    let nearest = plus(from, &along.map(|x| part * x));
+    let nearest = plus(from, &displacement.map(|x| part * x));
     dot(&nearest, &nearest)
 }
 

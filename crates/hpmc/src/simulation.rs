@@ -508,10 +508,10 @@ impl<const D: usize> Simulation<D> {
         Some(free as f64 / insertions as f64)
     }
 
-    fn inserted(&self, what: u32) -> CounterRng {
+    fn inserted(&self, stream: u32) -> CounterRng {
         CounterRng::for_purpose(
             self.settings.seed,
-            what,
+            stream,
             self.sweeps,
             Purpose::HardBodyInsertion,
         )

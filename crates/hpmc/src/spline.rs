@@ -90,11 +90,11 @@ impl Spline {
     }
 
     /// The value with its derivatives.
-    pub fn at(&self, at: Jet) -> Jet {
-        let above = self.x.partition_point(|x| *x <= at.value);
+    pub fn at(&self, abscissa: Jet) -> Jet {
+        let above = self.x.partition_point(|x| *x <= abscissa.value);
         let i = above.clamp(1, self.x.len() - 1) - 1;
         let h = self.x[i + 1] - self.x[i];
-        let b = (at + -self.x[i]) * h.recip();
+        let b = (abscissa + -self.x[i]) * h.recip();
         let a = -b + 1.0;
         a * self.y[i]
             + b * self.y[i + 1]

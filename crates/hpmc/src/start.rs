@@ -276,12 +276,12 @@ impl<'a, const D: usize> Compressor<'a, D> {
             true => *edges,
             false => before.map(|edge| edge * scale),
         };
-        let moved = |place: &[f64; D]| place.map(|x| x * scale);
+        let scaled = |place: &[f64; D]| place.map(|x| x * scale);
         let system = System::new(
             self.system.body.clone(),
             Vec::new(),
             PeriodicBox::rectangular(shrunk)?,
-            self.system.positions.iter().map(moved).collect(),
+            self.system.positions.iter().map(scaled).collect(),
             self.system.rotations.clone(),
         )?;
         self.system = match self.system.has_walls() {
@@ -359,8 +359,8 @@ impl<'a, const D: usize> Compressor<'a, D> {
 
     fn overlapping(&self) -> Vec<usize> {
         let overlaps = |body: &usize| {
-            let here = self.system.where_it_is(*body);
-            self.system.overlaps_of(&here, |_| true) > 0
+            let pose = self.system.where_it_is(*body);
+            self.system.overlaps_of(&pose, |_| true) > 0
         };
         (0..self.system.len()).filter(overlaps).collect()
     }

@@ -222,17 +222,17 @@ impl<'a, const D: usize> Compared<'a, D> {
 
     fn is_the_same(&self, rotation: &Rotation) -> bool {
         let matrix = matrix::<D>(rotation);
-        let turned = |point: &[f64; D]| matrix.map(|row| dot(&row, point));
+        let rotate = |point: &[f64; D]| matrix.map(|row| dot(&row, point));
         let holds = |point: &[f64; D], radius| self.body.covers(&self.packed, point, radius);
         let margin = SAME * self.body.outer_radius;
         self.body
             .corners
             .iter()
-            .all(|corner| holds(&turned(corner), margin))
+            .all(|corner| holds(&rotate(corner), margin))
             && self
                 .points
                 .iter()
-                .all(|point| holds(point, 0.0) == holds(&turned(point), 0.0))
+                .all(|point| holds(point, 0.0) == holds(&rotate(point), 0.0))
     }
 }
 

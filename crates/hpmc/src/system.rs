@@ -115,7 +115,7 @@ pub(crate) struct Trial<const D: usize> {
     pub body: usize,
     pub position: [f64; D],
     pub rotation: Rotation,
-    /// Whether the corners for this rotation are in [`System::turned`].
+    /// Whether the corners for this rotation are in [`System::trial_corners`].
     pub is_turned: bool,
 }
 
@@ -132,7 +132,7 @@ pub struct System<const D: usize> {
     pub(crate) grid: Grid<D>,
     pub(crate) depletants: Vec<Depletant>,
     /// Corners of the body of a trial.
-    pub(crate) turned: Vec<Block<D>>,
+    pub(crate) trial_corners: Vec<Block<D>>,
     pub(crate) near: Vec<Near<D>>,
     memory: Vec<Slot<D>>,
 }
@@ -169,7 +169,7 @@ impl<const D: usize> System<D> {
         let blocks = body.blocks();
         let places: Vec<[f64; D]> = positions.iter().map(|place| space.wrap(place)).collect();
         let mut system = Self {
-            turned: vec![[[0.0; 4]; D]; blocks],
+            trial_corners: vec![[[0.0; 4]; D]; blocks],
             corners: vec![[[0.0; 4]; D]; blocks * places.len()],
             grid: Grid::new(&space, range, &places),
             body,
@@ -309,14 +309,14 @@ impl<const D: usize> System<D> {
 
     /// Deforms the box and the places in it by an upper triangular matrix (see [`PeriodicBox::deformed`]),
     /// unless bodies overlap then or could meet images of themselves.
-    pub(crate) fn try_deform(&mut self, by: &[[f64; D]; D]) -> Deformation {
-        let space = self.space.deformed(by).reduced();
+    pub(crate) fn try_deform(&mut self, matrix: &[[f64; D]; D]) -> Deformation {
+        let space = self.space.deformed(matrix).reduced();
         let is_too_small = space.smallest_length() < least_edge(&self.body, &self.depletants);
         let before = (self.space, self.positions.clone(), self.grid.clone());
         self.space = space;
         for place in &mut self.positions {
-            let moved = by.map(|row| dot(&row, place));
-            *place = space.wrap(&moved);
+            let new_place = matrix.map(|row| dot(&row, place));
+            *place = space.wrap(&new_place);
         }
         self.sort();
         // Pairs first try the direction that separated them last: after a small change it mostly still does.
@@ -364,15 +364,15 @@ impl<const D: usize> System<D> {
     /// Number of overlaps of a trial with the other bodies that `counts` accepts, and with the
     /// walls.
     pub(crate) fn overlaps_of(&self, trial: &Trial<D>, counts: impl Fn(u32) -> bool) -> usize {
-        let mut found = usize::from(self.reaches_into_wall(trial));
+        let mut overlaps = usize::from(self.reaches_into_wall(trial));
         let range = 2.0 * self.body.outer_radius;
         let but = trial.body as u32;
         self.grid
             .any_near(&trial.position, range * range, but, |near| {
-                found += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
+                overlaps += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
                 false
             });
-        found
+        overlaps
     }
 
     /// Whether the body of a trial overlaps another when all distances are scaled.
@@ -405,15 +405,15 @@ impl<const D: usize> System<D> {
 
     pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
         if trial.is_turned {
-            &self.turned
+            &self.trial_corners
         } else {
             self.corners_of(trial.body)
         }
     }
 
-    /// Whether a body at a place, turned so, overlaps none. Its corners are left in `turned`.
+    /// Whether a body at a place, turned so, overlaps none. Its corners are left in `trial_corners`.
     pub(crate) fn is_free(&mut self, position: [f64; D], rotation: &Rotation) -> bool {
-        self.body.turned_into(rotation, &mut self.turned);
+        self.body.turned_into(rotation, &mut self.trial_corners);
         let trial = Trial {
             body: NOBODY as usize,
             position,
@@ -442,18 +442,18 @@ impl<const D: usize> System<D> {
             grid,
             near,
             corners,
-            turned,
+            trial_corners,
             memory,
             ..
         } = self;
         let outer = 2.0 * body.outer_radius;
-        let own = trial.body as u32;
+        let trial_body = trial.body as u32;
         if body.is_round() {
-            return grid.any_near(&trial.position, outer * outer, own, |_| true);
+            return grid.any_near(&trial.position, outer * outer, trial_body, |_| true);
         }
         let inner = 4.0 * body.inner_radius * body.inner_radius;
         near.clear();
-        let is_deep = grid.any_near(&trial.position, outer * outer, own, |other| {
+        let is_deep = grid.any_near(&trial.position, outer * outer, trial_body, |other| {
             near.push(other);
             other.squared < inner
         });
@@ -463,7 +463,7 @@ impl<const D: usize> System<D> {
         let blocks = body.blocks();
         let slots = &mut memory[trial.body * SLOTS..(trial.body + 1) * SLOTS];
         let first = if trial.is_turned {
-            &turned[..]
+            &trial_corners[..]
         } else {
             &corners[trial.body * blocks..(trial.body + 1) * blocks]
         };
@@ -521,9 +521,10 @@ impl<const D: usize> System<D> {
             }
             let [x, y, z] = turn;
             let turn = UnitQuaternion::new_normalize(Quaternion::new(1.0, x, y, z));
-            let turned = (turn * trial.rotation).into_inner();
-            trial.rotation = UnitQuaternion::new_normalize(turned);
-            self.body.turned_into(&trial.rotation, &mut self.turned);
+            let quaternion = (turn * trial.rotation).into_inner();
+            trial.rotation = UnitQuaternion::new_normalize(quaternion);
+            self.body
+                .turned_into(&trial.rotation, &mut self.trial_corners);
         } else {
             for x in &mut trial.position {
                 *x += steps.translation * symmetric(rng);
@@ -557,7 +558,7 @@ impl<const D: usize> System<D> {
         let body = trial.body;
         if trial.is_turned {
             let blocks = self.body.blocks();
-            self.corners[body * blocks..(body + 1) * blocks].copy_from_slice(&self.turned);
+            self.corners[body * blocks..(body + 1) * blocks].copy_from_slice(&self.trial_corners);
             self.rotations[body] = trial.rotation;
         } else {
             self.positions[body] = trial.position;

@@ -77,18 +77,18 @@ pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
     }
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.value.total_cmp(&b.value)));
     let hull = lower_hull(&points);
-    let mut found: Vec<Coexistence> = Vec::new();
+    let mut coexistences: Vec<Coexistence> = Vec::new();
     for pair in hull.windows(2) {
         let [low, high] = [pair[0], pair[1]];
         let is_tangent = low.branch != high.branch || high.number > low.number + 1;
         if is_tangent && let Some(tangent) = touch(branches, [low, high]) {
-            let is_known = found.iter().any(|known| known.is_same(&tangent));
+            let is_known = coexistences.iter().any(|other| other.is_same(&tangent));
             if !is_known {
-                found.push(tangent);
+                coexistences.push(tangent);
             }
         }
     }
-    found
+    coexistences
 }
 
 /// Samples at equal distances.
@@ -140,7 +140,7 @@ fn lower_hull(points: &[Point]) -> Vec<Point> {
 /// Newton's method for equal slopes and equal intercepts.
 fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
     let mut x = ends.map(|end| end.x);
-    let at = |x: &[f64; 2]| {
+    let jets = |x: &[f64; 2]| {
         let jet = |n: usize| (branches[ends[n].branch].free_energy)(Jet::variable(x[n]));
         [jet(0), jet(1)]
     };
@@ -151,7 +151,7 @@ fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
         [before, after]
     });
     for _ in 0..MOST_STEPS {
-        let [a, b] = at(&x);
+        let [a, b] = jets(&x);
         let slope = b.first - a.first;
         let intercept = (b.value - x[1] * b.first) - (a.value - x[0] * a.first);
         // The slopes change by b'' dx1 - a'' dx0, the intercepts by x0 a'' dx0 - x1 b'' dx1.
@@ -170,7 +170,7 @@ fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
             break;
         }
     }
-    let [a, b] = at(&x);
+    let [a, b] = jets(&x);
     let is_one_point = x[1] - x[0] <= ONE_POINT * x[1].abs().max(x[0].abs());
     // A tangent touches where the branches are convex, and not at the end of a branch.
     let touches =

@@ -344,8 +344,8 @@ impl Ray<'_> {
         let (first, second) = (swept(0, &Pose::identity())?, swept(1, &self.pose(0.0))?);
         let reach = [(&first, 0), (&second, 1)].map(|(swept, which)| {
             let corners = swept.corners().iter();
-            let across = corners.map(|corner| corner.cross(&self.direction).norm());
-            across.fold(0.0, f64::max) + self.pair.roundings[which] + kind.radius
+            let distances = corners.map(|corner| corner.cross(&self.direction).norm());
+            distances.fold(0.0, f64::max) + self.pair.roundings[which] + kind.radius
         });
         let places = Places {
             reach: reach[0].min(reach[1]),
@@ -393,9 +393,9 @@ impl Places {
 
     /// Even places on a segment, for bodies in a plane.
     fn on_segment(&self, phase: f64) -> (Vec<Vec3>, f64) {
-        let across = Vec3::z().cross(&self.direction);
+        let normal = Vec3::z().cross(&self.direction);
         let step = 2.0 * self.reach / LINES as f64;
-        let place = |number: usize| (step * (number as f64 + phase) - self.reach) * across;
+        let place = |number: usize| (step * (number as f64 + phase) - self.reach) * normal;
         ((0..LINES).map(place).collect(), step)
     }
 }

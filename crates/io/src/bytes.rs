@@ -5,7 +5,7 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Ended {
     /// Byte at which the missing value should have begun.
-    pub at: usize,
+    pub byte: usize,
 }
 
 #[derive(Clone)]
@@ -39,7 +39,9 @@ impl<'a> Cursor<'a> {
                 self.position = end;
                 Ok(taken)
             }
-            None => Err(Ended { at: self.position }),
+            None => Err(Ended {
+                byte: self.position,
+            }),
         }
     }
 

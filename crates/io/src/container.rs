@@ -147,7 +147,7 @@ fn numbers<const SIZE: usize, T>(
     number: fn([u8; SIZE]) -> T,
 ) -> std::result::Result<Vec<T>, Ended> {
     let ended = Ended {
-        at: cursor.position(),
+        byte: cursor.position(),
     };
     let bytes = cursor.take(count.checked_mul(SIZE).ok_or(ended)?)?;
     let (chunks, _) = bytes.as_chunks::<SIZE>();
@@ -317,7 +317,7 @@ impl Container {
             Ok(container) => container,
             Err(Unreadable::Error(error)) => return Err(error),
             Err(Unreadable::Ended(ended)) => {
-                let byte = ended.at + PREFIX_BYTES;
+                let byte = ended.byte + PREFIX_BYTES;
                 return Err(corrupt(file, format!("a value is missing at byte {byte}")));
             }
         };
@@ -326,8 +326,8 @@ impl Container {
             return Err(corrupt(file, cause));
         }
         if container.kind != kind {
-            let found = container.kind;
-            let cause = format!("it is a {found} file where a {kind} file was expected");
+            let actual_kind = container.kind;
+            let cause = format!("it is a {actual_kind} file where a {kind} file was expected");
             let remedy = format!("give a {kind} file");
             return Err(IoError::parse(file, 0, cause, remedy));
         }

@@ -184,19 +184,19 @@ fn number(value: f64) -> String {
 /// closing quote.
 pub fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
     let mut cells = Vec::new();
-    let mut rest = text.trim_end_matches('\r');
+    let mut remainder = text.trim_end_matches('\r');
     loop {
         let column = cells.len() + 1;
-        let (cell, after) = match rest.trim_start().strip_prefix('"') {
+        let (cell, after) = match remainder.trim_start().strip_prefix('"') {
             Some(quoted) => quoted_cell(file, line, column, quoted)?,
-            None => match rest.find(',') {
-                Some(end) => (rest[..end].to_owned(), &rest[end..]),
-                None => (rest.to_owned(), ""),
+            None => match remainder.find(',') {
+                Some(end) => (remainder[..end].to_owned(), &remainder[end..]),
+                None => (remainder.to_owned(), ""),
             },
         };
         cells.push(cell.trim().to_owned());
         match after.strip_prefix(',') {
-            Some(next) => rest = next,
+            Some(next) => remainder = next,
             None => return Ok(cells),
         }
     }
@@ -208,11 +208,11 @@ fn quoted_cell<'a>(
     file: &str,
     line: usize,
     column: usize,
-    mut rest: &'a str,
+    mut remainder: &'a str,
 ) -> Result<(String, &'a str)> {
     let mut cell = String::new();
     loop {
-        let Some((content, after)) = rest.split_once('"') else {
+        let Some((content, after)) = remainder.split_once('"') else {
             let cause = format!("column {column}: a quote is not closed");
             let remedy = "close it in the same line";
             return Err(IoError::parse(file, line, cause, remedy));
@@ -220,7 +220,7 @@ fn quoted_cell<'a>(
         cell.push_str(content);
         if let Some(after) = after.strip_prefix('"') {
             cell.push('"');
-            rest = after;
+            remainder = after;
             continue;
         }
         let after = after.trim_start();

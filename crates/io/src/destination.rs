@@ -116,15 +116,15 @@ fn probe(_: &OpenOptions, _: &Path) -> Result<Option<File>> {
 }
 
 fn refused(path: &Path, metadata: &fs::Metadata) -> IoError {
-    let what = match metadata.is_dir() {
+    let reason = match metadata.is_dir() {
         true => "it is a folder; name a file",
         false => "it is no regular file; name another",
     };
-    other(path, what)
+    other(path, reason)
 }
 
-fn other(path: &Path, what: &str) -> IoError {
-    IoError::at(path, "write")(std::io::Error::other(what.to_owned()))
+fn other(path: &Path, reason: &str) -> IoError {
+    IoError::at(path, "write")(std::io::Error::other(reason.to_owned()))
 }
 
 #[cfg(all(test, unix))]
@@ -155,10 +155,10 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("link");
         symlink("new", &link).unwrap();
-        let found = Destination::find(&link).unwrap();
+        let target = Destination::find(&link).unwrap();
         assert!(
-            matches!(&found, Destination::Replaceable(file) if *file == folder.path().join("new")),
-            "{found:?}"
+            matches!(&target, Destination::Replaceable(file) if *file == folder.path().join("new")),
+            "{target:?}"
         );
     }
 }

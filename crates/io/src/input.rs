@@ -26,11 +26,11 @@ pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
     if kind.is_file() || kind.is_dir() {
         return File::open(path);
     }
-    let what = format!(
+    let reason = format!(
         "it is {}, not a file; write its content into a file and name that",
         name_of(kind)
     );
-    Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+    Err(io::Error::new(io::ErrorKind::InvalidInput, reason))
 }
 
 /// The bytes of a file.

@@ -20,7 +20,7 @@ pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
 /// The text in these bytes, in any encoding and with any line ends.
 pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     plain_text::decode(bytes)
-        .map_err(|found| IoError::parse(file, found.line(), found.cause(), found.remedy()))
+        .map_err(|error| IoError::parse(file, error.line(), error.cause(), error.remedy()))
 }
 
 /// A token as an error message shows it: in quotes, and shortened if it is long.
@@ -59,28 +59,28 @@ impl<'a> Line<'a> {
     }
 
     /// A required token.
-    fn required<'t>(&self, token: Option<&'t str>, what: &str) -> Result<&'t str> {
+    fn required<'t>(&self, token: Option<&'t str>, subject: &str) -> Result<&'t str> {
         match token {
             Some(token) => Ok(token),
-            None => Err(self.error(format!("{what} is missing"), "complete the line")),
+            None => Err(self.error(format!("{subject} is missing"), "complete the line")),
         }
     }
 
     /// A name, without what a name may not hold.
-    pub fn name(&self, token: &str, what: &str) -> Result<String> {
-        match refused_name(what, token) {
+    pub fn name(&self, token: &str, subject: &str) -> Result<String> {
+        match refused_name(subject, token) {
             None => Ok(token.to_owned()),
             Some(cause) => Err(self.error(cause, "write a name of visible characters")),
         }
     }
 
     /// A finite number.
-    pub fn number(&self, token: Option<&str>, what: &str) -> Result<f64> {
-        let token = self.required(token, what)?;
+    pub fn number(&self, token: Option<&str>, subject: &str) -> Result<f64> {
+        let token = self.required(token, subject)?;
         match token.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
             _ => {
-                let cause = format!("{what} is {}", shown(token));
+                let cause = format!("{subject} is {}", shown(token));
                 Err(self.error(cause, "write a finite number"))
             }
         }
@@ -106,21 +106,21 @@ impl<'a> Line<'a> {
     pub fn position<'t>(
         &self,
         tokens: &mut impl Iterator<Item = &'t str>,
-        what: &str,
+        subject: &str,
     ) -> Result<Vec3> {
-        let position = self.point(tokens, what)?;
+        let position = self.point(tokens, subject)?;
         for coordinate in &position {
-            let what = format!("a coordinate of {what}");
-            self.require_at_most(LARGEST_COORDINATE_ANGSTROM, *coordinate, &what, "Å")?;
+            let label = format!("a coordinate of {subject}");
+            self.require_at_most(LARGEST_COORDINATE_ANGSTROM, *coordinate, &label, "Å")?;
         }
         Ok(position)
     }
 
-    fn require_at_most(&self, most: f64, value: f64, what: &str, unit: &str) -> Result<f64> {
+    fn require_at_most(&self, most: f64, value: f64, subject: &str, unit: &str) -> Result<f64> {
         if value.abs() <= most {
             return Ok(value);
         }
-        let cause = format!("{what} is {} {unit}", Number(value));
+        let cause = format!("{subject} is {} {unit}", Number(value));
         Err(self.error(cause, format!("give at most {most} {unit} in size")))
     }
 
@@ -128,20 +128,20 @@ impl<'a> Line<'a> {
     pub fn point<'t>(
         &self,
         tokens: &mut impl Iterator<Item = &'t str>,
-        what: &str,
+        subject: &str,
     ) -> Result<Vec3> {
         let mut position = Vec3::zeros();
         for (axis, coordinate) in ["x", "y", "z"].into_iter().zip(position.iter_mut()) {
-            *coordinate = self.number(tokens.next(), &format!("{axis} of {what}"))?;
+            *coordinate = self.number(tokens.next(), &format!("{axis} of {subject}"))?;
         }
         Ok(position)
     }
 
     /// An integer.
-    pub fn integer(&self, token: Option<&str>, what: &str) -> Result<i64> {
-        let token = self.required(token, what)?;
+    pub fn integer(&self, token: Option<&str>, subject: &str) -> Result<i64> {
+        let token = self.required(token, subject)?;
         token.parse().map_err(|_| {
-            let cause = format!("{what} is {}", shown(token));
+            let cause = format!("{subject} is {}", shown(token));
             self.error(cause, "write a whole number")
         })
     }

@@ -173,11 +173,13 @@ impl FileNames {
 }
 
 /// Message for a name that holds a forbidden character, with the name in printable form.
-pub(crate) fn refused_name(what: &str, name: &str) -> Option<String> {
+pub(crate) fn refused_name(subject: &str, name: &str) -> Option<String> {
     let character = protomer_kernel::name::first_forbidden(name)?;
     let shown = printable(name);
     let code = u32::from(character);
-    Some(format!("{what} '{shown}' holds the character U+{code:04X}"))
+    Some(format!(
+        "{subject} '{shown}' holds the character U+{code:04X}"
+    ))
 }
 
 #[cfg(test)]

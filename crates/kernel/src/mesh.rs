@@ -256,10 +256,10 @@ impl TriangleMesh {
         let mut neighbours = Vec::with_capacity(self.triangles.len());
         // In the order of the triangles, so that the same mesh gives the same message every time.
         for corners in &self.triangles {
-            let mut across = [0; 3];
-            for (across, (from, to)) in across.iter_mut().zip(edges(corners)) {
+            let mut adjacent = [0; 3];
+            for (neighbour, (from, to)) in adjacent.iter_mut().zip(edges(corners)) {
                 match fans.edge(to, from) {
-                    Some(other) => *across = other.triangle,
+                    Some(other) => *neighbour = other.triangle,
                     None => {
                         return bad_mesh(format!(
                             "edge {from}-{to} has a triangle on one side only"
@@ -267,7 +267,7 @@ impl TriangleMesh {
                     }
                 }
             }
-            neighbours.push(across);
+            neighbours.push(adjacent);
         }
         Ok(neighbours)
     }
@@ -344,14 +344,14 @@ impl Fans {
     /// Number of triangles around a vertex that follow one another from its first edge.
     fn turn(&self, vertex: u32) -> usize {
         let mut length = 0;
-        let mut here = self.of(vertex).first();
-        let first = here.map(|edge| edge.to);
-        while let Some(edge) = here {
+        let mut current = self.of(vertex).first();
+        let first = current.map(|edge| edge.to);
+        while let Some(edge) = current {
             length += 1;
             if Some(edge.apex) == first {
                 break;
             }
-            here = self.edge(vertex, edge.apex);
+            current = self.edge(vertex, edge.apex);
         }
         length
     }

@@ -56,9 +56,15 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// The text with every character of a kind replaced by another.
-pub fn replaced(text: &str, is_bad: impl Fn(char) -> bool, by: char) -> String {
+pub fn replaced(text: &str, is_bad: impl Fn(char) -> bool, substitute: char) -> String {
     let characters = text.chars();
     characters
-        .map(|character| if is_bad(character) { by } else { character })
+        .map(|character| {
+            if is_bad(character) {
+                substitute
+            } else {
+                character
+            }
+        })
         .collect()
 }

@@ -205,7 +205,7 @@ impl<const D: usize> PeriodicBox<D> {
         let mut straight = *place;
         for row in (0..D).rev() {
             let tilts = self.tilts[row].iter().zip(straight).skip(row + 1);
-            straight[row] -= tilts.map(|(tilt, along)| tilt * along).sum::<f64>();
+            straight[row] -= tilts.map(|(tilt, component)| tilt * component).sum::<f64>();
         }
         straight
     }
@@ -216,8 +216,8 @@ impl<const D: usize> PeriodicBox<D> {
         let mut place = *straight;
         for (x, row) in place.iter_mut().zip(&self.tilts) {
             // What is not above the diagonal is zero.
-            for (tilt, along) in row.iter().zip(straight) {
-                *x += tilt * along;
+            for (tilt, component) in row.iter().zip(straight) {
+                *x += tilt * component;
             }
         }
         place
@@ -325,21 +325,23 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// The box after the space has been deformed: x → E x with an upper triangular E, row by row, whose diagonal
     /// is positive.
-    pub fn deformed(&self, by: &[[f64; D]; D]) -> Self {
+    pub fn deformed(&self, deformation: &[[f64; D]; D]) -> Self {
         let mut lengths = self.lengths;
         for axis in 0..D {
-            lengths[axis] *= by[axis][axis];
+            lengths[axis] *= deformation[axis][axis];
         }
-        if self.is_rectangular && (0..D).all(|row| by[row][row + 1..].iter().all(|x| *x == 0.0)) {
+        if self.is_rectangular
+            && (0..D).all(|row| deformation[row][row + 1..].iter().all(|x| *x == 0.0))
+        {
             return Self::of_parts(lengths, self.tilts);
         }
         // E N diag(L) = (E N diag(E)⁻¹) diag(E L).
         let mut tilts = [[0.0; D]; D];
         for row in 0..D {
             for column in row + 1..D {
-                let products = by[row].iter().zip(&self.tilts);
+                let products = deformation[row].iter().zip(&self.tilts);
                 let sum: f64 = products.map(|(part, tilts)| part * tilts[column]).sum();
-                tilts[row][column] = (by[row][column] + sum) / by[column][column];
+                tilts[row][column] = (deformation[row][column] + sum) / deformation[column][column];
             }
         }
         Self::of_parts(lengths, tilts)

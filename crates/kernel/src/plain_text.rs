@@ -138,11 +138,11 @@ fn utf16(bytes: &[u8]) -> Option<String> {
             .map(|character| character.unwrap_or(char::REPLACEMENT_CHARACTER))
             .collect()
     };
-    if let Some(rest) = bytes.strip_prefix(b"\xff\xfe") {
-        return Some(from_pairs(rest, u16::from_le_bytes));
+    if let Some(payload) = bytes.strip_prefix(b"\xff\xfe") {
+        return Some(from_pairs(payload, u16::from_le_bytes));
     }
-    if let Some(rest) = bytes.strip_prefix(b"\xfe\xff") {
-        return Some(from_pairs(rest, u16::from_be_bytes));
+    if let Some(payload) = bytes.strip_prefix(b"\xfe\xff") {
+        return Some(from_pairs(payload, u16::from_be_bytes));
     }
     let pairs = || bytes.chunks_exact(2).take(SHOWN);
     let is_ascii = |zero: usize| pairs().all(|pair| pair[zero] == 0 && pair[1 - zero] != 0);

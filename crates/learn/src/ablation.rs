@@ -207,8 +207,12 @@ impl Values {
     }
 }
 
-fn differences(own: &[f64], all: &[f64]) -> Vec<f64> {
-    own.iter().zip(all).map(|(own, all)| own - all).collect()
+fn differences(scores: &[f64], all: &[f64]) -> Vec<f64> {
+    scores
+        .iter()
+        .zip(all)
+        .map(|(score, all)| score - all)
+        .collect()
 }
 
 #[cfg(test)]

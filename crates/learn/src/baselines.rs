@@ -115,11 +115,11 @@ pub fn baselines(
 /// [`LearnError::Sample`] names a description that is not finite.
 fn table(descriptions: &[Description], name: &str, features_of: Features) -> Result<Vec<f64>> {
     let mut features = Vec::new();
-    for known in descriptions {
-        let row = features_of(known);
+    for description in descriptions {
+        let row = features_of(description);
         if row.iter().any(|value| !value.is_finite()) {
             return Err(LearnError::Sample {
-                name: known.name.clone(),
+                name: description.name.clone(),
                 reason: format!(
                     "its description for the baseline {name} holds a number that is not finite"
                 ),
@@ -165,24 +165,27 @@ fn regression(
 }
 
 /// Logarithms of the sizes, with those that are not known (zero) kept finite.
-fn size(known: &Description) -> Vec<f64> {
-    let mut features = vec![known.residues, known.radius_of_gyration_angstrom];
-    features.extend(known.extents_angstrom);
+fn size(description: &Description) -> Vec<f64> {
+    let mut features = vec![
+        description.residues,
+        description.radius_of_gyration_angstrom,
+    ];
+    features.extend(description.extents_angstrom);
     for length in &mut features {
         *length = if *length < 1.0 { 0.0 } else { length.ln() };
     }
     features
 }
 
-fn size_and_charge(known: &Description) -> Vec<f64> {
-    let mut features = size(known);
-    let charge = known.net_charge_e;
-    features.extend([charge, charge.abs(), charge / known.residues.max(1.0)]);
+fn size_and_charge(description: &Description) -> Vec<f64> {
+    let mut features = size(description);
+    let charge = description.net_charge_e;
+    features.extend([charge, charge.abs(), charge / description.residues.max(1.0)]);
     features
 }
 
-fn composition(known: &Description) -> Vec<f64> {
-    known.composition.to_vec()
+fn composition(description: &Description) -> Vec<f64> {
+    description.composition.to_vec()
 }
 
 #[cfg(test)]

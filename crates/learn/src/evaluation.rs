@@ -90,16 +90,16 @@ impl TestPredictions<'_> {
             classes: self.classes,
             weights: self.of_test(&all_weights)?,
         };
-        let found = baselines(
+        let references = baselines(
             self.descriptions,
             self.labels,
             self.classes,
             Some(&all_weights),
             self.split,
         )?;
-        let mut scores_of_baselines = Vec::with_capacity(found.len());
+        let mut scores_of_baselines = Vec::with_capacity(references.len());
         let mut prior = Vec::new();
-        for baseline in found {
+        for baseline in references {
             let scores = of_test.score(&baseline.probabilities, &of_test.weights)?;
             if baseline.name == "prior" {
                 prior.clone_from(&baseline.probabilities);
@@ -202,10 +202,10 @@ impl Truth {
                 self.score(probabilities, &weights),
                 self.score(prior, &weights),
             ) {
-                (Ok(own), Ok(prior)) => [
-                    own.accuracy,
-                    own.balanced_accuracy,
-                    own.nats_gained_over(&prior),
+                (Ok(scores), Ok(prior)) => [
+                    scores.accuracy,
+                    scores.balanced_accuracy,
+                    scores.nats_gained_over(&prior),
                 ],
                 // No sample of this draw has a weight.
                 _ => [f64::NAN; 3],
@@ -231,8 +231,12 @@ impl Evaluation {
     }
 
     fn named(&self, name: &str) -> Result<&(Baseline, Scores)> {
-        match self.baselines.iter().find(|(own, _)| own.name == name) {
-            Some(found) => Ok(found),
+        match self
+            .baselines
+            .iter()
+            .find(|(baseline, _)| baseline.name == name)
+        {
+            Some(entry) => Ok(entry),
             None => refuse(format!("there is no baseline {name}")),
         }
     }

@@ -81,10 +81,10 @@ impl Halving {
 
     /// Epochs at which losers stop, ascending. The last is that of trials that are never stopped.
     pub fn rungs(&self) -> Vec<usize> {
-        let (mut rung, mut left) = (self.epochs, self.trials);
+        let (mut rung, mut trials) = (self.epochs, self.trials);
         let mut rungs = vec![rung];
-        while left > 1 && rung > 1 {
-            left = kept(left);
+        while trials > 1 && rung > 1 {
+            trials = kept(trials);
             rung = (rung / KEPT_ONE_OF).max(1);
             rungs.push(rung);
         }
@@ -94,10 +94,10 @@ impl Halving {
 
     /// Epochs of all trials together, at most.
     pub fn total_epochs(&self) -> u64 {
-        let (mut left, mut before, mut total) = (self.trials, 0, 0);
+        let (mut trials, mut before, mut total) = (self.trials, 0, 0);
         for rung in self.rungs() {
-            total += left * (rung - before);
-            (left, before) = (kept(left), rung);
+            total += trials * (rung - before);
+            (trials, before) = (kept(trials), rung);
         }
         total as u64
     }
@@ -134,32 +134,32 @@ impl Halving {
         }
         let mut before = 0;
         for rung in self.rungs() {
-            let mut there = Vec::with_capacity(standing.running.len());
+            let mut contenders = Vec::with_capacity(standing.running.len());
             standing.behind.clear();
             for (place, (trial, _)) in standing.running.iter().enumerate() {
                 match reached(*trial, rung)? {
-                    Some(found) => there.push((*trial, found)),
+                    Some(outcome) => contenders.push((*trial, outcome)),
                     None => standing.behind.push(place),
                 }
             }
-            standing.epochs += (there.len() * (rung - before)) as u64;
+            standing.epochs += (contenders.len() * (rung - before)) as u64;
             if !standing.behind.is_empty() {
                 standing.rung = Some(before..rung);
                 return Ok(standing);
             }
-            there.sort_by(|(a, at_a), (b, at_b)| {
+            contenders.sort_by(|(a, at_a), (b, at_b)| {
                 let by_loss = at_a.loss().total_cmp(&at_b.loss());
                 by_loss.then(a.cmp(b))
             });
             let is_last = rung == self.epochs;
             let on = if is_last {
-                there.len()
+                contenders.len()
             } else {
-                kept(there.len())
+                kept(contenders.len())
             };
             // Losers of later rounds stand before those of earlier ones.
-            standing.ended.splice(0..0, there.split_off(on));
-            (standing.running, before) = (there, rung);
+            standing.ended.splice(0..0, contenders.split_off(on));
+            (standing.running, before) = (contenders, rung);
         }
         Ok(standing)
     }

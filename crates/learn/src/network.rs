@@ -268,7 +268,11 @@ impl Network {
     /// [`LearnError::Settings`](crate::LearnError::Settings) for a name the network lacks or
     /// another shape.
     pub fn set_parameter(&self, name: &str, value: &Tensor) -> Result<()> {
-        let Some((_, parameter)) = self.parameters.iter().find(|(own, _)| own == name) else {
+        let Some((_, parameter)) = self
+            .parameters
+            .iter()
+            .find(|(candidate, _)| candidate == name)
+        else {
             return refuse(format!("the network has no parameter {name}"));
         };
         if parameter.dims() != value.dims() {

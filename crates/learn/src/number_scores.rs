@@ -90,8 +90,8 @@ impl NumberScores {
         if let Some(wrong) = all.find(|number| !number.is_finite()) {
             return refuse(format!("{wrong} cannot be scored; numbers must be finite"));
         }
-        let mean = |of: &dyn Fn(usize) -> f64| {
-            let terms = (0..numbers.len()).map(|sample| weights[sample] * of(sample));
+        let mean = |term: &dyn Fn(usize) -> f64| {
+            let terms = (0..numbers.len()).map(|sample| weights[sample] * term(sample));
             terms.sum::<f64>() / total
         };
         let square = mean(&|sample| (predicted[sample] - numbers[sample]).powi(2));
@@ -158,11 +158,11 @@ fn ranks(numbers: &[f64], weights: &[f64]) -> Vec<f64> {
     let mut ranks = vec![0.0; numbers.len()];
     let mut below = 0.0;
     for tied in order.chunk_by(|a, b| numbers[*a] == numbers[*b]) {
-        let here: f64 = tied.iter().map(|sample| weights[*sample]).sum();
+        let weight: f64 = tied.iter().map(|sample| weights[*sample]).sum();
         for sample in tied {
-            ranks[*sample] = below + 0.5 * here;
+            ranks[*sample] = below + 0.5 * weight;
         }
-        below += here;
+        below += weight;
     }
     ranks
 }

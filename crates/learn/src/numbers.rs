@@ -48,13 +48,13 @@ pub(crate) fn of_sample<T>(all: &[T], sample: usize, length: usize) -> &[T] {
 
 /// The sum in f32: 32 partial sums, then the rest one by one. The order is fixed, so the result
 /// does not depend on the processor.
-pub(crate) fn sum_in_lanes(numbers: &[f32], of: impl Fn(f32) -> f32) -> f32 {
+pub(crate) fn sum_in_lanes(numbers: &[f32], term: impl Fn(f32) -> f32) -> f32 {
     let mut lanes = [0.0f32; 32];
     let parts = numbers.chunks_exact(lanes.len());
-    let rest = parts.remainder();
+    let remainder = parts.remainder();
     for part in parts {
         for (lane, value) in lanes.iter_mut().zip(part) {
-            *lane += of(*value);
+            *lane += term(*value);
         }
     }
     let mut sums = [0.0f32; 8];
@@ -63,8 +63,8 @@ pub(crate) fn sum_in_lanes(numbers: &[f32], of: impl Fn(f32) -> f32) -> f32 {
     }
     let [a, b, c, d] = [0, 1, 2, 3].map(|i| sums[i] + sums[i + 4]);
     let mut total = (a + b) + (c + d);
-    for value in rest {
-        total += of(*value);
+    for value in remainder {
+        total += term(*value);
     }
     total
 }
@@ -77,7 +77,7 @@ pub(crate) fn sum(numbers: &[f32]) -> f64 {
 /// The sum of a function of the numbers, to their precision: f32 in lanes over short parts, f64
 /// over these.
 #[inline(always)]
-pub(crate) fn sum_of(numbers: &[f32], of: impl Fn(f32) -> f32) -> f64 {
+pub(crate) fn sum_of(numbers: &[f32], term: impl Fn(f32) -> f32) -> f64 {
     const PART: usize = 1024;
     const LANES: usize = 64;
     let mut total = 0.0;
@@ -86,11 +86,11 @@ pub(crate) fn sum_of(numbers: &[f32], of: impl Fn(f32) -> f32) -> f64 {
         let mut pieces = part.chunks_exact(LANES);
         for piece in &mut pieces {
             for (lane, value) in lanes.iter_mut().zip(piece) {
-                *lane += of(*value);
+                *lane += term(*value);
             }
         }
         for value in pieces.remainder() {
-            total += f64::from(of(*value));
+            total += f64::from(term(*value));
         }
         for lane in lanes {
             total += f64::from(lane);

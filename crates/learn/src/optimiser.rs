@@ -274,7 +274,7 @@ fn sum_of_squares(gradient: &Tensor) -> Result<f32> {
 }
 
 fn find<'a>(state: &'a [(String, Tensor)], name: &str) -> Result<&'a Tensor> {
-    match state.iter().find(|(own, _)| own == name) {
+    match state.iter().find(|(candidate, _)| candidate == name) {
         Some((_, tensor)) => Ok(tensor),
         None => refuse(format!("the memory of Adam lacks {name}")),
     }

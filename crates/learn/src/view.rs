@@ -54,12 +54,12 @@ impl<'a> View<'a> {
             samples: Vec::new(),
             descriptions: Vec::new(),
         };
-        for (sample, known) in self.samples.iter().zip(&self.descriptions) {
-            if let Some(label) = label(known) {
+        for (sample, description) in self.samples.iter().zip(&self.descriptions) {
+            if let Some(label) = label(description) {
                 view.samples.push(*sample);
                 view.descriptions.push(Description {
                     label,
-                    ..known.clone()
+                    ..description.clone()
                 });
             }
         }

@@ -75,7 +75,7 @@ impl BeadCloud {
 impl BeadGroup {
     /// A group of one to [`LANES`] beads; empty lanes repeat the first position.
     fn new(beads: &[(Vec3, Bead)]) -> Self {
-        let at = |lane: usize| {
+        let place = |lane: usize| {
             beads
                 .get(lane)
                 .map_or(beads[0].0, |(position, _)| *position)
@@ -91,9 +91,9 @@ impl BeadGroup {
             radius_angstrom = radius_angstrom.max((position - centre).norm());
         }
         Self {
-            x: std::array::from_fn(|lane| at(lane).x),
-            y: std::array::from_fn(|lane| at(lane).y),
-            z: std::array::from_fn(|lane| at(lane).z),
+            x: std::array::from_fn(|lane| place(lane).x),
+            y: std::array::from_fn(|lane| place(lane).y),
+            z: std::array::from_fn(|lane| place(lane).z),
             kind,
             centre,
             radius_angstrom,

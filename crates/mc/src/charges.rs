@@ -140,7 +140,7 @@ pub(crate) fn near_neighbours<T>(sites: &mut [(Vec3, T)], take: &mut impl FnMut(
 impl ChargeGroup {
     /// A group of one to [`LANES`] charges; empty lanes repeat the first position with zero charge.
     fn new(charges: &[(Vec3, f64)]) -> Self {
-        let at = |lane: usize| {
+        let place = |lane: usize| {
             charges
                 .get(lane)
                 .map_or(charges[0].0, |(position, _)| *position)
@@ -152,9 +152,9 @@ impl ChargeGroup {
             .map(|(position, _)| (position - centre).norm_squared())
             .fold(0.0, f64::max);
         Self {
-            x: std::array::from_fn(|lane| at(lane).x),
-            y: std::array::from_fn(|lane| at(lane).y),
-            z: std::array::from_fn(|lane| at(lane).z),
+            x: std::array::from_fn(|lane| place(lane).x),
+            y: std::array::from_fn(|lane| place(lane).y),
+            z: std::array::from_fn(|lane| place(lane).z),
             charge_e: std::array::from_fn(|lane| {
                 charges.get(lane).map_or(0.0, |(_, charge)| *charge)
             }),

@@ -231,8 +231,8 @@ fn rise_kt(
     effort: Effort,
 ) -> Result<f64> {
     let swapped = one.energy_at_kt(of_other, effort)? + other.energy_at_kt(of_one, effort)?;
-    let kept = one.energy_at_kt(of_one, effort)? + other.energy_at_kt(of_other, effort)?;
-    Ok(swapped - kept)
+    let unswapped = one.energy_at_kt(of_one, effort)? + other.energy_at_kt(of_other, effort)?;
+    Ok(swapped - unswapped)
 }
 
 fn require_alike(rungs: &[Simulation]) -> Result<()> {

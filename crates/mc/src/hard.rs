@@ -53,9 +53,9 @@ impl HardBodies {
         for &partner in partners {
             let pair = trial.pair(partner);
             if within_bounding_spheres(&pair) {
-                let known = self.known_gap(&pair);
-                if known.now_angstrom() <= 0.0 {
-                    suspects.push((known.now_angstrom(), partner));
+                let remembered_gap = self.known_gap(&pair);
+                if remembered_gap.now_angstrom() <= 0.0 {
+                    suspects.push((remembered_gap.now_angstrom(), partner));
                 }
             }
         }
@@ -94,8 +94,10 @@ impl HardBodies {
     fn meshes_overlap(&mut self, pair: &Pair<'_>) -> bool {
         let (first, second) = pair.types();
         let relative = pair.relative();
-        let known = self.known_gap(pair);
-        if known.bound_angstrom < TIGHT_ANGSTROM && known.moved_angstrom < STALE_ANGSTROM {
+        let remembered_gap = self.known_gap(pair);
+        if remembered_gap.bound_angstrom < TIGHT_ANGSTROM
+            && remembered_gap.moved_angstrom < STALE_ANGSTROM
+        {
             return overlaps(&first.shape, &second.shape, &relative);
         }
         match separation_bound(&first.shape, &second.shape, &relative, LOOK_AHEAD_ANGSTROM) {

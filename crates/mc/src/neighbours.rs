@@ -42,41 +42,41 @@ impl Neighbours {
         }
     }
 
-    /// Writes all bodies in the cells around a place into `found`, ascending: those in range among them.
-    pub(crate) fn around(&self, place: &Vec3, found: &mut Vec<usize>) {
-        self.cells.candidates(place, found);
+    /// Writes all bodies in the cells around a place into `bodies`, ascending: those in range among them.
+    pub(crate) fn around(&self, place: &Vec3, bodies: &mut Vec<usize>) {
+        self.cells.candidates(place, bodies);
     }
 
-    /// Writes the bodies that may touch one at this place into `found`, ascending.
-    pub(crate) fn find_touching(&self, system: &System, place: &Vec3, found: &mut Vec<usize>) {
+    /// Writes the bodies that may touch one at this place into `bodies`, ascending.
+    pub(crate) fn find_touching(&self, system: &System, place: &Vec3, bodies: &mut Vec<usize>) {
         let cells = self.touching.as_ref().unwrap_or(&self.cells);
-        cells.candidates(place, found);
-        retain_within(system, &[*place], self.ranges.hard_angstrom, found);
+        cells.candidates(place, bodies);
+        retain_within(system, &[*place], self.ranges.hard_angstrom, bodies);
     }
 
-    /// Writes the bodies in reach of either of two places into `found`, ascending; others that are
+    /// Writes the bodies in reach of either of two places into `bodies`, ascending; others that are
     /// hardly farther may be among them.
     pub(crate) fn find_at_both(
         &self,
         system: &System,
         [from, to]: [&Vec3; 2],
-        found: &mut Vec<usize>,
+        bodies: &mut Vec<usize>,
     ) {
         let reach = self.ranges.reach_angstrom;
         if reach == 0.0 {
-            return found.clear();
+            return bodies.clear();
         }
         let of_both = reach + system.boundary().displacement(from, to).norm();
-        self.around(to, found);
+        self.around(to, bodies);
         if of_both <= self.ranges.interaction_angstrom {
-            return retain_within(system, &[*to], of_both, found);
+            return retain_within(system, &[*to], of_both, bodies);
         }
         let mut around_from = Vec::new();
         self.around(from, &mut around_from);
-        found.extend(around_from);
-        found.sort_unstable();
-        found.dedup();
-        retain_within(system, &[*from, *to], reach, found);
+        bodies.extend(around_from);
+        bodies.sort_unstable();
+        bodies.dedup();
+        retain_within(system, &[*from, *to], reach, bodies);
     }
 
     /// Notes that a body has moved.
@@ -89,9 +89,9 @@ impl Neighbours {
 }
 
 /// Keeps the bodies with an image nearer than this (Å) to one of the places.
-fn retain_within(system: &System, places: &[Vec3], angstrom: f64, found: &mut Vec<usize>) {
+fn retain_within(system: &System, places: &[Vec3], angstrom: f64, bodies: &mut Vec<usize>) {
     let square = angstrom * angstrom;
-    found.retain(|body| {
+    bodies.retain(|body| {
         let position = &system.pose(*body).position;
         places.iter().any(|place| {
             let displacement = system.boundary().displacement(place, position);

@@ -75,11 +75,11 @@ pub(crate) fn in_contact(pair: &Pair<'_>, gap_angstrom: f64) -> bool {
 /// assert_eq!(survival(&[], &[(0, 1)]), None);
 /// ```
 pub fn survival(native: &[(usize, usize)], present: &[(usize, usize)]) -> Option<f64> {
-    let kept = native
+    let survivors = native
         .iter()
         .filter(|pair| present.binary_search(pair).is_ok())
         .count();
-    (!native.is_empty()).then(|| kept as f64 / native.len() as f64)
+    (!native.is_empty()).then(|| survivors as f64 / native.len() as f64)
 }
 
 /// Sizes of the clusters formed by these contacts, the largest first.

@@ -89,7 +89,9 @@ impl Mixture {
         let of_frame = |frame: usize| {
             let states = energies_kt.iter().zip(ln_counts);
             let exponents = states.zip(&self.free_energies_kt);
-            ln_sum_exp(exponents.map(|((of, ln_count), free)| ln_count + free - of[frame]))
+            ln_sum_exp(
+                exponents.map(|((energies, ln_count), free)| ln_count + free - energies[frame]),
+            )
         };
         (0..self.ln_densities.len()).map(of_frame).collect()
     }

@@ -346,8 +346,9 @@ impl Simulation {
             &self.neighbours,
             &mut rng,
         )?;
-        let turned = |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
-        let poses: Vec<(usize, Pose)> = members.iter().map(turned).collect();
+        let trial_pose =
+            |body: &usize| (*body, self.system.tidy(turn.apply(self.system.pose(*body))));
+        let poses: Vec<(usize, Pose)> = members.iter().map(trial_pose).collect();
         self.move_bodies(&poses);
         self.energy.commit(&members);
         self.statistics.cluster_moves += 1;
@@ -396,14 +397,14 @@ impl Simulation {
             return Ok(false);
         }
         let new = self.system.with_moved(poses);
-        let moved: Vec<usize> = poses.iter().map(|(body, _)| *body).collect();
-        if self.overlap_of_moved(&new, &moved, proposal.is_rigid) {
+        let bodies: Vec<usize> = poses.iter().map(|(body, _)| *body).collect();
+        if self.overlap_of_moved(&new, &bodies, proposal.is_rigid) {
             return Ok(false);
         }
         let rise_kt = |effort| -> Result<f64> {
             let energy_kt = |system| {
                 self.energy
-                    .energy_elsewhere_kt(system, Pairs::With(&moved), effort)
+                    .energy_elsewhere_kt(system, Pairs::With(&bodies), effort)
             };
             Ok(energy_kt(&new)? - energy_kt(&self.system)?)
         };
@@ -416,10 +417,10 @@ impl Simulation {
     }
 
     /// Whether a moved body overlaps another; bodies that move as one do not meet each other.
-    fn overlap_of_moved(&mut self, new: &System, moved: &[usize], is_rigid: bool) -> bool {
-        for &body in moved {
+    fn overlap_of_moved(&mut self, new: &System, bodies: &[usize], is_rigid: bool) -> bool {
+        for &body in bodies {
             for other in 0..new.len() {
-                let has_moved = moved.binary_search(&other).is_ok();
+                let has_moved = bodies.binary_search(&other).is_ok();
                 let is_looked_at = match has_moved {
                     true => !is_rigid && body < other,
                     false => true,

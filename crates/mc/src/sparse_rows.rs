@@ -68,10 +68,10 @@ impl<T: Clone> PairTable<T> {
     /// proposed values, or are removed if none is proposed; all other pairs are unchanged.
     pub(crate) fn take_over(
         &mut self,
-        moved: &[usize],
+        bodies: &[usize],
         proposed: impl Iterator<Item = (usize, usize, T)>,
     ) {
-        let has_moved = |body: usize| moved.binary_search(&body).is_ok();
+        let has_moved = |body: usize| bodies.binary_search(&body).is_ok();
         let mut stay = Vec::new();
         for (first, second, value) in proposed {
             if has_moved(first) != has_moved(second) {
@@ -81,13 +81,13 @@ impl<T: Clone> PairTable<T> {
         }
         stay.sort_unstable();
         let is_left = |pair: (usize, usize)| stay.binary_search(&pair).is_err();
-        for &body in moved {
+        for &body in bodies {
             let partners = self.row(body).map(|entry| entry.0);
-            let left: Vec<usize> = partners
+            let stale_partners: Vec<usize> = partners
                 .filter(|partner| !has_moved(*partner))
                 .filter(|partner| is_left((body.min(*partner), body.max(*partner))))
                 .collect();
-            for partner in left {
+            for partner in stale_partners {
                 self.remove(body, partner);
             }
         }

@@ -40,8 +40,8 @@ impl SurfacePoints {
                     // Empty lanes have no charge.
                     *mark |= a.charge_e[lane] != 0.0
                         && (0..LANES).any(|of_b| {
-                            let moved = relative.transform_point(&point(b, of_b));
-                            (moved - point(a, lane)).norm_squared() < squared
+                            let image = relative.transform_point(&point(b, of_b));
+                            (image - point(a, lane)).norm_squared() < squared
                         });
                 }
             }

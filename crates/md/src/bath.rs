@@ -65,7 +65,7 @@ impl Ensemble {
     /// # Errors
     /// [`Error::OutOfRange`].
     pub fn check(&self) -> Result<()> {
-        let (temperature, other, what) = match *self {
+        let (temperature, other, setting) = match *self {
             Ensemble::Nve => return Ok(()),
             Ensemble::Nvt {
                 temperature,
@@ -89,15 +89,15 @@ impl Ensemble {
             require("the pressure", pressure)?;
         }
         require("the temperature", temperature)?;
-        require(what, other)
+        require(setting, other)
     }
 }
 
-pub(crate) fn require(what: &'static str, value: f64) -> Result<()> {
+pub(crate) fn require(setting: &'static str, value: f64) -> Result<()> {
     match value.is_finite() && value > 0.0 {
         true => Ok(()),
         false => Err(Error::OutOfRange {
-            what,
+            what: setting,
             value,
             expected: "a positive number",
         }),
@@ -164,11 +164,11 @@ pub(crate) fn rescale(
     if freedoms == 0 || kinetic <= 0.0 {
         return 0.0;
     }
-    let kept = (-part).exp();
-    let share = (1.0 - kept) * 0.5 * temperature / kinetic;
+    let decay = (-part).exp();
+    let share = (1.0 - decay) * 0.5 * temperature / kinetic;
     let first = normal(rng);
     let squares = first * first + sum_of_squares(rng, freedoms - 1);
-    let factor = kept + share * squares + 2.0 * first * (kept * share).sqrt();
+    let factor = decay + share * squares + 2.0 * first * (decay * share).sqrt();
     let root = factor.sqrt();
     for body in 0..bodies.count() {
         state.velocities[body] *= root;
@@ -186,15 +186,15 @@ pub(crate) fn damp(
     rng: &mut CounterRng,
 ) -> f64 {
     let before: f64 = state.kinetic_energies(bodies).iter().sum();
-    let kept = (-part).exp();
-    let added = (temperature * (1.0 - kept * kept)).sqrt();
+    let decay = (-part).exp();
+    let added = (temperature * (1.0 - decay * decay)).sqrt();
     for body in 0..bodies.count() {
         let kind = bodies.kind(body);
         let kick = added / kind.mass.sqrt() * normal_vector(rng, kind.dimension);
-        state.velocities[body] = kept * state.velocities[body] + kick;
+        state.velocities[body] = decay * state.velocities[body] + kick;
         let turns = normal_turns(rng, kind.turns());
         let twist = added * turns.component_mul(&kind.moments.map(f64::sqrt));
-        state.spins[body] = kept * state.spins[body] + twist;
+        state.spins[body] = decay * state.spins[body] + twist;
     }
     state.kinetic_energies(bodies).iter().sum::<f64>() - before
 }

@@ -34,14 +34,14 @@ impl Drift {
             self.first = [time, value];
         }
         self.count += 1.0;
-        let here = [time - self.first[0], value - self.first[1]];
-        self.last = here;
-        let before = [here[0] - self.means[0], here[1] - self.means[1]];
+        let point = [time - self.first[0], value - self.first[1]];
+        self.last = point;
+        let before = [point[0] - self.means[0], point[1] - self.means[1]];
         for axis in 0..2 {
             self.means[axis] += before[axis] / self.count;
-            self.squares[axis] += before[axis] * (here[axis] - self.means[axis]);
+            self.squares[axis] += before[axis] * (point[axis] - self.means[axis]);
         }
-        self.product += before[0] * (here[1] - self.means[1]);
+        self.product += before[0] * (point[1] - self.means[1]);
     }
 
     /// Number of values so far.
@@ -67,7 +67,7 @@ impl Drift {
         if self.squares[0] <= 0.0 {
             return 0.0;
         }
-        let left = self.squares[1] - self.product * self.product / self.squares[0];
-        (left.max(0.0) / self.count).sqrt()
+        let residual = self.squares[1] - self.product * self.product / self.squares[0];
+        (residual.max(0.0) / self.count).sqrt()
     }
 }

@@ -110,7 +110,7 @@ pub struct Engine {
     laws: Vec<Law>,
     /// The row of the first part of each kind.
     first_rows: Vec<usize>,
-    turned: Turned,
+    geometry: Turned,
     felt: Vec<Felt>,
 }
 
@@ -197,14 +197,14 @@ impl Engine {
                 laws.push(Law::between(first, second, &settings.interaction));
             }
         }
-        let turned = Turned::of((0..count).map(|body| bodies.kind(body)));
+        let geometry = Turned::of((0..count).map(|body| bodies.kind(body)));
         Ok(Self {
             bodies,
             settings,
             motion,
             laws,
             first_rows,
-            turned,
+            geometry,
             felt: Vec::new(),
         })
     }
@@ -413,9 +413,9 @@ impl Engine {
             let kind = self.bodies.kind(body);
             state.velocities[body] = Vec3::zeros();
             state.spins[body] = Vec3::zeros();
-            let along = time / (friction * kind.mass);
-            let wander = (2.0 * temperature * along).sqrt();
-            state.positions[body] += along * motion.forces[body];
+            let displacement_per_force = time / (friction * kind.mass);
+            let wander = (2.0 * temperature * displacement_per_force).sqrt();
+            state.positions[body] += displacement_per_force * motion.forces[body];
             state.positions[body] += wander * normal_vector(noise, kind.dimension);
             let turns = normal_turns(noise, kind.turns());
             let about = kind.moments.map(|moment| time / (friction * moment));
@@ -457,10 +457,10 @@ impl Engine {
             let kind = self.bodies.kind(body);
             if is_flat {
                 let angle = motion.state.angles_rad[body];
-                self.turned.turn_flat(body, kind, angle);
+                self.geometry.turn_flat(body, kind, angle);
             } else {
                 let rotation = &motion.state.rotations[body];
-                self.turned.turn_solid(body, kind, rotation);
+                self.geometry.turn_solid(body, kind, rotation);
             }
         }
         motion.forces.fill(Vec3::zeros());
@@ -468,7 +468,7 @@ impl Engine {
         let view = View {
             bodies: &self.bodies,
             state: &motion.state,
-            turned: &self.turned,
+            geometry: &self.geometry,
             laws: &self.laws,
             first_rows: &self.first_rows,
             rows: self.bodies.kinds.iter().map(|kind| kind.parts.len()).sum(),
@@ -536,7 +536,7 @@ fn check_interaction(bodies: &Bodies, interaction: &Interaction) -> Result<()> {
 struct View<'a> {
     bodies: &'a Bodies,
     state: &'a State,
-    turned: &'a Turned,
+    geometry: &'a Turned,
     laws: &'a [Law],
     first_rows: &'a [usize],
     rows: usize,
@@ -559,7 +559,7 @@ impl View<'_> {
         let law = &self.laws[row * self.rows + column];
         let has_unions = self.rows > self.first_rows.len();
         let arms = match has_unions {
-            true => numbers.map(|(body, part)| self.turned.centre(body, part)),
+            true => numbers.map(|(body, part)| self.geometry.centre(body, part)),
             false => [Vec3::zeros(); 2],
         };
         let between = between + arms[1] - arms[0];
@@ -569,7 +569,7 @@ impl View<'_> {
         }
         let [first, second] = numbers.map(|(body, part)| {
             let kind = self.bodies.kind(body);
-            self.turned.part(body, part, kind)
+            self.geometry.part(body, part, kind)
         });
         let mut felt = felt(first, second, between, law, self.form, &mut pair.hint);
         if has_unions {

@@ -77,11 +77,12 @@ impl Neighbours {
     /// # Errors
     /// As [`Neighbours::of`].
     pub fn refresh(&mut self, bodies: &Bodies, state: &State) -> Result<()> {
-        let left = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);
-        let half = 0.5 * left;
-        let far = |(here, there): (&Vec3, &Vec3)| (here - there).norm_squared() > half * half;
-        let moved = half <= 0.0 || state.positions.iter().zip(&self.places).any(far);
-        if moved {
+        let slack = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);
+        let half = 0.5 * slack;
+        let far =
+            |(position, place): (&Vec3, &Vec3)| (position - place).norm_squared() > half * half;
+        let is_stale = half <= 0.0 || state.positions.iter().zip(&self.places).any(far);
+        if is_stale {
             self.rebuild(bodies, state)?;
         }
         Ok(())

@@ -36,9 +36,9 @@ pub fn turn(kind: &Kind, rotation: &mut Rotation, spin: &mut Vec3, time: f64) {
         true => *spin * ((half * size).sin() / size),
         false => Vec3::zeros(),
     };
-    let by = Quaternion::from_parts((half * size).cos(), axis);
+    let increment = Quaternion::from_parts((half * size).cos(), axis);
     // The product of unit quaternions leaves length one by rounding only; do not let it grow.
-    *rotation = UnitQuaternion::new_normalize(rotation.quaternion() * by);
+    *rotation = UnitQuaternion::new_normalize(rotation.quaternion() * increment);
 }
 
 fn suzuki() -> [f64; 5] {
@@ -55,9 +55,9 @@ fn turn_about(axis: usize, strength: f64, rotation: &mut Rotation, spin: &mut Ve
     let [x, y] = [spin[next], spin[last]];
     spin[next] = cosine * x + sine * y;
     spin[last] = cosine * y - sine * x;
-    let mut along = Vec3::zeros();
+    let mut vector_part = Vec3::zeros();
     let (sine, cosine) = (0.5 * angle).sin_cos();
-    along[axis] = sine;
-    let by = Quaternion::from_parts(cosine, along);
-    *rotation = UnitQuaternion::new_unchecked(rotation.quaternion() * by);
+    vector_part[axis] = sine;
+    let increment = Quaternion::from_parts(cosine, vector_part);
+    *rotation = UnitQuaternion::new_unchecked(rotation.quaternion() * increment);
 }

@@ -62,11 +62,15 @@ pub fn on_a_lattice(bodies: &Bodies, density: f64, seed: u64) -> Result<State> {
         lengths_angstrom: Vec3::new(edge, edge, third),
     };
     let place = |number: usize| {
-        let along = |site: usize| (site as f64 + 0.5) * spacing - 0.5 * edge;
+        let coordinate = |site: usize| (site as f64 + 0.5) * spacing - 0.5 * edge;
         let [x, y] = [number % sites, number / sites % sites];
         match dimension {
-            2 => Vec3::new(along(x), along(y), 0.0),
-            _ => Vec3::new(along(x), along(y), along(number / (sites * sites))),
+            2 => Vec3::new(coordinate(x), coordinate(y), 0.0),
+            _ => Vec3::new(
+                coordinate(x),
+                coordinate(y),
+                coordinate(number / (sites * sites)),
+            ),
         }
     };
     let mut state = State::at_rest(bodies, space, (0..count).map(place).collect());

@@ -35,7 +35,7 @@ impl Bodies {
     /// Whether a state has as many bodies as these, in as many dimensions.
     pub(crate) fn fit(&self, state: &State) -> bool {
         let count = self.count();
-        let turned = match self.dimension() {
+        let orientation_counts = match self.dimension() {
             2 => [0, count],
             _ => [count, 0],
         };
@@ -44,7 +44,7 @@ impl Bodies {
             state.velocities.len(),
             state.spins.len(),
         ] == [count; 3]
-            && [state.rotations.len(), state.angles_rad.len()] == turned
+            && [state.rotations.len(), state.angles_rad.len()] == orientation_counts
     }
 
     /// Number of dimensions, 2 or 3.
@@ -129,16 +129,16 @@ impl State {
 
     /// Total momentum.
     pub fn momentum(&self, bodies: &Bodies) -> Vec3 {
-        let of = |body: usize| bodies.kind(body).mass * self.velocities[body];
-        (0..bodies.count()).map(of).sum()
+        let contribution = |body: usize| bodies.kind(body).mass * self.velocities[body];
+        (0..bodies.count()).map(contribution).sum()
     }
 
     /// Total angular momentum about the origin. Only open space keeps it.
     pub fn angular_momentum(&self, bodies: &Bodies) -> Vec3 {
-        let of = |body: usize| {
+        let contribution = |body: usize| {
             let momentum = bodies.kind(body).mass * self.velocities[body];
             self.positions[body].cross(&momentum) + self.rotation(body) * self.spins[body]
         };
-        (0..bodies.count()).map(of).sum()
+        (0..bodies.count()).map(contribution).sum()
     }
 }

@@ -128,7 +128,7 @@ pub(crate) trait Canvas {
     /// Draws a text with subscripts and superscripts, its baseline at `position`.
     fn text(&mut self, text: &str, [x, y]: [f64; 2], style: TextStyle) {
         let width = text_width(text, style.size);
-        let mut along = match style.align {
+        let mut offset = match style.align {
             Align::Left => 0.0,
             Align::Centre => -width / 2.0,
             Align::Right => -width,
@@ -136,12 +136,12 @@ pub(crate) trait Canvas {
         for run in runs(text) {
             let (scale, raise) = run.level.scale_and_raise();
             let start = match style.direction {
-                Direction::Right => [x + along, y - raise * style.size],
-                Direction::Up => [x - raise * style.size, y - along],
+                Direction::Right => [x + offset, y - raise * style.size],
+                Direction::Up => [x - raise * style.size, y - offset],
             };
             let size = style.size * scale;
             self.run(&run.text, start, TextStyle { size, ..style });
-            along += text_width(&run.text, size);
+            offset += text_width(&run.text, size);
         }
     }
 }

@@ -230,9 +230,9 @@ impl ColourMap {
                         false => INK,
                     };
                     let [x, y] = area.middle(row, column);
-                    let at = [x, y + CAPITALS * size / 2.0];
+                    let position = [x, y + CAPITALS * size / 2.0];
                     let style = TextStyle::new(size, ink, Align::Centre);
-                    canvas.text(&self.written(value), at, style);
+                    canvas.text(&self.written(value), position, style);
                 }
             }
         }
@@ -272,13 +272,13 @@ impl ColourMap {
         };
         for row in 0..area.rows {
             for column in 0..area.columns {
-                let here = self.value(row, column);
+                let value = self.value(row, column);
                 let [x, y] = [area.x(column as f64), area.y(row as f64)];
                 let [right, above] = [area.x(column as f64 + 1.0), area.y(row as f64 + 1.0)];
-                if column > 0 && changes(here, self.value(row, column - 1)) {
+                if column > 0 && changes(value, self.value(row, column - 1)) {
                     canvas.line(&[[x, y], [x, above]], SIGN_LINE, INK);
                 }
-                if row > 0 && changes(here, self.value(row - 1, column)) {
+                if row > 0 && changes(value, self.value(row - 1, column)) {
                     canvas.line(&[[x, y], [right, y]], SIGN_LINE, INK);
                 }
             }
@@ -301,8 +301,8 @@ impl ColourMap {
         let style = TextStyle::new(TICK_SIZE, INK, Align::Right);
         for (row, label) in self.rows.iter().enumerate() {
             let [_, y] = area.middle(row, 0);
-            let at = [area.left - GAP, y + CAPITALS * TICK_SIZE / 2.0];
-            canvas.text(label, at, style);
+            let position = [area.left - GAP, y + CAPITALS * TICK_SIZE / 2.0];
+            canvas.text(label, position, style);
         }
         let style = TextStyle::new(LABEL_SIZE, INK, Align::Centre);
         let middle = [(area.left + area.right) / 2.0, shape.height - MARGIN + 4.0];
@@ -381,15 +381,15 @@ impl Bar {
             let y = self.y(tick.value);
             canvas.line(&[[right - 6.0, y], [right, y]], CELL_LINE, INK);
             if let Some(label) = &tick.label {
-                let at = [right + GAP + widest, y + CAPITALS * TICK_SIZE / 2.0];
-                canvas.text(label, at, style);
+                let position = [right + GAP + widest, y + CAPITALS * TICK_SIZE / 2.0];
+                canvas.text(label, position, style);
             }
         }
         let style = TextStyle::new(quantity.size, INK, Align::Centre).upward();
         let middle = (self.top + self.bottom) / 2.0;
         for (number, line) in quantity.lines.iter().enumerate() {
-            let along = (CAPITALS + number as f64 * LINE) * quantity.size;
-            canvas.text(line, [right + 2.0 * GAP + widest + along, middle], style);
+            let offset = (CAPITALS + number as f64 * LINE) * quantity.size;
+            canvas.text(line, [right + 2.0 * GAP + widest + offset, middle], style);
         }
     }
 }

@@ -216,9 +216,12 @@ fn draw_series(series: &Series, style: Style, area: &Area, canvas: &mut dyn Canv
 /// A bar with a cap at each end; half a cap is `half_cap`.
 fn draw_bar(ends: [[f64; 2]; 2], half_cap: [f64; 2], colour: Rgb, canvas: &mut dyn Canvas) {
     canvas.line(&ends, ERROR_BAR_WIDTH, colour);
-    let [across, along] = half_cap;
+    let [half_width, half_height] = half_cap;
     for [x, y] in ends {
-        let cap = [[x - across, y - along], [x + across, y + along]];
+        let cap = [
+            [x - half_width, y - half_height],
+            [x + half_width, y + half_height],
+        ];
         canvas.line(&cap, ERROR_BAR_WIDTH, colour);
     }
 }

@@ -66,14 +66,14 @@ impl Canvas for Pixels {
         let Some(set) = typeset(text) else { return };
         let scale = (style.size / set.units_per_em) as f32;
         let placed = Transform::from_translate(x as f32, y as f32);
-        let turned = match style.direction {
+        let frame = match style.direction {
             Direction::Right => placed,
             Direction::Up => placed.pre_rotate(-90.0),
         };
         for glyph in &set.glyphs {
-            let along = (glyph.along * style.size) as f32;
+            let offset = (glyph.offset * style.size) as f32;
             // Outlines have y upward.
-            let transform = turned.pre_translate(along, 0.0).pre_scale(scale, -scale);
+            let transform = frame.pre_translate(offset, 0.0).pre_scale(scale, -scale);
             self.fill(outline(glyph), style.colour, 1.0, transform);
         }
     }

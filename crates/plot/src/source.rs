@@ -19,10 +19,10 @@ pub(crate) fn within(svg: &str, figure: &Figure) -> Result<String> {
 /// The figure of an SVG, and the SVG without it.
 pub(crate) fn take(svg: &str) -> Result<Option<(Figure, String)>> {
     let damaged = |cause: String| PlotError::DamagedSource { cause };
-    let Some((before, rest)) = svg.split_once(OPEN) else {
+    let Some((before, remainder)) = svg.split_once(OPEN) else {
         return Ok(None);
     };
-    let (text, after) = rest
+    let (text, after) = remainder
         .split_once(CLOSE)
         .ok_or_else(|| damaged("it has no end".into()))?;
     let figure =

@@ -23,7 +23,7 @@ struct Typeface {
 /// A glyph of a run: its outline, and its distance from the beginning of the baseline in em.
 pub(crate) struct PlacedGlyph {
     pub curves: Vec<OutlineCurve>,
-    pub along: f64,
+    pub offset: f64,
 }
 
 /// Outlines of a run of text in em, y upward from the baseline.
@@ -45,11 +45,11 @@ pub(crate) fn text_width(text: &str, size: f64) -> f64 {
 pub(crate) fn typeset(text: &str) -> Option<Typeset> {
     let typeface = TYPEFACE.as_ref()?;
     let mut glyphs = Vec::new();
-    typeface.walk(text, |glyph, along| {
+    typeface.walk(text, |glyph, offset| {
         let curves = typeface.font.outline(glyph).map(|outline| outline.curves);
         glyphs.push(PlacedGlyph {
             curves: curves.unwrap_or_default(),
-            along,
+            offset,
         });
     });
     Some(Typeset {
@@ -76,17 +76,17 @@ impl Typeface {
     /// Calls `visit` with each glyph and its distance from the beginning of the baseline in em;
     /// returns the length of the run in em.
     fn walk(&self, text: &str, mut visit: impl FnMut(GlyphId, f64)) -> f64 {
-        let mut along = 0.0;
+        let mut offset = 0.0;
         let mut previous: Option<GlyphId> = None;
         for character in text.chars() {
             let glyph = self.font.glyph_id(character);
             let kerning = previous.map_or(0.0, |before| self.font.kern_unscaled(before, glyph));
-            along += f64::from(kerning) / self.units_per_em;
-            visit(glyph, along);
-            along += f64::from(self.font.h_advance_unscaled(glyph)) / self.units_per_em;
+            offset += f64::from(kerning) / self.units_per_em;
+            visit(glyph, offset);
+            offset += f64::from(self.font.h_advance_unscaled(glyph)) / self.units_per_em;
             previous = Some(glyph);
         }
-        along
+        offset
     }
 }
 

@@ -81,8 +81,8 @@ impl FileKind {
     /// # Errors
     /// Says what the path is, and which verb makes this kind of it, or else takes it.
     pub fn require(&self, path: &Path) -> Result<()> {
-        let found = Self::of(path);
-        match found.and_then(|found| found.refusal(path, self)) {
+        let kind = Self::of(path);
+        match kind.and_then(|present| present.refusal(path, self)) {
             Some(refusal) => bail!(refusal),
             None => Ok(()),
         }

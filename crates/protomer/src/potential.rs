@@ -158,8 +158,8 @@ impl VolumeFormat {
     /// The format of an output file.
     fn of_file(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
-        let mut known = Self::ENDINGS.iter();
-        let Some((_, format)) = known.find(|(ending, _)| name.ends_with(ending)) else {
+        let mut formats = Self::ENDINGS.iter();
+        let Some((_, format)) = formats.find(|(ending, _)| name.ends_with(ending)) else {
             let endings = Self::ENDINGS.map(|(ending, _)| ending).join(", ");
             bail!("{name} has none of the extensions {endings}; use one of them");
         };
@@ -277,7 +277,7 @@ pub fn potential_of_file(
 ) -> Result<(ScalarField, PotentialReport)> {
     let start = Instant::now();
     let (file, spheres) = spheres_of_file(path)?;
-    let found = match settings.model {
+    let potential = match settings.model {
         PotentialModel::PoissonBoltzmann => solved(&spheres, settings, points),
         PotentialModel::DebyeHueckel => superposed(&spheres, settings, points),
     };
@@ -288,7 +288,7 @@ pub fn potential_of_file(
         error_kt,
         potentials_kt_per_e,
         iterations,
-    } = found.with_context(|| file.clone())?;
+    } = potential.with_context(|| file.clone())?;
     let electrolyte = &settings.dielectric.electrolyte;
     let per_kt = kilojoule_per_mol_per_kt(electrolyte.temperature_kelvin());
     let debye = electrolyte.debye_length_angstrom();
@@ -362,7 +362,7 @@ fn superposed(
     let superposition = Superposition::new(spheres, &settings.dielectric);
     let grid = grid_around(spheres, &settings.solve)?;
     let places = settings.places.as_deref();
-    let at = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
+    let potential = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
     Ok(Found {
         grid,
         field: superposition.on(match points {
@@ -371,7 +371,7 @@ fn superposed(
         }),
         energy_kt: None,
         error_kt: None,
-        potentials_kt_per_e: places.map(|places| places.iter().map(at).collect()),
+        potentials_kt_per_e: places.map(|places| places.iter().map(potential).collect()),
         iterations: None,
     })
 }

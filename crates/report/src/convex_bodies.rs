@@ -171,7 +171,7 @@ fn balls(centers: &[[f64; 3]], diameters: &[f64]) -> Result<TriangleMesh> {
     for (centre, diameter) in centers.iter().zip(diameters) {
         let points: Vec<Vec3> = sphere(0.5 * diameter)
             .into_iter()
-            .map(|by| point(centre) + by)
+            .map(|offset| point(centre) + offset)
             .collect();
         let ball = of_solid(&points)?;
         let first = all.vertices.len() as u32;
@@ -202,8 +202,8 @@ fn hull(words: &ShapeWords) -> Result<TriangleMesh> {
     let size = corners.iter().map(Vec3::norm).fold(radius, f64::max);
     let mut points = Vec::new();
     for corner in &corners {
-        for by in &around {
-            let point = corner + by;
+        for offset in &around {
+            let point = corner + offset;
             if is_flat {
                 points.push(point + 0.1 * size * Vec3::z());
                 points.push(point - 0.1 * size * Vec3::z());
@@ -223,21 +223,21 @@ fn of_solid(points: &[Vec3]) -> Result<TriangleMesh> {
 }
 
 fn circle(radius: f64) -> Vec<Vec3> {
-    let at = |number: usize| {
+    let vertex = |number: usize| {
         let (sine, cosine) = (TAU * number as f64 / ON_CIRCLE as f64).sin_cos();
         radius * Vec3::new(cosine, sine, 0.0)
     };
-    (0..ON_CIRCLE).map(at).collect()
+    (0..ON_CIRCLE).map(vertex).collect()
 }
 
 /// Points on a spiral of equal areas.
 fn sphere(radius: f64) -> Vec<Vec3> {
     let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-    let at = |number: usize| {
+    let vertex = |number: usize| {
         let height = 1.0 - (2.0 * number as f64 + 1.0) / ON_SPHERE as f64;
-        let across = (1.0 - height * height).sqrt();
+        let axis_distance = (1.0 - height * height).sqrt();
         let (sine, cosine) = (golden_angle * number as f64).sin_cos();
-        radius * Vec3::new(across * cosine, across * sine, height)
+        radius * Vec3::new(axis_distance * cosine, axis_distance * sine, height)
     };
-    (0..ON_SPHERE).map(at).collect()
+    (0..ON_SPHERE).map(vertex).collect()
 }

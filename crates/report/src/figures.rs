@@ -42,8 +42,8 @@ pub fn of_file(directory: &Path, name: &str, title: &str, below: &str) -> Result
             path.display()
         );
     }
-    let found = Figure::from_svg(&svg).with_context(|| path.display().to_string())?;
-    let html = match found {
+    let embedded_figure = Figure::from_svg(&svg).with_context(|| path.display().to_string())?;
+    let html = match embedded_figure {
         Some((figure, svg)) => in_both_shapes(&svg, &figure)?,
         None if svg.contains(PART) => in_parts(&svg),
         None => with_texts_below(&svg),
@@ -82,7 +82,7 @@ fn with_texts_below(svg: &str) -> String {
     let texts = svg
         .split("<text")
         .skip(1)
-        .filter_map(|rest| rest.split_once('>')?.1.split_once("</text>"));
+        .filter_map(|piece| piece.split_once('>')?.1.split_once("</text>"));
     let lines: Vec<String> = texts
         .map(|(text, _)| format!("<p>{}</p>\n", without_tags(text)))
         .collect();
@@ -101,7 +101,7 @@ fn without_tags(text: &str) -> String {
     let mut pieces = text.split('<');
     let first = pieces.next().unwrap_or_default().to_owned();
     pieces.fold(first, |text, piece| {
-        text + piece.split_once('>').map_or("", |(_, rest)| rest)
+        text + piece.split_once('>').map_or("", |(_, content)| content)
     })
 }
 

@@ -131,7 +131,9 @@ pub fn page_of_free_energy(directory: &Path) -> Result<Page> {
 fn arrival(result: Option<&HardBodyResult>) -> Verdict {
     match result.and_then(|result| result.equilibrium.as_ref()) {
         None => Verdict::equilibrated(None, ONE_START),
-        Some(found) => Verdict::equilibrated(Some(found.is_reached), &found.text()),
+        Some(equilibrium) => {
+            Verdict::equilibrated(Some(equilibrium.is_reached), &equilibrium.text())
+        }
     }
 }
 
@@ -212,21 +214,21 @@ pub fn details<T: DeserializeOwned>(
 fn states(equation: &EquationOfState) -> String {
     let mut rows = Vec::new();
     for point in &equation.points {
-        let Some(found) = &point.equilibrium else {
+        let Some(equilibrium) = &point.equilibrium else {
             continue;
         };
         rows.push(vec![
             with_error(point.packing_fraction, point.packing_fraction_error),
             with_error(
-                found.measured_pressure_kt_per_volume,
-                found.measured_pressure_kt_per_volume_error,
+                equilibrium.measured_pressure_kt_per_volume,
+                equilibrium.measured_pressure_kt_per_volume_error,
             ),
-            significant(found.expected_pressure_kt_per_volume, 6),
-            match found.drift {
-                Some(drift) => with_error(drift, found.drift_error),
+            significant(equilibrium.expected_pressure_kt_per_volume, 6),
+            match equilibrium.drift {
+                Some(drift) => with_error(drift, equilibrium.drift_error),
                 None => "-".into(),
             },
-            match found.is_reached {
+            match equilibrium.is_reached {
                 true => "reached".into(),
                 false => "not reached".into(),
             },
@@ -268,10 +270,10 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         ("Sweeps", result.sweeps.to_string()),
         ("Accepted moves", significant(result.acceptance, 3)),
     ];
-    if let Some(found) = &result.equilibrium {
+    if let Some(equilibrium) = &result.equilibrium {
         values.push((
             "Equilibrium",
-            match found.is_reached {
+            match equilibrium.is_reached {
                 true => "reached".into(),
                 false => "not reached".into(),
             },
@@ -279,18 +281,18 @@ fn values_of_run(result: &HardBodyResult) -> Vec<(&'static str, String)> {
         values.push((
             "Pressure of the bodies (kT per volume)",
             with_error(
-                found.measured_pressure_kt_per_volume,
-                found.measured_pressure_kt_per_volume_error,
+                equilibrium.measured_pressure_kt_per_volume,
+                equilibrium.measured_pressure_kt_per_volume_error,
             ),
         ));
         values.push((
             "The same in equilibrium",
-            significant(found.expected_pressure_kt_per_volume, 6),
+            significant(equilibrium.expected_pressure_kt_per_volume, 6),
         ));
-        if let Some(drift) = found.drift {
+        if let Some(drift) = equilibrium.drift {
             values.push((
                 "Drift over the measurement",
-                with_error(drift, found.drift_error),
+                with_error(drift, equilibrium.drift_error),
             ));
         }
     }

@@ -172,8 +172,8 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     let radius = scene.bodies.iter().map(reach).fold(1.0, f64::max);
     let body = |(mesh, pose): &(usize, Pose)| {
         let [w, x, y, z] = pose.wxyz().map(|part| (part * 1e6).round() / 1e6);
-        let at = rounded(&pose.position);
-        json!([mesh, at[0], at[1], at[2], w, x, y, z])
+        let position = rounded(&pose.position);
+        json!([mesh, position[0], position[1], position[2], w, x, y, z])
     };
     let mut json = json!({
         "name": scene.name, "centre": rounded(&centre), "radius": thousandths(radius),

@@ -131,21 +131,23 @@ impl Surfaces {
         energies_kt: [Vec<f64>; 2],
     ) {
         let meshes = [0, 1].map(|body| self.mesh_of(body, bodies[body]));
-        let at = Vec3::from(pose.position_angstrom);
+        let position = Vec3::from(pose.position_angstrom);
         self.poses.push(BestPose {
             name: name(condition),
             meshes,
-            second: Pose::from_wxyz(at, pose.orientation_wxyz),
+            second: Pose::from_wxyz(position, pose.orientation_wxyz),
             energies_kt,
         });
     }
 
     /// The number of a body's surface, which is kept if it is new.
     fn mesh_of(&mut self, number: usize, body: &Body) -> usize {
-        let known = self.meshes.iter().position(|known| {
-            known.body == number && known.shown.mesh == body.mesh && known.shown.name == body.name
+        let index = self.meshes.iter().position(|surface| {
+            surface.body == number
+                && surface.shown.mesh == body.mesh
+                && surface.shown.name == body.name
         });
-        known.unwrap_or_else(|| {
+        index.unwrap_or_else(|| {
             let places = ResiduePlaces::of(body);
             let vertices = body.mesh.vertices.par_iter();
             let residues = vertices.map(|vertex| places.nearest(vertex));
@@ -164,7 +166,9 @@ impl Surfaces {
 
     fn vertices(&self) -> usize {
         let meshes = self.meshes.iter();
-        meshes.map(|of| of.shown.mesh.vertices.len()).sum()
+        meshes
+            .map(|surface| surface.shown.mesh.vertices.len())
+            .sum()
     }
 
     fn have_residues(&self) -> bool {

@@ -90,12 +90,12 @@ pub fn unfinished(record: Option<&Record>) -> Option<String> {
     match &record.exit {
         Exit::Done => None,
         Exit::Failed { error } => Some(format!("It failed: {error}")),
-        Exit::Stopped { by } => {
-            let by = by
+        Exit::Stopped { by: cause } => {
+            let reason = cause
                 .as_ref()
-                .map_or_else(String::new, |by| format!(" by {by}"));
+                .map_or_else(String::new, |cause| format!(" by {cause}"));
             Some(format!(
-                "It was stopped{by}; the same command continues it."
+                "It was stopped{reason}; the same command continues it."
             ))
         }
         Exit::Running => Some(
@@ -120,7 +120,7 @@ pub fn problem_of_part(record: Option<&Record>, progress: &str) -> Option<String
     match &record.exit {
         Exit::Done => None,
         Exit::Failed { error } => Some(format!("failed{progress}: {error}")),
-        Exit::Stopped { by: Some(by) } => Some(format!("stopped by {by}{progress}")),
+        Exit::Stopped { by: Some(cause) } => Some(format!("stopped by {cause}{progress}")),
         Exit::Stopped { by: None } => Some(format!("stopped{progress}")),
         Exit::Running => Some("at work, or killed".into()),
     }

@@ -240,10 +240,10 @@ fn with_error(value: &Value, factor: f64, digits: usize) -> String {
 
 /// Reads the energies of residues of a run; a note if they cannot be used.
 pub fn collect(directory: &Path, record: Option<&Record>) -> (Option<Residues>, Option<String>) {
-    let found = Residues::read(directory, record)
+    let residues = Residues::read(directory, record)
         .with_context(|| "the energies of residues are not shown".to_owned());
-    match found {
-        Ok(found) => (found, None),
+    match residues {
+        Ok(residues) => (residues, None),
         Err(error) => (None, Some(format!("{error:#}."))),
     }
 }

@@ -60,7 +60,7 @@ pub fn collect(
 ) -> Result<Collected> {
     let mut collected = Collected::default();
     match (assembly_of(directory, record, assembly), assembly) {
-        (Ok(found), _) => collected.assembly = Some(found),
+        (Ok(stored_assembly), _) => collected.assembly = Some(stored_assembly),
         (Err(error), Some(_)) => return Err(error),
         (Err(error), None) => collected.notes.push(format!(
             "The body files were not found ({error:#}): the shapes come from the trajectory, without charges and \
@@ -194,10 +194,10 @@ fn films(
         let first = reader.frame(0)?;
         let bodies = first.poses.len().max(1);
         let most = (MOST_POSES / (number * bodies)).clamp(2, MOST_FRAMES) as u64;
-        let kept = total.min(most);
+        let frame_count = total.min(most);
         let mut frames = Vec::new();
-        for place in 0..kept {
-            let frame = reader.frame(place * (total - 1) / (kept - 1))?;
+        for place in 0..frame_count {
+            let frame = reader.frame(place * (total - 1) / (frame_count - 1))?;
             frames.push((format!("sweep {}", frame.step), frame.poses));
         }
         let kinds = first.type_ids.into_iter().map(|kind| kind as usize);
@@ -276,7 +276,7 @@ fn uncut(settings: &RunSettings, salt_molar: f64) -> Option<Yukawa> {
 
 /// Computes φ(r) = λ_B Σ q exp(-κ d)/d over the charges at distance d, kT/e.
 fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
-    let at = |vertex: &Vec3| {
+    let evaluate = |vertex: &Vec3| {
         let mut potential = 0.0;
         for site in &body.sites {
             if site.charge_e != 0.0 {
@@ -286,7 +286,7 @@ fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
         }
         potential
     };
-    body.mesh.vertices.par_iter().map(at).collect()
+    body.mesh.vertices.par_iter().map(evaluate).collect()
 }
 
 fn hydropathy_at_vertices(body: &Body) -> Vec<f64> {

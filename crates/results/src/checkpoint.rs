@@ -50,7 +50,7 @@ pub trait Checkpoint: Sized {
 impl<T: Serialize + DeserializeOwned> Checkpoint for T {
     fn to_bytes(&self, kind: &str, identity: &str) -> Result<Vec<u8>> {
         let unwritable = |cause: String| Error::Unwritable {
-            what: "the state",
+            content: "the state",
             cause,
         };
         let mut header =
@@ -110,11 +110,11 @@ pub fn read<C: Checkpoint>(path: &Path, kind: &str, identity: &str) -> Result<Op
 /// # Errors
 /// [`Error::UnfitCheckpoint`] names the first list of another length.
 pub fn require_lengths(lists: &[(&'static str, usize, usize)]) -> Result<()> {
-    for &(list, found, expected) in lists {
-        if found != expected {
+    for &(list, count, expected) in lists {
+        if count != expected {
             return Err(Error::UnfitCheckpoint {
                 list,
-                found,
+                count,
                 expected,
             });
         }

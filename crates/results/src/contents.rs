@@ -122,8 +122,8 @@ mod earlier {
     }
 
     fn kind_of_settings(file: &str, settings: &toml::Table) -> Option<ResultKind> {
-        for (of, keys, kind) in KEYS {
-            if of == file && keys.iter().all(|key| settings.contains_key(*key)) {
+        for (settings_file, keys, kind) in KEYS {
+            if settings_file == file && keys.iter().all(|key| settings.contains_key(*key)) {
                 return Some(kind);
             }
         }

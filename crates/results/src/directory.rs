@@ -166,15 +166,15 @@ fn require_same<S: Settings>(
     settings: &S,
     identity: &str,
 ) -> Result<()> {
-    let (there, here) = (present.essential(), settings.essential());
-    if there != here {
+    let (stored, requested) = (present.essential(), settings.essential());
+    if stored != requested {
         return Err(Error::OtherSettings {
             path: path.to_owned(),
             holds: match present.name() {
                 Some(name) => name.into(),
                 None => layout.kind.to_string(),
             },
-            differences: differences(&there, &here)?,
+            differences: differences(&stored, &requested)?,
         });
     }
     if let Some(record) = Record::read(path)? {

@@ -31,10 +31,10 @@ pub enum Error {
         problem: String,
     },
     /// A value that cannot be represented in JSON or TOML.
-    #[error("{what} cannot be serialised: {cause}")]
+    #[error("{content} cannot be serialised: {cause}")]
     Unwritable {
         /// The value to be written.
-        what: &'static str,
+        content: &'static str,
         /// Reason why the value cannot be represented.
         cause: String,
     },
@@ -144,14 +144,14 @@ pub enum Error {
     ForeignCheckpoint(PathBuf),
     /// A list of a checkpoint is not as long as the work needs it.
     #[error(
-        "the checkpoint has {found} {list} where the run has {expected}; restore it, or start again \
+        "the checkpoint has {count} {list} where the run has {expected}; restore it, or start again \
          with --force"
     )]
     UnfitCheckpoint {
         /// Contents of the list, in the plural.
         list: &'static str,
         /// Length of the list.
-        found: usize,
+        count: usize,
         /// The length that the work needs.
         expected: usize,
     },

@@ -106,9 +106,9 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 ///
 /// # Errors
 /// [`Error::Unwritable`] if it cannot be represented in TOML.
-pub fn to_toml<T: Serialize>(what: &'static str, value: &T) -> Result<String> {
+pub fn to_toml<T: Serialize>(content: &'static str, value: &T) -> Result<String> {
     toml::to_string_pretty(value).map_err(|error| Error::Unwritable {
-        what,
+        content,
         cause: error.to_string(),
     })
 }

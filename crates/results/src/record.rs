@@ -152,7 +152,7 @@ impl Record {
     /// If the file cannot be written.
     pub fn write(&self, directory: &Path) -> Result<()> {
         let text = serde_json::to_string_pretty(self).map_err(|error| Error::Unwritable {
-            what: FILE,
+            content: FILE,
             cause: error.to_string(),
         })?;
         write_atomically(&directory.join(FILE), |file| writeln!(file, "{text}"))?;
@@ -209,11 +209,11 @@ impl From<Record> for Form {
         let exit_reason = record.exit.word().to_owned();
         let mut failure = None;
         match record.exit {
-            Exit::Stopped { by: Some(by) } => {
+            Exit::Stopped { by: Some(reason) } => {
                 if !details.is_object() {
                     details = json!({});
                 }
-                details[STOPPED_BY] = by.into();
+                details[STOPPED_BY] = reason.into();
             }
             Exit::Failed { error } => failure = Some(error),
             Exit::Running | Exit::Done | Exit::Stopped { by: None } => {}
@@ -264,11 +264,11 @@ impl From<Form> for Record {
 }
 
 fn take_stopper(details: &mut Value) -> Option<String> {
-    let by = details.as_object_mut()?.remove(STOPPED_BY)?;
+    let reason = details.as_object_mut()?.remove(STOPPED_BY)?;
     if details.as_object().is_some_and(serde_json::Map::is_empty) {
         *details = Value::Null;
     }
-    by.as_str().map(str::to_owned)
+    reason.as_str().map(str::to_owned)
 }
 
 /// The progress in records of earlier versions.

@@ -78,7 +78,7 @@ pub trait Run {
     fn details(&self, state: &mut Self::State, directory: &Path) -> Result<Value, Self::Error> {
         let answer = self.answer(state, directory)?;
         let value = serde_json::to_value(answer).map_err(|error| Error::Unwritable {
-            what: "the record",
+            content: "the record",
             cause: error.to_string(),
         })?;
         Ok(value)

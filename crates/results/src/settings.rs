@@ -81,12 +81,12 @@ pub fn identity(settings: &impl Settings, input_sha256: &str) -> Result<String> 
 /// assert_eq!(differences(&Walk { seed: 1 }, &Walk { seed: 2 })?, "seed: 1 there, 2 here");
 /// # Ok::<(), protomer_results::Error>(())
 /// ```
-pub fn differences<S: Serialize>(there: &S, here: &S) -> Result<String> {
-    let (there, here) = (flat(there)?, flat(here)?);
-    let keys: BTreeSet<&String> = there.keys().chain(here.keys()).collect();
+pub fn differences<S: Serialize>(stored: &S, requested: &S) -> Result<String> {
+    let (stored, requested) = (flat(stored)?, flat(requested)?);
+    let keys: BTreeSet<&String> = stored.keys().chain(requested.keys()).collect();
     let differing: Vec<&String> = keys
         .into_iter()
-        .filter(|key| there.get(*key) != here.get(*key))
+        .filter(|key| stored.get(*key) != requested.get(*key))
         .collect();
     let shown = |table: &Table, key: &str| {
         table
@@ -99,8 +99,8 @@ pub fn differences<S: Serialize>(there: &S, here: &S) -> Result<String> {
         .map(|key| {
             format!(
                 "{key}: {} there, {} here",
-                shown(&there, key),
-                shown(&here, key)
+                shown(&stored, key),
+                shown(&requested, key)
             )
         })
         .collect();
@@ -113,7 +113,7 @@ pub fn differences<S: Serialize>(there: &S, here: &S) -> Result<String> {
 /// The settings with dotted keys: `medium.temperature_K`.
 fn flat(settings: &impl Serialize) -> Result<Table> {
     let table = Table::try_from(settings).map_err(|error| Error::Unwritable {
-        what: "the settings",
+        content: "the settings",
         cause: error.to_string(),
     })?;
     let mut flat = Table::new();

@@ -28,9 +28,9 @@ impl Shard {
     pub fn parse(text: &str) -> Result<Self> {
         let parts = text
             .split_once('/')
-            .and_then(|(index, of)| Some((index.parse().ok()?, of.parse().ok()?)));
+            .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
         match parts {
-            Some((index, of)) if (1..=of).contains(&index) => Ok(Self { index, of }),
+            Some((index, count)) if (1..=count).contains(&index) => Ok(Self { index, of: count }),
             _ => Err(Error::NotAShard(text.to_owned())),
         }
     }

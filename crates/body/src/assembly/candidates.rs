@@ -111,14 +111,14 @@ struct Operation {
 impl Operation {
     /// The arrangement after the operation; bit k of an arrangement says whether body k is up.
     fn apply(&self, arrangement: u32) -> u32 {
-        let mut moved = 0;
+        let mut permuted = 0;
         for (from, to) in self.image.iter().enumerate() {
-            moved |= (arrangement >> from & 1) << to;
+            permuted |= (arrangement >> from & 1) << to;
         }
         if self.turns_over {
-            !moved & all_ones(self.image.len())
+            !permuted & all_ones(self.image.len())
         } else {
-            moved
+            permuted
         }
     }
 
@@ -312,19 +312,19 @@ impl Stack {
     }
 
     fn contacts(&self, arrangement: u32) -> BTreeMap<Contact, usize> {
-        let at = |ring: usize, position: usize| {
+        let member = |ring: usize, position: usize| {
             let body = self.body(ring, position % self.members);
             (body, is_up(arrangement, self.index(ring, position)))
         };
         let mut contacts = BTreeMap::new();
         for (ring, position) in self.positions() {
-            let here = at(ring, position);
+            let first = member(ring, position);
             if self.members > 1 {
-                let contact = Contact::new(false, here, at(ring, position + 1));
+                let contact = Contact::new(false, first, member(ring, position + 1));
                 *contacts.entry(contact).or_default() += 1;
             }
             if ring + 1 < self.rings {
-                let contact = Contact::new(true, here, at(ring + 1, position));
+                let contact = Contact::new(true, first, member(ring + 1, position));
                 *contacts.entry(contact).or_default() += 1;
             }
         }
@@ -392,12 +392,12 @@ impl Contact {
 }
 
 fn cycle_lengths(image: &[usize]) -> Vec<usize> {
-    let mut seen = vec![false; image.len()];
+    let mut visited = vec![false; image.len()];
     let mut lengths = Vec::new();
     for start in 0..image.len() {
         let (mut current, mut length) = (start, 0);
-        while !seen[current] {
-            seen[current] = true;
+        while !visited[current] {
+            visited[current] = true;
             current = image[current];
             length += 1;
         }

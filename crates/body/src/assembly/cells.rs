@@ -46,13 +46,13 @@ impl Cells {
     /// order that depends on the points alone.
     pub(super) fn for_each_pair(&self, distance: f64, mut visit: impl FnMut(usize, usize)) {
         let square = distance.min(self.edge).powi(2);
-        for (place, own) in &self.members {
+        for (place, members) in &self.members {
             for step in HALF {
-                let there: [i64; 3] = std::array::from_fn(|axis| place[axis] + step[axis]);
-                let Some(others) = self.members.get(&there) else {
+                let neighbour: [i64; 3] = std::array::from_fn(|axis| place[axis] + step[axis]);
+                let Some(others) = self.members.get(&neighbour) else {
                     continue;
                 };
-                for (rank, one) in own.iter().enumerate() {
+                for (rank, one) in members.iter().enumerate() {
                     let from = if step == [0; 3] { rank + 1 } else { 0 };
                     for other in &others[from..] {
                         let (one, other) = (*one as usize, *other as usize);

@@ -117,14 +117,14 @@ fn by_shape(
     }
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for &member in family {
-        let mut own = None;
+        let mut equal_group = None;
         for (number, group) in groups.iter().enumerate() {
             if are_equal(&chains[group[0]], &chains[member])? {
-                own = Some(number);
+                equal_group = Some(number);
                 break;
             }
         }
-        match own {
+        match equal_group {
             Some(number) => groups[number].push(member),
             None => groups.push(vec![member]),
         }
@@ -196,7 +196,7 @@ impl<'a> Chain<'a> {
             numbers: Vec::new(),
         };
         let places = unit.chains.iter().enumerate();
-        let place_of: HashMap<&str, usize> = places.map(|(at, name)| (&**name, at)).collect();
+        let place_of: HashMap<&str, usize> = places.map(|(index, name)| (&**name, index)).collect();
         let mut earlier: HashMap<&ResidueKey, usize> = HashMap::new();
         for residue in &unit.residues {
             let earlier = earlier.entry(&residue.key).or_default();

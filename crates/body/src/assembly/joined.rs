@@ -65,7 +65,7 @@ pub struct Joined {
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
 pub fn joined_units(units: &[Unit]) -> Vec<Joined> {
-    let mut found: BTreeMap<(usize, usize), JoinedBy> = BTreeMap::new();
+    let mut links: BTreeMap<(usize, usize), JoinedBy> = BTreeMap::new();
     let mut base_pairs: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     let atoms = Atoms::of(units);
     atoms
@@ -83,19 +83,21 @@ pub fn joined_units(units: &[Unit]) -> Vec<Joined> {
             }
             if a.is_sulfur && b.is_sulfur && distance <= DISULFIDE_ANGSTROM {
                 let (one, other) = (a.residue.key.to_string(), b.residue.key.to_string());
-                found.entry(pair).or_insert(JoinedBy::Disulfide(one, other));
+                links.entry(pair).or_insert(JoinedBy::Disulfide(one, other));
             } else if distance <= BOND_ANGSTROM {
-                let by = JoinedBy::Bond(a.to_string(), b.to_string(), distance);
-                found.entry(pair).or_insert(by);
+                let bond = JoinedBy::Bond(a.to_string(), b.to_string(), distance);
+                links.entry(pair).or_insert(bond);
             }
         });
     for (pair, count) in base_pairs {
         if count >= FEWEST_PAIRS {
-            found.entry(pair).or_insert(JoinedBy::Duplex(count));
+            links.entry(pair).or_insert(JoinedBy::Duplex(count));
         }
     }
-    let joined = found.into_iter();
-    joined.map(|(units, by)| Joined { units, by }).collect()
+    let joined = links.into_iter();
+    joined
+        .map(|(units, link)| Joined { units, by: link })
+        .collect()
 }
 
 /// The units that are joined, directly or through others, as lists of their numbers.

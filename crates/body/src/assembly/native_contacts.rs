@@ -56,14 +56,14 @@ impl ResidueContacts {
 
     fn between(atoms: Vec<(Vec3, ResidueOfUnit)>) -> Self {
         let (positions, residues): (Vec<Vec3>, Vec<ResidueOfUnit>) = atoms.into_iter().unzip();
-        let mut found = BTreeSet::new();
+        let mut pairs = BTreeSet::new();
         Cells::new(positions, CONTACT_ANGSTROM).for_each_pair(CONTACT_ANGSTROM, |one, other| {
             let (a, b) = (residues[one], residues[other]);
             if a.0 != b.0 {
-                found.insert((a.min(b), a.max(b)));
+                pairs.insert((a.min(b), a.max(b)));
             }
         });
-        Self(found)
+        Self(pairs)
     }
 
     /// Number of pairs.
@@ -78,8 +78,8 @@ impl ResidueContacts {
 
     /// The share of these contacts that others have too; `None` if there are no contacts.
     pub fn share_in(&self, others: &Self) -> Option<f64> {
-        let kept = self.0.intersection(&others.0).count();
-        (!self.is_empty()).then(|| kept as f64 / self.len() as f64)
+        let common = self.0.intersection(&others.0).count();
+        (!self.is_empty()).then(|| common as f64 / self.len() as f64)
     }
 
     /// Number of these contacts that each unit has, and number of those that others have too.

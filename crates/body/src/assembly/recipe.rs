@@ -153,20 +153,20 @@ impl Recipe {
         overlaps: impl Fn(&[Placement]) -> bool,
     ) -> Result<ClosedAssembly> {
         self.check(frames)?;
-        let at = |radius: f64, distance: f64| {
+        let arrangement = |radius: f64, distance: f64| {
             self.placements(frames, radius, distance, tilt_radian)
                 .unwrap_or_default()
         };
         let members = self.rings.first().map_or(1, Vec::len);
-        let ring_overlaps = |radius: f64| at(radius, 0.0).chunks(members).any(&overlaps);
+        let ring_overlaps = |radius: f64| arrangement(radius, 0.0).chunks(members).any(&overlaps);
         let radius = from_outside(1.0, tolerance_angstrom, ring_overlaps).ok_or_else(never_free)?;
-        let stack_overlaps = |distance: f64| overlaps(&at(radius, distance));
+        let stack_overlaps = |distance: f64| overlaps(&arrangement(radius, distance));
         let distance = match self.rings.len() {
             1 => 0.0,
             _ => from_outside(1.0, tolerance_angstrom, stack_overlaps).ok_or_else(never_free)?,
         };
         Ok(ClosedAssembly {
-            placements: at(radius, distance),
+            placements: arrangement(radius, distance),
             radius_angstrom: radius,
             ring_distance_angstrom: distance,
             tilt_radian,

@@ -177,10 +177,10 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
 
     /// The pairs that overlap; `None` if there are none.
     fn overlapping(&self, motions: &[Motion]) -> Option<Vec<(usize, usize)>> {
-        let moved = self.moved(motions);
+        let poses = self.moved(motions);
         let pairs = self.near.iter().copied();
         let pairs: Vec<(usize, usize)> = pairs
-            .filter(|(a, b)| (self.overlap)(&moved[*a], &moved[*b]))
+            .filter(|(a, b)| (self.overlap)(&poses[*a], &poses[*b]))
             .collect();
         (!pairs.is_empty()).then_some(pairs)
     }
@@ -223,9 +223,9 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
 
     /// The inequalities of all pairs of atoms that are near each other at these motions.
     fn inequalities(&self, present: &[Motion]) -> Vec<Inequality> {
-        let moved = self.moved(present);
+        let poses = self.moved(present);
         let (mut positions, mut atoms) = (Vec::new(), Vec::new());
-        for (place, (kind, pose)) in moved.iter().enumerate() {
+        for (place, (kind, pose)) in poses.iter().enumerate() {
             for (atom, position) in self.bodies[*kind].positions.iter().enumerate() {
                 positions.push(pose.transform_point(position));
                 atoms.push((place, atom));
@@ -235,15 +235,15 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         let radii = self.bodies.iter().flat_map(|body| &body.radii_angstrom);
         let largest = radii.copied().fold(0.0, f64::max);
         let reach = 2.0 * largest + margin + WATCHED_ANGSTROM;
-        let mut found = Vec::new();
+        let mut inequalities = Vec::new();
         let cells = Cells::new(positions, reach);
         cells.for_each_pair(reach, |one, other| {
             let (one, other) = (one.min(other), one.max(other));
             if atoms[one].0 != atoms[other].0 {
-                found.extend(self.inequality(present, &moved, atoms[one], atoms[other]));
+                inequalities.extend(self.inequality(present, &poses, atoms[one], atoms[other]));
             }
         });
-        found
+        inequalities
     }
 
     /// The inequality of two atoms, each by the place of its body and its number there; `None` if
@@ -251,11 +251,11 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
     fn inequality(
         &self,
         present: &[Motion],
-        moved: &[Placement],
+        poses: &[Placement],
         first: (usize, usize),
         second: (usize, usize),
     ) -> Option<Inequality> {
-        let [a, b] = [first, second].map(|(place, atom)| self.atom(place, atom, moved));
+        let [a, b] = [first, second].map(|(place, atom)| self.atom(place, atom, poses));
         let apart = a.position - b.position;
         let distance = apart.norm();
         let sum = a.radius + b.radius;
@@ -291,8 +291,8 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         })
     }
 
-    fn atom(&self, place: usize, atom: usize, moved: &[Placement]) -> PlacedAtom {
-        let (kind, pose) = &moved[place];
+    fn atom(&self, place: usize, atom: usize, poses: &[Placement]) -> PlacedAtom {
+        let (kind, pose) = &poses[place];
         let arm = pose.rotation * self.bodies[*kind].positions[atom];
         PlacedAtom {
             position: pose.position + arm,
@@ -309,8 +309,8 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         let positions = &self.bodies[*kind].positions;
         let mut sum = 0.0;
         for position in positions {
-            let moved = after.transform_point(position) - before.transform_point(position);
-            sum += moved.norm_squared();
+            let displacement = after.transform_point(position) - before.transform_point(position);
+            sum += displacement.norm_squared();
         }
         (sum / positions.len().max(1) as f64).sqrt()
     }

@@ -68,14 +68,17 @@ const MOLECULAR_IONS: &[(&str, i32)] = &[("SO4", -2), ("PO4", -3), ("NH4", 1)];
 /// assert_eq!(ion("Cl-").map(|ion| ion.charge_e), Some(-1));
 /// ```
 pub fn ion(name: &str) -> Option<&'static Ion> {
-    let is_name = |known: &str| known.eq_ignore_ascii_case(name);
+    let is_name = |candidate: &str| candidate.eq_ignore_ascii_case(name);
     IONS.iter()
         .find(|ion| is_name(ion.name) || ion.aliases.iter().any(|alias| is_name(alias)))
 }
 
 /// The charge of an ion by its residue name and its number of atoms other than hydrogen, e.
 pub fn ion_charge_e(name: &str, heavy_atoms: usize) -> Option<i32> {
-    if let Some((_, charge)) = MOLECULAR_IONS.iter().find(|(known, _)| *known == name) {
+    if let Some((_, charge)) = MOLECULAR_IONS
+        .iter()
+        .find(|(candidate, _)| *candidate == name)
+    {
         return Some(*charge);
     }
     let ion = ion(name)?;

@@ -119,14 +119,14 @@ fn parse_mutation(item: &str) -> Option<Mutation> {
 /// mutation says.
 pub fn mutate(selection: &mut Selection, mutations: &[Mutation]) -> Result<()> {
     for mutation in mutations {
-        let mut found = false;
+        let mut is_present = false;
         for residue in &mut selection.residues {
             if is_at(residue, mutation) {
                 exchange(residue, mutation)?;
-                found = true;
+                is_present = true;
             }
         }
-        if !found {
+        if !is_present {
             return Err(absent(selection, mutation));
         }
     }

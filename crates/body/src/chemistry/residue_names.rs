@@ -44,7 +44,7 @@ pub struct ModifiedResidue {
     /// Mass of the residue in a chain, neutral, g/mol: the molecule without one water.
     pub mass_g_per_mol: f64,
     /// Description of the residue.
-    pub what: &'static str,
+    pub description: &'static str,
 }
 
 const PHOSPHATE_ATOMS: &[&str] = &["O1P", "O2P", "O3P"];
@@ -84,14 +84,14 @@ const fn like(
     name: &'static str,
     added_g_per_mol: f64,
     parent: AminoAcid,
-    what: &'static str,
+    description: &'static str,
 ) -> ModifiedResidue {
     ModifiedResidue {
         name,
         parent: Some(parent),
         groups: None,
         mass_g_per_mol: parent.residue_mass_g_per_mol() + added_g_per_mol,
-        what,
+        description,
     }
 }
 
@@ -100,9 +100,9 @@ const fn neutral(
     name: &'static str,
     added_g_per_mol: f64,
     parent: AminoAcid,
-    what: &'static str,
+    description: &'static str,
 ) -> ModifiedResidue {
-    titrating(name, added_g_per_mol, parent, &[], what)
+    titrating(name, added_g_per_mol, parent, &[], description)
 }
 
 /// A residue with groups of its own.
@@ -111,14 +111,14 @@ const fn titrating(
     added_g_per_mol: f64,
     parent: AminoAcid,
     groups: &'static [Group],
-    what: &'static str,
+    description: &'static str,
 ) -> ModifiedResidue {
     ModifiedResidue {
         name,
         parent: Some(parent),
         groups: Some(groups),
         mass_g_per_mol: parent.residue_mass_g_per_mol() + added_g_per_mol,
-        what,
+        description,
     }
 }
 
@@ -128,14 +128,14 @@ const fn titrating(
 const fn chromophore(
     name: &'static str,
     mass_g_per_mol: f64,
-    what: &'static str,
+    description: &'static str,
 ) -> ModifiedResidue {
     ModifiedResidue {
         name,
         parent: None,
         groups: Some(&[]),
         mass_g_per_mol,
-        what,
+        description,
     }
 }
 
@@ -331,7 +331,7 @@ pub(crate) fn is_name_of_four_letters(name: &str) -> bool {
 fn at_end(name: &str) -> Option<AminoAcid> {
     let name = name
         .strip_prefix(['N', 'C'])
-        .filter(|rest| rest.len() == 3)?;
+        .filter(|base_name| base_name.len() == 3)?;
     AminoAcid::of_residue(name).or_else(|| of_state(name))
 }
 

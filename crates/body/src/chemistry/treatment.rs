@@ -55,15 +55,15 @@ pub(crate) fn ion_of(residue: &SelectedResidue) -> Option<i32> {
 }
 
 fn describe_modified(modified: &ModifiedResidue) -> String {
-    let what = modified.what;
+    let description = modified.description;
     let hydropathy = match modified.parent {
         Some(parent) => format!("hydropathy of {}", parent.name()),
         None => "no hydropathy".into(),
     };
     match (modified.groups, modified.parent) {
-        (None, Some(parent)) => format!("{what}, counted as {}", parent.name()),
-        (None | Some([]), _) => format!("{what}: {hydropathy}, side chain taken as neutral"),
-        (Some(groups), _) => format!("{what}: {hydropathy}, {}", describe_groups(groups)),
+        (None, Some(parent)) => format!("{description}, counted as {}", parent.name()),
+        (None | Some([]), _) => format!("{description}: {hydropathy}, side chain taken as neutral"),
+        (Some(groups), _) => format!("{description}: {hydropathy}, {}", describe_groups(groups)),
     }
 }
 

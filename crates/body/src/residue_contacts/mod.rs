@@ -94,11 +94,11 @@ impl ContactScale {
 
     /// σ_ij, the mean of the two diameters, Å. Both force fields share them but for rounding.
     pub fn diameter_angstrom(self, first: AminoAcid, second: AminoAcid) -> f64 {
-        let of = |amino_acid| match self {
+        let diameter = |amino_acid| match self {
             Self::Calvados3 => calvados(amino_acid).1,
             Self::KimHummer => kim_hummer_diameter_angstrom(amino_acid),
         };
-        0.5 * (of(first) + of(second))
+        0.5 * (diameter(first) + diameter(second))
     }
 }
 

@@ -52,7 +52,7 @@ pub(crate) fn read_rows<'a>(
         tokens: Tokens {
             source,
             text,
-            at: 0,
+            offset: 0,
             line: 1,
         },
         ahead: None,
@@ -144,8 +144,8 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         if values.is_empty() {
             return Ok(());
         }
-        let (found, expected) = (values.len(), items.len());
-        let cause = format!("the last row of {category} has {found} of {expected} values");
+        let (count, expected) = (values.len(), items.len());
+        let cause = format!("the last row of {category} has {count} of {expected} values");
         Err(self.error(row_line, cause, CUT_SHORT))
     }
 
@@ -218,7 +218,7 @@ fn in_category(tag: &str, category: &str) -> bool {
 struct Tokens<'a, 's> {
     source: &'s str,
     text: &'a str,
-    at: usize,
+    offset: usize,
     line: usize,
 }
 
@@ -226,7 +226,7 @@ impl<'a> Tokens<'a, '_> {
     fn next(&mut self) -> Result<Option<(Token<'a>, usize)>> {
         self.skip_blanks_and_comments();
         let bytes = self.text.as_bytes();
-        let (start, line) = (self.at, self.line);
+        let (start, line) = (self.offset, self.line);
         let Some(&first) = bytes.get(start) else {
             return Ok(None);
         };
@@ -239,8 +239,8 @@ impl<'a> Tokens<'a, '_> {
                     .iter()
                     .position(u8::is_ascii_whitespace)
                     .unwrap_or(bytes.len() - start);
-                self.at = start + length;
-                bare_token(&self.text[start..self.at])
+                self.offset = start + length;
+                bare_token(&self.text[start..self.offset])
             }
         };
         Ok(Some((token, line)))
@@ -248,30 +248,30 @@ impl<'a> Tokens<'a, '_> {
 
     fn skip_blanks_and_comments(&mut self) {
         let bytes = self.text.as_bytes();
-        while let Some(&byte) = bytes.get(self.at) {
+        while let Some(&byte) = bytes.get(self.offset) {
             match byte {
                 b'\n' => self.line += 1,
                 b'#' => {
-                    let length = bytes[self.at..].iter().position(|b| *b == b'\n');
-                    self.at = length.map_or(bytes.len(), |length| self.at + length);
+                    let length = bytes[self.offset..].iter().position(|b| *b == b'\n');
+                    self.offset = length.map_or(bytes.len(), |length| self.offset + length);
                     continue;
                 }
                 _ if byte.is_ascii_whitespace() => {}
                 _ => return,
             }
-            self.at += 1;
+            self.offset += 1;
         }
     }
 
     /// A value between quotes; a quote closes it only if a blank follows.
     fn quoted_value(&mut self, quote: u8) -> Result<&'a str> {
         let bytes = self.text.as_bytes();
-        let start = self.at + 1;
+        let start = self.offset + 1;
         let mut end = start;
         while let Some(&byte) = bytes.get(end) {
             let closes = byte == quote && bytes.get(end + 1).is_none_or(u8::is_ascii_whitespace);
             if closes {
-                self.at = end + 1;
+                self.offset = end + 1;
                 return Ok(&self.text[start..end]);
             }
             if byte == b'\n' {
@@ -279,7 +279,7 @@ impl<'a> Tokens<'a, '_> {
             }
             end += 1;
         }
-        let open = quoted(&self.text[self.at..end]);
+        let open = quoted(&self.text[self.offset..end]);
         let cause = format!("the quote of {open} is not closed on its line");
         Err(parse_error(
             self.source,
@@ -291,7 +291,7 @@ impl<'a> Tokens<'a, '_> {
 
     /// Lines between two semicolons at the start of their lines.
     fn text_field(&mut self) -> Result<&'a str> {
-        let start = self.at + 1;
+        let start = self.offset + 1;
         let Some(length) = self.text[start..].find("\n;") else {
             return Err(parse_error(
                 self.source,
@@ -302,7 +302,7 @@ impl<'a> Tokens<'a, '_> {
         };
         let field = &self.text[start..start + length];
         self.line += 1 + field.bytes().filter(|byte| *byte == b'\n').count();
-        self.at = start + length + 2;
+        self.offset = start + length + 2;
         Ok(field.trim())
     }
 }

@@ -24,7 +24,7 @@ pub(crate) struct Line<'a> {
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 struct Shift {
     after: usize,
-    by: usize,
+    offset: usize,
 }
 
 impl<'a> Line<'a> {
@@ -52,11 +52,11 @@ impl<'a> Line<'a> {
         for (end, after) in shifts {
             let shift = Shift {
                 after,
-                by: end.saturating_sub(after),
+                offset: end.saturating_sub(after),
             };
-            let moved = Self { shift, ..line };
-            if shift.by > 0 && moved.coordinates_fit() {
-                return moved;
+            let shifted = Self { shift, ..line };
+            if shift.offset > 0 && shifted.coordinates_fit() {
+                return shifted;
             }
         }
         line
@@ -117,7 +117,7 @@ impl<'a> Line<'a> {
     /// Number of columns by which a column has been moved to the right.
     fn shift_at(&self, column: usize) -> usize {
         match column > self.shift.after {
-            true => self.shift.by,
+            true => self.shift.offset,
             false => 0,
         }
     }
@@ -125,13 +125,17 @@ impl<'a> Line<'a> {
     /// Columns `first` to `last`, counted from one, both included; shorter or empty where the line
     /// ends early.
     pub(crate) fn columns(&self, first: usize, last: usize) -> &'a str {
-        let by = self.shift_at(first);
-        let (first, last) = (first + by, last + by);
+        let offset = self.shift_at(first);
+        let (first, last) = (first + offset, last + offset);
         let length = self.text.len();
         let (from, to) = if self.text.is_ascii() {
             (first - 1, last.min(length))
         } else {
-            let mut starts = self.text.char_indices().map(|(at, _)| at).skip(first - 1);
+            let mut starts = self
+                .text
+                .char_indices()
+                .map(|(byte, _)| byte)
+                .skip(first - 1);
             let from = starts.next().unwrap_or(length);
             (from, starts.nth(last - first).unwrap_or(length))
         };

@@ -53,7 +53,7 @@ impl Corrections {
 impl Correction {
     fn warning(self, count: usize, first: &str) -> String {
         let atoms = if count == 1 { "atom" } else { "atoms" };
-        let what = match self {
+        let description = match self {
             Correction::Element => "state another element than their names, which decide",
             Correction::ShiftedColumns => {
                 "have columns shifted by a long number, and are read in the shifted columns"
@@ -67,7 +67,7 @@ impl Correction {
                  first letter of the chain"
             }
         };
-        format!("{count} {atoms} {what} (first in {first})")
+        format!("{count} {atoms} {description} (first in {first})")
     }
 }
 

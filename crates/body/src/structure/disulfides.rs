@@ -140,20 +140,20 @@ impl Cysteines {
     /// Adds the bonds of a record: one for each copy of the two cysteines in an assembly.
     fn add_recorded(&self, record: &RecordedDisulfide, bonds: &mut Bonds) {
         let [first, second] = &record.residues;
-        for (here, there) in [(first, second), (second, first)] {
-            let copies = self.by_source.get(here).map_or(&[][..], Vec::as_slice);
+        for (residue, recorded_partner) in [(first, second), (second, first)] {
+            let copies = self.by_source.get(residue).map_or(&[][..], Vec::as_slice);
             for &cysteine in copies {
                 if bonds.is_bonded[cysteine] {
                     continue;
                 }
-                let partner = self.recorded_partner(cysteine, there, record, bonds);
+                let partner = self.recorded_partner(cysteine, recorded_partner, record, bonds);
                 let distance_angstrom =
                     partner.and_then(|partner| self.distance_angstrom(cysteine, partner));
                 let is_close = distance_angstrom.is_some_and(|distance| distance <= BOND_ANGSTROM);
                 bonds.add(Bond {
                     cysteine,
                     partner,
-                    recorded_partner: there.clone(),
+                    recorded_partner: recorded_partner.clone(),
                     evidence: if is_close {
                         DisulfideEvidence::RecordAndDistance
                     } else {

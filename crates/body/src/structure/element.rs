@@ -20,7 +20,7 @@ pub(crate) fn known(symbol: &str) -> Option<&'static str> {
     }
     SYMBOLS
         .split(' ')
-        .find(|known| known.eq_ignore_ascii_case(symbol))
+        .find(|candidate| candidate.eq_ignore_ascii_case(symbol))
 }
 
 /// Statements of a file about an atom from which its element follows.
@@ -108,9 +108,9 @@ fn from_pdb_name(statement: &Statement) -> &'static str {
 
 /// The element by a bare atom name: its first letter. A digit may precede that of a hydrogen.
 pub(crate) fn from_name(name: &str) -> &'static str {
-    for (at, letter) in name.char_indices() {
+    for (index, letter) in name.char_indices() {
         if letter.is_ascii_alphabetic() {
-            return known(&name[at..=at]).unwrap_or("X");
+            return known(&name[index..=index]).unwrap_or("X");
         }
     }
     "X"

@@ -225,7 +225,7 @@ fn has_place(residue: &SelectedResidue, atom: &Atom) -> bool {
     residue
         .atoms
         .iter()
-        .any(|own| own.position == atom.position)
+        .any(|member| member.position == atom.position)
 }
 
 fn ends(residues: &[SelectedResidue]) -> Vec<End> {

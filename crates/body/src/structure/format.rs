@@ -193,7 +193,7 @@ const PDB_RECORDS: [&str; 18] = [
 /// [`crate::BodyError::Parse`] for an empty file, a compressed one, and binary data.
 pub(crate) fn as_text<'a>(source: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
     plain_text::decode(bytes)
-        .map_err(|found| parse_error(source, found.line(), found.cause(), found.remedy()))
+        .map_err(|error| parse_error(source, error.line(), error.cause(), error.remedy()))
 }
 
 #[cfg(test)]

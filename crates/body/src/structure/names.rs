@@ -6,16 +6,16 @@ use std::sync::Arc;
 /// Gives one shared string for equal texts.
 #[derive(Debug, Default)]
 pub(crate) struct Names {
-    seen: HashSet<Arc<str>>,
+    strings: HashSet<Arc<str>>,
 }
 
 impl Names {
     pub(crate) fn share(&mut self, text: &str) -> Arc<str> {
-        if let Some(name) = self.seen.get(text) {
+        if let Some(name) = self.strings.get(text) {
             return name.clone();
         }
         let name: Arc<str> = Arc::from(text);
-        self.seen.insert(name.clone());
+        self.strings.insert(name.clone());
         name
     }
 }

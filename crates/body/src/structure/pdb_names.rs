@@ -91,7 +91,7 @@ impl ResidueNames {
             }
             last = Some(place);
         }
-        let is_chain = |(_, found): &(Pair, Evidence)| found.needs_three && !found.continues;
+        let is_chain = |(_, signs): &(Pair, Evidence)| signs.needs_three && !signs.continues;
         let chains = evidence.into_iter().filter(is_chain);
         Self {
             two_letter_chains: chains.map(|(pair, _)| pair).collect(),

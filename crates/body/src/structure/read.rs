@@ -72,10 +72,10 @@ fn refuse_names(source: &str, structure: &Structure) -> Result<()> {
             ("insertion code", &atom.insertion_code),
             ("element", &atom.element),
         ];
-        for (what, name) in names {
+        for (kind, name) in names {
             if let Some(character) = first_forbidden(name) {
                 let cause = format!(
-                    "atom {}: the {what} {} holds the character U+{:04X}",
+                    "atom {}: the {kind} {} holds the character U+{:04X}",
                     atom.serial,
                     quoted(name),
                     u32::from(character)

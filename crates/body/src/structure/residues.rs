@@ -58,7 +58,7 @@ impl AtomGroup<'_> {
 /// hydrogen of its name.
 pub(crate) fn place_name(atom: &Atom) -> Cow<'_, str> {
     match atom.name.strip_prefix('D') {
-        Some(rest) if &*atom.element == "D" => Cow::Owned(format!("H{rest}")),
+        Some(suffix) if &*atom.element == "D" => Cow::Owned(format!("H{suffix}")),
         _ => Cow::Borrowed(&atom.name),
     }
 }
@@ -108,7 +108,7 @@ pub(crate) fn group<'a>(atoms: &[&'a Atom]) -> Vec<AtomGroup<'a>> {
         groups: Vec::new(),
         latest: HashMap::new(),
         named: HashMap::new(),
-        seen: HashSet::with_capacity(atoms.len()),
+        members: HashSet::with_capacity(atoms.len()),
     };
     let mut last: Option<(usize, Place)> = None;
     for &atom in atoms {
@@ -178,7 +178,7 @@ struct Grouping<'a> {
     /// The last residue of each place and name.
     named: HashMap<(Place, Arc<str>), usize>,
     /// The atoms of each residue: name, alternate location.
-    seen: HashSet<(usize, Cow<'a, str>, Option<char>)>,
+    members: HashSet<(usize, Cow<'a, str>, Option<char>)>,
 }
 
 impl<'a> Grouping<'a> {
@@ -198,7 +198,8 @@ impl<'a> Grouping<'a> {
             group.fragments.insert(name.clone());
         }
         group.atoms.push(atom);
-        self.seen.insert((index, place_name(atom), atom.alternate));
+        self.members
+            .insert((index, place_name(atom), atom.alternate));
         index
     }
 
@@ -257,7 +258,7 @@ impl<'a> Grouping<'a> {
     /// Whether a residue has an atom of this name and alternate location.
     fn has(&self, atom: &Atom, index: usize) -> bool {
         let name: Cow<'a, str> = Cow::Owned(place_name(atom).into_owned());
-        self.seen.contains(&(index, name, atom.alternate))
+        self.members.contains(&(index, name, atom.alternate))
     }
 
     /// Whether the atom is one that the amino acid of the residue still lacks, under a second name

@@ -123,11 +123,11 @@ impl Structure {
     }
 
     fn model(&self, number: Option<i32>) -> Result<&Model> {
-        let found = match number {
+        let choice = match number {
             None => self.models.first(),
             Some(number) => self.models.iter().find(|model| model.number == number),
         };
-        if let Some(model) = found {
+        if let Some(model) = choice {
             return Ok(model);
         }
         let mut numbers = Vec::new();
@@ -141,19 +141,19 @@ impl Structure {
     }
 
     fn assembly(&self, id: &str) -> Result<&BiologicalAssembly> {
-        let mut known = Vec::new();
+        let mut ids = Vec::new();
         for assembly in &self.assemblies {
             if assembly.id == id {
                 return Ok(assembly);
             }
-            known.push(assembly.id.clone());
+            ids.push(assembly.id.clone());
         }
         Err(BodyError::Invalid {
             cause: format!("no biological assembly {id} in {}", self.source),
-            remedy: if known.is_empty() {
+            remedy: if ids.is_empty() {
                 "the file describes none".into()
             } else {
-                format!("the file describes {}", listed(&known))
+                format!("the file describes {}", listed(&ids))
             },
         })
     }
@@ -177,10 +177,11 @@ impl<'s> WantedChains<'s> {
         let absent = names.iter().find(|name| !is_known(name));
         if let Some(chain) = absent {
             chains.extend(of_file);
-            let known: Vec<String> = chains.iter().map(|chain| format!("`{chain}`")).collect();
+            let chain_names: Vec<String> =
+                chains.iter().map(|chain| format!("`{chain}`")).collect();
             return Err(BodyError::Invalid {
                 cause: format!("no chain {chain} in model {model}"),
-                remedy: format!("the model has chains {}", listed(&known)),
+                remedy: format!("the model has chains {}", listed(&chain_names)),
             });
         }
         Ok(Self(names.iter().map(String::as_str).collect()))

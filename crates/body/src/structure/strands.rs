@@ -277,11 +277,11 @@ fn letters(strands: &[Strand], used: &mut BTreeSet<Arc<str>>) -> BTreeMap<usize,
 /// Letters of a number, counted from zero: A, B, ..., Z, AA, AB, ...
 fn letters_of(number: usize) -> Arc<str> {
     let mut letters = Vec::new();
-    let mut rest = number + 1;
-    while rest > 0 {
-        rest -= 1;
-        letters.push(char::from(b'A' + (rest % 26) as u8));
-        rest /= 26;
+    let mut quotient = number + 1;
+    while quotient > 0 {
+        quotient -= 1;
+        letters.push(char::from(b'A' + (quotient % 26) as u8));
+        quotient /= 26;
     }
     letters.iter().rev().collect::<String>().into()
 }

@@ -276,8 +276,8 @@ impl Facets {
         let squares = self.triangles.iter().zip(&self.middles);
         let squares = squares.map(|(corners, middles)| {
             let [a, b, c] = corners.map(|vertex| self.offset[vertex as usize]);
-            let moved = [a + b, b + c, c + a].map(|sum| 0.5 * sum);
-            let square = |side: usize| (middles[side] + moved[side]).powi(2);
+            let offsets = [a + b, b + c, c + a].map(|sum| 0.5 * sum);
+            let square = |side: usize| (middles[side] + offsets[side]).powi(2);
             (square(0) + square(1) + square(2)) / 3.0
         });
         squares.collect()
@@ -286,21 +286,21 @@ impl Facets {
     /// Halves the displacement, and its bound, at every triangle that has turned over or nearly
     /// vanished; whether there was one.
     fn tighten_folds(&mut self) -> bool {
-        let mut found = false;
+        let mut has_fold = false;
         for triangle in &self.triangles {
             let before = area_vector(triangle, &self.start);
             let after = area_vector(triangle, &self.position);
             if before.dot(&after) < FOLDED * before.norm_squared() {
-                found = true;
+                has_fold = true;
                 for &vertex in triangle {
                     self.farthest[vertex as usize] = 0.5 * self.offset[vertex as usize].abs();
                 }
             }
         }
-        if found {
+        if has_fold {
             self.update();
         }
-        found
+        has_fold
     }
 }
 

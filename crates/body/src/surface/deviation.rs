@@ -177,17 +177,17 @@ fn means_and_largest(
 /// The points of the rule: the centroid and the two orbits.
 fn seven_points(corners: &[Vec3; 3]) -> [Vec3; 7] {
     let sum: Vec3 = corners.iter().sum();
-    let at = |twice: f64, corner: &Vec3| sum * twice + corner * (1.0 - 3.0 * twice);
+    let point = |twice: f64, corner: &Vec3| sum * twice + corner * (1.0 - 3.0 * twice);
     let [a, b, c] = corners;
     let [(near, _), (far, _)] = ORBITS;
     [
         centroid(corners),
-        at(near, a),
-        at(near, b),
-        at(near, c),
-        at(far, a),
-        at(far, b),
-        at(far, c),
+        point(near, a),
+        point(near, b),
+        point(near, c),
+        point(far, a),
+        point(far, b),
+        point(far, c),
     ]
 }
 

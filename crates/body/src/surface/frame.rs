@@ -29,11 +29,11 @@ impl Frame {
     pub fn of_points(points: &[Vec3]) -> Self {
         let origin = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
         let first = farthest(points.iter().map(|point| point - origin)).unwrap_or(Vec3::x());
-        let across = points.iter().map(|point| {
+        let perpendiculars = points.iter().map(|point| {
             let arm = point - origin;
             arm - first * arm.dot(&first)
         });
-        let second = farthest(across).unwrap_or_else(|| any_perpendicular(&first));
+        let second = farthest(perpendiculars).unwrap_or_else(|| any_perpendicular(&first));
         let second = (second - first * second.dot(&first)).normalize();
         let axes = Matrix3::from_columns(&[first, second, first.cross(&second)]);
         let body = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));

@@ -39,11 +39,11 @@ pub trait ImplicitSolid: Sync {
     fn signed_distances_and_empty_balls(
         &self,
         points: &[Vec3],
-        found: &mut Vec<(f64, Option<Ball>)>,
+        results: &mut Vec<(f64, Option<Ball>)>,
     ) {
-        found.clear();
+        results.clear();
         let each = points.iter();
-        found.extend(each.map(|point| self.signed_distance_and_empty_ball(point)));
+        results.extend(each.map(|point| self.signed_distance_and_empty_ball(point)));
     }
     /// Adds balls that lie inside the solid and may reach within `reach_angstrom` of `point`, as
     /// many as are found at once. They save evaluations.

@@ -79,15 +79,15 @@ impl Search<'_> {
         if distance + half_diagonal < self.radius_angstrom {
             return false;
         }
-        let known = Known {
+        let sample = Known {
             place: cube.middle,
             clearance: distance - self.margin_angstrom,
             is_inside: self.is_inside(&cube.middle, parent),
         };
-        if known.is_inside && distance >= self.radius_angstrom {
+        if sample.is_inside && distance >= self.radius_angstrom {
             return true;
         }
-        if !known.is_inside && known.clearance > half_diagonal {
+        if !sample.is_inside && sample.clearance > half_diagonal {
             return false;
         }
         if cube.half_edge < RESOLUTION_ANGSTROM {
@@ -99,14 +99,14 @@ impl Search<'_> {
                 near.push(*vertex);
             }
         }
-        (0..8).any(|octant| self.finds_room(&cube.octant(octant), &near, Some(known)))
+        (0..8).any(|octant| self.finds_room(&cube.octant(octant), &near, Some(sample)))
     }
 
     /// Whether a place lies inside the wall. It lies on the same side as the middle of the parent
     /// cube if the wall is farther from that middle than the place is.
     fn is_inside(&self, place: &Vec3, parent: Option<Known>) -> bool {
         match parent {
-            Some(known) if (place - known.place).norm() < known.clearance => known.is_inside,
+            Some(sample) if (place - sample.place).norm() < sample.clearance => sample.is_inside,
             _ => winding_number(self.shell, place).abs() > 0.5,
         }
     }

@@ -186,16 +186,16 @@ fn finish(
 /// # Errors
 /// [`BodyError::Kernel`] if the mesh is not closed.
 pub fn without_cavities(mesh: &TriangleMesh) -> Result<(TriangleMesh, usize)> {
-    let mut kept = TriangleMesh::default();
+    let mut outer = TriangleMesh::default();
     let mut dropped = 0;
     for shell in mesh.shells()? {
         if shell.volume_angstrom3() < 0.0 {
             dropped += 1;
         } else {
-            append(&mut kept, shell);
+            append(&mut outer, shell);
         }
     }
-    Ok((kept, dropped))
+    Ok((outer, dropped))
 }
 
 fn append(mesh: &mut TriangleMesh, shell: TriangleMesh) {

@@ -101,10 +101,10 @@ impl ImplicitSolid for Placed<'_> {
     }
 
     fn signed_distance_and_empty_ball(&self, point: &Vec3) -> (f64, Option<Ball>) {
-        let found = self
+        let result = self
             .solid
             .signed_distance_and_empty_ball(&self.before(point));
-        (found.0, found.1.map(|ball| self.ball_there(ball)))
+        (result.0, result.1.map(|ball| self.ball_there(ball)))
     }
 
     fn signed_distances(&self, points: &[Vec3], values: &mut Vec<f64>) {
@@ -115,11 +115,11 @@ impl ImplicitSolid for Placed<'_> {
     fn signed_distances_and_empty_balls(
         &self,
         points: &[Vec3],
-        found: &mut Vec<(f64, Option<Ball>)>,
+        results: &mut Vec<(f64, Option<Ball>)>,
     ) {
         self.solid
-            .signed_distances_and_empty_balls(&self.all_before(points), found);
-        for (_, ball) in found {
+            .signed_distances_and_empty_balls(&self.all_before(points), results);
+        for (_, ball) in results {
             *ball = ball.map(|ball| self.ball_there(ball));
         }
     }

@@ -324,22 +324,22 @@ fn exact_with(
     measure: &Measure,
     mut ranking: Vec<(f64, bool)>,
 ) -> (SurfaceMeasure, FilledCavities) {
-    let (mut exact, mut found) = (measure.without_cavities(), FilledCavities::default());
+    let (mut exact, mut filling) = (measure.without_cavities(), FilledCavities::default());
     let mut cavities = measure.cavities();
     // Volumes of cavities are negative.
     ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
     cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
     for (rank, (volume_of_mesh, is_kept)) in ranking.into_iter().enumerate() {
         let cavity = cavities.get(rank).copied();
-        let volume_angstrom3 = -cavity.map_or(volume_of_mesh, |of| of.ses_volume_angstrom3);
+        let volume_angstrom3 = -cavity.map_or(volume_of_mesh, |shell| shell.ses_volume_angstrom3);
         if is_kept {
-            found.kept += 1;
-            found.kept_volume_angstrom3 += volume_angstrom3;
+            filling.kept += 1;
+            filling.kept_volume_angstrom3 += volume_angstrom3;
             exact += cavity.unwrap_or_default();
         } else {
-            found.filled += 1;
-            found.filled_volume_angstrom3 += volume_angstrom3;
+            filling.filled += 1;
+            filling.filled_volume_angstrom3 += volume_angstrom3;
         }
     }
-    (exact, found)
+    (exact, filling)
 }

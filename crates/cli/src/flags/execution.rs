@@ -31,10 +31,10 @@ impl ExecutionArgs {
                 self.checkpoint_every
             );
         };
-        let what = "stopping at the next step; the same command continues from there";
+        let notice = "stopping at the next step; the same command continues from there";
         Ok(Execution {
             checkpoint_interval,
-            ..front.execution(what, self.time_limit)?
+            ..front.execution(notice, self.time_limit)?
         })
     }
 }

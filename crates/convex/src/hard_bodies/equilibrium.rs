@@ -70,17 +70,18 @@ pub(super) struct Series<'a> {
     /// Pressure that the equation gives, kT per volume.
     pub expected_pressure: f64,
     /// Quantity that must not drift.
-    pub kept: &'a [f64],
+    pub observable: &'a [f64],
     /// Name of the quantity that must not drift.
-    pub kept_name: &'static str,
+    pub observable_name: &'static str,
 }
 
 impl Equilibrium {
     pub(super) fn of(series: &Series<'_>) -> Self {
-        let (pressure, pressure_error) = mean_and_error_following(series.pressure, series.kept);
-        let drift = drift(series.kept);
-        let samples = summarize(series.kept).effective_samples;
-        let mut found = Self {
+        let (pressure, pressure_error) =
+            mean_and_error_following(series.pressure, series.observable);
+        let drift = drift(series.observable);
+        let samples = summarize(series.observable).effective_samples;
+        let mut equilibrium = Self {
             is_reached: true,
             measured_pressure_kt_per_volume: pressure,
             measured_pressure_kt_per_volume_error: pressure_error,
@@ -90,16 +91,18 @@ impl Equilibrium {
             independent_samples: samples,
             doubts: Vec::new(),
         };
-        found.doubts.extend(found.imbalance());
-        found.doubts.extend(found.trend(series.kept_name));
+        equilibrium.doubts.extend(equilibrium.imbalance());
+        equilibrium
+            .doubts
+            .extend(equilibrium.trend(series.observable_name));
         if samples < FEW_SAMPLES {
-            found.doubts.push(format!(
+            equilibrium.doubts.push(format!(
                 "the {} has {samples:.0} independent samples, fewer than {FEW_SAMPLES}",
-                series.kept_name
+                series.observable_name
             ));
         }
-        found.is_reached = found.doubts.is_empty();
-        found
+        equilibrium.is_reached = equilibrium.doubts.is_empty();
+        equilibrium
     }
 
     /// Whether the pressures differ by more than chance and the extrapolation allow.
@@ -237,12 +240,12 @@ mod tests {
         series
     }
 
-    fn verdict(pressure: &[f64], kept: &[f64]) -> Equilibrium {
+    fn verdict(pressure: &[f64], observable: &[f64]) -> Equilibrium {
         Equilibrium::of(&Series {
             pressure,
             expected_pressure: 4.0,
-            kept,
-            kept_name: "packing fraction",
+            observable,
+            observable_name: "packing fraction",
         })
     }
 

@@ -525,11 +525,11 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     /// Does a part of the equilibration, or a round of measurements, on all threads.
     fn advance(&self, open: &mut Open<D>, _turn: &Turn<'_>) -> Result<()> {
         let equilibrated = open.walkers.iter().map(Walker::sweeps).min().unwrap_or(0);
-        let left = self.settings.equilibration.saturating_sub(equilibrated);
-        if left > 0 {
+        let remaining_sweeps = self.settings.equilibration.saturating_sub(equilibrated);
+        if remaining_sweeps > 0 {
             open.walkers.par_iter_mut().for_each(|walker| {
                 walker.refresh();
-                walker.run(left.min(EQUILIBRATION_AT_ONCE), true);
+                walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
             });
             return Ok(());
         }

@@ -107,10 +107,12 @@ pub struct MeanBox {
 impl MeanBox {
     /// Mean box of the measurements; `None` where the box keeps its shape.
     pub(super) fn of(rows: &[LogRow]) -> Option<Self> {
-        let series = |of: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
-            let count = rows.first().map_or(0, |row| of(row).len());
+        let series = |column: fn(&LogRow) -> &Vec<f64>| -> Vec<(f64, Option<f64>)> {
+            let count = rows.first().map_or(0, |row| column(row).len());
             let number = |number: usize| {
-                let numbers = rows.iter().filter_map(|row| of(row).get(number).copied());
+                let numbers = rows
+                    .iter()
+                    .filter_map(|row| column(row).get(number).copied());
                 mean_and_error(&numbers.collect::<Vec<f64>>())
             };
             (0..count).map(number).collect()
@@ -118,13 +120,13 @@ impl MeanBox {
         let (lengths, lengths_error) = series(|row| &row.box_lengths).into_iter().unzip();
         let (tilt_factors, tilt_factors_error) =
             series(|row| &row.box_tilt_factors).into_iter().unzip();
-        let found = Self {
+        let mean_box = Self {
             lengths,
             lengths_error,
             tilt_factors,
             tilt_factors_error,
         };
-        (!found.lengths.is_empty()).then_some(found)
+        (!mean_box.lengths.is_empty()).then_some(mean_box)
     }
 
     fn text(&self) -> String {
@@ -280,10 +282,13 @@ pub(super) fn mean_and_error_following(series: &[f64], slow: &[f64]) -> (f64, Op
     }
     let slope = products / squares;
     let pairs = series.iter().zip(slow);
-    let rest: Vec<f64> = pairs.map(|(y, x)| y - slope * (x - slow_mean)).collect();
-    let (_, rest_error) = mean_and_error(&rest);
-    let error = slow_error.zip(rest_error);
-    (mean, error.map(|(slow, rest)| (slope * slow).hypot(rest)))
+    let residuals: Vec<f64> = pairs.map(|(y, x)| y - slope * (x - slow_mean)).collect();
+    let (_, residual_error) = mean_and_error(&residuals);
+    let error = slow_error.zip(residual_error);
+    (
+        mean,
+        error.map(|(slow, residual)| (slope * slow).hypot(residual)),
+    )
 }
 
 /// The tilt factors of a box; none where its angles are right.

@@ -193,26 +193,29 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
 
     /// Verdict on whether a run that should keep a pressure or a height does.
     fn equilibrium(&self, rows: &[LogRow], walls: Option<&WallsResult>) -> Option<Equilibrium> {
-        let kept = |of: &dyn Fn(&LogRow) -> Option<f64>| -> Option<Vec<f64>> {
-            rows.iter().map(of).collect()
+        let series = |quantity: &dyn Fn(&LogRow) -> Option<f64>| -> Option<Vec<f64>> {
+            rows.iter().map(quantity).collect()
         };
         if let Some(walls) = walls {
             return Some(Equilibrium::of(&Series {
-                pressure: &kept(&|row| row.walls.map(|at| at.pressures[0] - at.pressures[1]))?,
+                pressure: &series(&|row| {
+                    row.walls
+                        .map(|sample| sample.pressures[0] - sample.pressures[1])
+                })?,
                 expected_pressure: walls.weight_per_area,
-                kept: &kept(&|row| row.walls.map(|at| at.mean_height))?,
-                kept_name: "mean height",
+                observable: &series(&|row| row.walls.map(|sample| sample.mean_height))?,
+                observable_name: "mean height",
             }));
         }
         let pressure = self.settings.pressure?;
         let volume = self.body.volume;
         Some(Equilibrium::of(&Series {
-            pressure: &kept(&|row| {
+            pressure: &series(&|row| {
                 Some(row.compressibility_factor * row.packing_fraction / volume)
             })?,
             expected_pressure: pressure.kt_per_volume,
-            kept: &kept(&|row| Some(row.packing_fraction))?,
-            kept_name: "packing fraction",
+            observable: &series(&|row| Some(row.packing_fraction))?,
+            observable_name: "packing fraction",
         }))
     }
 
@@ -221,8 +224,9 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let gravity = self.settings.gravity?;
         let samples: Option<Vec<Walls>> = open.rows.iter().map(|row| row.walls).collect();
         let samples = samples?;
-        let mean =
-            |of: fn(&Walls) -> f64| mean_and_error(&samples.iter().map(of).collect::<Vec<f64>>());
+        let mean = |quantity: fn(&Walls) -> f64| {
+            mean_and_error(&samples.iter().map(quantity).collect::<Vec<f64>>())
+        };
         let (lower, lower_error) = mean(|walls| walls.pressures[0]);
         let (upper, upper_error) = mean(|walls| walls.pressures[1]);
         let (height, height_error) = mean(|walls| walls.mean_height);
@@ -361,18 +365,18 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 true => stop.min(start),
                 false => stop.min(start + ((done - start) / period + 1) * period),
             };
-            let moved = open.watch.time(|| open.simulation.run(next - done));
-            moved.map_err(|error| self.with_whole_cells(error))?;
+            let outcome = open.watch.time(|| open.simulation.run(next - done));
+            outcome.map_err(|error| self.with_whole_cells(error))?;
             open.trials += (next - done) * self.settings.bodies as u64;
             if next > start && (next - start).is_multiple_of(period) {
                 let sample = open.simulation.sample();
                 let space = open.simulation.system().space();
-                let (lengths, tilt_factors) = match self.settings.pressure.map(|kept| kept.freedom)
-                {
-                    None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
-                    Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
-                    Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
-                };
+                let (lengths, tilt_factors) =
+                    match self.settings.pressure.map(|pressure| pressure.freedom) {
+                        None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
+                        Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
+                        Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
+                    };
                 let row = LogRow {
                     sweep: next,
                     compressibility_factor: sample.compressibility_factor,

@@ -149,14 +149,14 @@ fn cell_line<const D: usize>(words: &[&str]) -> Option<CellLine<D>> {
     let finite = |word: &&str| word.parse().ok().filter(|number: &f64| number.is_finite());
     let numbers: Option<Vec<f64>> = numbers.iter().map(finite).collect();
     let numbers = numbers?;
-    let (own, further) = numbers.split_at_checked(D)?;
-    let own: [f64; D] = own.try_into().ok()?;
+    let (components, further) = numbers.split_at_checked(D)?;
+    let components: [f64; D] = components.try_into().ok()?;
     match (*kind, further) {
         ("cell", angles) if angles.is_empty() || angles.len() == D * (D - 1) / 2 => {
-            Some(CellLine::Cell(own, angles.to_vec()))
+            Some(CellLine::Cell(components, angles.to_vec()))
         }
         ("site", turn) => Some(CellLine::Site(Site {
-            place: own,
+            place: components,
             rotation: match turn {
                 [] => Rotation::identity(),
                 turn => rotation::<D>(turn)?,

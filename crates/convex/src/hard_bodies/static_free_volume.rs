@@ -133,7 +133,7 @@ pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<Static
         let crystal = Crystal::new(&cell, &body, cell.sites.len(), packing_fraction)?;
         let lines_per_length = settings.lines as f64 / crystal.space.smallest_length();
         for depletant_radius in settings.depletant_radii.iter().copied() {
-            let found = static_free_volume(
+            let free_volume = static_free_volume(
                 &crystal,
                 &shape,
                 settings.rounding_radius,
@@ -144,8 +144,8 @@ pub fn static_free_volumes(settings: &StaticFreeVolumeSettings) -> Result<Static
                 packing_fraction,
                 depletant_radius,
                 size_ratio: depletant_radius / body.outer_radius,
-                free_volume_fraction: found.fraction,
-                free_volume_fraction_error: found.error,
+                free_volume_fraction: free_volume.fraction,
+                free_volume_fraction_error: free_volume.error,
             });
         }
     }

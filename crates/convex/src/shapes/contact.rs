@@ -100,8 +100,8 @@ fn contact(entry: &PairEntry, interaction: Interaction) -> Result<Contact> {
     let [a, b] = bodies;
     let (a, b) = (a?, b?);
     let orientations = [entry.orientation_a, entry.orientation_b];
-    let [here, there] = poses(&entry.position, orientations, b.dimension)?;
-    let forces = Placed::sharp([&a, &b], [&here, &there]).forces(interaction)?;
+    let [first_pose, second_pose] = poses(&entry.position, orientations, b.dimension)?;
+    let forces = Placed::sharp([&a, &b], [&first_pose, &second_pose]).forces(interaction)?;
     Ok(Contact {
         energy: forces.energy,
         distance: forces.distance,

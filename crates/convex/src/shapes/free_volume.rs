@@ -97,23 +97,23 @@ const LARGEST_RADIUS: f64 = 1e50;
 
 fn measures(file_or_name: &str, rounding_radius: f64) -> Result<BodyMeasures> {
     let named = || file_or_name.to_owned();
-    let (dimension, found) = match half_axes(file_or_name)? {
+    let (dimension, measures) = match half_axes(file_or_name)? {
         Some(axes) => (axes.len(), measures_of_ellipsoid(&axes, rounding_radius)),
         None => {
             let shape = read_shape(file_or_name)?;
             (shape.dimension(), Measures::of(&shape, rounding_radius))
         }
     };
-    let found = found.with_context(named)?;
+    let measures = measures.with_context(named)?;
     if dimension != 3 {
         bail!(
             "{file_or_name} is flat, and the theory is that of bodies in space; give a polyhedron"
         );
     }
     Ok(BodyMeasures {
-        volume: found.volume,
-        surface: found.surface,
-        integrated_mean_curvature: found.integrated_mean_curvature,
+        volume: measures.volume,
+        surface: measures.surface,
+        integrated_mean_curvature: measures.integrated_mean_curvature,
     })
 }
 

@@ -29,12 +29,12 @@ pub(super) fn for_each_pair<Entry: DeserializeOwned, Found>(
     let file = InputFile::read(path)?;
     let entries: Vec<Entry> = serde_json::from_slice(&file.bytes)
         .with_context(|| format!("{} is not a list of pairs; write [{example}, …]", file.name))?;
-    let mut found = Vec::with_capacity(entries.len());
+    let mut answers = Vec::with_capacity(entries.len());
     for (number, entry) in entries.iter().enumerate() {
         let one = answer(entry);
-        found.push(one.with_context(|| format!("{}: pair {}", file.name, number + 1))?);
+        answers.push(one.with_context(|| format!("{}: pair {}", file.name, number + 1))?);
     }
-    Ok(found)
+    Ok(answers)
 }
 
 /// The poses of two bodies of one dimension; the first is at the origin.

@@ -163,9 +163,9 @@ pub fn virial_coefficients(settings: &VirialSettings) -> Result<VirialReport> {
     if settings.second.is_none() && settings.second_rounding != 0.0 {
         bail!("there is no second shape to round; name it, or leave its rounding out");
     }
-    for (what, count) in [("triples", settings.triples), ("rays", settings.rays)] {
+    for (quantity, count) in [("triples", settings.triples), ("rays", settings.rays)] {
         if (1..FEWEST).contains(&count) {
-            bail!("{count} {what} are too few for an error; give at least {FEWEST}");
+            bail!("{count} {quantity} are too few for an error; give at least {FEWEST}");
         }
     }
     let first = Member::read(&settings.first, settings.rounding)?;
@@ -308,14 +308,14 @@ impl Member {
                 other.dimension
             );
         }
-        let (Some(own), Some(others)) = (self.measures(), other.measures()) else {
+        let (Some(measures), Some(others)) = (self.measures(), other.measures()) else {
             bail!(
                 "{} and {}: B12 is that of convex bodies; give one file each",
                 self.name,
                 other.name
             );
         };
-        let b2 = own.mixed_b2(others, self.dimension);
+        let b2 = measures.mixed_b2(others, self.dimension);
         Ok(VirialReport {
             first: self.name.clone(),
             second: other.name.clone(),
@@ -323,7 +323,7 @@ impl Member {
             b2,
             b2_error: 0.0,
             b2_over_volume: None,
-            b2_alone: Some([own.b2, others.b2]),
+            b2_alone: Some([measures.b2, others.b2]),
             third: None,
             osmotic: self.osmotic(other, b2, settings)?,
         })
@@ -353,11 +353,11 @@ impl Member {
         let roundings = [self.rounding, other.rounding];
         let pair = DepletedPair::new(shapes, roundings, &settings.depletants)?;
         let on_ray = |number| pair.on_ray(settings.seed, number);
-        let found: Vec<f64> = (0..settings.rays)
+        let gains: Vec<f64> = (0..settings.rays)
             .into_par_iter()
             .map(on_ray)
             .collect::<Result<_, _>>()?;
-        let gain: RunningMoments = found.into_iter().collect();
+        let gain: RunningMoments = gains.into_iter().collect();
         if !gain.mean().is_finite() {
             bail!(
                 "the depletants hold two bodies together by more than numbers can tell; give a lower fugacity"
@@ -385,11 +385,11 @@ fn sample<const D: usize>(body: &HardBody<D>, count: u64, seed: u64) -> Result<S
             triple.map(|triple| triples.with(triple))
         })
         .try_reduce(Triples::default, |a, b| Ok(a.merge(b)))?;
-    let found = triples.virials(body);
+    let coefficients = triples.virials(body);
     Ok(Sampled {
         volume: body.volume,
-        b2: found.b2,
-        b3_over_b2_squared: found.b3_over_b2_squared,
+        b2: coefficients.b2,
+        b3_over_b2_squared: coefficients.b3_over_b2_squared,
     })
 }
 

@@ -100,9 +100,9 @@ fn keys_of_errors_end_in_error_and_what_they_belong_to_is_beside_them() {
         ..rods()
     };
     let pressed_squares = HardBodySettings {
-        pressure: pressed(1.0).map(|kept| Pressure {
+        pressure: pressed(1.0).map(|pressure| Pressure {
             freedom: Freedom::Shape,
-            ..kept
+            ..pressure
         }),
         ..squares.clone()
     };
@@ -201,9 +201,9 @@ fn rods_arrive_at_their_pressure_and_what_has_not_arrived_says_so() {
         packing_fraction: 0.05,
         equilibration: 0,
         sweeps: 300,
-        pressure: pressed(2.0).map(|kept| Pressure {
+        pressure: pressed(2.0).map(|pressure| Pressure {
             changes_per_sweep: Some(1),
-            ..kept
+            ..pressure
         }),
         ..settings.clone()
     };

@@ -31,7 +31,7 @@ pub struct Crossing {
 /// assert!((found[1].rate - 1.0).abs() < 1e-4);
 /// ```
 pub fn crossings(series: &[[f64; 2]], level: f64) -> Vec<Crossing> {
-    let mut found = Vec::new();
+    let mut crossings = Vec::new();
     // The last sample that was not on the level.
     let mut last: Option<[f64; 2]> = None;
     for &[time, value] in series {
@@ -43,14 +43,14 @@ pub fn crossings(series: &[[f64; 2]], level: f64) -> Vec<Crossing> {
             && (height > 0.0) != (height_before > 0.0)
         {
             let rate = (height - height_before) / (time - before);
-            found.push(Crossing {
+            crossings.push(Crossing {
                 time: before - height_before / rate,
                 rate,
             });
         }
         last = Some([time, height]);
     }
-    found
+    crossings
 }
 
 #[cfg(test)]

@@ -20,11 +20,11 @@ const MOST_ITERATIONS: usize = 100;
 /// ```
 pub fn elliptic_e(phi: f64, m: f64) -> f64 {
     let turns = (phi / PI).round();
-    let rest = within_quarter_turn(phi - turns * PI, m);
+    let remainder = within_quarter_turn(phi - turns * PI, m);
     if turns == 0.0 {
-        rest
+        remainder
     } else {
-        rest + 2.0 * turns * within_quarter_turn(FRAC_PI_2, m)
+        remainder + 2.0 * turns * within_quarter_turn(FRAC_PI_2, m)
     }
 }
 
@@ -47,11 +47,11 @@ fn within_quarter_turn(phi: f64, m: f64) -> f64 {
 pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
     let half_turn = 2.0 * elliptic_e(FRAC_PI_2, m);
     let turns = (e / half_turn).round();
-    let rest = e - turns * half_turn;
+    let remainder = e - turns * half_turn;
     let (mut low, mut high) = (-FRAC_PI_2, FRAC_PI_2);
-    let mut phi = PI * rest / half_turn;
+    let mut phi = PI * remainder / half_turn;
     for _ in 0..MOST_ITERATIONS {
-        let excess = elliptic_e(phi, m) - rest;
+        let excess = elliptic_e(phi, m) - remainder;
         if excess > 0.0 {
             high = phi;
         } else {

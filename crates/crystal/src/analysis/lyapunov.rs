@@ -365,7 +365,7 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
                 self.state.time
             )));
         }
-        let kept = self.neighbour.clone();
+        let saved_neighbour = self.neighbour.clone();
         let factor = self.settings.separation / apart;
         shrink(&self.state.positions, factor, &mut self.neighbour.positions);
         shrink(
@@ -378,7 +378,7 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
             Err(CrystalError::Overlap { .. }) => {
                 // At the smaller distance the neighbour would be inside another body: it stays
                 // where it is this time.
-                self.neighbour = kept;
+                self.neighbour = saved_neighbour;
                 self.neighbour_flow.project(&mut self.neighbour)?;
             }
             other => other?,

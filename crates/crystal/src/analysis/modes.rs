@@ -66,11 +66,11 @@ impl Modes {
 fn stripes(network: &Network, coordinates: &[f64]) -> [f64; 2] {
     // Sums of the weights I, alone and times (-1)^(i+j), and of what is left times either sign.
     let (mut weight, mut mixed, mut of_columns, mut of_rows) = (0.0, 0.0, 0.0, 0.0);
-    for (p, left) in incoherent_part(network, coordinates).enumerate() {
+    for (p, residual) in incoherent_part(network, coordinates).enumerate() {
         let inertia = network.squares[p].inertia;
         let [row, column] = network.place(p).map(parity);
-        of_columns += inertia * column * left;
-        of_rows += inertia * row * left;
+        of_columns += inertia * column * residual;
+        of_rows += inertia * row * residual;
         weight += inertia;
         mixed += inertia * column * row;
     }
@@ -158,8 +158,9 @@ impl ModeEnergies {
             OutOf::Rotational => self.rotational,
             OutOf::Total => self.rotational + self.translational + potential_energy,
         };
-        let left = energy - self.uniform;
-        (left > NO_ENERGY * energy.abs()).then(|| self.checkerboard / left)
+        let nonuniform_energy = energy - self.uniform;
+        (nonuniform_energy > NO_ENERGY * energy.abs())
+            .then(|| self.checkerboard / nonuniform_energy)
     }
 }
 

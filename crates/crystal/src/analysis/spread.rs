@@ -59,19 +59,19 @@ impl FirstMaximum {
         if self.found.is_some() || value.is_nan() {
             return;
         }
-        let here = Maximum { time, value };
+        let sample = Maximum { time, value };
         match self.largest {
             Some(largest) if value <= largest.value => {
-                self.after.get_or_insert(here);
+                self.after.get_or_insert(sample);
                 if value < largest.value - self.drop {
                     self.found = Some(self.vertex(largest));
                 }
             }
             _ => {
-                (self.before, self.largest, self.after) = (self.last, Some(here), None);
+                (self.before, self.largest, self.after) = (self.last, Some(sample), None);
             }
         }
-        self.last = Some(here);
+        self.last = Some(sample);
     }
 
     /// The first maximum, once it has passed.

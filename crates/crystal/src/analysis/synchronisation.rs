@@ -265,8 +265,8 @@ impl Synchronisation {
         let square = &index * &index;
         // The sum over all Z holds R_aa R_ab + R_ab R_bb for a ≠ b, and R_aa² once for a = b.
         Ok(DMatrix::from_fn(self.squares, self.squares, |a, b| {
-            let kept = if a == b { 2.0 } else { 3.0 };
-            index[(a, b)] * kept - square[(a, b)]
+            let multiplicity = if a == b { 2.0 } else { 3.0 };
+            index[(a, b)] * multiplicity - square[(a, b)]
         }))
     }
 }

@@ -72,14 +72,14 @@ impl AxialModuli {
     /// The stiffness in the order yy, zz, yz, GPa; `None` where it is infinite (ν_12 ν_21 = 1), as
     /// when a honeycomb only hinges: one freedom cannot make two strains.
     pub fn stiffness_gpa(&self) -> Option<[[f64; 3]; 3]> {
-        let left = 1.0 - self.nu_yz * self.nu_zy;
-        let coupled = self.nu_zy * self.e_y_gpa / left;
+        let determinant = 1.0 - self.nu_yz * self.nu_zy;
+        let coupled = self.nu_zy * self.e_y_gpa / determinant;
         let stiffness = [
-            [self.e_y_gpa / left, coupled, 0.0],
-            [coupled, self.e_z_gpa / left, 0.0],
+            [self.e_y_gpa / determinant, coupled, 0.0],
+            [coupled, self.e_z_gpa / determinant, 0.0],
             [0.0, 0.0, self.g_yz_gpa],
         ];
-        (left.abs() > 1e-9).then_some(stiffness)
+        (determinant.abs() > 1e-9).then_some(stiffness)
     }
 }
 

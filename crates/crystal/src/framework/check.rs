@@ -54,13 +54,13 @@ impl Framework {
         self.check_nodes_have_rods()
     }
 
-    fn check_vectors(&self, what: &str, vectors: &[Vec<f64>]) -> Result<()> {
+    fn check_vectors(&self, name: &str, vectors: &[Vec<f64>]) -> Result<()> {
         let dimension = self.dimension();
         for (index, vector) in vectors.iter().enumerate() {
             let fits = |x: &f64| x.abs() <= LARGEST_COORDINATE_ANGSTROM;
             if vector.len() != dimension || !vector.iter().all(fits) {
                 return bad(format!(
-                    "{what} {index} is {vector:?}; give {dimension} numbers within \
+                    "{name} {index} is {vector:?}; give {dimension} numbers within \
                      {LARGEST_COORDINATE_ANGSTROM} Å of zero"
                 ));
             }
@@ -74,8 +74,8 @@ impl Framework {
             longest = longest.max(length(vector));
         }
         let volume = self.volume_angstrom3();
-        let across = volume / longest.powi(self.dimension() as i32 - 1);
-        if across.is_nan() || across < SMALLEST_LENGTH_ANGSTROM {
+        let width = volume / longest.powi(self.dimension() as i32 - 1);
+        if width.is_nan() || width < SMALLEST_LENGTH_ANGSTROM {
             return bad(format!(
                 "the cell has collapsed: its volume is {volume:e} Å³"
             ));

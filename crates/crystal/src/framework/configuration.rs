@@ -59,14 +59,14 @@ impl Configuration {
             return self.clone();
         };
         let dimension = start.dimension();
-        let mut turned = self.clone();
-        for node in turned.nodes_angstrom.chunks_exact_mut(dimension) {
+        let mut rotated = self.clone();
+        for node in rotated.nodes_angstrom.chunks_exact_mut(dimension) {
             turn(node, &back);
         }
-        for vector in turned.cell_angstrom.iter_mut().take(dimension) {
+        for vector in rotated.cell_angstrom.iter_mut().take(dimension) {
             turn(&mut vector[..dimension], &back);
         }
-        turned
+        rotated
     }
 
     /// R⁻¹ of F = R U.
@@ -120,21 +120,21 @@ fn columns(cell: &[[f64; 3]; 3]) -> Matrix3<f64> {
 fn turn(vector: &mut [f64], rotation: &Matrix3<f64>) {
     let mut padded = Vector3::zeros();
     padded.as_mut_slice()[..vector.len()].copy_from_slice(vector);
-    let turned = rotation * padded;
-    vector.copy_from_slice(&turned.as_slice()[..vector.len()]);
+    let rotated = rotation * padded;
+    vector.copy_from_slice(&rotated.as_slice()[..vector.len()]);
 }
 
 /// (1 + ε) applied to a vector.
 fn deform(vector: &mut [f64], dimension: usize, tensor: &[[f64; 3]; 3]) {
-    let mut moved = [0.0; 3];
-    for (moved, (row, x)) in moved.iter_mut().zip(tensor.iter().zip(&*vector)) {
+    let mut deformed = [0.0; 3];
+    for (coordinate, (row, x)) in deformed.iter_mut().zip(tensor.iter().zip(&*vector)) {
         let mut change = 0.0;
         for (entry, component) in row.iter().zip(&vector[..dimension]) {
             change += entry * component;
         }
-        *moved = x + change;
+        *coordinate = x + change;
     }
-    vector[..dimension].copy_from_slice(&moved[..dimension]);
+    vector[..dimension].copy_from_slice(&deformed[..dimension]);
 }
 
 /// ε as a matrix from its components in the order of the [module](super).
@@ -165,10 +165,10 @@ pub(super) fn strain_axes(dimension: usize, index: usize) -> (usize, usize) {
 
 /// B_a D: the change of a vector under unit strain a.
 pub(super) fn strained(dimension: usize, index: usize, d: &[f64; 3]) -> [f64; 3] {
-    let mut moved = [0.0; 3];
+    let mut vector = [0.0; 3];
     match strain_axes(dimension, index) {
-        (i, j) if i == j => moved[i] = d[i],
-        (i, j) => (moved[i], moved[j]) = (0.5 * d[j], 0.5 * d[i]),
+        (i, j) if i == j => vector[i] = d[i],
+        (i, j) => (vector[i], vector[j]) = (0.5 * d[j], 0.5 * d[i]),
     }
-    moved
+    vector
 }

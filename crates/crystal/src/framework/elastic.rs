@@ -88,12 +88,16 @@ impl Elasticity {
     ///
     /// # Errors
     /// As [`of`](Elasticity::of).
-    pub fn at(framework: &Framework, energy: &NetworkEnergy, at: &Configuration) -> Result<Self> {
+    pub fn at(
+        framework: &Framework,
+        energy: &NetworkEnergy,
+        configuration: &Configuration,
+    ) -> Result<Self> {
         let dimension = energy.dimension();
-        let volume = at.place(framework).volume_angstrom3();
-        let d = energy.derivatives(at);
+        let volume = configuration.place(framework).volume_angstrom3();
+        let d = energy.derivatives(configuration);
         let clamped = clamped_stiffness(dimension, &d);
-        let relaxation = relax_nodes(energy, at, &d)?;
+        let relaxation = relax_nodes(energy, configuration, &d)?;
         let mut relaxed = &clamped - d.mixed.transpose() * relaxation.response;
         relaxed = 0.5 * (&relaxed + relaxed.transpose());
         Ok(Self {
@@ -189,17 +193,17 @@ fn mechanisms(dimension: usize, relaxed: &DMatrix<f64>, clamped: &DMatrix<f64>) 
         .eigenvalues
         .amax();
     let eigen = SymmetricEigen::new(weighted(relaxed, &weight));
-    let mut found = Vec::new();
+    let mut mechanisms = Vec::new();
     for (index, value) in eigen.eigenvalues.iter().enumerate() {
         if *value <= ZERO_STIFFNESS * largest {
             let strain = eigen.eigenvectors.column(index).component_mul(&weight);
-            found.push(Mechanism {
+            mechanisms.push(Mechanism {
                 strain: normalised(strain.as_slice()),
                 relative_stiffness: value / largest,
             });
         }
     }
-    found
+    mechanisms
 }
 
 fn weighted(matrix: &DMatrix<f64>, weight: &DVector<f64>) -> DMatrix<f64> {

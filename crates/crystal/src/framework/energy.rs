@@ -67,7 +67,11 @@ impl NetworkEnergy {
         energy.add_rods(framework, &built);
         energy.add_hinges(framework, &built);
         energy.add_torsions(framework, &built);
-        if let Some(index) = energy.terms.iter().position(|term| !term.rest.is_finite()) {
+        if let Some(index) = energy
+            .terms
+            .iter()
+            .position(|term| !term.rest_value.is_finite())
+        {
             return Err(CrystalError::BadNetwork(format!(
                 "term {index} (rods, then hinges, then torsions) has no defined length or angle as \
                  built"
@@ -80,8 +84,9 @@ impl NetworkEnergy {
     fn add_rods(&mut self, framework: &Framework, built: &Configuration) {
         for rod in &framework.rods {
             let bonds = vec![bond(&Neighbour::here(rod.from), &rod.to)];
-            let (stiffness, rest) = (rod.stiffness_kcal_mol_angstrom2, rod.rest_length_angstrom);
-            self.add(built, Kind::Rod, stiffness, rest, bonds);
+            let (stiffness, rest_value) =
+                (rod.stiffness_kcal_mol_angstrom2, rod.rest_length_angstrom);
+            self.add(built, Kind::Rod, stiffness, rest_value, bonds);
         }
     }
 
@@ -95,8 +100,8 @@ impl NetworkEnergy {
             let vertex = Neighbour::here(hinge.vertex);
             let [first, second] = &hinge.between;
             let bonds = vec![bond(&vertex, first), bond(&vertex, second)];
-            let (stiffness, rest) = (hinge.stiffness_kcal_mol_rad2, hinge.rest_angle_rad);
-            self.add(built, kind, stiffness, rest, bonds);
+            let (stiffness, rest_value) = (hinge.stiffness_kcal_mol_rad2, hinge.rest_angle_rad);
+            self.add(built, kind, stiffness, rest_value, bonds);
         }
     }
 
@@ -104,8 +109,8 @@ impl NetworkEnergy {
         for torsion in &framework.torsions {
             let pairs = torsion.along.windows(2);
             let bonds = pairs.map(|pair| bond(&pair[0], &pair[1])).collect();
-            let (stiffness, rest) = (torsion.stiffness_kcal_mol_rad2, torsion.rest_angle_rad);
-            self.add(built, Kind::Torsion, stiffness, rest, bonds);
+            let (stiffness, rest_value) = (torsion.stiffness_kcal_mol_rad2, torsion.rest_angle_rad);
+            self.add(built, Kind::Torsion, stiffness, rest_value, bonds);
         }
     }
 
@@ -114,13 +119,13 @@ impl NetworkEnergy {
         built: &Configuration,
         kind: Kind,
         stiffness: f64,
-        rest: Option<f64>,
+        rest_value: Option<f64>,
         bonds: Vec<Bond>,
     ) {
         let vectors = self.vectors(built, &bonds);
         let vectors = &vectors[..bonds.len()];
         self.terms
-            .push(Term::new(kind, stiffness, rest, bonds, vectors));
+            .push(Term::new(kind, stiffness, rest_value, bonds, vectors));
     }
 
     /// Finds the places of the Hessian.
@@ -148,8 +153,8 @@ impl NetworkEnergy {
         let mut fixed = framework.clone();
         let mut rests = self.terms.iter().map(|term| match term.kind {
             // The side is that on which it is built.
-            Kind::PlaneHinge => term.rest.abs(),
-            _ => term.rest,
+            Kind::PlaneHinge => term.rest_value.abs(),
+            _ => term.rest_value,
         });
         for rod in &mut fixed.rods {
             rod.rest_length_angstrom = rests.next();
@@ -179,20 +184,21 @@ impl NetworkEnergy {
         &self.entries
     }
 
-    fn vectors(&self, at: &Configuration, bonds: &[Bond]) -> Vectors {
+    fn vectors(&self, configuration: &Configuration, bonds: &[Bond]) -> Vectors {
         let mut vectors = [[0.0; 3]; 3];
         for (vector, bond) in vectors.iter_mut().zip(bonds) {
-            *vector = self.vector(at, bond);
+            *vector = self.vector(configuration, bond);
         }
         vectors
     }
 
-    fn vector(&self, at: &Configuration, bond: &Bond) -> [f64; 3] {
+    fn vector(&self, configuration: &Configuration, bond: &Bond) -> [f64; 3] {
         let d = self.dimension;
         let mut vector = [0.0; 3];
         for (i, x) in vector.iter_mut().enumerate().take(d) {
-            *x = at.nodes_angstrom[d * bond.to + i] - at.nodes_angstrom[d * bond.from + i];
-            for (count, row) in bond.image.iter().zip(&at.cell_angstrom) {
+            *x = configuration.nodes_angstrom[d * bond.to + i]
+                - configuration.nodes_angstrom[d * bond.from + i];
+            for (count, row) in bond.image.iter().zip(&configuration.cell_angstrom) {
                 *x += f64::from(*count) * row[i];
             }
         }
@@ -200,17 +206,17 @@ impl NetworkEnergy {
     }
 
     /// The energy alone, kcal/mol.
-    pub fn energy(&self, at: &Configuration) -> f64 {
+    pub fn energy(&self, configuration: &Configuration) -> f64 {
         let mut energy = 0.0;
         for term in &self.terms {
-            let vectors = self.vectors(at, &term.bonds);
+            let vectors = self.vectors(configuration, &term.bonds);
             energy += term.energy(&vectors[..term.bonds.len()]);
         }
         energy
     }
 
     /// Energy, first and second derivatives.
-    pub fn derivatives(&self, at: &Configuration) -> Derivatives {
+    pub fn derivatives(&self, configuration: &Configuration) -> Derivatives {
         let strains = if self.dimension == 2 { 3 } else { 6 };
         let mut sum = Derivatives {
             energy: 0.0,
@@ -221,7 +227,7 @@ impl NetworkEnergy {
             hessian: vec![0.0; self.entries.len()],
         };
         for term in &self.terms {
-            let v = self.vectors(at, &term.bonds);
+            let v = self.vectors(configuration, &term.bonds);
             match term.kind {
                 Kind::Rod => self.collect(term, &v, &term.rod_energy(&v), &mut sum),
                 Kind::Torsion => self.collect(term, &v, &term.torsion_energy(&v), &mut sum),
@@ -264,9 +270,9 @@ impl NetworkEnergy {
     ) {
         let d = self.dimension;
         // B_a D and H B_a D over all vectors of the term.
-        let moved: [f64; N] = flattened(&vectors.map(|vector| strained(d, a, &vector)));
-        let pushed = local.hessian.map(|row| product(&row, &moved));
-        for (g, change) in local.gradient.iter().zip(moved) {
+        let strained_bonds: [f64; N] = flattened(&vectors.map(|vector| strained(d, a, &vector)));
+        let pushed = local.hessian.map(|row| product(&row, &strained_bonds));
+        for (g, change) in local.gradient.iter().zip(strained_bonds) {
             sum.strain_gradient[a] += g * change;
         }
         for b in 0..=a {
@@ -279,9 +285,9 @@ impl NetworkEnergy {
         }
         for (p, bond) in term.bonds.iter().enumerate() {
             let gradient = [0, 1, 2].map(|i| local.gradient[3 * p + i]);
-            let turned = strained(d, a, &gradient);
+            let strained_gradient = strained(d, a, &gradient);
             for i in 0..d {
-                let change = pushed[3 * p + i] + turned[i];
+                let change = pushed[3 * p + i] + strained_gradient[i];
                 sum.mixed[(d * bond.to + i, a)] += change;
                 sum.mixed[(d * bond.from + i, a)] -= change;
             }

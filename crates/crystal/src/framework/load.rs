@@ -155,16 +155,16 @@ impl Approach<'_> {
             };
             let is_smallest = share <= SMALLEST_LOAD_STEP;
             match self.minimum(step) {
-                Ok(found) if is_smallest || self.is_near(&found) => {
-                    self.steps += found.steps;
-                    self.configuration = found.configuration.clone();
-                    self.stretch.clone_from(&found.stretch);
+                Ok(minimum) if is_smallest || self.is_near(&minimum) => {
+                    self.steps += minimum.steps;
+                    self.configuration = minimum.configuration.clone();
+                    self.stretch.clone_from(&minimum.stretch);
                     self.stress = stress;
                     done = next;
                     share *= 2.0;
                     if done == 1.0 {
                         let steps = self.steps;
-                        return Ok(Loaded { steps, ..found });
+                        return Ok(Loaded { steps, ..minimum });
                     }
                 }
                 Ok(_) => share *= 0.5,
@@ -181,8 +181,8 @@ impl Approach<'_> {
         minimiser.run(start.clone())
     }
 
-    fn is_near(&self, found: &Loaded) -> bool {
-        let changes = found.stretch.iter().zip(&self.stretch);
+    fn is_near(&self, minimum: &Loaded) -> bool {
+        let changes = minimum.stretch.iter().zip(&self.stretch);
         changes
             .into_iter()
             .all(|(now, before)| (now - before).abs() <= LARGEST_STRETCH * (1.0 + before))
@@ -246,22 +246,22 @@ impl<'a> Minimiser<'a> {
         })
     }
 
-    fn run(mut self, mut at: Configuration) -> Result<Loaded> {
+    fn run(mut self, mut configuration: Configuration) -> Result<Loaded> {
         for steps in 0..MOST_STEPS {
-            let balance = self.balance(&at);
+            let balance = self.balance(&configuration);
             if balance.is_at_rest() {
-                return Ok(self.loaded(at, &balance, steps));
+                return Ok(self.loaded(configuration, &balance, steps));
             }
-            at = self.descend(&at, &balance)?;
+            configuration = self.descend(&configuration, &balance)?;
         }
         Err(CrystalError::NoMinimum(format!(
             "no minimum is found in {MOST_STEPS} steps: see whether a mechanism yields"
         )))
     }
 
-    fn balance(&self, at: &Configuration) -> Balance {
-        let derivatives = self.energy.derivatives(at);
-        let work = cell_work(self.framework, at, &self.built, self.load);
+    fn balance(&self, configuration: &Configuration) -> Balance {
+        let derivatives = self.energy.derivatives(configuration);
+        let work = cell_work(self.framework, configuration, &self.built, self.load);
         let mut strain_force = vec![0.0; work.work.len()];
         if self.free_cell {
             let pairs = derivatives.strain_gradient.iter().zip(&work.work);
@@ -269,7 +269,7 @@ impl<'a> Minimiser<'a> {
                 *force = g - w;
             }
         }
-        let first = at.cell_angstrom[0];
+        let first = configuration.cell_angstrom[0];
         Balance {
             scale: largest_magnitude(&derivatives.hessian),
             edge: first.iter().map(|x| x * x).sum::<f64>().sqrt(),
@@ -279,14 +279,14 @@ impl<'a> Minimiser<'a> {
         }
     }
 
-    fn loaded(&self, at: Configuration, balance: &Balance, steps: usize) -> Loaded {
+    fn loaded(&self, configuration: Configuration, balance: &Balance, steps: usize) -> Loaded {
         let mut stretch = Vec::with_capacity(self.energy.dimension());
         for axis in 0..self.energy.dimension() {
-            let now = at.cell_angstrom[axis][axis];
+            let now = configuration.cell_angstrom[axis][axis];
             stretch.push(now / self.built.cell_angstrom[axis][axis] - 1.0);
         }
         Loaded {
-            configuration: at,
+            configuration,
             stretch,
             energy_kcal_mol: balance.derivatives.energy,
             steps,
@@ -296,9 +296,13 @@ impl<'a> Minimiser<'a> {
 
     /// A step that goes down: the Hessian is shifted until it is positive and the step lowers the
     /// residual.
-    fn descend(&mut self, at: &Configuration, balance: &Balance) -> Result<Configuration> {
+    fn descend(
+        &mut self,
+        configuration: &Configuration,
+        balance: &Balance,
+    ) -> Result<Configuration> {
         loop {
-            if let Some(trial) = self.trial(at, balance) {
+            if let Some(trial) = self.trial(configuration, balance) {
                 self.shift = if self.shift < FIRST_SHIFT {
                     0.0
                 } else {
@@ -323,7 +327,7 @@ impl<'a> Minimiser<'a> {
     }
 
     /// A step with the present shift, if it goes down.
-    fn trial(&mut self, at: &Configuration, balance: &Balance) -> Option<Configuration> {
+    fn trial(&mut self, configuration: &Configuration, balance: &Balance) -> Option<Configuration> {
         let strain_force = self.free_cell.then_some(&balance.strain_force[..]);
         let step = self.newton.step(
             &balance.derivatives,
@@ -331,7 +335,7 @@ impl<'a> Minimiser<'a> {
             strain_force,
             self.shift * balance.scale,
         )?;
-        let trial = self.moved(at, &step, balance.edge);
+        let trial = self.moved(configuration, &step, balance.edge);
         let next = self.balance(&trial);
         let before = balance.residual(balance.edge);
         let less_residual = next.residual(balance.edge) < before;
@@ -342,19 +346,19 @@ impl<'a> Minimiser<'a> {
     }
 
     /// Nodes and cell after a step, which is shortened if it is too long.
-    fn moved(&self, at: &Configuration, step: &Step, edge: f64) -> Configuration {
+    fn moved(&self, configuration: &Configuration, step: &Step, edge: f64) -> Configuration {
         let longest = step.nodes.amax().max(edge * step.strains.amax());
         let excess = longest / (LONGEST_STEP * edge);
         let share = if excess > 1.0 { 1.0 / excess } else { 1.0 };
-        let mut moved = at.clone();
-        for (x, change) in moved.nodes_angstrom.iter_mut().zip(step.nodes.iter()) {
+        let mut trial = configuration.clone();
+        for (x, change) in trial.nodes_angstrom.iter_mut().zip(step.nodes.iter()) {
             *x += share * change;
         }
         if self.free_cell {
             let strains = &step.strains * share;
-            moved.strain(self.energy.dimension(), strains.as_slice());
+            trial.strain(self.energy.dimension(), strains.as_slice());
         }
-        moved
+        trial
     }
 }
 

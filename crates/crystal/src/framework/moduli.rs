@@ -71,12 +71,12 @@ impl<'a> Answers<'a> {
         }
     }
 
-    /// The answer to a stress, where `across` projects a strain onto the other direction of
+    /// The answer to a stress, where `projection` projects a strain onto the other direction of
     /// interest.
-    fn to(&self, stress: &[f64], across: &[f64]) -> Answer {
+    fn to(&self, stress: &[f64], projection: &[f64]) -> Answer {
         if self.drives_a_mechanism(stress) {
             let poissons = match self.mechanisms {
-                [one] => Some(-product(across, &one.strain) / product(stress, &one.strain)),
+                [one] => Some(-product(projection, &one.strain) / product(stress, &one.strain)),
                 _ => None,
             };
             return Answer {
@@ -86,10 +86,10 @@ impl<'a> Answers<'a> {
         }
         let strain = &self.compliance * DVector::from_column_slice(stress);
         let give = product(stress, strain.as_slice());
-        let is_decided = !self.drives_a_mechanism(across);
+        let is_decided = !self.drives_a_mechanism(projection);
         Answer {
             give: Some(give),
-            poissons: is_decided.then(|| -product(across, strain.as_slice()) / give),
+            poissons: is_decided.then(|| -product(projection, strain.as_slice()) / give),
         }
     }
 
@@ -159,9 +159,9 @@ pub fn polar(elasticity: &Elasticity, gpa: f64, count: usize) -> Vec<Direction> 
         let angle_deg = 180.0 * index as f64 / count as f64;
         let (sine, cosine) = angle_deg.to_radians().sin_cos();
         // n n, and its counterpart across; the shear counts half of an engineering strain, twice.
-        let along = [cosine * cosine, sine * sine, sine * cosine];
-        let across = [sine * sine, cosine * cosine, -sine * cosine];
-        let answer = answers.to(&along, &across);
+        let stress = [cosine * cosine, sine * sine, sine * cosine];
+        let projection = [sine * sine, cosine * cosine, -sine * cosine];
+        let answer = answers.to(&stress, &projection);
         directions.push(Direction {
             angle_deg,
             youngs_gpa: answer.give.map(|give| gpa / give),

@@ -23,8 +23,8 @@ pub(super) struct Step {
 }
 
 impl<'a> Newton<'a> {
-    pub fn new(energy: &'a NetworkEnergy, at: &Configuration) -> Self {
-        let places = at.places(energy.dimension());
+    pub fn new(energy: &'a NetworkEnergy, configuration: &Configuration) -> Self {
+        let places = configuration.places(energy.dimension());
         Self {
             energy,
             factor: LdlFactor::new(energy.coordinates(), energy.entries(), &places),

@@ -30,13 +30,13 @@ pub(super) struct Relaxation {
 /// The response of the nodes about a minimum of the energy.
 pub(super) fn relax_nodes(
     energy: &NetworkEnergy,
-    at: &Configuration,
+    configuration: &Configuration,
     d: &Derivatives,
 ) -> Result<Relaxation> {
     if energy.coordinates() <= MOST_DENSE_COORDINATES {
         relax_densely(energy, d)
     } else {
-        relax_sparsely(energy, at, d)
+        relax_sparsely(energy, configuration, d)
     }
 }
 
@@ -73,12 +73,12 @@ fn relax_densely(energy: &NetworkEnergy, d: &Derivatives) -> Result<Relaxation> 
 /// what is not floppy and never touches what is, as a strain does no work on floppy motions.
 fn relax_sparsely(
     energy: &NetworkEnergy,
-    at: &Configuration,
+    configuration: &Configuration,
     d: &Derivatives,
 ) -> Result<Relaxation> {
     let entries = energy.entries();
     let n = energy.coordinates();
-    let mut factor = LdlFactor::new(n, entries, &at.places(energy.dimension()));
+    let mut factor = LdlFactor::new(n, entries, &configuration.places(energy.dimension()));
     let shift = SHIFT * largest_on_diagonal(entries, &d.hessian);
     let shifted = with_shift(entries, &d.hessian, shift);
     factor.factor(&shifted).map_err(|error| {

@@ -31,7 +31,7 @@ pub(super) struct Bond {
 pub(super) struct Term {
     pub kind: Kind,
     pub stiffness: f64,
-    pub rest: f64,
+    pub rest_value: f64,
     pub bonds: Vec<Bond>,
     /// Start of the block of the Hessian of each pair of bond ends, row end before column end;
     /// `None` above the diagonal.
@@ -39,22 +39,22 @@ pub(super) struct Term {
 }
 
 impl Term {
-    /// A spring whose bonds are these vectors as built, at rest there if `rest` is absent.
+    /// A spring whose bonds are these vectors as built, at rest there if `rest_value` is absent.
     pub fn new(
         kind: Kind,
         stiffness: f64,
-        rest: Option<f64>,
+        rest_value: Option<f64>,
         bonds: Vec<Bond>,
         vectors: &[[f64; 3]],
     ) -> Self {
         let built = kind.measure(vectors);
-        let rest = match (kind, rest) {
+        let rest_value = match (kind, rest_value) {
             (_, None) => built,
             // On the side on which it is built.
             (Kind::PlaneHinge, Some(angle)) if built < 0.0 => -angle,
-            (_, Some(rest)) => rest,
+            (_, Some(rest_value)) => rest_value,
         };
-        let is_straight = kind == Kind::Hinge && (PI - rest).abs() < NEARLY_STRAIGHT;
+        let is_straight = kind == Kind::Hinge && (PI - rest_value).abs() < NEARLY_STRAIGHT;
         Self {
             kind: if is_straight {
                 Kind::StraightHinge
@@ -62,7 +62,7 @@ impl Term {
                 kind
             },
             stiffness,
-            rest,
+            rest_value,
             bonds,
             blocks: Vec::new(),
         }
@@ -85,7 +85,7 @@ impl Term {
 
     /// Deviation from rest, by the shorter way around for angles in a circle.
     fn deviation(&self, value: f64) -> f64 {
-        let away = value - self.rest;
+        let away = value - self.rest_value;
         match self.kind {
             Kind::PlaneHinge | Kind::Torsion => away - TAU * (away / TAU).round(),
             Kind::Rod | Kind::Hinge | Kind::StraightHinge => away,

@@ -36,7 +36,7 @@ pub(super) struct CellWork {
 
 pub(super) fn cell_work(
     framework: &Framework,
-    at: &Configuration,
+    configuration: &Configuration,
     built: &Configuration,
     load: Option<Load>,
 ) -> CellWork {
@@ -48,11 +48,12 @@ pub(super) fn cell_work(
     match load {
         None => none,
         Some(load) if load.kind == StressKind::Nominal => {
-            none.work = nominal_work(framework, at, built, load);
+            none.work = nominal_work(framework, configuration, built, load);
             none
         }
         Some(load) => {
-            let work = at.place(framework).volume_angstrom3() * load.stress_kcal_mol_angstrom3;
+            let work =
+                configuration.place(framework).volume_angstrom3() * load.stress_kcal_mol_angstrom3;
             none.work[load.axis] = work;
             for other in 0..framework.dimension() {
                 none.slope[(load.axis, other)] = work;
@@ -65,7 +66,7 @@ pub(super) fn cell_work(
 /// F = 1 + ε applied to the axis as it is: w = V0 P λ (e e), which changes with ε only through λ.
 fn nominal_work(
     framework: &Framework,
-    at: &Configuration,
+    configuration: &Configuration,
     built: &Configuration,
     load: Load,
 ) -> Vec<f64> {
@@ -74,13 +75,13 @@ fn nominal_work(
     let force = volume * load.stress_kcal_mol_angstrom3;
     let built_length = built.cell_angstrom[axis][axis];
     let mut work = vec![0.0; framework.strains()];
-    work[axis] = force * at.cell_angstrom[axis][axis] / built_length;
+    work[axis] = force * configuration.cell_angstrom[axis][axis] / built_length;
     // A shear that turns the axis sees the same force, by half.
     for (index, value) in work.iter_mut().enumerate().skip(dimension) {
         let (i, j) = strain_axes(dimension, index);
         if i == axis || j == axis {
             let other = if i == axis { j } else { i };
-            let tilt = at.cell_angstrom[axis][other] / built_length;
+            let tilt = configuration.cell_angstrom[axis][other] / built_length;
             *value = 0.5 * force * tilt;
         }
     }

@@ -87,9 +87,9 @@ impl Drag {
     ) -> Result<()> {
         self.check()?;
         if self.translation == self.rotation {
-            let kept = (-self.translation * duration).exp();
+            let decay = (-self.translation * duration).exp();
             for velocity in velocities.iter_mut() {
-                *velocity *= kept;
+                *velocity *= decay;
             }
         } else {
             self.require_resolved(duration)?;

@@ -147,7 +147,7 @@ pub struct Engine {
     statistics: CollisionStatistics,
     next: Vec<f64>,
     /// The state before the step.
-    kept: State,
+    previous_state: State,
     scratch: Vec<f64>,
 }
 
@@ -156,7 +156,7 @@ pub struct Engine {
 struct Moment {
     meeting: Meeting,
     /// Time left in the step.
-    left: f64,
+    remaining_time: f64,
     /// Impacts in this step, this one included.
     impacts: usize,
 }
@@ -183,7 +183,7 @@ impl Engine {
         Ok(Self {
             scratch: vec![0.0; network.rods.len()],
             next: state.positions.clone(),
-            kept: state.clone(),
+            previous_state: state.clone(),
             dynamics,
             settings,
             detector,
@@ -241,10 +241,10 @@ impl Engine {
     /// after all, [`CrystalError::Jammed`]; the state is then the one before the step.
     pub fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
         require_positive("step", step)?;
-        self.kept.clone_from(state);
+        self.previous_state.clone_from(state);
         let result = self.advance(state, step);
         if result.is_err() {
-            state.clone_from(&self.kept);
+            state.clone_from(&self.previous_state);
             // A state that was prepared once can be prepared again; the first error is the one that
             // matters.
             let _ = self.prepare(state);
@@ -255,18 +255,18 @@ impl Engine {
     fn advance(&mut self, state: &mut State, step: f64) -> Result<()> {
         let network = self.dynamics.network().clone();
         let end = state.time + step;
-        let mut left = step;
+        let mut remaining_time = step;
         let mut impacts = 0;
-        while let Some(meeting) = self.drift_to_contact(&network, state, left)? {
-            left -= meeting.time;
+        while let Some(meeting) = self.drift_to_contact(&network, state, remaining_time)? {
+            remaining_time -= meeting.time;
             impacts += 1;
             let moment = Moment {
                 meeting,
-                left,
+                remaining_time,
                 impacts,
             };
             self.meet(&network, state, moment)?;
-            if left <= STEP_DONE * step {
+            if remaining_time <= STEP_DONE * step {
                 break;
             }
         }
@@ -287,12 +287,15 @@ impl Engine {
         &mut self,
         network: &Network,
         state: &mut State,
-        left: f64,
+        remaining_time: f64,
     ) -> Result<Option<Meeting>> {
-        let meeting =
-            self.detector
-                .first_meeting(&mut self.dynamics, state, left, &mut self.next)?;
-        let length = meeting.map_or(left, |meeting| meeting.time);
+        let meeting = self.detector.first_meeting(
+            &mut self.dynamics,
+            state,
+            remaining_time,
+            &mut self.next,
+        )?;
+        let length = meeting.map_or(remaining_time, |meeting| meeting.time);
         if length > 0.0 {
             self.dynamics.arrive(state, length, &self.next)?;
         }
@@ -315,13 +318,13 @@ impl Engine {
                 events: moment.impacts,
                 first,
                 second,
-                time: self.kept.time,
+                time: self.previous_state.time,
             });
         }
         let touching = self.detector.touching(network, &state.positions);
         let contacts = without_repetitions(&touching);
         let capped = moment.impacts > allowed;
-        if moment.left > 0.0 && (capped || self.rests(moment)) {
+        if moment.remaining_time > 0.0 && (capped || self.rests(moment)) {
             self.hold_apart(network, state, &contacts, moment)
         } else {
             self.strike_while_approaching(network, state, &contacts);
@@ -334,11 +337,11 @@ impl Engine {
         &self,
         Moment {
             meeting,
-            left,
+            remaining_time,
             impacts,
         }: Moment,
     ) -> bool {
-        let at_once = impacts > 1 && meeting.time < AT_ONCE * (meeting.time + left);
+        let at_once = impacts > 1 && meeting.time < AT_ONCE * (meeting.time + remaining_time);
         self.settings.restitution < 1.0 && (at_once || impacts > IMPACTS_BEFORE_REST)
     }
 
@@ -400,18 +403,22 @@ impl Engine {
         network: &Network,
         state: &mut State,
         contacts: &[Contact],
-        Moment { left, impacts, .. }: Moment,
+        Moment {
+            remaining_time,
+            impacts,
+            ..
+        }: Moment,
     ) -> Result<()> {
         let lossy = self.settings.restitution < 1.0;
         let restitution = if lossy { 0.0 } else { 1.0 };
         let mut change = self.strike(network, state, contacts, restitution, Some(0.0));
-        self.dynamics.drift(state, left, &mut self.next)?;
+        self.dynamics.drift(state, remaining_time, &mut self.next)?;
         let mut sunk = 0.0_f64;
         for contact in contacts {
             sunk = sunk.max(-contact.gap(network, &self.next));
         }
         let least = LEAST_LIFT * f64::from(1 << impacts.min(MOST_DOUBLINGS));
-        let lift = least.max(LIFT_OVER_SINKING * sunk / left);
+        let lift = least.max(LIFT_OVER_SINKING * sunk / remaining_time);
         change += self.strike(network, state, contacts, restitution, Some(lift));
         self.statistics.lifts += 1;
         self.statistics.lift_energy += change;

@@ -123,7 +123,7 @@ pub struct Mover {
     network: Arc<Network>,
     bath: Option<Langevin>,
     /// The state before the last step.
-    kept: State,
+    previous_state: State,
     sigma: Vec<f64>,
     /// Collisions before this mover was made, in the part of the run that led to its checkpoint.
     earlier_events: u64,
@@ -155,7 +155,7 @@ impl Mover {
         Ok(Self {
             kind,
             bath: motion.bath,
-            kept: first.clone(),
+            previous_state: first.clone(),
             sigma: vec![0.0; network.rods.len()],
             earlier_events: 0,
             network,
@@ -217,12 +217,12 @@ impl Mover {
 
     /// Moments at which squares met, so far.
     pub fn events(&self) -> u64 {
-        let own = match &self.kind {
+        let new_events = match &self.kind {
             Kind::Free(_) => 0,
             Kind::Colliding(engine) => engine.statistics().impacts,
             Kind::Paper(engine) => engine.statistics().collisions,
         };
-        self.earlier_events + own
+        self.earlier_events + new_events
     }
 
     /// Kinetic and potential energy at the state last reached.
@@ -250,10 +250,10 @@ impl Mover {
     /// Those of [`Dynamics::step`], [`Engine::step`] and [`PaperEngine::step`]; the state is then
     /// as it was.
     pub fn step(&mut self, state: &mut State, time_step: f64, number: u64) -> Result<()> {
-        self.kept.clone_from(state);
+        self.previous_state.clone_from(state);
         let result = self.step_with_bath(state, time_step, number);
         if result.is_err() {
-            state.clone_from(&self.kept);
+            state.clone_from(&self.previous_state);
         }
         result
     }

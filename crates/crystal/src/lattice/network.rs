@@ -239,10 +239,10 @@ impl Network {
         for rod in &self.rods {
             let ends = (new_index[rod.from.square], new_index[rod.to.square]);
             if let (Some(from), Some(to)) = ends {
-                let mut kept = *rod;
-                kept.from.square = from;
-                kept.to.square = to;
-                rods.push(kept);
+                let mut new_rod = *rod;
+                new_rod.from.square = from;
+                new_rod.to.square = to;
+                rods.push(new_rod);
             }
         }
         let network = Self {
@@ -324,19 +324,19 @@ fn lattice_rods(rows: usize, columns: usize, length: f64, periodic: bool) -> Vec
     let mut rods = Vec::new();
     for i in 0..rows {
         for j in 0..columns {
-            let here = i * columns + j;
+            let index = i * columns + j;
             let even = (i + j).is_multiple_of(2);
             if j + 1 < columns || periodic {
                 let right = i * columns + (j + 1) % columns;
                 let [from, to] = if even { [4, 3] } else { [2, 1] };
                 let image = [i32::from(j + 1 == columns), 0];
-                rods.push(rod([here, right], [from, to], length, image));
+                rods.push(rod([index, right], [from, to], length, image));
             }
             if i + 1 < rows || periodic {
                 let below = (i + 1) % rows * columns + j;
                 let [from, to] = if even { [3, 1] } else { [4, 2] };
                 let image = [0, -i32::from(i + 1 == rows)];
-                rods.push(rod([here, below], [from, to], length, image));
+                rods.push(rod([index, below], [from, to], length, image));
             }
         }
     }

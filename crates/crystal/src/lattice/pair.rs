@@ -166,18 +166,18 @@ impl ScreenedCharges {
     ) -> Interaction {
         let mut sum = Interaction::default();
         for first in &self.charges[p] {
-            let here = turned(first.position, turned_by[p]);
+            let first_arm = turned(first.position, turned_by[p]);
             for second in &self.charges[q] {
-                let there = turned(second.position, turned_by[q]);
-                let delta = minus(plus(between, here), there);
+                let second_arm = turned(second.position, turned_by[q]);
+                let delta = minus(plus(between, first_arm), second_arm);
                 let distance = norm(delta);
                 let [energy, slope] = self.potential(distance * self.scale_angstrom);
                 let strength = self.kt * first.charge * second.charge;
                 sum.energy += strength * energy;
                 let force = scaled(delta, -strength * slope * self.scale_angstrom / distance);
                 sum.force = plus(sum.force, force);
-                sum.torques[0] += cross(here, force);
-                sum.torques[1] -= cross(there, force);
+                sum.torques[0] += cross(first_arm, force);
+                sum.torques[1] -= cross(second_arm, force);
             }
         }
         sum
@@ -208,11 +208,11 @@ impl Force for ScreenedCharges {
         for pair in &self.pairs {
             let [p, q] = pair.squares;
             let image = [0, 1].map(|axis| f64::from(pair.image[axis]) * cell[axis]);
-            let (here, there) = (
+            let (first, second) = (
                 [positions[3 * p], positions[3 * p + 1]],
                 [positions[3 * q], positions[3 * q + 1]],
             );
-            let between = minus(minus(here, there), image);
+            let between = minus(minus(first, second), image);
             let sum = self.interaction(pair.squares, between, &turned_by);
             for (square, sign, torque) in [(p, 1.0, sum.torques[0]), (q, -1.0, sum.torques[1])] {
                 let body = &network.squares[square];

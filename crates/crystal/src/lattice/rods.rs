@@ -40,10 +40,10 @@ pub struct RodSystem {
     numbers: Vec<f64>,
     factor: LdlFactor,
     /// The positions last seen, and the rods there.
-    seen: Vec<f64>,
+    last_positions: Vec<f64>,
     spans: Vec<Span>,
     /// Cosine and sine of every angle at the positions last seen.
-    turned: Vec<Vector>,
+    directions: Vec<Vector>,
 }
 
 /// A rod at some positions.
@@ -143,9 +143,9 @@ impl RodSystem {
             rows: vec![[[0.0; 3]; 2]; rods.len()],
             numbers: vec![0.0; entries.len()],
             factor: LdlFactor::new(rods.len(), &entries, &places),
-            seen: vec![f64::NAN; 3 * squares],
+            last_positions: vec![f64::NAN; 3 * squares],
             spans: vec![Span::default(); rods.len()],
-            turned: vec![[0.0; 2]; squares],
+            directions: vec![[0.0; 2]; squares],
             rods,
             inverse_mass,
             products,
@@ -165,15 +165,15 @@ impl RodSystem {
     /// Brings the rods up to date, unless the positions are those seen last: a step is linearised
     /// where its last correction ended.
     fn look_at(&mut self, positions: &[f64]) {
-        if self.seen == positions {
+        if self.last_positions == positions {
             return;
         }
-        self.seen.copy_from_slice(positions);
-        for (turned, angle) in self.turned.iter_mut().zip(angles(positions)) {
-            *turned = direction(angle);
+        self.last_positions.copy_from_slice(positions);
+        for (unit_vector, angle) in self.directions.iter_mut().zip(angles(positions)) {
+            *unit_vector = direction(angle);
         }
         for (rod, span) in self.rods.iter().zip(&mut self.spans) {
-            *span = rod.span(positions, &self.turned);
+            *span = rod.span(positions, &self.directions);
         }
     }
 

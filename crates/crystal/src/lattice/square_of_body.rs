@@ -181,7 +181,7 @@ impl BodySquare {
             inertia: moment_about(solid, &axis) / (half_diagonal_angstrom * half_diagonal_angstrom),
             net_charge_e: solid.charges.iter().map(|(_, charge)| charge).sum(),
             charges: sites.charges(half_diagonal_angstrom),
-            moved: sites.moved,
+            moved: sites.moved_charges,
         })
     }
 }
@@ -195,12 +195,12 @@ fn choose_axis(solid: &Solid, axis: Axis) -> (Vec3, f64) {
         Axis::Auto => return principal_axis(solid),
     };
     let inertia = solid.mass_properties.inertia_angstrom5;
-    let [across, along] = plane_across(&given);
+    let [first, second] = plane_across(&given);
     let (a, b) = (
-        across.dot(&(inertia * across)),
-        along.dot(&(inertia * along)),
+        first.dot(&(inertia * first)),
+        second.dot(&(inertia * second)),
     );
-    let c = across.dot(&(inertia * along));
+    let c = first.dot(&(inertia * second));
     (given, 2.0 * (a - b).hypot(2.0 * c) / (a + b))
 }
 
@@ -227,8 +227,8 @@ fn plane_across(axis: &Vec3) -> [Vec3; 2] {
     let mut helper = Vec3::zeros();
     helper[axis.iamin()] = 1.0;
     // For the z axis these are x and y.
-    let across = (helper - axis * axis.dot(&helper)).normalize();
-    [across, axis.cross(&across)]
+    let perpendicular = (helper - axis * axis.dot(&helper)).normalize();
+    [perpendicular, axis.cross(&perpendicular)]
 }
 
 fn height(solid: &Solid, axis: &Vec3) -> f64 {
@@ -299,10 +299,10 @@ impl Outline {
 
     /// Value h of the support function at this angle.
     fn reach(&self, angle: f64) -> f64 {
-        let along = direction(angle);
+        let unit_vector = direction(angle);
         let mut reach = f64::NEG_INFINITY;
         for point in &self.points {
-            reach = reach.max(dot(*point, along));
+            reach = reach.max(dot(*point, unit_vector));
         }
         reach
     }
@@ -340,8 +340,8 @@ impl Outline {
     fn change_by_quarter_turn(&self) -> f64 {
         let mut squares = 0.0;
         for k in 0..DIRECTIONS {
-            let turned = self.support[(k + DIRECTIONS / 4) % DIRECTIONS];
-            squares += (self.support[k] - turned).powi(2);
+            let rotated = self.support[(k + DIRECTIONS / 4) % DIRECTIONS];
+            squares += (self.support[k] - rotated).powi(2);
         }
         (squares / DIRECTIONS as f64).sqrt()
     }
@@ -395,7 +395,7 @@ struct Sites {
     count: usize,
     /// Charges, row by row along y, e.
     charges: Vec<f64>,
-    moved: MovedCharges,
+    moved_charges: MovedCharges,
 }
 
 impl Sites {
@@ -409,17 +409,17 @@ impl Sites {
             spacing: 2.0 * reach / (count - 1) as f64,
             count,
             charges: vec![0.0; count * count],
-            moved: MovedCharges::default(),
+            moved_charges: MovedCharges::default(),
         }
     }
 
     fn add(&mut self, [x, y]: Vector, charge: f64) {
         let inside = [x, y].map(|place| place.clamp(-self.reach, self.reach));
-        self.moved
+        self.moved_charges
             .count((x - inside[0]).hypot(y - inside[1]), charge);
-        let [(column, across), (row, up)] = inside.map(|place| self.weights(place));
-        for (j, weight_y) in up.iter().enumerate() {
-            for (i, weight_x) in across.iter().enumerate() {
+        let [(column, weights_x), (row, weights_y)] = inside.map(|place| self.weights(place));
+        for (j, weight_y) in weights_y.iter().enumerate() {
+            for (i, weight_x) in weights_x.iter().enumerate() {
                 self.charges[(row + j) * self.count + column + i] += charge * weight_x * weight_y;
             }
         }
@@ -427,10 +427,10 @@ impl Sites {
 
     /// The first of the four sites around a place, and the weights of Lagrange's interpolation.
     fn weights(&self, place: f64) -> (usize, [f64; STENCIL]) {
-        let along = (place + self.reach) / self.spacing;
+        let coordinate = (place + self.reach) / self.spacing;
         let last = self.count - STENCIL;
-        let first = (along.floor() as usize).saturating_sub(1).min(last);
-        let t = along - first as f64;
+        let first = (coordinate.floor() as usize).saturating_sub(1).min(last);
+        let t = coordinate - first as f64;
         let weights = [
             -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
             t * (t - 2.0) * (t - 3.0) / 2.0,
@@ -574,7 +574,7 @@ mod tests {
             59.2,
         );
         let reach = 59.2 / SQRT_2 - INSET_ANGSTROM;
-        let moved = sites.moved;
+        let moved = sites.moved_charges;
         assert_eq!((moved.count, moved.out_of), (2, 3));
         assert_eq!((moved.positive_e, moved.negative_e), (1.0, -2.0));
         assert!((moved.farthest_angstrom - (60.0 - reach)).abs() < 1e-12);

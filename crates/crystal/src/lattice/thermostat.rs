@@ -105,11 +105,11 @@ impl Langevin {
     /// Applies friction and noise for half a step of this length, before the other parts of the
     /// step with this number. `dynamics` must be prepared at the state.
     pub fn before(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
-        let kept = self.kept_in_half(step);
+        let decay = self.kept_in_half(step);
         self.mix(
             dynamics,
             &mut state.velocities,
-            kept,
+            decay,
             number,
             Purpose::ThermostatBefore,
         );
@@ -118,11 +118,11 @@ impl Langevin {
     /// Applies friction and noise for half a step of this length, after the other parts of the step
     /// with this number. `dynamics` must be prepared at the state.
     pub fn after(&self, dynamics: &mut Dynamics, state: &mut State, step: f64, number: u64) {
-        let kept = self.kept_in_half(step);
+        let decay = self.kept_in_half(step);
         self.mix(
             dynamics,
             &mut state.velocities,
-            kept,
+            decay,
             number,
             Purpose::ThermostatAfter,
         );
@@ -158,12 +158,12 @@ impl Langevin {
         &self,
         dynamics: &mut Dynamics,
         velocities: &mut [f64],
-        kept: f64,
+        decay: f64,
         number: u64,
         purpose: Purpose,
     ) {
         let mut rng = CounterRng::for_purpose(self.seed, self.replica, number, purpose);
-        let amplitude = ((1.0 - kept * kept) * self.kt).sqrt();
+        let amplitude = ((1.0 - decay * decay) * self.kt).sqrt();
         for (square, velocity) in dynamics
             .network()
             .squares
@@ -174,9 +174,9 @@ impl Langevin {
             // stream.
             let ([x, y], [angle, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
             let per_mass = amplitude / square.mass.sqrt();
-            velocity[0] = kept * velocity[0] + per_mass * x;
-            velocity[1] = kept * velocity[1] + per_mass * y;
-            velocity[2] = kept * velocity[2] + amplitude / square.inertia.sqrt() * angle;
+            velocity[0] = decay * velocity[0] + per_mass * x;
+            velocity[1] = decay * velocity[1] + per_mass * y;
+            velocity[2] = decay * velocity[2] + amplitude / square.inertia.sqrt() * angle;
         }
         dynamics.velocities_changed(velocities);
     }

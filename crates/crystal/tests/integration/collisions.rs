@@ -576,9 +576,9 @@ fn complementarity_against_enumeration() {
         let q: Vec<f64> = (0..n).map(|i| dot(row(i), &x)).collect();
         let solution = lcp::solve(&w, &q);
         assert!(solution.exact, "{trial}");
-        for (p, left) in solution.impulses.iter().zip(&solution.left) {
+        for (p, rate) in solution.impulses.iter().zip(&solution.rates) {
             assert!(
-                *p >= 0.0 && *left > -1e-11 && p * left < 1e-9 * (1.0 + p),
+                *p >= 0.0 && *rate > -1e-11 && p * rate < 1e-9 * (1.0 + p),
                 "{trial}: {solution:?}"
             );
         }
@@ -589,9 +589,9 @@ fn complementarity_against_enumeration() {
         let expected = enumerate(&w, &q).unwrap();
         // W p is unique, p where W is well conditioned.
         for i in 0..n {
-            let left = q[i] + (0..n).map(|j| w[i * n + j] * expected[j]).sum::<f64>();
+            let rate = q[i] + (0..n).map(|j| w[i * n + j] * expected[j]).sum::<f64>();
             assert!(
-                (left - solution.left[i]).abs() < 1e-8,
+                (rate - solution.rates[i]).abs() < 1e-8,
                 "{trial}: {expected:?} {solution:?}"
             );
         }

@@ -75,8 +75,8 @@ pub(super) fn at_surface(
         let mut sources = Vec::with_capacity(2 * crossings.len());
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
-            let seen = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
-            each_with_charges(&crossings, &seen, h, &mut |crossing, at_edge| {
+            let merged_sources = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
+            each_with_charges(&crossings, &merged_sources, h, &mut |crossing, at_edge| {
                 let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
@@ -87,8 +87,8 @@ pub(super) fn at_surface(
     let blocks = grid.blocks(BLOCK);
     let of_blocks: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(sources_of_block).collect();
     let mut right = vec![0.0; grid.len()];
-    for (at, source) in of_blocks.into_iter().flatten() {
-        right[at] += source;
+    for (point, source) in of_blocks.into_iter().flatten() {
+        right[point] += source;
     }
     add_charges_outside(&mut right, grid, inside, coulomb, inner);
     right
@@ -182,12 +182,12 @@ fn add_charges_outside(
         let (place, strength) = (source.place, source.strength);
         let mut nearest = [0; 3];
         for axis in 0..3 {
-            let along = (place[axis] - grid.origin_angstrom[axis]) / h - ASIDE;
-            nearest[axis] = (along.round().max(0.0) as usize).min(grid.shape[axis] - 1);
+            let coordinate = (place[axis] - grid.origin_angstrom[axis]) / h - ASIDE;
+            nearest[axis] = (coordinate.round().max(0.0) as usize).min(grid.shape[axis] - 1);
         }
-        let at = grid.index(nearest[0], nearest[1], nearest[2]);
-        if !inside[at] {
-            right[at] += 4.0 * PI * inner * strength / h;
+        let index = grid.index(nearest[0], nearest[1], nearest[2]);
+        if !inside[index] {
+            right[index] += 4.0 * PI * inner * strength / h;
         }
     }
 }
@@ -199,18 +199,18 @@ pub(super) fn at_points(
     wanted: impl Fn(usize) -> bool + Sync,
 ) -> Vec<(usize, f64)> {
     let of_block = |block: &Block| {
-        let mut found = Vec::new();
+        let mut values = Vec::new();
         for row in block.rows(grid) {
-            found.extend(row.filter(|at| wanted(*at)).map(|at| (at, 0.0)));
+            values.extend(row.filter(|point| wanted(*point)).map(|point| (point, 0.0)));
         }
-        if !found.is_empty() {
+        if !values.is_empty() {
             let (low, high) = block.corners(grid);
-            let seen = PointCharges::new(&coulomb.seen_from(&low, &high, FARTHER));
-            for (at, value) in &mut found {
-                *value = seen.coulomb(&grid.point_at(*at));
+            let charges = PointCharges::new(&coulomb.seen_from(&low, &high, FARTHER));
+            for (point, value) in &mut values {
+                *value = charges.coulomb(&grid.point_at(*point));
             }
         }
-        found
+        values
     };
     let blocks = grid.blocks(BLOCK);
     let of_blocks: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(of_block).collect();
@@ -226,7 +226,7 @@ fn crossings(
     permittivities: [f64; 2],
 ) -> Vec<Crossing> {
     let strides = grid.strides();
-    let mut found = Vec::new();
+    let mut crossings = Vec::new();
     for row in block.without_faces(grid).rows(grid) {
         let sides = &inside[row.clone()];
         // Most rows have neighbours on their own side only.
@@ -234,28 +234,28 @@ fn crossings(
         if !strides.iter().any(is_crossed) {
             continue;
         }
-        for at in row {
+        for point in row {
             for (axis, stride) in strides.iter().enumerate() {
-                if inside[at] != inside[at + stride] {
+                if inside[point] != inside[point + stride] {
                     let edge = Edge {
                         grid,
-                        at,
+                        point,
                         axis,
-                        permittivity: f64::from(edges[axis][at]),
-                        starts_inside: inside[at],
+                        permittivity: f64::from(edges[axis][point]),
+                        starts_inside: inside[point],
                     };
-                    found.push(edge.crossing(permittivities));
+                    crossings.push(edge.crossing(permittivities));
                 }
             }
         }
     }
-    found
+    crossings
 }
 
 /// An edge from a point to the next along an axis.
 struct Edge<'a> {
     grid: &'a Grid,
-    at: usize,
+    point: usize,
     axis: usize,
     permittivity: f64,
     starts_inside: bool,
@@ -270,13 +270,13 @@ impl Edge<'_> {
         } else {
             ((1.0 / self.permittivity - 1.0 / outer) / contrast).clamp(0.0, 1.0)
         };
-        let next = self.at + self.grid.strides()[self.axis];
+        let next = self.point + self.grid.strides()[self.axis];
         let (inside, outside, direction) = if self.starts_inside {
-            (self.at, next, 1.0)
+            (self.point, next, 1.0)
         } else {
-            (next, self.at, -1.0)
+            (next, self.point, -1.0)
         };
-        let start = self.grid.point_at(self.at);
+        let start = self.grid.point_at(self.point);
         let step = Vec3::ith(self.axis, self.grid.spacing_angstrom);
         Crossing {
             inside,

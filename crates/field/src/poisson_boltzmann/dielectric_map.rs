@@ -164,10 +164,10 @@ fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Ve
 /// point itself does not: inside, the field is ε_out/ε_in times as strong. With it the salt's part of
 /// the energy of a Born ion of 3 Å at 1 M was 10 % too large on a grid of 0.5 Å, and 37 % at 1 Å.
 fn move_salt_outside(grid: &Grid, inside: &[bool], accessible: &mut [f32]) {
-    let with_salt = |at: &usize| inside[*at] && accessible[*at] > 0.0;
-    for at in (0..grid.len()).filter(with_salt).collect::<Vec<_>>() {
-        let part = std::mem::take(&mut accessible[at]);
-        let nearest = nearest_outside(grid, inside, at);
+    let with_salt = |point: &usize| inside[*point] && accessible[*point] > 0.0;
+    for point in (0..grid.len()).filter(with_salt).collect::<Vec<_>>() {
+        let part = std::mem::take(&mut accessible[point]);
+        let nearest = nearest_outside(grid, inside, point);
         let share = part / nearest.len().max(1) as f32;
         for neighbour in nearest {
             accessible[neighbour] += share;
@@ -176,14 +176,14 @@ fn move_salt_outside(grid: &Grid, inside: &[bool], accessible: &mut [f32]) {
 }
 
 /// The nearest of the 26 neighbours of a point that are outside the surface.
-fn nearest_outside(grid: &Grid, inside: &[bool], at: usize) -> Vec<usize> {
+fn nearest_outside(grid: &Grid, inside: &[bool], point: usize) -> Vec<usize> {
     let [nx, ny, _] = grid.shape;
-    let place = [at % nx, at / nx % ny, at / (nx * ny)];
+    let place = [point % nx, point / nx % ny, point / (nx * ny)];
     let mut nearest = Vec::new();
     let mut least = i32::MAX;
     for number in 0..27 {
         let step = [number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1];
-        let square = step.iter().map(|along| along * along).sum();
+        let square = step.iter().map(|component| component * component).sum();
         let [i, j, k] = [0, 1, 2].map(|axis| place[axis].wrapping_add_signed(step[axis] as isize));
         let on_grid = i < grid.shape[0] && j < grid.shape[1] && k < grid.shape[2];
         if square > least || !on_grid || inside[grid.index(i, j, k)] {
@@ -228,9 +228,9 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGa
             points.push(point);
             places.push(place);
         }
-        let mut found = Vec::new();
-        solid.signed_distances(&points, &mut found);
-        for (place, value) in places.into_iter().zip(found) {
+        let mut distances = Vec::new();
+        solid.signed_distances(&points, &mut distances);
+        for (place, value) in places.into_iter().zip(distances) {
             distance[place] = value as f32;
         }
     });

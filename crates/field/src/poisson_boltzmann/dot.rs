@@ -25,9 +25,9 @@ pub(super) fn dot_of_piece(a: &[f32], b: &[f32]) -> f64 {
             lanes[lane] += a[lane] * b[lane];
         }
     }
-    let mut rest = 0.0;
+    let mut remainder = 0.0;
     for (a, b) in a_rest.iter().zip(b_rest) {
-        rest += f64::from(a * b);
+        remainder += f64::from(a * b);
     }
-    lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>() + rest
+    lanes.iter().map(|sum| f64::from(*sum)).sum::<f64>() + remainder
 }

@@ -21,13 +21,13 @@ const POINTS: usize = 7;
 const HALF_EDGE: f64 = 0.6;
 
 /// Zero at inner points, the given potential at each point of the faces.
-pub(super) fn point_by_point(grid: &Grid, at: impl Fn(&Vec3) -> f64 + Sync) -> Vec<f64> {
+pub(super) fn point_by_point(grid: &Grid, potential: impl Fn(&Vec3) -> f64 + Sync) -> Vec<f64> {
     let mut values = vec![0.0; grid.len()];
     set_points(grid.shape, &mut values, |place, value| {
         let [i, j, k] = place;
         let on_face = (0..3).any(|axis| place[axis] == 0 || place[axis] + 1 == grid.shape[axis]);
         if on_face {
-            *value = at(&grid.point(i, j, k));
+            *value = potential(&grid.point(i, j, k));
         }
     });
     values
@@ -62,13 +62,13 @@ struct Patch {
 fn patches(grid: &Grid, atoms: &Superposition) -> Vec<Patch> {
     let mut patches = Vec::new();
     for axis in 0..3 {
-        let across = [(axis + 1) % 3, (axis + 2) % 3];
+        let other_axes = [(axis + 1) % 3, (axis + 2) % 3];
         for layer in [0, grid.shape[axis] - 1] {
             let mut on_face = [0; 3];
             on_face[axis] = layer;
             let place = grid.point(on_face[0], on_face[1], on_face[2])[axis];
             let distance = atoms.distance_from_plane(axis, place);
-            let [rows, columns] = across.map(|axis| grid.shape[axis]);
+            let [rows, columns] = other_axes.map(|axis| grid.shape[axis]);
             let longest = (2.0 * HALF_EDGE * distance / grid.spacing_angstrom) as usize;
             let longest = longest.min(rows.max(columns)) + 1;
             for row in (0..rows).step_by(longest) {
@@ -96,11 +96,11 @@ impl Patch {
     /// The coordinates on the grid of a point, counted along the columns first.
     fn coordinates(&self, number: usize) -> [usize; 3] {
         let columns = self.points[1].len();
-        let mut at = [0; 3];
-        at[self.axis] = self.layer;
-        at[(self.axis + 1) % 3] = self.points[0].start + number / columns;
-        at[(self.axis + 2) % 3] = self.points[1].start + number % columns;
-        at
+        let mut indices = [0; 3];
+        indices[self.axis] = self.layer;
+        indices[(self.axis + 1) % 3] = self.points[0].start + number / columns;
+        indices[(self.axis + 2) % 3] = self.points[1].start + number % columns;
+        indices
     }
 
     fn index(&self, grid: &Grid, number: usize) -> usize {
@@ -118,28 +118,28 @@ impl Patch {
         let [rows, columns] = self.shape();
         let last = rows * columns - 1;
         let (low, high) = (self.place(grid, 0), self.place(grid, last));
-        let seen = atoms.seen_from(&low, &high);
+        let merged_charges = atoms.seen_from(&low, &high);
         if rows * columns <= POINTS * POINTS {
             let places = (0..=last).map(|number| self.place(grid, number));
-            return places.map(|place| seen.at(&place)).collect();
+            return places.map(|place| merged_charges.at(&place)).collect();
         }
-        let across = [(self.axis + 1) % 3, (self.axis + 2) % 3];
-        let ends = across.map(|axis| Chebyshev::<POINTS>::new(low[axis], high[axis]));
+        let other_axes = [(self.axis + 1) % 3, (self.axis + 2) % 3];
+        let ends = other_axes.map(|axis| Chebyshev::<POINTS>::new(low[axis], high[axis]));
         let mut sampled = [[0.0; POINTS]; POINTS];
         let mut place = low;
         for (along_columns, first) in sampled.iter_mut().zip(ends[0].points) {
-            place[across[0]] = first;
+            place[other_axes[0]] = first;
             for (value, second) in along_columns.iter_mut().zip(ends[1].points) {
-                place[across[1]] = second;
-                *value = seen.at(&place);
+                place[other_axes[1]] = second;
+                *value = merged_charges.at(&place);
             }
         }
         let h = grid.spacing_angstrom;
-        let weights_at = |column| ends[1].weights_at(low[across[1]] + h * column as f64);
+        let weights_at = |column| ends[1].weights_at(low[other_axes[1]] + h * column as f64);
         let of_columns: Vec<[f64; POINTS]> = (0..columns).map(weights_at).collect();
         let mut values = Vec::with_capacity(rows * columns);
         for row in 0..rows {
-            let of_row = ends[0].weights_at(low[across[0]] + h * row as f64);
+            let of_row = ends[0].weights_at(low[other_axes[0]] + h * row as f64);
             let mut between = [0.0; POINTS];
             for (along_columns, weight) in sampled.iter().zip(of_row) {
                 for (value, sample) in between.iter_mut().zip(along_columns) {

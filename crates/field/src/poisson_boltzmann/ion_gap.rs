@@ -83,8 +83,8 @@ impl Plane<'_> {
                     let points = points_within(across_row.sqrt(), centre.x, x0, h, nx);
                     let row = &mut gaps[j * nx..][points.start..nx];
                     let first_dx = x0 + h * points.start as f64 - centre.x;
-                    let across = dy * dy + dz * dz;
-                    lower_row(row, points.len(), [first_dx, h, across, *radius]);
+                    let row_square = dy * dy + dz * dz;
+                    lower_row(row, points.len(), [first_dx, h, row_square, *radius]);
                 }
             }
         }
@@ -92,14 +92,14 @@ impl Plane<'_> {
 }
 
 /// Lowers the gaps of the first `points` of a row, or a few more, to the distances from a ball. The first
-/// point is at `first_dx` from its centre along the row; `across` is the square of the row's distance from it.
-/// In single precision, good to 10⁻⁶ Å.
+/// point is at `first_dx` from its centre along the row; `row_square` is the square of the row's distance
+/// from it. In single precision, good to 10⁻⁶ Å.
 #[inline(always)]
-fn lower_row(row: &mut [f32], points: usize, [first_dx, h, across, radius]: [f64; 4]) {
-    let [first_dx, h, across, radius] = [first_dx, h, across, radius].map(|x| x as f32);
+fn lower_row(row: &mut [f32], points: usize, [first_dx, h, row_square, radius]: [f64; 4]) {
+    let [first_dx, h, row_square, radius] = [first_dx, h, row_square, radius].map(|x| x as f32);
     let lower = |gap: &mut f32, step: usize| {
         let dx = first_dx + h * step as f32;
-        let distance = (dx * dx + across).sqrt() - radius;
+        let distance = (dx * dx + row_square).sqrt() - radius;
         *gap = if distance < *gap { distance } else { *gap };
     };
     let mut step = 0;

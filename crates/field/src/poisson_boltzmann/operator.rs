@@ -64,11 +64,11 @@ impl Operator {
         let planes = values.par_chunks_mut(nx * ny).enumerate();
         let inner_planes = planes.skip(1).take(nz - 2);
         let on_plane = |(k, plane): (usize, &mut [T])| {
-            let found = work(&mut plane[inner.clone()], k * nx * ny + inner.start);
+            let outcome = work(&mut plane[inner.clone()], k * nx * ny + inner.start);
             for row in plane[nx..nx * (ny - 1)].chunks_exact_mut(nx) {
                 (row[0], row[nx - 1]) = (T::default(), T::default());
             }
-            found
+            outcome
         };
         inner_planes.map(on_plane).collect()
     }
@@ -122,8 +122,8 @@ impl Operator {
             self.exact_residual_row(x, b, &mut plane[..nx - 2], start);
             self.exact_residual_row(x, b, &mut plane[last_row..], start + last_row);
             for row in (0..=last_row).step_by(nx) {
-                for at in [row, row + nx - 3] {
-                    self.exact_residual_row(x, b, &mut plane[at..=at], start + at);
+                for index in [row, row + nx - 3] {
+                    self.exact_residual_row(x, b, &mut plane[index..=index], start + index);
                 }
             }
         });
@@ -182,7 +182,7 @@ impl Operator {
         let row = Row::new(self, x, start, n);
         let diagonal = &self.diagonal[start..start + n];
         for (i, out) in out.iter_mut().enumerate() {
-            *out = diagonal[i] * row.here[i] - row.sum_around(i);
+            *out = diagonal[i] * row.centre[i] - row.sum_around(i);
         }
     }
 
@@ -192,7 +192,7 @@ impl Operator {
         let row = Row::new(self, x, start, n);
         let (mass, b) = (&self.mass[start..start + n], &b[start..start + n]);
         for (i, out) in out.iter_mut().enumerate() {
-            *out = (b[i] - row.flux(i) - f64::from(mass[i]) * row.here[i]) as f32;
+            *out = (b[i] - row.flux(i) - f64::from(mass[i]) * row.centre[i]) as f32;
         }
     }
 
@@ -202,7 +202,7 @@ impl Operator {
         let row = Row::new(self, x, start, n);
         let (diagonal, b) = (&self.diagonal[start..start + n], &b[start..start + n]);
         for (i, out) in out.iter_mut().enumerate() {
-            *out = b[i] + row.sum_around(i) - diagonal[i] * row.here[i];
+            *out = b[i] + row.sum_around(i) - diagonal[i] * row.centre[i];
         }
     }
 
@@ -213,10 +213,10 @@ impl Operator {
         let b = &b[start..start + n];
         let inverse = &self.inverse_diagonal[start..start + n];
         for (i, last) in last.iter_mut().enumerate() {
-            let here = row.here[i];
+            let value = row.centre[i];
             // D⁻¹ (b - A x) = D⁻¹ (b + Σ c x_j) - x.
-            let residual = inverse[i] * (b[i] + row.sum_around(i)) - here;
-            *last = here + step.keep * (here - *last) + step.take * residual;
+            let residual = inverse[i] * (b[i] + row.sum_around(i)) - value;
+            *last = value + step.keep * (value - *last) + step.take * residual;
         }
     }
 
@@ -241,7 +241,7 @@ pub struct Step {
 struct Row<'a, T> {
     /// Edges to the east, west, north, south, up and down.
     edges: [&'a [f32]; 6],
-    here: &'a [T],
+    centre: &'a [T],
     /// Values in these directions.
     neighbours: [&'a [T]; 6],
 }
@@ -253,7 +253,7 @@ impl<'a, T> Row<'a, T> {
         let values = |first: usize| &x[first..first + n];
         Self {
             edges: operator.edges_around(start, n),
-            here: values(start),
+            centre: values(start),
             neighbours: [
                 values(start + 1),
                 values(start - 1),
@@ -285,9 +285,9 @@ impl Row<'_, f64> {
     /// Σ c (φ_i - φ_j).
     #[inline(always)]
     fn flux(&self, i: usize) -> f64 {
-        let here = self.here[i];
+        let value = self.centre[i];
         let [east, west, north, south, up, down] = self.edges.map(|edges| f64::from(edges[i]));
-        let [xe, xw, xn, xs, xu, xd] = self.neighbours.map(|values| here - values[i]);
+        let [xe, xw, xn, xs, xu, xd] = self.neighbours.map(|values| value - values[i]);
         east * xe + west * xw + north * xn + south * xs + up * xu + down * xd
     }
 }

@@ -189,9 +189,9 @@ impl Potential {
 
     /// Place in its cell of each point of a grid with one point per cell, (0..1)³.
     fn part_of_cells(&self, grid: &Grid) -> [f64; 3] {
-        let own = self.reduced.grid.origin_angstrom;
+        let origin = self.reduced.grid.origin_angstrom;
         [0, 1, 2].map(|axis| {
-            let distance = grid.origin_angstrom[axis] - own[axis];
+            let distance = grid.origin_angstrom[axis] - origin[axis];
             // Rounding may lead just out of the cell.
             (distance / grid.spacing_angstrom).clamp(0.0, 1.0)
         })

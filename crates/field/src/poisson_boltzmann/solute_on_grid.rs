@@ -229,8 +229,12 @@ impl<'a> ChargedSolute<'a> {
     fn require_same_solvent(&self, electrolyte: &Electrolyte) -> Result<()> {
         let prepared = &self.solute.dielectric.electrolyte;
         let is_same = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b;
-        let [permittivity, length] = [electrolyte, prepared]
-            .map(|of| [of.relative_permittivity(), of.bjerrum_length_angstrom()]);
+        let [permittivity, length] = [electrolyte, prepared].map(|solvent| {
+            [
+                solvent.relative_permittivity(),
+                solvent.bjerrum_length_angstrom(),
+            ]
+        });
         if is_same(permittivity[0], length[0]) && is_same(permittivity[1], length[1]) {
             return Ok(());
         }

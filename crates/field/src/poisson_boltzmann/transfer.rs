@@ -39,40 +39,40 @@ fn edges_along_x(fine: Rows) -> Vec<f32> {
 /// Coarse edges along y: the mean over the planes around and along the rows.
 fn edges_along_y(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
-    halved(fine.shape, |[j, k], coarse, across| {
-        let [_, (here, _), (after, _)] = around(j, rows);
-        across.fill(0.0);
+    halved(fine.shape, |[j, k], coarse, sums| {
+        let [_, (centre, _), (after, _)] = around(j, rows);
+        sums.fill(0.0);
         for (k, weight) in around(k, planes) {
-            add_both_in_series(across, weight, [fine.at(here, k), fine.at(after, k)]);
+            add_both_in_series(sums, weight, [fine.at(centre, k), fine.at(after, k)]);
         }
-        average_by_halves(across, 1.0, coarse);
+        average_by_halves(sums, 1.0, coarse);
     })
 }
 
 /// Coarse edges along z: the mean over the rows around and along the rows.
 fn edges_along_z(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
-    halved(fine.shape, |[j, k], coarse, across| {
-        let [_, (here, _), (after, _)] = around(k, planes);
-        across.fill(0.0);
+    halved(fine.shape, |[j, k], coarse, sums| {
+        let [_, (centre, _), (after, _)] = around(k, planes);
+        sums.fill(0.0);
         for (j, weight) in around(j, rows) {
-            add_both_in_series(across, weight, [fine.at(j, here), fine.at(j, after)]);
+            add_both_in_series(sums, weight, [fine.at(j, centre), fine.at(j, after)]);
         }
-        average_by_halves(across, 1.0, coarse);
+        average_by_halves(sums, 1.0, coarse);
     })
 }
 
 /// k of the coarse grid: eight times the mean of the fine grid's, as boxes are eight times as large.
 fn coarse_mass(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
-    halved(fine.shape, |[j, k], coarse, across| {
-        across.fill(0.0);
+    halved(fine.shape, |[j, k], coarse, sums| {
+        sums.fill(0.0);
         for (k, of_plane) in around(k, planes) {
             for (j, of_row) in around(j, rows) {
-                add(across, of_plane * of_row, fine.at(j, k));
+                add(sums, of_plane * of_row, fine.at(j, k));
             }
         }
-        average_by_halves(across, 8.0, coarse);
+        average_by_halves(sums, 8.0, coarse);
     })
 }
 
@@ -86,9 +86,9 @@ fn halved(
     let mut values = vec![0.0; nx * ny * nz];
     let planes = values.par_chunks_mut(nx * ny).enumerate();
     planes.for_each(|(k, plane)| {
-        let mut across = vec![0.0; fine_shape[0]];
+        let mut sums = vec![0.0; fine_shape[0]];
         for (j, row) in plane.chunks_mut(nx).enumerate() {
-            fill([j, k], row, &mut across);
+            fill([j, k], row, &mut sums);
         }
     });
     values
@@ -115,9 +115,13 @@ impl<'a> Rows<'a> {
 /// The fine points before, at and after a coarse one, with the weights of trilinear interpolation. At an
 /// end of the grid, the end stands for what would lie beyond.
 fn around(coarse: usize, fine_points: usize) -> [(usize, f32); 3] {
-    let here = 2 * coarse;
-    let after = (here + 1).min(fine_points - 1);
-    [(here.saturating_sub(1), 0.25), (here, 0.5), (after, 0.25)]
+    let centre = 2 * coarse;
+    let after = (centre + 1).min(fine_points - 1);
+    [
+        (centre.saturating_sub(1), 0.25),
+        (centre, 0.5),
+        (after, 0.25),
+    ]
 }
 
 /// Two edges in series over twice the length, through a face four times as large: 4 · (1/2) · harmonic
@@ -155,8 +159,8 @@ fn add_in_series(sum: &mut [f32], weight: f32, row: &[f32]) {
 /// Each second point of a row averaged with its neighbours, times a factor.
 fn average_by_halves(row: &[f32], factor: f32, coarse: &mut [f32]) {
     for (i, value) in coarse.iter_mut().enumerate() {
-        let [before, here, after] = around(i, row.len()).map(|(i, weight)| weight * row[i]);
-        *value = factor * (before + here + after);
+        let [before, centre, after] = around(i, row.len()).map(|(i, weight)| weight * row[i]);
+        *value = factor * (before + centre + after);
     }
 }
 
@@ -169,15 +173,15 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
         if k == 0 || k + 1 == shape[2] {
             return;
         }
-        let mut across = vec![0.0; fine_shape[0]];
+        let mut sums = vec![0.0; fine_shape[0]];
         for j in 1..shape[1] - 1 {
             let around = [2 * k - 1, 2 * k, 2 * k + 1]
                 .map(|k| [2 * j - 1, 2 * j, 2 * j + 1].map(|j| fine.at(j, k)));
-            sum_across(&around, &mut across);
+            sum_across(&around, &mut sums);
             let target = &mut values[j * shape[0]..][..shape[0]];
             let inner = shape[0] - 1;
             for (i, value) in target.iter_mut().enumerate().take(inner).skip(1) {
-                *value = 0.5 * (across[2 * i - 1] + across[2 * i + 1]) + across[2 * i];
+                *value = 0.5 * (sums[2 * i - 1] + sums[2 * i + 1]) + sums[2 * i];
             }
         }
     });
@@ -186,10 +190,10 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
 /// The sum over three planes of three rows, those before and after with half the weight.
 fn sum_across(planes: &[[&[f32]; 3]; 3], sum: &mut [f32]) {
     let n = sum.len();
-    let [below, here, above] = planes.map(|rows| rows.map(|row| &row[..n]));
-    let along = |rows: &[&[f32]; 3], i: usize| 0.5 * (rows[0][i] + rows[2][i]) + rows[1][i];
+    let [below, middle, above] = planes.map(|rows| rows.map(|row| &row[..n]));
+    let weighted_sum = |rows: &[&[f32]; 3], i: usize| 0.5 * (rows[0][i] + rows[2][i]) + rows[1][i];
     for (i, sum) in sum.iter_mut().enumerate() {
-        *sum = 0.5 * (along(&below, i) + along(&above, i)) + along(&here, i);
+        *sum = 0.5 * (weighted_sum(&below, i) + weighted_sum(&above, i)) + weighted_sum(&middle, i);
     }
 }
 
@@ -203,14 +207,14 @@ pub(super) fn prolong(coarse: &[f32], fine: &mut [f32], [fine_shape, shape]: [[u
     let inner_planes = planes.skip(1).take(fine_shape[2] - 2);
     inner_planes.for_each(|(k, values)| {
         let (k0, k1) = ends(k);
-        let mut across = vec![0.0; shape[0]];
+        let mut sums = vec![0.0; shape[0]];
         for j in 1..fine_shape[1] - 1 {
             let (j0, j1) = ends(j);
-            across.fill(0.0);
+            sums.fill(0.0);
             for (j, k) in [(j0, k0), (j1, k0), (j0, k1), (j1, k1)] {
-                add(&mut across, 0.25, coarse.at(j, k));
+                add(&mut sums, 0.25, coarse.at(j, k));
             }
-            add_between(&across, &mut values[j * fine_shape[0]..][..fine_shape[0]]);
+            add_between(&sums, &mut values[j * fine_shape[0]..][..fine_shape[0]]);
         }
     });
 }
@@ -224,9 +228,9 @@ fn ends(index: usize) -> (usize, usize) {
 /// second of them.
 fn add_between(row: &[f32], fine: &mut [f32]) {
     let pairs = fine[1..].as_chunks_mut::<2>().0;
-    for ([between, at], (before, after)) in pairs.iter_mut().zip(row.iter().zip(&row[1..])) {
+    for ([between, point], (before, after)) in pairs.iter_mut().zip(row.iter().zip(&row[1..])) {
         *between += 0.5 * (before + after);
-        *at += after;
+        *point += after;
     }
 }
 

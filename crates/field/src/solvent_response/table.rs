@@ -100,18 +100,18 @@ fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Gr
     };
     let sum = Superposition::new(&charges, &without_shell);
     let blocks = grid.blocks(BLOCK).into_par_iter();
-    let found: Vec<Vec<(usize, f64)>> = blocks
+    let potentials: Vec<Vec<(usize, f64)>> = blocks
         .map(|block| {
             let (low, high) = block.corners(grid);
-            let seen = sum.seen_from(&low, &high);
+            let merged_charges = sum.seen_from(&low, &high);
             let points = block.rows(grid).flatten();
             points
-                .map(|point| (point, seen.at(&grid.point_at(point))))
+                .map(|point| (point, merged_charges.at(&grid.point_at(point))))
                 .collect()
         })
         .collect();
     let mut values = vec![0.0; grid.len()];
-    for (point, value) in found.into_iter().flatten() {
+    for (point, value) in potentials.into_iter().flatten() {
         values[point] = value;
     }
     values

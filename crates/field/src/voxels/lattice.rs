@@ -62,10 +62,10 @@ impl Lattice {
         self.spacing_angstrom
     }
 
-    /// The coordinate of the centres in layer `at` along any axis, Å.
+    /// The coordinate of the centres in a layer along any axis, Å.
     #[inline]
-    pub fn coordinate(&self, at: usize) -> f64 {
-        self.spacing_angstrom * (at as f64 - 0.5 * (self.size as f64 - 1.0))
+    pub fn coordinate(&self, layer: usize) -> f64 {
+        self.spacing_angstrom * (layer as f64 - 0.5 * (self.size as f64 - 1.0))
     }
 
     /// The number of the voxel in column x, row y and layer z.

@@ -39,9 +39,9 @@ fn sums_around(potential: &Potential, place: &Vec3) -> Sums {
     let [i0, j0, k0] = first;
     let from_place = (grid.point(i0, j0, k0) - place) / grid.spacing_angstrom;
     // Offsets, in spacings, and the parts of the weights by axis.
-    let along = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
-    let offsets = [0, 1, 2].map(along);
-    let weights = offsets.map(|along| along.map(|x| (-x * x).exp()));
+    let axis_offsets = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
+    let offsets = [0, 1, 2].map(axis_offsets);
+    let weights = offsets.map(|row| row.map(|x| (-x * x).exp()));
     for k in k0..end[2] {
         for j in j0..end[1] {
             for i in i0..end[0] {

@@ -126,11 +126,11 @@ impl TrajectoryReader {
 
     /// A chunk of a frame; readers take what a frame lacks from frame 0.
     fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<ChunkData>> {
-        let found = match self.file.chunk(frame, name)? {
-            Some(found) => Some(found),
+        let chunk = match self.file.chunk(frame, name)? {
+            Some(chunk) => Some(chunk),
             None => self.file.chunk(0, name)?,
         };
-        Ok(found.map(|Chunk { data, .. }| data))
+        Ok(chunk.map(|Chunk { data, .. }| data))
     }
 
     fn numbers(&mut self, frame: u64, name: &str) -> Result<Vec<f64>> {
@@ -146,8 +146,8 @@ impl TrajectoryReader {
         Ok(values.into_iter().map(f64::from).collect())
     }
 
-    fn other_content(&self, what: &str) -> IoError {
-        let cause = format!("it has no {what}");
+    fn other_content(&self, content: &str) -> IoError {
+        let cause = format!("it has no {content}");
         self.error(&cause, "give a trajectory of rigid bodies")
     }
 

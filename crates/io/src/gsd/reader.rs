@@ -100,7 +100,7 @@ impl GsdFile {
     /// [`IoError::File`] if the system call fails, [`IoError::Parse`] for a type of values that
     /// this program never writes.
     pub fn chunk(&mut self, frame: u64, name: &str) -> Result<Option<Chunk>> {
-        let Some(id) = self.names.iter().position(|known| known == name) else {
+        let Some(id) = self.names.iter().position(|candidate| candidate == name) else {
             return Ok(None);
         };
         for entry in self.frame_entries(frame) {

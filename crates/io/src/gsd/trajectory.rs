@@ -153,7 +153,7 @@ fn check_resumable(path: &Path, header: &TrajectoryHeader, frames: u64) -> Resul
         return Ok(());
     }
     for chunk in header_chunks(header)? {
-        let is_same = matches!(old.chunk(0, &chunk.name), Ok(Some(found)) if found == chunk);
+        let is_same = matches!(old.chunk(0, &chunk.name), Ok(Some(stored)) if stored == chunk);
         if !is_same {
             let file = path.display().to_string();
             let cause = "it is a trajectory of other bodies";

@@ -157,17 +157,17 @@ impl GsdWriter {
 
     /// Adds new names to the name list; if that fails, they remain unknown.
     fn register_names(&mut self, chunks: &[Chunk]) -> Result<()> {
-        let known = self.names.len();
+        let count = self.names.len();
         let result = self.write_new_names(chunks);
         if result.is_err() {
-            self.names.truncate(known);
-            self.name_ids.retain(|_, id| usize::from(*id) < known);
+            self.names.truncate(count);
+            self.name_ids.retain(|_, id| usize::from(*id) < count);
         }
         result
     }
 
     fn write_new_names(&mut self, chunks: &[Chunk]) -> Result<()> {
-        let known = self.names.len();
+        let count = self.names.len();
         for chunk in chunks {
             if !self.name_ids.contains_key(&chunk.name) {
                 let Ok(id) = u16::try_from(self.names.len()) else {
@@ -178,7 +178,7 @@ impl GsdWriter {
                 self.names.push(chunk.name.clone());
             }
         }
-        if self.names.len() == known {
+        if self.names.len() == count {
             return Ok(());
         }
         let mut list = Vec::new();

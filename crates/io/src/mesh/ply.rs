@@ -439,7 +439,7 @@ impl BinaryValues<'_> {
                 }
                 Ok(bytes)
             }
-            Err(end) => Err(format!("the values end at byte {} of them", end.at)),
+            Err(end) => Err(format!("the values end at byte {} of them", end.byte)),
         }
     }
 

@@ -35,11 +35,11 @@ fn around(corners: &[u32], middle: usize) -> [u32; 3] {
 /// Newell's normal, Σ (pᵢ - p₀) × (pᵢ₊₁ - p₀): twice the vector area, defined for polygons that are
 /// not quite planar.
 fn newell_normal(vertices: &[Vec3], corners: &[u32]) -> Vec3 {
-    let at = |corner: u32| vertices[corner as usize];
+    let vertex = |corner: u32| vertices[corner as usize];
     let mut normal = Vec3::zeros();
-    if let [first, rest @ ..] = corners {
-        for side in rest.windows(2) {
-            normal += (at(side[0]) - at(*first)).cross(&(at(side[1]) - at(*first)));
+    if let [first, others @ ..] = corners {
+        for side in others.windows(2) {
+            normal += (vertex(side[0]) - vertex(*first)).cross(&(vertex(side[1]) - vertex(*first)));
         }
     }
     normal

@@ -65,7 +65,7 @@ fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
         match binary_corners(record) {
             Ok(corners) => soup.add_triangle(0, corners)?,
             Err(ended) => {
-                let cause = format!("the file ends at byte {}", ended.at);
+                let cause = format!("the file ends at byte {}", ended.byte);
                 return Err(IoError::parse(name, 0, cause, "make it again"));
             }
         }
@@ -173,8 +173,8 @@ pub fn write_stl_binary(mesh: &TriangleMesh) -> Vec<u8> {
     bytes.extend_from_slice(&(mesh.triangles.len() as u32).to_le_bytes());
     for triangle in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(triangle);
-        let across = (b - a).cross(&(c - a));
-        let normal = across.try_normalize(0.0).unwrap_or_default();
+        let perpendicular = (b - a).cross(&(c - a));
+        let normal = perpendicular.try_normalize(0.0).unwrap_or_default();
         for coordinate in [normal, a, b, c].iter().flatten() {
             bytes.extend_from_slice(&(*coordinate as f32).to_le_bytes());
         }

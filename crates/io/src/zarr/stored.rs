@@ -54,13 +54,13 @@ impl Stored {
                 "copy or make the set again",
             ))
         };
-        let opened = Metadata::read(&folder.join("zarr.json")).and_then(|found| {
-            let [shape, per_file] = [found.shape()?, found.per_file()?];
+        let opened = Metadata::read(&folder.join("zarr.json")).and_then(|metadata| {
+            let [shape, per_file] = [metadata.shape()?, metadata.per_file()?];
             require_sizes(kind, &shape, &per_file)?;
-            let attributes = found.attributes();
+            let attributes = metadata.attributes();
             let made = layout::array(store, name, kind, &shape, &per_file, attributes);
             let array = made.map_err(|error| error.to_string())?;
-            found.require_equal(&array)?;
+            metadata.require_equal(&array)?;
             Ok((array, per_file))
         });
         let (array, per_file) = match opened {

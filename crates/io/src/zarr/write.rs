@@ -261,12 +261,12 @@ impl SetWriter {
     fn check_finish(&self) -> Result<()> {
         let pushed = [self.table.rows(), self.voxels() as u64];
         let promised = [self.plan.samples, self.plan.voxels];
-        for (what, (pushed, promised)) in ["samples", "voxels"]
+        for (items, (pushed, promised)) in ["samples", "voxels"]
             .iter()
             .zip(pushed.iter().zip(promised))
         {
             if *pushed != promised {
-                let cause = format!("{pushed} {what} were pushed, {promised} were promised");
+                let cause = format!("{pushed} {items} were pushed, {promised} were promised");
                 return Err(IoError::unwritable(cause, "count them before"));
             }
         }

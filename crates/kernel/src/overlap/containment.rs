@@ -58,8 +58,8 @@ fn direction(attempt: usize) -> Vec3 {
     const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let z = ((attempt as f64 + 0.382) * GOLDEN_RATIO).fract() * 1.9 - 0.95;
     let (sine, cosine) = (GOLDEN_ANGLE * (attempt as f64 + 0.3)).sin_cos();
-    let across = (1.0 - z * z).sqrt();
-    Vec3::new(across * cosine, across * sine, z)
+    let axis_distance = (1.0 - z * z).sqrt();
+    Vec3::new(axis_distance * cosine, axis_distance * sine, z)
 }
 
 /// Whether the ray leaves the solid an odd number of times; `None` if it meets an edge or a corner.
@@ -117,9 +117,9 @@ fn crossing([a, b, c]: &Triangle, from: &Vec3, to: &Vec3) -> Crossing {
 /// lane.
 fn ray_comes_near(disc: &Disc, from: &Vec3, to: &Vec3) -> bool {
     const ROUNDING: f64 = 1e-6;
-    let along = to - from;
+    let segment = to - from;
     let offset = Vec3::from(disc.centre.map(f64::from)) - from;
-    let nearest = along * (offset.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    let nearest = segment * (offset.dot(&segment) / segment.norm_squared()).clamp(0.0, 1.0);
     let radius = f64::from(disc.radius).hypot(f64::from(disc.half_thickness)) * (1.0 + ROUNDING);
     disc.radius >= 0.0 && (offset - nearest).norm() <= radius + ROUNDING * offset.norm()
 }

@@ -137,9 +137,9 @@ fn centre_across(points: &[Vec3], normal: &Vec3) -> Vec3 {
         let mut farthest = Vec3::zeros();
         for point in points {
             let difference = point - centre;
-            let across = difference - normal * difference.dot(normal);
-            if across.norm_squared() >= farthest.norm_squared() {
-                farthest = across;
+            let projection = difference - normal * difference.dot(normal);
+            if projection.norm_squared() >= farthest.norm_squared() {
+                farthest = projection;
             }
         }
         centre += farthest / (step + 1) as f64;

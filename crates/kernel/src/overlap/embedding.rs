@@ -106,18 +106,18 @@ fn near_children(
 /// Whether two triangles have a point in common that lies on no corner or edge which both have.
 fn meet_beyond_common_corners([first, second]: &[Triangle; 2]) -> bool {
     let is_common = |corner: &Vec3, other: &Triangle| other.contains(corner);
-    let (mut common, mut own) = (Vec::new(), Vec::new());
+    let (mut common, mut remainder) = (Vec::new(), Vec::new());
     for corner in first {
         match is_common(corner, second) {
             true => common.push(corner),
-            false => own.push(corner),
+            false => remainder.push(corner),
         }
     }
     let others: Vec<_> = second
         .iter()
         .filter(|corner| !is_common(corner, first))
         .collect();
-    match (&common[..], &own[..], &others[..]) {
+    match (&common[..], &remainder[..], &others[..]) {
         ([], ..) => triangles_intersect(first, second),
         // Two triangles that meet beyond a common corner do so along a line from it, which leaves
         // the smaller one through the opposite edge.
@@ -171,11 +171,11 @@ fn check_nesting(shells: &[TriangleMesh]) -> Result<()> {
 /// Whether a shell that has no more than corners and edges in common with a solid lies in it: any
 /// vertex that is not common decides.
 fn holds(solid: &CollisionShape, shell: &TriangleMesh) -> bool {
-    let own = |vertex: &&Vec3| !solid.mesh.vertices.contains(vertex);
+    let is_separate = |vertex: &&Vec3| !solid.mesh.vertices.contains(vertex);
     shell
         .vertices
         .iter()
-        .find(own)
+        .find(is_separate)
         .is_some_and(|vertex| solid.contains_point(vertex))
 }
 

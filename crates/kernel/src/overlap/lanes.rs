@@ -81,39 +81,39 @@ impl Motion {
     /// The discs of the second body in the frame of the first.
     #[inline(always)]
     pub fn block(&self, block: &DiscBlock) -> DiscBlock {
-        let mut moved = block.clone();
+        let mut image = block.clone();
         for row in 0..3 {
             let [x, y, z] = self.rotation[row];
             for lane in 0..WIDTH {
                 let (centre, normal) = (&block.centre, &block.normal);
-                moved.centre[row][lane] = x.mul_add(
+                image.centre[row][lane] = x.mul_add(
                     centre[0][lane],
                     y.mul_add(
                         centre[1][lane],
                         z.mul_add(centre[2][lane], self.translation[row]),
                     ),
                 );
-                moved.normal[row][lane] = x.mul_add(
+                image.normal[row][lane] = x.mul_add(
                     normal[0][lane],
                     y.mul_add(normal[1][lane], z * normal[2][lane]),
                 );
             }
         }
-        moved
+        image
     }
 
     /// A disc of the second body in the frame of the first.
     #[inline(always)]
     pub fn disc(&self, disc: &Disc) -> Disc {
-        let mut moved = *disc;
+        let mut image = *disc;
         for row in 0..3 {
             let [x, y, z] = self.rotation[row];
             let (centre, normal) = (&disc.centre, &disc.normal);
-            moved.centre[row] =
+            image.centre[row] =
                 x * centre[0] + y * centre[1] + z * centre[2] + self.translation[row];
-            moved.normal[row] = x * normal[0] + y * normal[1] + z * normal[2];
+            image.normal[row] = x * normal[0] + y * normal[1] + z * normal[2];
         }
-        moved
+        image
     }
 }
 

@@ -191,12 +191,12 @@ pub fn distance(
     second_in_first: &RelativePose,
 ) -> f64 {
     let into_first = |vertex: &_| second_in_first.transform_point(vertex);
-    let moved = second.mesh.map_vertices(into_first);
+    let second_mesh = second.mesh.map_vertices(into_first);
     let mut nearest = f64::INFINITY;
     for a in 0..first.mesh.triangles.len() {
         let a = first.mesh.corners(a);
-        for b in 0..moved.triangles.len() {
-            let b = moved.corners(b);
+        for b in 0..second_mesh.triangles.len() {
+            let b = second_mesh.corners(b);
             if triangles_intersect(&a, &b) {
                 return 0.0;
             }

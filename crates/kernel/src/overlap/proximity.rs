@@ -85,12 +85,12 @@ impl<'a> Search<'a> {
             return false;
         }
         let mut nearest = f32::INFINITY;
-        let moved = self.motion.block(&b.discs);
+        let second_discs = self.motion.block(&b.discs);
         let rows = separations(&self.motion.disc(&b.bound), &a.discs, self.rounding);
         // One disc of a against the eight of b at a time, so that the loop over lanes is vectorised;
         // discs of a that are far from b as a whole are dropped first, which spares most rows.
         for row in Bits(self.near(&rows)) {
-            let separations = separations(&a.discs.disc(row), &moved, self.rounding);
+            let separations = separations(&a.discs.disc(row), &second_discs, self.rounding);
             for lane in Bits(self.near(&separations)) {
                 let (child_a, child_b) = (a.children[row], b.children[lane]);
                 if !a.is_leaf {

@@ -82,7 +82,7 @@ impl Scratch {
 struct Batch {
     pairs: Vec<NodePair>,
     /// The children of each b in the frame of the first body.
-    moved: [DiscBlock; BATCH],
+    second_discs: [DiscBlock; BATCH],
     near_rows: [u32; BATCH],
     /// Pair and child, for each child of an a that is near its b.
     rows: Vec<(u8, u8)>,
@@ -94,7 +94,7 @@ impl Batch {
     fn new() -> Self {
         Self {
             pairs: Vec::with_capacity(BATCH),
-            moved: [const { DiscBlock::EMPTY }; BATCH],
+            second_discs: [const { DiscBlock::EMPTY }; BATCH],
             near_rows: [0; BATCH],
             rows: Vec::with_capacity(BATCH * WIDTH),
             hits: Vec::with_capacity(BATCH * WIDTH),
@@ -206,12 +206,12 @@ impl<'a> Descent<'a> {
         for (slot, pair) in batch.pairs.iter().enumerate() {
             let a = &first.tree.nodes[pair.a as usize];
             let b = &second.tree.nodes[pair.b as usize];
-            batch.moved[slot] = self.motion.block(&b.discs);
+            batch.second_discs[slot] = self.motion.block(&b.discs);
             let b_bound = self.motion.disc(&b.bound);
             let separations = separations(&b_bound, &a.discs, self.rounding);
             batch.near_rows[slot] = self.near(&separations);
             if a.is_leaf != b.is_leaf {
-                self.expand_one(*pair, a, b, &batch.moved[slot], stack);
+                self.expand_one(*pair, a, b, &batch.second_discs[slot], stack);
                 batch.near_rows[slot] = 0;
             }
         }
@@ -230,7 +230,7 @@ impl<'a> Descent<'a> {
             let pair = batch.pairs[slot as usize];
             let a = &self.first.tree.nodes[pair.a as usize];
             let disc = a.discs.disc(row as usize);
-            let separations = separations(&disc, &batch.moved[slot as usize], self.rounding);
+            let separations = separations(&disc, &batch.second_discs[slot as usize], self.rounding);
             let near = self.near(&separations);
             batch.hits.push((near, separations));
         }
@@ -243,11 +243,11 @@ impl<'a> Descent<'a> {
         pair: NodePair,
         a: &Node,
         b: &Node,
-        moved: &DiscBlock,
+        second_discs: &DiscBlock,
         stack: &mut Vec<NodePair>,
     ) {
         let separations = if a.is_leaf {
-            separations(&a.bound, moved, self.rounding)
+            separations(&a.bound, second_discs, self.rounding)
         } else {
             separations(&self.motion.disc(&b.bound), &a.discs, self.rounding)
         };

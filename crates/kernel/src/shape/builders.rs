@@ -94,8 +94,8 @@ fn truncated_tetrahedron(part: f64) -> Vec<Vec3> {
 
 fn cuboid(edges: [f64; 3]) -> Vec<Vec3> {
     let corner = |n: usize| {
-        let at = |axis: usize| edges[axis] * if n >> axis & 1 == 0 { -0.5 } else { 0.5 };
-        Vec3::new(at(0), at(1), at(2))
+        let coordinate = |axis: usize| edges[axis] * if n >> axis & 1 == 0 { -0.5 } else { 0.5 };
+        Vec3::new(coordinate(0), coordinate(1), coordinate(2))
     };
     (0..8).map(corner).collect()
 }

@@ -114,9 +114,9 @@ fn farthest<'a>(corners: &'a [Vec3], direction: &Vec3) -> Option<&'a Vec3> {
     let mut best = corners.first()?;
     let mut height = best.dot(direction);
     for corner in &corners[1..] {
-        let here = corner.dot(direction);
-        if here > height {
-            (best, height) = (corner, here);
+        let projection = corner.dot(direction);
+        if projection > height {
+            (best, height) = (corner, projection);
         }
     }
     Some(best)
@@ -136,10 +136,10 @@ impl Nearest {
             weights: [0.0; 4],
         };
         for face in 1..1_usize << simplex.len() {
-            if let Some(found) = Self::on_face(simplex, face)
-                && found.point.norm_squared() < best.point.norm_squared()
+            if let Some(candidate) = Self::on_face(simplex, face)
+                && candidate.point.norm_squared() < best.point.norm_squared()
             {
-                best = found;
+                best = candidate;
             }
         }
         best
@@ -160,8 +160,8 @@ impl Nearest {
             _ => false,
         };
         let whole = (1 << simplex.len()) - 1;
-        let found = is_wide.then(|| Self::on_face(simplex, whole)).flatten();
-        found.unwrap_or_else(|| Self::of(simplex))
+        let candidate = is_wide.then(|| Self::on_face(simplex, whole)).flatten();
+        candidate.unwrap_or_else(|| Self::of(simplex))
     }
 
     /// The projection of the origin on the plane through the corners whose bits are set; `None` if
@@ -178,34 +178,34 @@ impl Nearest {
         let origin = simplex[members[0]].difference;
         let edge = |place: usize| simplex[members[place]].difference - origin;
         let mut weights = [0.0; 4];
-        let mut along = [0.0; 3];
+        let mut coordinates = [0.0; 3];
         match count {
             1 => {}
             2 => {
                 let e = edge(1);
-                along[0] = -origin.dot(&e) / e.norm_squared();
+                coordinates[0] = -origin.dot(&e) / e.norm_squared();
             }
             3 => {
                 let [e, f] = [edge(1), edge(2)];
                 let normal = e.cross(&f);
                 let squared = normal.norm_squared();
-                along[0] = f.cross(&origin).dot(&normal) / squared;
-                along[1] = origin.cross(&e).dot(&normal) / squared;
+                coordinates[0] = f.cross(&origin).dot(&normal) / squared;
+                coordinates[1] = origin.cross(&e).dot(&normal) / squared;
             }
             _ => {
                 let [e, f, g] = [edge(1), edge(2), edge(3)];
                 let volume = e.dot(&f.cross(&g));
-                along[0] = -origin.dot(&f.cross(&g)) / volume;
-                along[1] = -e.dot(&origin.cross(&g)) / volume;
-                along[2] = -e.dot(&f.cross(&origin)) / volume;
+                coordinates[0] = -origin.dot(&f.cross(&g)) / volume;
+                coordinates[1] = -e.dot(&origin.cross(&g)) / volume;
+                coordinates[2] = -e.dot(&f.cross(&origin)) / volume;
             }
         }
-        let first = 1.0 - along.iter().sum::<f64>();
+        let first = 1.0 - coordinates.iter().sum::<f64>();
         let mut point = origin;
         weights[members[0]] = first;
         for place in 1..count {
-            weights[members[place]] = along[place - 1];
-            point += along[place - 1] * edge(place);
+            weights[members[place]] = coordinates[place - 1];
+            point += coordinates[place - 1] * edge(place);
         }
         if count == 4 {
             point = Vec3::zeros();

@@ -124,22 +124,26 @@ fn require_volume_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
             "its faces do not close, or do not all look outward, so that it has no inside".into(),
         ));
     }
-    let (own, of_hull) = (mesh.volume_angstrom3().abs(), of_hull(hull, 0.0).volume);
-    require_equal("volume inside its faces", own, of_hull)
+    let (mesh_volume, of_hull) = (mesh.volume_angstrom3().abs(), of_hull(hull, 0.0).volume);
+    require_equal("volume inside its faces", mesh_volume, of_hull)
 }
 
 /// Checks the area of a thin polygon, which has one side or two.
 fn require_area_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
-    let own = area_vector(mesh).norm().max(0.5 * mesh.area_angstrom2());
-    require_equal("area of its faces", own, 0.5 * of_hull(hull, 0.0).surface)
+    let mesh_area = area_vector(mesh).norm().max(0.5 * mesh.area_angstrom2());
+    require_equal(
+        "area of its faces",
+        mesh_area,
+        0.5 * of_hull(hull, 0.0).surface,
+    )
 }
 
-fn require_equal(quantity: &str, own: f64, of_hull: f64) -> Result<()> {
-    if (own - of_hull).abs() <= TOLERANCE * of_hull {
+fn require_equal(quantity: &str, of_mesh: f64, of_hull: f64) -> Result<()> {
+    if (of_mesh - of_hull).abs() <= TOLERANCE * of_hull {
         return Ok(());
     }
     Err(KernelError::NotConvex(format!(
-        "the {quantity} is {own:.6}, that of its convex hull {of_hull:.6}"
+        "the {quantity} is {of_mesh:.6}, that of its convex hull {of_hull:.6}"
     )))
 }
 

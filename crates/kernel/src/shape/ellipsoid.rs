@@ -68,8 +68,8 @@ fn symmetric_integral(mut numbers: [f64; 3]) -> f64 {
     let largest = numbers[2];
     let [x, z, y] = numbers.map(|number| number / largest);
     let product = (x * y / z).sqrt();
-    let rest = (x - z) * (y - z) / 3.0 * second_kind([x, y, z]);
-    0.5 * largest.sqrt() * (z * first_kind([x, y, z]) - rest + product)
+    let correction = (x - z) * (y - z) / 3.0 * second_kind([x, y, z]);
+    0.5 * largest.sqrt() * (z * first_kind([x, y, z]) - correction + product)
 }
 
 /// Relative error of both integrals.
@@ -80,14 +80,14 @@ fn first_kind(numbers: [f64; 3]) -> f64 {
     let mean = numbers.iter().sum::<f64>() / 3.0;
     let largest = largest_distance(&numbers, mean);
     let mut bound = (3.0 * PRECISION).powf(-1.0 / 6.0) * largest;
-    let (mut at, mut average) = (numbers, mean);
+    let (mut arguments, mut average) = (numbers, mean);
     while bound >= average.abs() {
-        let step = duplication(&at);
-        at = at.map(|x| 0.25 * (x + step));
+        let step = duplication(&arguments);
+        arguments = arguments.map(|x| 0.25 * (x + step));
         average = 0.25 * (average + step);
         bound *= 0.25;
     }
-    let [x, y, _] = at.map(|number| (average - number) / average);
+    let [x, y, _] = arguments.map(|number| (average - number) / average);
     let z = -x - y;
     let (e2, e3) = (x * y - z * z, x * y * z);
     (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0) / average.sqrt()
@@ -98,17 +98,17 @@ fn second_kind(numbers: [f64; 3]) -> f64 {
     let mean = (numbers[0] + numbers[1] + 3.0 * numbers[2]) / 5.0;
     let largest = largest_distance(&numbers, mean);
     let mut bound = (0.25 * PRECISION).powf(-1.0 / 6.0) * largest;
-    let (mut at, mut average) = (numbers, mean);
+    let (mut arguments, mut average) = (numbers, mean);
     let (mut sum, mut power) = (0.0, 1.0);
     while bound >= average.abs() {
-        let step = duplication(&at);
-        sum += power / (at[2].sqrt() * (at[2] + step));
-        at = at.map(|x| 0.25 * (x + step));
+        let step = duplication(&arguments);
+        sum += power / (arguments[2].sqrt() * (arguments[2] + step));
+        arguments = arguments.map(|x| 0.25 * (x + step));
         average = 0.25 * (average + step);
         power *= 0.25;
         bound *= 0.25;
     }
-    let [x, y, _] = at.map(|number| (average - number) / average);
+    let [x, y, _] = arguments.map(|number| (average - number) / average);
     let z = -(x + y) / 3.0;
     let e2 = x * y - 6.0 * z * z;
     let e3 = (3.0 * x * y - 8.0 * z * z) * z;

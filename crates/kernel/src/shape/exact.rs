@@ -155,10 +155,10 @@ impl Places {
         for p in &self.first {
             for q in &self.second {
                 let mut height = Expansion::default();
-                for (axis, along) in axis.iter().enumerate() {
+                for (axis, component) in axis.iter().enumerate() {
                     let mut apart = Expansion::of_difference(q[axis], p[axis]);
                     apart.add(self.offset[axis]);
-                    height = height.plus(&apart.times(along));
+                    height = height.plus(&apart.times(component));
                 }
                 let sign = height.sign();
                 if sign == Ordering::Equal || (side != Ordering::Equal && sign != side) {

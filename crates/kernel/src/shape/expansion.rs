@@ -24,25 +24,25 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 impl Expansion {
     /// The difference a - b.
     pub(super) fn of_difference(a: f64, b: f64) -> Self {
-        let (sum, rest) = two_sum(a, -b);
+        let (sum, rounding) = two_sum(a, -b);
         let mut expansion = Self::default();
-        expansion.add(rest);
+        expansion.add(rounding);
         expansion.add(sum);
         expansion
     }
 
     /// Adds a number (Grow-Expansion).
     pub(super) fn add(&mut self, number: f64) {
-        let (mut carried, mut kept) = (number, 0);
+        let (mut carried, mut length) = (number, 0);
         for place in 0..self.0.len() {
-            let (sum, rest) = two_sum(carried, self.0[place]);
+            let (sum, rounding) = two_sum(carried, self.0[place]);
             carried = sum;
-            if rest != 0.0 {
-                self.0[kept] = rest;
-                kept += 1;
+            if rounding != 0.0 {
+                self.0[length] = rounding;
+                length += 1;
             }
         }
-        self.0.truncate(kept);
+        self.0.truncate(length);
         if carried != 0.0 {
             self.0.push(carried);
         }

@@ -107,8 +107,8 @@ impl Extent {
         if size == 0.0 {
             return None;
         }
-        let along = (points[second] - points[first]) / size;
-        let from_line = |x: &Vec3| (x - points[first]).cross(&along).norm();
+        let direction = (points[second] - points[first]) / size;
+        let from_line = |x: &Vec3| (x - points[first]).cross(&direction).norm();
         let (third, width) = farthest(points, from_line)?;
         let mut extent = Self {
             first,
@@ -121,7 +121,9 @@ impl Extent {
             return Some(extent);
         }
         extent.third = Some(third);
-        let normal = along.cross(&(points[third] - points[first])).normalize();
+        let normal = direction
+            .cross(&(points[third] - points[first]))
+            .normalize();
         let (fourth, height) = farthest(points, |x| (x - points[first]).dot(&normal).abs())?;
         extent.fourth = (height > FLAT * size).then_some(fourth);
         Some(extent)
@@ -189,18 +191,18 @@ impl<'a> Faces<'a> {
     /// Replaces the faces that a point sees by those from it to their rim.
     fn add(&mut self, point: usize) {
         let sees = |face: &[usize; 3]| self.height(face, point) > self.above;
-        let (seen, mut kept): (Vec<[usize; 3]>, Vec<[usize; 3]>) =
+        let (visible, mut faces): (Vec<[usize; 3]>, Vec<[usize; 3]>) =
             self.faces.iter().partition(|face| sees(face));
-        if seen.is_empty() {
+        if visible.is_empty() {
             return;
         }
-        let edges: HashSet<(usize, usize)> = seen.iter().flat_map(edges_of).collect();
-        for (from, to) in seen.iter().flat_map(edges_of) {
+        let edges: HashSet<(usize, usize)> = visible.iter().flat_map(edges_of).collect();
+        for (from, to) in visible.iter().flat_map(edges_of) {
             if !edges.contains(&(to, from)) {
-                kept.push([from, to, point]);
+                faces.push([from, to, point]);
             }
         }
-        self.faces = kept;
+        self.faces = faces;
     }
 
     fn mesh(&self) -> TriangleMesh {

@@ -172,13 +172,13 @@ fn mean_curvature(mesh: &TriangleMesh) -> f64 {
         let corners = mesh.corners(number);
         for side in 0..3 {
             let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
-            let here = normals.get(&(from, to));
-            let Some((here, there)) = here.zip(normals.get(&(to, from))).filter(|_| from < to)
+            let first = normals.get(&(from, to));
+            let Some((first, second)) = first.zip(normals.get(&(to, from))).filter(|_| from < to)
             else {
                 continue;
             };
             let length = (corners[(side + 1) % 3] - corners[side]).norm();
-            sum += 0.5 * length * here.cross(there).norm().atan2(here.dot(there));
+            sum += 0.5 * length * first.cross(second).norm().atan2(first.dot(second));
         }
     }
     sum

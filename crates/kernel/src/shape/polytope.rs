@@ -75,13 +75,13 @@ impl Polytope {
 
     fn of_polygon(corners: &[[f64; 2]]) -> Self {
         let centroid = centroid_of_polygon(corners);
-        let at = |[x, y]: &[f64; 2]| Vec3::new(*x, *y, 0.0) - centroid;
-        let corners: Vec<Vec3> = corners.iter().map(at).collect();
+        let relative_corner = |[x, y]: &[f64; 2]| Vec3::new(*x, *y, 0.0) - centroid;
+        let corners: Vec<Vec3> = corners.iter().map(relative_corner).collect();
         let mut faces = Vec::new();
         for from in 0..corners.len() {
             let to = (from + 1) % corners.len();
-            let along = corners[to] - corners[from];
-            let normal = Vec3::new(along.y, -along.x, 0.0).normalize();
+            let edge = corners[to] - corners[from];
+            let normal = Vec3::new(edge.y, -edge.x, 0.0).normalize();
             faces.push(Face {
                 offset: normal.dot(&corners[from]),
                 normal,
@@ -139,8 +139,8 @@ impl Polytope {
 
     /// The corners in a pose.
     pub fn corners_at(&self, pose: &Pose) -> Vec<Vec3> {
-        let at = |corner| pose.transform_point(corner);
-        self.corners.iter().map(at).collect()
+        let transform = |corner| pose.transform_point(corner);
+        self.corners.iter().map(transform).collect()
     }
 
     /// The face through which a ray from the centroid leaves the body; the direction is in the
@@ -193,11 +193,12 @@ fn normal(mesh: &TriangleMesh, triangle: usize) -> Vec3 {
 fn coplanar(mesh: &TriangleMesh) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for triangle in 0..mesh.triangles.len() {
-        let here = normal(mesh, triangle);
+        let triangle_normal = normal(mesh, triangle);
         // A convex body has one face to a normal.
         let same = groups.iter_mut().find(|group| {
-            let there = normal(mesh, group[0]);
-            here.dot(&there) > 0.0 && here.cross(&there).norm() < ONE_FACE
+            let group_normal = normal(mesh, group[0]);
+            triangle_normal.dot(&group_normal) > 0.0
+                && triangle_normal.cross(&group_normal).norm() < ONE_FACE
         });
         match same {
             Some(group) => group.push(triangle),

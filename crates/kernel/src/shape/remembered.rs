@@ -64,12 +64,12 @@ impl Bodies<'_> {
             corners,
             numbers: simplex.corners,
         };
-        let found = self.walk(reach, &mut walk);
+        let outcome = self.walk(reach, &mut walk);
         *simplex = Simplex {
             count: walk.count,
             corners: walk.numbers,
         };
-        found
+        outcome
     }
 
     fn walk(&self, reach: f64, walk: &mut Walk) -> Found {
@@ -140,9 +140,9 @@ impl Bodies<'_> {
 fn highest(corners: &[Vec3], direction: &Vec3) -> u32 {
     let (mut best, mut height) = (0, f64::NEG_INFINITY);
     for (number, corner) in corners.iter().enumerate() {
-        let here = corner.dot(direction);
-        if here > height {
-            (best, height) = (number, here);
+        let projection = corner.dot(direction);
+        if projection > height {
+            (best, height) = (number, projection);
         }
     }
     best as u32
@@ -157,15 +157,15 @@ struct Walk {
 
 impl Walk {
     fn keep_carriers(&mut self, nearest: &Nearest) {
-        let mut kept = 0;
+        let mut count = 0;
         for place in 0..self.count {
             if nearest.weights[place] > 0.0 {
-                self.corners[kept] = self.corners[place];
-                self.numbers[kept] = self.numbers[place];
-                kept += 1;
+                self.corners[count] = self.corners[place];
+                self.numbers[count] = self.numbers[place];
+                count += 1;
             }
         }
-        self.count = kept;
+        self.count = count;
     }
 
     fn push(&mut self, corner: Corner, numbers: [u32; 2]) {

@@ -463,10 +463,10 @@ fn across<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
 
 #[inline(always)]
 fn across_edge<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
-    let along = minus(to, from);
+    let edge = minus(to, from);
     let mut normal = [0.0; D];
-    normal[0] = along[1];
-    normal[1] = -along[0];
+    normal[0] = edge[1];
+    normal[1] = -edge[0];
     normal
 }
 
@@ -626,8 +626,8 @@ impl<const D: usize> Face<D> {
 }
 
 fn on_segment<const D: usize>(a: &[f64; D], b: &[f64; D]) -> Face<D> {
-    let along = minus(b, a);
-    let (part, whole) = (-dot(a, &along), dot(&along, &along));
+    let edge = minus(b, a);
+    let (part, whole) = (-dot(a, &edge), dot(&edge, &edge));
     if part <= 0.0 {
         Face::at_corner(a, 0)
     } else if part >= whole {

@@ -12,12 +12,12 @@ pub(super) struct Arena {
 impl Arena {
     /// Reserves a range of this length and returns its start.
     pub fn take(&mut self, length: usize) -> usize {
-        for at in 0..self.free.len() {
-            let (start, end) = self.free[at];
+        for index in 0..self.free.len() {
+            let (start, end) = self.free[index];
             if end - start >= length {
-                self.free[at].0 += length;
+                self.free[index].0 += length;
                 if start + length == end {
-                    self.free.remove(at);
+                    self.free.remove(index);
                 }
                 return start;
             }
@@ -45,14 +45,14 @@ impl Arena {
             return;
         }
         let end = start + length;
-        let at = self.free.partition_point(|range| range.0 < start);
-        self.free.insert(at, (start, end));
-        let touches_next = self.free.get(at + 1).is_some_and(|next| next.0 == end);
+        let index = self.free.partition_point(|range| range.0 < start);
+        self.free.insert(index, (start, end));
+        let touches_next = self.free.get(index + 1).is_some_and(|next| next.0 == end);
         if touches_next {
-            self.free[at].1 = self.free.remove(at + 1).1;
+            self.free[index].1 = self.free.remove(index + 1).1;
         }
-        if at > 0 && self.free[at - 1].1 == start {
-            self.free[at - 1].1 = self.free.remove(at).1;
+        if index > 0 && self.free[index - 1].1 == start {
+            self.free[index - 1].1 = self.free.remove(index).1;
         }
     }
 }

@@ -12,7 +12,7 @@ pub(super) struct BadPivot {
     pub step: usize,
     pub pivot: f64,
     /// The diagonal entry before any elimination.
-    pub own: f64,
+    pub diagonal: f64,
 }
 
 vectorised!(
@@ -36,27 +36,42 @@ pub(super) fn factor_fronts(
         values,
         pivots,
         inverse,
-        left,
+        left_overs,
         packed,
         ..
     } = work;
     for front in &symbolic.fronts {
         let shape = front.shape;
         let panel = &mut values[front.tiles()];
-        assemble(symbolic, front, numbers, left, panel);
-        let own = |column: usize| numbers[symbolic.diagonal[front.first + column] as usize];
+        assemble(symbolic, front, numbers, left_overs, panel);
+        let diagonal = |column: usize| numbers[symbolic.diagonal[front.first + column] as usize];
         let (pivots, inverse) = (&mut pivots[front.own()], &mut inverse[front.own()]);
         if let Err((column, pivot)) =
-            front::factor_panel(panel, shape, own, pivots, inverse, packed)
+            front::factor_panel(panel, shape, diagonal, pivots, inverse, packed)
         {
             let step = front.first + column;
-            let own = own(column);
-            return Err(BadPivot { step, pivot, own });
+            let diagonal = diagonal(column);
+            return Err(BadPivot {
+                step,
+                pivot,
+                diagonal,
+            });
         }
         if shape.below() > 0 {
-            front::start_left(panel, shape, pivots, &mut left[front.left_over()], packed);
+            front::start_left(
+                panel,
+                shape,
+                pivots,
+                &mut left_overs[front.left_over()],
+                packed,
+            );
             for child in &symbolic.children[front.children.clone()] {
-                add_to_left(symbolic, &symbolic.fronts[*child as usize], front, left);
+                add_to_left(
+                    symbolic,
+                    &symbolic.fronts[*child as usize],
+                    front,
+                    left_overs,
+                );
             }
         }
         front::invert_triangles(panel, shape);
@@ -66,14 +81,20 @@ pub(super) fn factor_fronts(
 
 /// Fills the tiles of a front with its entries of A and what its children left.
 #[inline(always)]
-fn assemble(symbolic: &Symbolic, front: &Front, numbers: &[f64], left: &[f64], panel: &mut [f64]) {
+fn assemble(
+    symbolic: &Symbolic,
+    front: &Front,
+    numbers: &[f64],
+    left_overs: &[f64],
+    panel: &mut [f64],
+) {
     panel.fill(0.0);
-    for &(entry, at) in &symbolic.assembly[front.assembly.clone()] {
-        panel[at as usize] = numbers[entry as usize];
+    for &(entry, place) in &symbolic.assembly[front.assembly.clone()] {
+        panel[place as usize] = numbers[entry as usize];
     }
     for child in &symbolic.children[front.children.clone()] {
         let child = &symbolic.fronts[*child as usize];
-        add_to_panel(symbolic, child, front.shape.columns, left, panel);
+        add_to_panel(symbolic, child, front.shape.columns, left_overs, panel);
     }
 }
 
@@ -83,18 +104,18 @@ fn add_to_panel(
     symbolic: &Symbolic,
     child: &Front,
     columns: usize,
-    left: &[f64],
+    left_overs: &[f64],
     panel: &mut [f64],
 ) {
     let seats = &symbolic.seats[child.below()];
     let (stride, skip) = (child.shape.left_stride(), child.shape.columns % LANES);
-    let left = &left[child.left_over()];
-    for (at, (seat, column)) in seats.iter().zip(left.chunks_exact(stride)).enumerate() {
+    let left_over = &left_overs[child.left_over()];
+    for (index, (seat, column)) in seats.iter().zip(left_over.chunks_exact(stride)).enumerate() {
         let target = seat.row as usize;
         if target >= columns {
             break;
         }
-        for (seat, value) in seats[at..].iter().zip(&column[skip + at..]) {
+        for (seat, value) in seats[index..].iter().zip(&column[skip + index..]) {
             panel[seat.tile as usize + LANES * target] += value;
         }
     }
@@ -102,7 +123,7 @@ fn add_to_panel(
 
 /// Adds what a child left in its other rows to what the parent leaves.
 #[inline(always)]
-fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f64]) {
+fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left_overs: &mut [f64]) {
     let seats = &symbolic.seats[child.below()];
     let (stride, skip) = (child.shape.left_stride(), child.shape.columns % LANES);
     let columns = parent.shape.columns;
@@ -110,18 +131,21 @@ fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left: &mut [f
     let base = LANES * parent.shape.first_left_tile();
     let first = seats.partition_point(|seat| (seat.row as usize) < columns);
     // The two places do not overlap, and either may come first.
-    let (source, target) = if child.left < parent.left {
-        let (low, high) = left.split_at_mut(parent.left);
+    let (source, target) = if child.left_over_start < parent.left_over_start {
+        let (low, high) = left_overs.split_at_mut(parent.left_over_start);
         (&low[child.left_over()], high)
     } else {
-        let (low, high) = left.split_at_mut(child.left);
-        (&high[..child.shape.left_size()], &mut low[parent.left..])
+        let (low, high) = left_overs.split_at_mut(child.left_over_start);
+        (
+            &high[..child.shape.left_size()],
+            &mut low[parent.left_over_start..],
+        )
     };
-    for at in first..seats.len() {
-        let column = &source[at * stride..(at + 1) * stride];
-        let row = seats[at].row as usize - columns;
+    for index in first..seats.len() {
+        let column = &source[index * stride..(index + 1) * stride];
+        let row = seats[index].row as usize - columns;
         let target = &mut target[row * parent_stride..(row + 1) * parent_stride];
-        for (seat, value) in seats[at..].iter().zip(&column[skip + at..]) {
+        for (seat, value) in seats[index..].iter().zip(&column[skip + index..]) {
             target[seat.row as usize - base] += value;
         }
     }

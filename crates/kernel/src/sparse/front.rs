@@ -120,7 +120,7 @@ fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile;
     sum
 }
 
-/// Factors the columns of a front. `own` gives the diagonal entry of each column before any
+/// Factors the columns of a front. `diagonal` gives the diagonal entry of each column before any
 /// elimination; pivots and their reciprocals are returned in `pivots` and `inverse`.
 ///
 /// # Errors
@@ -129,7 +129,7 @@ fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile;
 pub(super) fn factor_panel(
     panel: &mut [f64],
     shape: Shape,
-    own: impl Fn(usize) -> f64,
+    diagonal: impl Fn(usize) -> f64,
     pivots: &mut [f64],
     inverse: &mut [f64],
     packed: &mut Vec<Packed>,
@@ -150,8 +150,8 @@ pub(super) fn factor_panel(
             let targets = panel[start..start + LANES * count].as_chunks_mut().0;
             let mut value = difference(targets, &sum);
             if tile == diagonal_tile {
-                let own = |column: usize| own(first + column);
-                block = PivotBlock::factor(value, lane, count, own)
+                let diagonal = |column: usize| diagonal(first + column);
+                block = PivotBlock::factor(value, lane, count, diagonal)
                     .map_err(|(column, pivot)| (first + column, pivot))?;
                 let columns = first..first + count;
                 pivots[columns.clone()].copy_from_slice(&block.pivots[..count]);
@@ -213,12 +213,12 @@ impl PivotBlock {
         mut value: [Tile; BLOCK],
         lane: usize,
         count: usize,
-        own: impl Fn(usize) -> f64,
+        diagonal: impl Fn(usize) -> f64,
     ) -> Result<Self, (usize, f64)> {
         let mut block = Self::default();
         for c in 0..count {
             let pivot = value[c][lane + c];
-            if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * own(c)) {
+            if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * diagonal(c)) {
                 return Err((c, pivot));
             }
             block.pivots[c] = pivot;
@@ -250,20 +250,20 @@ impl PivotBlock {
     }
 }
 
-/// Writes -L D Lᵀ of the rows below the front's own into `left`.
+/// Writes -L D Lᵀ of the rows below the front's own into `left_over`.
 #[inline(always)]
 pub(super) fn start_left(
     panel: &[f64],
     shape: Shape,
     pivots: &[f64],
-    left: &mut [f64],
+    left_over: &mut [f64],
     packed: &mut Vec<Packed>,
 ) {
     let (stride, tiles, base) = (shape.left_stride(), shape.tiles(), shape.first_left_tile());
     for first in (shape.columns..shape.height).step_by(BLOCK) {
         let count = BLOCK.min(shape.height - first);
         pack_rows_below(packed, panel, shape, first..first + count, pivots);
-        let block = &mut left[(first - shape.columns) * stride..][..count * stride];
+        let block = &mut left_over[(first - shape.columns) * stride..][..count * stride];
         let mut tile = first / LANES;
         while tile + 2 <= tiles {
             let pair = [tile, tile + 1].map(|tile| columns_of(panel, shape, tile));
@@ -341,37 +341,41 @@ pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
 pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     let diagonal_tiles = shape.columns.div_ceil(LANES);
     for tile in 0..diagonal_tiles {
-        let (known, rest) = t.split_at_mut(tile);
-        rest[0] = solve_tile(columns_of(panel, shape, tile), known, rest[0]);
+        let (solved_tiles, remaining_tiles) = t.split_at_mut(tile);
+        remaining_tiles[0] = solve_tile(
+            columns_of(panel, shape, tile),
+            solved_tiles,
+            remaining_tiles[0],
+        );
     }
-    let (own, rest) = t.split_at_mut(diagonal_tiles);
-    let own = &own.as_flattened()[..shape.columns];
-    let mut rest = rest[..shape.tiles() - diagonal_tiles].iter_mut();
+    let (solution, lower_tiles) = t.split_at_mut(diagonal_tiles);
+    let solution = &solution.as_flattened()[..shape.columns];
+    let mut lower_tiles = lower_tiles[..shape.tiles() - diagonal_tiles].iter_mut();
     let below = &panel[shape.tile_start(diagonal_tiles)..shape.panel_size()];
     let mut below = below.as_chunks::<LANES>().0.chunks_exact(shape.columns);
-    while rest.len() >= 4 {
+    while lower_tiles.len() >= 4 {
         let tiles = (below.next(), below.next(), below.next(), below.next());
         if let (Some(a), Some(b), Some(c), Some(d)) = tiles {
-            for sum in combine([a, b, c, d], own) {
-                subtract(rest.next(), &sum);
+            for sum in combine([a, b, c, d], solution) {
+                subtract(lower_tiles.next(), &sum);
             }
         }
     }
     for columns in below {
-        let [sum] = combine([columns], own);
-        subtract(rest.next(), &sum);
+        let [sum] = combine([columns], solution);
+        subtract(lower_tiles.next(), &sum);
     }
 }
 
 /// Solves L y = t for the eight rows of a diagonal tile, given y of the rows above.
 #[inline(always)]
-fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
+fn solve_tile(columns: &[Tile], solved_tiles: &[Tile], mut value: Tile) -> Tile {
     // Two sums, so that one addition need not wait for the other.
     let mut sum = [[0.0; LANES]; 2];
-    for (columns, known) in columns.chunks_exact(LANES).zip(known) {
+    for (columns, tile) in columns.chunks_exact(LANES).zip(solved_tiles) {
         for c in 0..LANES {
             for l in 0..LANES {
-                sum[c % 2][l] += columns[c][l] * known[c];
+                sum[c % 2][l] += columns[c][l] * tile[c];
             }
         }
     }
@@ -379,7 +383,7 @@ fn solve_tile(columns: &[Tile], known: &[Tile], mut value: Tile) -> Tile {
         value[l] -= sum[0][l] + sum[1][l];
     }
     let given = value;
-    for (column, given) in columns[LANES * known.len()..].iter().zip(&given) {
+    for (column, given) in columns[LANES * solved_tiles.len()..].iter().zip(&given) {
         for l in 0..LANES {
             value[l] += column[l] * given;
         }
@@ -397,15 +401,15 @@ fn subtract(target: Option<&mut Tile>, sum: &Tile) {
     }
 }
 
-/// Sums tile · known over the columns.
+/// Sums tile · coefficient over the columns.
 #[inline(always)]
-fn combine<const T: usize>(tiles: [&[Tile]; T], known: &[f64]) -> [Tile; T] {
+fn combine<const T: usize>(tiles: [&[Tile]; T], coefficients: &[f64]) -> [Tile; T] {
     let mut sum = [[0.0; LANES]; T];
-    let tiles = tiles.map(|tile| &tile[..known.len()]);
-    for (p, known) in known.iter().enumerate() {
+    let tiles = tiles.map(|tile| &tile[..coefficients.len()]);
+    for (p, coefficient) in coefficients.iter().enumerate() {
         for t in 0..T {
             for l in 0..LANES {
-                sum[t][l] += tiles[t][p][l] * known;
+                sum[t][l] += tiles[t][p][l] * coefficient;
             }
         }
     }
@@ -421,23 +425,27 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     let diagonal_tiles = k.div_ceil(LANES);
     let below = &panel[shape.tile_start(diagonal_tiles)..shape.panel_size()];
     let mut below = below.as_chunks::<LANES>().0.chunks_exact(k);
-    let (own, rest) = t.split_at_mut(diagonal_tiles);
-    let mut rest = rest.iter();
+    let (solution, lower_tiles) = t.split_at_mut(diagonal_tiles);
+    let mut lower_tiles = lower_tiles.iter();
     while below.len() >= 4 {
         let tiles = (below.next(), below.next(), below.next(), below.next());
         if let (Some(a), Some(b), Some(c), Some(d)) = tiles
-            && let (Some(e), Some(f), Some(g), Some(h)) =
-                (rest.next(), rest.next(), rest.next(), rest.next())
+            && let (Some(e), Some(f), Some(g), Some(h)) = (
+                lower_tiles.next(),
+                lower_tiles.next(),
+                lower_tiles.next(),
+                lower_tiles.next(),
+            )
         {
             spread([a, b, c, d], [e, f, g, h], sums);
         }
     }
-    for (tile, known) in below.zip(rest) {
-        spread([tile], [known], sums);
+    for (tile, coefficients) in below.zip(lower_tiles) {
+        spread([tile], [coefficients], sums);
     }
     for tile in (0..diagonal_tiles).rev() {
         let columns = columns_of(panel, shape, tile);
-        let value = &mut own[tile];
+        let value = &mut solution[tile];
         let triangle = &columns[LANES * tile..];
         for (value, sum) in value.iter_mut().zip(&sums[LANES * tile..]) {
             *value -= total(sum);
@@ -454,16 +462,16 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     }
 }
 
-/// Adds tile · known to the sums, lane by lane.
+/// Adds tile · coefficient to the sums, lane by lane.
 #[inline(always)]
-fn spread<const T: usize>(tiles: [&[Tile]; T], known: [&Tile; T], sums: &mut [Tile]) {
-    let known = known.map(|known| *known);
+fn spread<const T: usize>(tiles: [&[Tile]; T], coefficients: [&Tile; T], sums: &mut [Tile]) {
+    let coefficients = coefficients.map(|tile| *tile);
     let count = tiles[0].len();
     let tiles = tiles.map(|tile| &tile[..count]);
     for (p, sum) in sums[..count].iter_mut().enumerate() {
         for t in 0..T {
             for l in 0..LANES {
-                sum[l] += tiles[t][p][l] * known[t][l];
+                sum[l] += tiles[t][p][l] * coefficients[t][l];
             }
         }
     }

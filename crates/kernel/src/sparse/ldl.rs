@@ -38,10 +38,10 @@ impl LdlFactor {
             values: vec![0.0; symbolic.values_size],
             pivots: vec![0.0; dimension],
             inverse: vec![0.0; dimension],
-            left: vec![0.0; symbolic.left_size],
+            left_overs: vec![0.0; symbolic.left_size],
             packed: Vec::new(),
             permuted: vec![0.0; dimension],
-            seen: vec![[0.0; LANES]; symbolic.tallest],
+            front_values: vec![[0.0; LANES]; symbolic.tallest],
             sums: Vec::new(),
         };
         Self { symbolic, numbers }
@@ -88,10 +88,17 @@ impl LdlFactor {
         factor(&self.symbolic, &mut self.numbers, numbers).map_err(|bad| self.describe(bad))
     }
 
-    fn describe(&self, BadPivot { step, pivot, own }: BadPivot) -> SparseError {
+    fn describe(
+        &self,
+        BadPivot {
+            step,
+            pivot,
+            diagonal,
+        }: BadPivot,
+    ) -> SparseError {
         let row = self.symbolic.order[step] as usize;
-        if pivot.is_finite() && own.is_finite() {
-            let pivot = pivot / own;
+        if pivot.is_finite() && diagonal.is_finite() {
+            let pivot = pivot / diagonal;
             SparseError::Dependent { row, pivot }
         } else {
             SparseError::NotFinite { row }

@@ -11,12 +11,12 @@ pub(super) struct Numbers {
     pub pivots: Vec<f64>,
     pub inverse: Vec<f64>,
     /// Left-overs that fronts pass to their parents.
-    pub left: Vec<f64>,
+    pub left_overs: Vec<f64>,
     /// Four rows of D Lᵀ.
     pub packed: Vec<[f64; BLOCK]>,
     /// A right-hand side in the order of elimination, and the part of it that a front sees.
     pub permuted: Vec<f64>,
-    pub seen: Vec<[f64; LANES]>,
+    pub front_values: Vec<[f64; LANES]>,
     /// Sums of a back substitution, lane by lane.
     pub sums: Vec<[f64; LANES]>,
 }

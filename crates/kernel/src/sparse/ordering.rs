@@ -120,11 +120,11 @@ impl Divider<'_> {
             return;
         }
         self.sorted_along = Some(axis);
-        let along = |a: &usize, b: &usize| -> Ordering {
+        let compare = |a: &usize, b: &usize| -> Ordering {
             let (at_a, at_b) = (self.places[*a][axis], self.places[*b][axis]);
             at_a.total_cmp(&at_b).then(a.cmp(b))
         };
-        part.sort_unstable_by(along);
+        part.sort_unstable_by(compare);
         for (rank, unknown) in part.iter().enumerate() {
             self.ranks[*unknown] = rank as u32;
         }

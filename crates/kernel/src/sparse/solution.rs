@@ -21,7 +21,7 @@ pub(super) fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64
         values,
         inverse,
         permuted: x,
-        seen,
+        front_values,
         sums,
         ..
     } = work;
@@ -29,15 +29,22 @@ pub(super) fn solve_fronts(symbolic: &Symbolic, work: &mut Numbers, b: &mut [f64
         *target = b[*unknown as usize];
     }
     for front in &symbolic.fronts {
-        let seen = &mut seen[..front.shape.tiles()];
-        solve_forward(symbolic, front, &values[front.tiles()], x, seen);
+        let front_values = &mut front_values[..front.shape.tiles()];
+        solve_forward(symbolic, front, &values[front.tiles()], x, front_values);
     }
     for (x, inverse) in x.iter_mut().zip(inverse) {
         *x *= *inverse;
     }
     for front in symbolic.fronts.iter().rev() {
-        let seen = &mut seen[..front.shape.tiles()];
-        solve_backward(symbolic, front, &values[front.tiles()], x, seen, sums);
+        let front_values = &mut front_values[..front.shape.tiles()];
+        solve_backward(
+            symbolic,
+            front,
+            &values[front.tiles()],
+            x,
+            front_values,
+            sums,
+        );
     }
     for (value, unknown) in x.iter().zip(&symbolic.order) {
         b[*unknown as usize] = *value;
@@ -51,14 +58,14 @@ fn solve_forward(
     front: &Front,
     panel: &[f64],
     x: &mut [f64],
-    seen: &mut [[f64; LANES]],
+    front_values: &mut [[f64; LANES]],
 ) {
     let columns = front.shape.columns;
-    let flat = seen.as_flattened_mut();
+    let flat = front_values.as_flattened_mut();
     flat[..columns].copy_from_slice(&x[front.own()]);
     flat[columns..].fill(0.0);
-    front::solve_forward(panel, front.shape, seen);
-    let flat = seen.as_flattened();
+    front::solve_forward(panel, front.shape, front_values);
+    let flat = front_values.as_flattened();
     x[front.own()].copy_from_slice(&flat[..columns]);
     for (row, value) in symbolic.rows[front.below()].iter().zip(&flat[columns..]) {
         x[*row as usize] += value;
@@ -72,11 +79,11 @@ fn solve_backward(
     front: &Front,
     panel: &[f64],
     x: &mut [f64],
-    seen: &mut [[f64; LANES]],
+    front_values: &mut [[f64; LANES]],
     sums: &mut Vec<[f64; LANES]>,
 ) {
     let columns = front.shape.columns;
-    let flat = seen.as_flattened_mut();
+    let flat = front_values.as_flattened_mut();
     flat[..columns].copy_from_slice(&x[front.own()]);
     for (row, value) in symbolic.rows[front.below()]
         .iter()
@@ -85,6 +92,6 @@ fn solve_backward(
         *value = x[*row as usize];
     }
     flat[front.shape.height..].fill(0.0);
-    front::solve_backward(panel, front.shape, seen, sums);
-    x[front.own()].copy_from_slice(&seen.as_flattened()[..columns]);
+    front::solve_backward(panel, front.shape, front_values, sums);
+    x[front.own()].copy_from_slice(&front_values.as_flattened()[..columns]);
 }

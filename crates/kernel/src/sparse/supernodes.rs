@@ -91,8 +91,8 @@ impl Forest {
 
     /// Joins children to their parents while that is cheaper.
     fn join_children(&mut self) {
-        for at in 0..self.ascending.len() {
-            let node = self.ascending[at];
+        for index in 0..self.ascending.len() {
+            let node = self.ascending[index];
             while let Some(sibling) = self.cheapest_to_join(node) {
                 self.join(node, sibling);
             }

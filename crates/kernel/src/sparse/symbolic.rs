@@ -21,7 +21,7 @@ pub(super) struct Front {
     /// Start of the tiles among the numbers of L.
     pub values: usize,
     /// Start of the left-over in the workspace.
-    pub left: usize,
+    pub left_over_start: usize,
     /// Range of the entries of A in `Symbolic::assembly`.
     pub assembly: Range<usize>,
     /// Range of the children in `Symbolic::children`.
@@ -46,7 +46,7 @@ impl Front {
 
     /// Range of the left-over in the workspace.
     pub fn left_over(&self) -> Range<usize> {
-        self.left..self.left + self.shape.left_size()
+        self.left_over_start..self.left_over_start + self.shape.left_size()
     }
 }
 
@@ -202,26 +202,26 @@ impl<'a> Builder<'a> {
     }
 
     fn add_front(&mut self, index: usize, node: &Supernode) {
-        let own = self.first..self.first + node.columns.len();
+        let columns = self.first..self.first + node.columns.len();
         let children = std::mem::take(&mut self.waiting[index]);
-        let below = self.rows_below(&own, &children);
+        let below = self.rows_below(&columns, &children);
         let shape = Shape {
-            columns: own.len(),
-            height: own.len() + below.len(),
+            columns: columns.len(),
+            height: columns.len() + below.len(),
         };
-        self.number_rows(&own, &below);
-        let assembly = self.assemble(&own, shape);
+        self.number_rows(&columns, &below);
+        let assembly = self.assemble(&columns, shape);
         self.seat_children(&children, shape);
-        let left = self.reserve_left_over(&children, shape);
+        let left_over_start = self.reserve_left_over(&children, shape);
         let symbolic = &mut self.symbolic;
         let first_child = symbolic.children.len();
         symbolic.children.extend(children);
         symbolic.fronts.push(Front {
             shape,
-            first: own.start,
+            first: columns.start,
             rows: symbolic.rows.len(),
             values: symbolic.values_size,
-            left,
+            left_over_start,
             assembly,
             children: first_child..symbolic.children.len(),
         });
@@ -232,39 +232,39 @@ impl<'a> Builder<'a> {
         if let Some(parent) = node.parent {
             self.waiting[parent].push(index as u32);
         }
-        self.first = own.end;
+        self.first = columns.end;
     }
 
     /// The rows below the own columns: those of the entries of A and those of the children.
-    fn rows_below(&self, own: &Range<usize>, children: &[u32]) -> Vec<u32> {
+    fn rows_below(&self, columns: &Range<usize>, children: &[u32]) -> Vec<u32> {
         let mut rows: Vec<u32> = Vec::new();
-        for (row, _) in self.columns.entries(own.clone()) {
+        for (row, _) in self.columns.entries(columns.clone()) {
             rows.push(*row);
         }
         for child in children {
             let child = &self.symbolic.fronts[*child as usize];
             rows.extend(&self.symbolic.rows[child.below()]);
         }
-        rows.retain(|row| *row as usize >= own.end);
+        rows.retain(|row| *row as usize >= columns.end);
         rows.sort_unstable();
         rows.dedup();
         rows
     }
 
-    fn number_rows(&mut self, own: &Range<usize>, below: &[u32]) {
-        for (row, step) in own.clone().enumerate() {
+    fn number_rows(&mut self, columns: &Range<usize>, below: &[u32]) {
+        for (row, step) in columns.clone().enumerate() {
             self.local[step] = row as u32;
         }
         for (row, step) in below.iter().enumerate() {
-            self.local[*step as usize] = (own.len() + row) as u32;
+            self.local[*step as usize] = (columns.len() + row) as u32;
         }
     }
 
     /// Plans the places of the entries of A in the own columns.
-    fn assemble(&mut self, own: &Range<usize>, shape: Shape) -> Range<usize> {
+    fn assemble(&mut self, columns: &Range<usize>, shape: Shape) -> Range<usize> {
         let assembly = &mut self.symbolic.assembly;
         let begin = assembly.len();
-        for (column, step) in own.clone().enumerate() {
+        for (column, step) in columns.clone().enumerate() {
             for (row, entry) in self.columns.entries(step..step + 1) {
                 let row = self.local[*row as usize] as usize;
                 let place = shape.row_start(row) + LANES * column;
@@ -283,10 +283,10 @@ impl<'a> Builder<'a> {
             ..
         } = &mut self.symbolic;
         for child in children {
-            for at in fronts[*child as usize].below() {
-                let row = self.local[rows[at] as usize];
+            for index in fronts[*child as usize].below() {
+                let row = self.local[rows[index] as usize];
                 let tile = shape.row_start(row as usize) as u32;
-                seats[at] = Seat { row, tile };
+                seats[index] = Seat { row, tile };
             }
         }
     }
@@ -294,11 +294,12 @@ impl<'a> Builder<'a> {
     /// Reserves a place for the left-over of this front, and frees those of its children, which it
     /// has used by the time that others need the place.
     fn reserve_left_over(&mut self, children: &[u32], shape: Shape) -> usize {
-        let left = self.arena.take(shape.left_size());
+        let start = self.arena.take(shape.left_size());
         for child in children {
             let child = &self.symbolic.fronts[*child as usize];
-            self.arena.give(child.left, child.shape.left_size());
+            self.arena
+                .give(child.left_over_start, child.shape.left_size());
         }
-        left
+        start
     }
 }

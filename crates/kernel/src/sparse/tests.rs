@@ -56,9 +56,9 @@ fn grid(size: [usize; 3], unknowns: usize) -> (Vec<(usize, usize)>, Vec<[f64; 3]
     let node = |i: usize, j: usize, k: usize| (i * size[1] + j) * size[2] + k;
     let (mut entries, mut places) = (Vec::new(), Vec::new());
     for (i, j, k) in cells(size) {
-        let here = node(i, j, k);
+        let cell = node(i, j, k);
         let around = node((i + 1) % size[0], j, k);
-        let mut others = vec![here, around];
+        let mut others = vec![cell, around];
         if j + 1 < size[1] {
             others.extend([node(i, j + 1, k), node((i + 1) % size[0], j + 1, k)]);
         }
@@ -68,7 +68,7 @@ fn grid(size: [usize; 3], unknowns: usize) -> (Vec<(usize, usize)>, Vec<[f64; 3]
         for other in others {
             for a in 0..unknowns {
                 for b in 0..unknowns {
-                    let (row, column) = (unknowns * here + a, unknowns * other + b);
+                    let (row, column) = (unknowns * cell + a, unknowns * other + b);
                     entries.push((row.max(column), row.min(column)));
                 }
             }
@@ -112,18 +112,18 @@ fn planar_and_spatial_networks_are_solved_as_row_by_row() {
         // A sum of squares of differences, weakly held in place: the smallest eigenvalues are
         // near 0.01.
         let mut numbers = vec![0.0; entries.len()];
-        let mut own = vec![0.01; dimension];
+        let mut diagonal = vec![0.01; dimension];
         for (&(row, column), number) in entries.iter().zip(&mut numbers) {
             if row != column {
                 let stiffness = rng.uniform();
                 *number = -stiffness;
-                own[row] += stiffness;
-                own[column] += stiffness;
+                diagonal[row] += stiffness;
+                diagonal[column] += stiffness;
             }
         }
         for (&(row, column), number) in entries.iter().zip(&mut numbers) {
             if row == column {
-                *number = own[row];
+                *number = diagonal[row];
             }
         }
         factor.factor(&numbers).unwrap();
@@ -140,10 +140,10 @@ fn planar_and_spatial_networks_are_solved_as_row_by_row() {
             worst = worst.max((x - y).abs());
         }
         assert!(worst < 1e-12 * largest, "{size:?}: {worst} of {largest}");
-        let (found, expected) = (factor.log_determinant(), twin.log_determinant());
+        let (determinant, expected) = (factor.log_determinant(), twin.log_determinant());
         assert!(
-            (found - expected).abs() < 1e-13 * dimension as f64,
-            "{size:?}: {found} {expected}"
+            (determinant - expected).abs() < 1e-13 * dimension as f64,
+            "{size:?}: {determinant} {expected}"
         );
         // The same bits again, whatever was factored in between.
         let other: Vec<f64> = numbers.iter().map(|number| 2.0 * number).collect();

@@ -65,8 +65,8 @@ impl UpLooking {
             for &(column, index) in &self.rows[k] {
                 y[column] = numbers[index];
             }
-            let own = y[k];
-            let mut pivot = own;
+            let diagonal = y[k];
+            let mut pivot = diagonal;
             for column in 0..k {
                 if y[column] == 0.0 {
                     continue;
@@ -82,8 +82,8 @@ impl UpLooking {
             if !pivot.is_finite() {
                 return Err(SparseError::NotFinite { row });
             }
-            if pivot <= SMALLEST_PIVOT * own {
-                let pivot = pivot / own;
+            if pivot <= SMALLEST_PIVOT * diagonal {
+                let pivot = pivot / diagonal;
                 return Err(SparseError::Dependent { row, pivot });
             }
             self.diagonal[k] = pivot;

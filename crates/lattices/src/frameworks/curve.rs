@@ -106,11 +106,11 @@ pub fn load(
     }
     let loaded = stretch_curve(network, &loads)?;
     let mut points = Vec::with_capacity(loaded.len());
-    for (at, stress) in loaded.iter().zip(stresses_gpa) {
-        points.push(point(network, at, index, *stress, kind));
+    for (equilibrium, stress) in loaded.iter().zip(stresses_gpa) {
+        points.push(point(network, equilibrium, index, *stress, kind));
     }
     let last = match loaded.last() {
-        Some(at) => at.configuration.place(network),
+        Some(equilibrium) => equilibrium.configuration.place(network),
         None => network.clone(),
     };
     let curve = Curve {
@@ -123,24 +123,25 @@ pub fn load(
 
 fn point(
     network: &Framework,
-    at: &Loaded,
+    equilibrium: &Loaded,
     axis: usize,
     stress_gpa: f64,
     kind: StressKind,
 ) -> CurvePoint {
-    let placed = at.configuration.place(network);
+    let placed = equilibrium.configuration.place(network);
     let names = axes(network.dimension());
     // P A0 = σ A, with A = V/(length along the load).
-    let area = placed.volume_angstrom3() / network.volume_angstrom3() / (1.0 + at.stretch[axis]);
+    let area =
+        placed.volume_angstrom3() / network.volume_angstrom3() / (1.0 + equilibrium.stretch[axis]);
     let (nominal_gpa, cauchy_gpa) = match kind {
         StressKind::Nominal => (stress_gpa, stress_gpa / area),
         StressKind::Cauchy => (stress_gpa * area, stress_gpa),
     };
     let (mut strains, mut ratios) = (BTreeMap::new(), BTreeMap::new());
-    for (index, (name, strain)) in names.iter().zip(&at.stretch).enumerate() {
+    for (index, (name, strain)) in names.iter().zip(&equilibrium.stretch).enumerate() {
         strains.insert(format!("strain_{name}"), *strain);
         if index != axis {
-            let ratio = -strain / at.stretch[axis];
+            let ratio = -strain / equilibrium.stretch[axis];
             ratios.insert(format!("nu_{}{name}", names[axis]), ratio);
         }
     }
@@ -149,11 +150,11 @@ fn point(
         cauchy_gpa,
         strains,
         ratios,
-        energy_kcal_mol: at.energy_kcal_mol,
+        energy_kcal_mol: equilibrium.energy_kcal_mol,
         volume_angstrom3: placed.volume_angstrom3(),
         cell_angstrom: placed.cell_angstrom,
-        steps: at.steps,
-        largest_force_kcal_mol_angstrom: at.largest_force_kcal_mol_angstrom,
+        steps: equilibrium.steps,
+        largest_force_kcal_mol_angstrom: equilibrium.largest_force_kcal_mol_angstrom,
     }
 }
 

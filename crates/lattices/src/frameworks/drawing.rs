@@ -199,19 +199,19 @@ fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
         } else {
             (near, far)
         };
-        let at = |along: f64, across: f64| {
+        let position = |longitudinal: f64, transverse: f64| {
             (
-                reach[0] + u * along - v * across,
-                reach[1] + v * along + u * across,
+                reach[0] + u * longitudinal - v * transverse,
+                reach[1] + v * longitudinal + u * transverse,
             )
         };
         let back = tip + if loaded.pushed { 14.0 } else { -14.0 };
         let points = [
-            at(tail, 0.0),
-            at(tip, 0.0),
-            at(back, 8.0),
-            at(tip, 0.0),
-            at(back, -8.0),
+            position(tail, 0.0),
+            position(tip, 0.0),
+            position(back, 8.0),
+            position(tip, 0.0),
+            position(back, -8.0),
         ];
         let points = points.map(|(x, y)| format!("{x:.1},{y:.1}"));
         let _ = writeln!(

@@ -50,31 +50,33 @@ pub fn to_toml(network: &Framework, about: &str) -> String {
     text += &list(
         "rods",
         network.rods.iter().map(|rod| {
-            let rest = optional("rest_length_angstrom", rod.rest_length_angstrom);
+            let rest_length = optional("rest_length_angstrom", rod.rest_length_angstrom);
             let (from, to, k) = (
                 rod.from,
                 neighbour(&rod.to),
                 rod.stiffness_kcal_mol_angstrom2,
             );
-            format!("{{ from = {from}, to = {to}, stiffness_kcal_mol_angstrom2 = {k:?}{rest} }}")
+            format!(
+                "{{ from = {from}, to = {to}, stiffness_kcal_mol_angstrom2 = {k:?}{rest_length} }}"
+            )
         }),
     );
     text += &list(
         "hinges",
         network.hinges.iter().map(|hinge| {
-            let rest = optional("rest_angle_rad", hinge.rest_angle_rad);
+            let rest_angle = optional("rest_angle_rad", hinge.rest_angle_rad);
             let (vertex, k) = (hinge.vertex, hinge.stiffness_kcal_mol_rad2);
             let [first, second] = hinge.between.each_ref().map(neighbour);
-            format!("{{ vertex = {vertex}, between = [{first}, {second}], stiffness_kcal_mol_rad2 = {k:?}{rest} }}")
+            format!("{{ vertex = {vertex}, between = [{first}, {second}], stiffness_kcal_mol_rad2 = {k:?}{rest_angle} }}")
         }),
     );
     text += &list(
         "torsions",
         network.torsions.iter().map(|torsion| {
-            let rest = optional("rest_angle_rad", torsion.rest_angle_rad);
-            let along = torsion.along.each_ref().map(neighbour).join(", ");
+            let rest_angle = optional("rest_angle_rad", torsion.rest_angle_rad);
+            let nodes = torsion.along.each_ref().map(neighbour).join(", ");
             format!(
-                "{{ along = [{along}], stiffness_kcal_mol_rad2 = {:?}{rest} }}",
+                "{{ along = [{nodes}], stiffness_kcal_mol_rad2 = {:?}{rest_angle} }}",
                 torsion.stiffness_kcal_mol_rad2
             )
         }),

@@ -184,24 +184,24 @@ pub fn analyse(
     let energy = NetworkEnergy::new(network)?;
     let fixed = energy.with_rests(network);
     let built = Configuration::built(network);
-    let at = match settings.relax {
+    let configuration = match settings.relax {
         None => built,
         Some(Relax::FixedCell) => minimise(&fixed, false, None)?.configuration,
         Some(Relax::FreeCell) => minimise(&fixed, true, None)?
             .configuration
             .without_rotation(&built),
     };
-    let placed = at.place(&fixed);
-    let derivatives = energy.derivatives(&at);
+    let placed = configuration.place(&fixed);
+    let derivatives = energy.derivatives(&configuration);
     let hint = if settings.relax.is_none() {
         "elastic constants are defined for a network at rest only; add --relax"
     } else {
         "the relaxed network has no elastic constants"
     };
-    let elasticity = Elasticity::at(network, &energy, &at).context(hint)?;
+    let elasticity = Elasticity::at(network, &energy, &configuration).context(hint)?;
     let dimension = placed.dimension();
     let printed = match settings.derivatives {
-        true => Some(print_derivatives(&energy, &at, &derivatives)?),
+        true => Some(print_derivatives(&energy, &configuration, &derivatives)?),
         false => None,
     };
     let mut directions = Vec::with_capacity(POLAR_DIRECTIONS);
@@ -267,7 +267,7 @@ impl AnalyticModuli {
 
 fn print_derivatives(
     energy: &NetworkEnergy,
-    at: &Configuration,
+    configuration: &Configuration,
     d: &Derivatives,
 ) -> Result<PrintedDerivatives> {
     let n = energy.coordinates();
@@ -281,7 +281,7 @@ fn print_derivatives(
         hessian[column][row] = *value;
     }
     Ok(PrintedDerivatives {
-        nodes_angstrom: at.nodes_angstrom.clone(),
+        nodes_angstrom: configuration.nodes_angstrom.clone(),
         energy_kcal_mol: d.energy,
         forces_kcal_mol_angstrom: d.gradient.iter().map(|g| 0.0 - g).collect(),
         hessian_kcal_mol_angstrom2: hessian,
@@ -393,7 +393,7 @@ impl Report {
         }
         let mechanisms = match mechanisms.as_slice() {
             [] => "none".to_owned(),
-            found => found.join(" "),
+            strains => strains.join(" "),
         };
         let internal = match self.internal_mechanisms {
             Some(count) => format!("{count} floppy motions of the nodes at fixed cell"),

@@ -61,11 +61,11 @@ pub fn measure(
     }
     let exponent = match follow(settings, time_step, &lyapunov, interrupt) {
         Ok(End::Stopped) => return Ok(End::Stopped),
-        Ok(End::Finished(found)) => Exponent {
+        Ok(End::Finished(estimate)) => Exponent {
             settings: lyapunov,
             time_step,
-            exponent: Some(found.exponent),
-            standard_error: Some(found.standard_error),
+            exponent: Some(estimate.exponent),
+            standard_error: Some(estimate.standard_error),
             failure: None,
         },
         Err(error) => Exponent {

@@ -343,19 +343,20 @@ fn first_collision(
 ) -> Result<Option<FirstCollision>> {
     let mut state = file.first_state();
     let mut dynamics = file.dynamics(&state)?;
-    let Some(found) = replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)?
+    let Some(collision) =
+        replay::first_contact(&mut dynamics, &mut state, time_step, longest, false)?
     else {
         return Ok(None);
     };
-    let contacts = found.listed();
+    let contacts = collision.listed();
     let State {
         positions: s,
         velocities: v,
         ..
-    } = found.state;
+    } = collision.state;
     let response = replay::respond(dynamics.network(), &s, &v, &contacts, 1.0)?;
     Ok(Some(FirstCollision {
-        t: found.time,
+        t: collision.time,
         s,
         v,
         contacts,
@@ -380,11 +381,11 @@ pub fn respond(file: &LatticeFile) -> Result<Response> {
         velocities: contact.v.clone(),
     };
     state.check(&network)?;
-    let found = replay::touching(&network, &state);
-    let contacts = if found.is_empty() {
+    let pairs = replay::touching(&network, &state);
+    let contacts = if pairs.is_empty() {
         contact.contacts.clone()
     } else {
-        found
+        pairs
     };
     if contacts.is_empty() {
         bail!(

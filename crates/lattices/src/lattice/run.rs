@@ -236,7 +236,7 @@ struct Open {
     /// Number of parts in which every step is taken.
     sub_steps: u32,
     /// The state before the step.
-    kept: State,
+    previous_state: State,
     /// Whether the run must begin again with more parts.
     begins_again: bool,
 }
@@ -316,15 +316,15 @@ impl<'a> LatticeRun<'a> {
             state,
             progress,
             sub_steps,
-            kept,
+            previous_state,
             ..
         } = open;
         let parts = u64::from(*sub_steps);
         let part = self.time_step / parts as f64;
-        kept.clone_from(state);
+        previous_state.clone_from(state);
         for number in progress.steps * parts..(progress.steps + 1) * parts {
             if let Err(error) = mover.step(state, part, number) {
-                state.clone_from(kept);
+                state.clone_from(previous_state);
                 return Err(error);
             }
         }
@@ -449,7 +449,7 @@ impl Run for LatticeRun<'_> {
         let mut open = Open {
             path: directory.to_owned(),
             mover,
-            kept: saved.state.clone(),
+            previous_state: saved.state.clone(),
             state: saved.state,
             sub_steps: saved.sub_steps,
             begins_again: false,

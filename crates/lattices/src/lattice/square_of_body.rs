@@ -90,16 +90,16 @@ impl Answer for NamedSquare {
 impl NamedSquare {
     /// The warning about charges that stand out of the square.
     pub fn warning(&self) -> Option<String> {
-        let moved = &self.square.moved;
-        (moved.count > 0).then(|| {
+        let displacements = &self.square.moved;
+        (displacements.count > 0).then(|| {
             format!(
                 "{} of {} charges ({:+.2} and {:+.2} e) stand out of the square and were moved to its outermost sites, by \
                  at most {:.1} Å: forces between corners that meet are those of the moved charges",
-                moved.count,
-                moved.out_of,
-                moved.positive_e,
-                moved.negative_e,
-                moved.farthest_angstrom
+                displacements.count,
+                displacements.out_of,
+                displacements.positive_e,
+                displacements.negative_e,
+                displacements.farthest_angstrom
             )
         })
     }

@@ -73,9 +73,9 @@ fn sizes(network: &Network) -> (Vec<f64>, Vec<u32>) {
     let mut sizes: Vec<f64> = Vec::new();
     let mut kinds = Vec::with_capacity(network.squares.len());
     for square in &network.squares {
-        let known = sizes.iter().position(|size| *size == square.half_diagonal);
-        kinds.push(known.unwrap_or(sizes.len()) as u32);
-        if known.is_none() {
+        let index = sizes.iter().position(|size| *size == square.half_diagonal);
+        kinds.push(index.unwrap_or(sizes.len()) as u32);
+        if index.is_none() {
             sizes.push(square.half_diagonal);
         }
     }

@@ -129,9 +129,9 @@ impl Convolution {
     fn entries(&self, gradient: &[f32], sample: &Sample<'_>) -> Option<Entries> {
         let geometry = &self.geometry;
         if self.finishing == Finishing::Pool {
-            let seen = sample.occupied.and_then(|occupied| occupied.seen(geometry));
+            let masks = sample.occupied.and_then(|occupied| occupied.seen(geometry));
             let codes = sample.codes;
-            return Some(Entries::pooled(geometry, gradient, codes, seen.as_deref()));
+            return Some(Entries::pooled(geometry, gradient, codes, masks.as_deref()));
         }
         sparse_pays(geometry, count_nonzero(gradient))
             .then(|| Entries::unpooled(geometry, gradient))
@@ -262,7 +262,7 @@ impl Convolution {
             runs: OnceLock::new(),
             transposed: OnceLock::new(),
         };
-        let found: Vec<Gradients> = self
+        let parts: Vec<Gradients> = self
             .rooms(&mut input_gradient, samples.len())
             .into_par_iter()
             .zip(samples)
@@ -270,7 +270,7 @@ impl Convolution {
             .map(|(i, (room, sample))| of_sample(i, sample, &weights, room))
             .collect();
         let mut sums = Sums::new(vectors.elem_count());
-        for part in found {
+        for part in parts {
             sums.add(part);
         }
         let weight_gradient = sums.weights(&self.geometry);

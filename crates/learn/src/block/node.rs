@@ -24,7 +24,7 @@ pub(super) struct Node {
     norm: Option<GroupNorm>,
     /// Whether a gradient may be asked for.
     tracked: bool,
-    kept: OnceLock<Vec<Kept>>,
+    records: OnceLock<Vec<Kept>>,
 }
 
 /// Data of a sample that the backward pass needs, besides its input and its result.
@@ -76,7 +76,7 @@ impl Node {
             convolution,
             norm,
             tracked: input.track_op() || weight.track_op() || vectors.track_op(),
-            kept: OnceLock::new(),
+            records: OnceLock::new(),
         };
         Ok(input.contiguous()?.apply_op3(&weight, &vectors, node)?)
     }
@@ -204,16 +204,21 @@ impl CustomOp3 for Node {
         let to = self.out_length();
         let samples = input_layout.dims().first().copied().unwrap_or(0);
         let mut out = vec![0.0; samples * to];
-        let kept: Vec<Option<Kept>> = input
+        let records: Vec<Option<Kept>> = input
             .par_chunks_exact(geometry.inputs())
             .zip(out.par_chunks_exact_mut(to.max(1)))
             .map(|(sample, out)| {
-                let kept = self.forward(sample, &packed, vectors, out);
+                let record = self.forward(sample, &packed, vectors, out);
                 // Without a gradient the grid goes back to the buffers at once.
-                self.tracked.then_some(kept)
+                self.tracked.then_some(record)
             })
             .collect();
-        if self.tracked && self.kept.set(kept.into_iter().flatten().collect()).is_err() {
+        if self.tracked
+            && self
+                .records
+                .set(records.into_iter().flatten().collect())
+                .is_err()
+        {
             bail!("a node of the graph was run twice");
         }
         let [depth, height, width] = self.out_edges();
@@ -229,10 +234,10 @@ impl CustomOp3 for Node {
         result: &Tensor,
         gradient: &Tensor,
     ) -> Result<ThreeGradients> {
-        let Some(kept) = self.kept.get() else {
+        let Some(records) = self.records.get() else {
             bail!("a gradient was asked for, but nothing was tracked")
         };
-        if Some(kept.len()) != input.dims().first().copied() {
+        if Some(records.len()) != input.dims().first().copied() {
             return Err(wrong_storage());
         }
         let gradient = gradient.contiguous()?;
@@ -242,15 +247,15 @@ impl CustomOp3 for Node {
             (result.slice()?, gradient.slice()?, of_vectors.slice()?);
         let to = self.out_length();
         let of_one = |i: usize, input: &[f32], weights: &Weights, room: Option<&mut [f32]>| {
-            let kept: &Kept = &kept[i];
+            let record: &Kept = &records[i];
             let sample = Sample {
                 input,
                 result: of_sample(result, i, to),
                 gradient: of_sample(gradient, i, to),
-                codes: &kept.codes,
-                occupied: kept.occupied.as_ref(),
+                codes: &record.codes,
+                occupied: record.occupied.as_ref(),
             };
-            self.backward(kept.normed.as_ref(), of_vectors, sample, weights, room)
+            self.backward(record.normed.as_ref(), of_vectors, sample, weights, room)
         };
         self.convolution.gradients(input, weight, vectors, of_one)
     }

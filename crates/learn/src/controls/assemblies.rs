@@ -29,10 +29,10 @@ pub(super) fn ring(blob: &Blob, copies: usize) -> Blob {
 
 /// A ring turned at random, in a box that it fills up to a margin of one voxel.
 pub(super) fn voxels(ring: &Blob, size: usize, random: &mut CounterRng) -> Vec<(u32, f32)> {
-    let turned = ring
+    let blob = ring
         .turned(&random.rotation())
         .scaled(size as f64 / 2.0 - 1.0);
-    filled(size, |p| turned.distance(p))
+    filled(size, |p| blob.distance(p))
 }
 
 #[cfg(test)]

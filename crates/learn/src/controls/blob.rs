@@ -16,8 +16,8 @@ impl Blob {
     pub(super) fn random(random: &mut CounterRng) -> Self {
         let mut balls = vec![(Vec3::zeros(), 1.0)];
         for _ in 0..7 + random.index(6) {
-            let (at, radius) = balls[random.index(balls.len())];
-            let middle = at + random.unit_vector() * radius;
+            let (centre, radius) = balls[random.index(balls.len())];
+            let middle = centre + random.unit_vector() * radius;
             balls.push((middle, random.uniform_in(0.6, 1.1)));
         }
         Self { balls }.centred().with_extent(1.0)
@@ -40,7 +40,7 @@ impl Blob {
             moment += middle * radius.powi(3);
         }
         let middle = moment / volume;
-        self.map(|at, radius| (at - middle, radius))
+        self.map(|centre, radius| (centre - middle, radius))
     }
 
     /// The blob of the balls that `change` makes of these.
@@ -104,10 +104,10 @@ impl Blob {
         // |t u - m| = r at t = u.m ± sqrt((u.m)² - m² + r²); the largest root over all balls.
         let mut farthest = 0.0;
         for (middle, radius) in &self.balls {
-            let along = direction.dot(middle);
-            let square = along * along - middle.norm_squared() + radius * radius;
+            let projection = direction.dot(middle);
+            let square = projection * projection - middle.norm_squared() + radius * radius;
             if square >= 0.0 {
-                farthest = f64::max(farthest, along + square.sqrt());
+                farthest = f64::max(farthest, projection + square.sqrt());
             }
         }
         direction * farthest

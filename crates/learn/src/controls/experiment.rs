@@ -200,9 +200,9 @@ impl Control {
                 vec![random, experiment("split-by-cluster", ALL, Chance)]
             }
             Self::Orientation => {
-                let mut turned = experiment("turned", SHAPE, Chance);
-                turned.variant = Variant::Turned;
-                vec![experiment("as-deposited", SHAPE, AtLeast(0.95)), turned]
+                let mut rotated = experiment("turned", SHAPE, Chance);
+                rotated.variant = Variant::Turned;
+                vec![experiment("as-deposited", SHAPE, AtLeast(0.95)), rotated]
             }
             Self::Size => {
                 let mut filling = experiment("filling-the-box", SHAPE, Chance);

@@ -59,8 +59,8 @@ impl Protein {
     /// Screened Coulomb potential, kT/e: φ(p) = l_B Σ q exp(-r/λ) / r, with r at least 1 Å.
     fn potential(&self, p: &Vec3) -> f64 {
         let mut sum = 0.0;
-        for (at, charge) in &self.charges {
-            let r = (p - at).norm().max(1.0);
+        for (position, charge) in &self.charges {
+            let r = (p - position).norm().max(1.0);
             sum += charge * (-r / DEBYE_ANGSTROM).exp() / r;
         }
         BJERRUM_ANGSTROM * sum
@@ -69,8 +69,8 @@ impl Protein {
     /// Hydropathy of the nearest site.
     fn hydropathy(&self, p: &Vec3) -> f64 {
         let (mut nearest, mut hydropathy) = (f64::INFINITY, 0.0);
-        for (at, of_site) in &self.sites {
-            let distance = (p - at).norm_squared();
+        for (position, of_site) in &self.sites {
+            let distance = (p - position).norm_squared();
             if distance < nearest {
                 (nearest, hydropathy) = (distance, *of_site);
             }

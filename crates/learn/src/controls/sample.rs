@@ -192,8 +192,8 @@ impl Recipe {
     /// balanced.
     fn dealt(&self, which: usize, count: usize) -> usize {
         let key = |i: usize| (self.random(Purpose::Label, i).uniform(), i);
-        let own = key(which);
-        (0..count).filter(|i| key(*i) < own).count()
+        let limit = key(which);
+        (0..count).filter(|i| key(*i) < limit).count()
     }
 
     /// A rod deposited along an axis of the frame or along a diagonal.

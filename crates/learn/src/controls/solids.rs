@@ -36,8 +36,8 @@ fn distance(kind: usize, slenderness: f64, p: &Vec3) -> f64 {
             // Half height over radius from 1/2 to 3/2.
             let angle = (0.5 + slenderness).atan();
             let (radius, half_height) = (angle.cos(), angle.sin());
-            let (across, along) = (p.xy().norm() - radius, p.z.abs() - half_height);
-            across.max(0.0).hypot(along.max(0.0)) + across.max(along).min(0.0)
+            let (radial, axial) = (p.xy().norm() - radius, p.z.abs() - half_height);
+            radial.max(0.0).hypot(axial.max(0.0)) + radial.max(axial).min(0.0)
         }
         "sphere" => p.norm() - 1.0,
         "tetrahedron" => {

@@ -69,25 +69,25 @@ impl Logistic {
         let rows = labels.len();
         let weighted = weights.is_none_or(|weights| weights.len() == rows);
         let is_known = |sample: &usize| labels.get(*sample).is_some_and(|label| *label < classes);
-        let known = !samples.is_empty() && samples.iter().all(is_known);
+        let has_labels = !samples.is_empty() && samples.iter().all(is_known);
         let is_ridge = ridge > 0.0 && ridge.is_finite();
-        if !known || !weighted || !is_ridge {
+        if !has_labels || !weighted || !is_ridge {
             let count = samples.len();
             return refuse(format!(
                 "no fit to {count} of {rows} samples with the ridge {ridge}"
             ));
         }
-        let own: Vec<f64> = samples
+        let sample_weights: Vec<f64> = samples
             .iter()
             .map(|sample| weights.map_or(1.0, |weights| weights[*sample]))
             .collect();
-        let standardisation = Standardisation::fit(table, samples, &own);
+        let standardisation = Standardisation::fit(table, samples, &sample_weights);
         let shares = prior(samples, labels, weights, classes);
         let problem = Problem {
             rows: standardisation.rows(table, samples),
             columns: table.columns,
             labels: samples.iter().map(|sample| labels[*sample]).collect(),
-            weights: own,
+            weights: sample_weights,
             log_prior: shares.into_iter().map(f64::ln).collect(),
             ridge,
         };

@@ -70,8 +70,8 @@ pub fn screen(source: &dyn SampleSource, samples: &[usize]) -> (Vec<usize>, Vec<
 }
 
 fn name(source: &dyn SampleSource, sample: usize) -> Option<String> {
-    let known = source.descriptions().get(sample)?;
-    Some(known.name.clone())
+    let description = source.descriptions().get(sample)?;
+    Some(description.name.clone())
 }
 
 /// Reason that an error states, without the name of the sample.

@@ -50,14 +50,16 @@ fn of_sample(
 pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
     let place = |name: &str| channels.iter().position(|channel| channel == name);
     let (solid, shape) = (place("solid"), place("shape"));
-    let own = values.get(channel).copied().unwrap_or_default();
+    let channel_values = values.get(channel).copied().unwrap_or_default();
     let everywhere = solid.is_none() || solid == Some(channel) || shape == Some(channel);
     if everywhere {
-        return own.to_vec();
+        return channel_values.to_vec();
     }
-    let marks = shape.and_then(|shape| values.get(shape)).unwrap_or(&own);
+    let marks = shape
+        .and_then(|shape| values.get(shape))
+        .unwrap_or(&channel_values);
     let mut defined = Vec::new();
-    for (value, mark) in own.iter().zip(*marks) {
+    for (value, mark) in channel_values.iter().zip(*marks) {
         if *mark != 0.0 {
             defined.push(*value);
         }

@@ -79,7 +79,7 @@ impl Split {
     /// [`LearnError::Sample`] for a sample without a cluster. [`LearnError::Settings`] if fractions
     /// do not sum to 1 or clusters are too few to fill every part.
     pub fn grouped(descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Self> {
-        let labels = ranks(descriptions.iter().map(|known| &known.label));
+        let labels = ranks(descriptions.iter().map(|description| &description.label));
         Self::of_groups(&clusters(descriptions)?, &labels, seed, fractions)
     }
 
@@ -138,7 +138,7 @@ impl Split {
     /// [`LearnError::Settings`] as for [`Split::grouped`].
     pub fn random(descriptions: &[Description], seed: u64, fractions: Fractions) -> Result<Self> {
         let alone: Vec<_> = (0..descriptions.len()).map(|sample| vec![sample]).collect();
-        let labels = ranks(descriptions.iter().map(|known| &known.label));
+        let labels = ranks(descriptions.iter().map(|description| &description.label));
         Self::of_groups(&alone, &labels, seed, fractions)
     }
 
@@ -162,13 +162,13 @@ impl Split {
     /// # Errors
     /// [`LearnError::Settings`] names the index.
     pub fn check(&self, samples: usize) -> Result<()> {
-        let mut seen = vec![false; samples];
+        let mut marks = vec![false; samples];
         for index in [&self.training, &self.validation, &self.test]
             .into_iter()
             .flatten()
         {
-            match seen.get_mut(*index) {
-                Some(seen) if !*seen => *seen = true,
+            match marks.get_mut(*index) {
+                Some(mark) if !*mark => *mark = true,
                 Some(_) => return refuse(format!("sample {index} is in the split twice")),
                 None => return refuse(format!("the split names sample {index} of {samples}")),
             }
@@ -189,15 +189,15 @@ impl Split {
 /// ```
 pub fn family_weights(descriptions: &[Description]) -> Vec<f64> {
     let mut sizes = BTreeMap::<&str, usize>::new();
-    for known in descriptions {
-        *sizes.entry(&known.family).or_default() += 1;
+    for description in descriptions {
+        *sizes.entry(&description.family).or_default() += 1;
     }
     let mut weights = Vec::with_capacity(descriptions.len());
-    for known in descriptions {
-        let size = if known.family.is_empty() {
+    for description in descriptions {
+        let size = if description.family.is_empty() {
             1
         } else {
-            sizes[known.family.as_str()]
+            sizes[description.family.as_str()]
         };
         weights.push(1.0 / size as f64);
     }
@@ -221,11 +221,11 @@ pub fn family_weights(descriptions: &[Description]) -> Vec<f64> {
 /// ```
 pub fn labels_in_one_cluster(descriptions: &[Description]) -> Vec<&str> {
     let mut clusters = BTreeMap::<&str, BTreeSet<&str>>::new();
-    for known in descriptions {
+    for description in descriptions {
         clusters
-            .entry(&known.label)
+            .entry(&description.label)
             .or_default()
-            .insert(&known.cluster);
+            .insert(&description.cluster);
     }
     clusters.retain(|_, of_label| of_label.len() == 1);
     clusters.into_keys().collect()
@@ -237,16 +237,19 @@ pub fn labels_in_one_cluster(descriptions: &[Description]) -> Vec<&str> {
 /// [`LearnError::Sample`] for a sample without a cluster.
 pub(crate) fn clusters(descriptions: &[Description]) -> Result<Vec<Vec<usize>>> {
     let mut clusters = BTreeMap::<&str, Vec<usize>>::new();
-    for (sample, known) in descriptions.iter().enumerate() {
-        if known.cluster.is_empty() {
+    for (sample, description) in descriptions.iter().enumerate() {
+        if description.cluster.is_empty() {
             return Err(LearnError::Sample {
-                name: known.name.clone(),
+                name: description.name.clone(),
                 reason: "it has no cluster; if nothing in the set is related to it, name the \
                          cluster after the sample"
                     .into(),
             });
         }
-        clusters.entry(&known.cluster).or_default().push(sample);
+        clusters
+            .entry(&description.cluster)
+            .or_default()
+            .push(sample);
     }
     Ok(clusters.into_values().collect())
 }

@@ -172,14 +172,14 @@ impl Classes {
                 joined.push(label);
             }
         }
-        let mut found = Vec::new();
+        let mut counts = Vec::new();
         for (label, samples) in count(&joined) {
-            found.push(LabelCount {
+            counts.push(LabelCount {
                 label: label.to_owned(),
                 samples,
             });
         }
-        found
+        counts
     }
 }
 

@@ -85,12 +85,12 @@ pub(super) const SPACE_GROUPS: [(u8, &[&str]); 65] = [
 pub(super) fn space_group(label: &str) -> Result<(u8, &'static str)> {
     let plain = plain(label);
     let number = plain.parse::<u8>().ok();
-    for (own, symbols) in SPACE_GROUPS {
+    for (group, symbols) in SPACE_GROUPS {
         let is_named = symbols
             .iter()
             .any(|symbol| symbol.eq_ignore_ascii_case(&plain));
-        if is_named || number == Some(own) {
-            return Ok((own, symbols[0]));
+        if is_named || number == Some(group) {
+            return Ok((group, symbols[0]));
         }
     }
     refuse(format!(

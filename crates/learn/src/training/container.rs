@@ -24,14 +24,14 @@ pub(super) fn pack(tensors: &[(String, Tensor)], description: &impl Serialize) -
 /// Unpacks what [`pack`] packed: the tensors by name, and the description.
 ///
 /// # Errors
-/// [`LearnError::Settings`] if the bytes are damaged or hold something else than `what`.
+/// [`LearnError::Settings`] if the bytes are damaged or hold something else than `kind`.
 pub(super) fn unpack<D: DeserializeOwned>(
     bytes: &[u8],
-    what: &str,
+    kind: &str,
     device: &Device,
 ) -> Result<(Vec<(String, Tensor)>, D)> {
     let damaged =
-        |reason: String| LearnError::Settings(format!("this is not a usable {what}: {reason}"));
+        |reason: String| LearnError::Settings(format!("this is not a usable {kind}: {reason}"));
     let (_, header) =
         SafeTensors::read_metadata(bytes).map_err(|error| damaged(error.to_string()))?;
     let entries = header.metadata().as_ref();

@@ -282,7 +282,7 @@ impl Model {
             && card
                 .number_classes
                 .as_ref()
-                .is_none_or(|of| of.count() == classes && of.means.len() == classes)
+                .is_none_or(|numbers| numbers.count() == classes && numbers.means.len() == classes)
             && card.channels.len() == channels
             && card.scaling.transforms.len() == card.scaling.channels.len()
             && tensors.len() == network.parameters().len();

@@ -214,14 +214,14 @@ impl Progress {
         let (card, classes) = (&self.card, training.classes.names.len());
         let channels = training.settings.channel_places(training.source)?.len();
         let all_channels = training.source.channels().len();
-        for (list, found, expected) in [
+        for (list, count, expected) in [
             ("classes", card.classes.len(), classes),
             ("shares of classes", card.log_prior.len(), classes),
             ("channels", card.channels.len(), channels),
             ("scaled channels", card.scaling.channels.len(), all_channels),
             ("scalings", card.scaling.transforms.len(), all_channels),
         ] {
-            require_length(list, found, expected)?;
+            require_length(list, count, expected)?;
         }
         let done = self.history.len();
         let is_numbered = self
@@ -253,12 +253,12 @@ impl Progress {
 }
 
 /// Refuses a part of a checkpoint that is not as long as the training needs it.
-fn require_length(part: &str, found: usize, expected: usize) -> Result<()> {
-    if found == expected {
+fn require_length(part: &str, count: usize, expected: usize) -> Result<()> {
+    if count == expected {
         return Ok(());
     }
     refuse(format!(
-        "the checkpoint has {found} {part} where the training has {expected}; {RESTORE}"
+        "the checkpoint has {count} {part} where the training has {expected}; {RESTORE}"
     ))
 }
 
@@ -325,13 +325,13 @@ fn copies(network: &Network) -> Result<Named> {
 
 /// The tensors whose names begin with a prefix, without it.
 fn with_prefix(tensors: &[(String, Tensor)], prefix: &str) -> Named {
-    let mut found = Named::new();
+    let mut entries = Named::new();
     for (name, tensor) in tensors {
         if let Some(name) = name.strip_prefix(prefix) {
-            found.push((name.to_owned(), tensor.clone()));
+            entries.push((name.to_owned(), tensor.clone()));
         }
     }
-    found
+    entries
 }
 
 /// A hash of everything that decides which sample is what.
@@ -342,9 +342,9 @@ fn fingerprint(training: &Training) -> u64 {
     for name in source.channels().iter().chain(&classes.names) {
         hash.add(name.as_bytes());
     }
-    for (known, label) in source.descriptions().iter().zip(&classes.labels) {
-        hash.add(known.name.as_bytes());
-        hash.add(known.family.as_bytes());
+    for (description, label) in source.descriptions().iter().zip(&classes.labels) {
+        hash.add(description.name.as_bytes());
+        hash.add(description.family.as_bytes());
         hash.add(&(*label as u64).to_le_bytes());
     }
     for part in [&split.training, &split.validation] {

@@ -60,7 +60,7 @@ fn classes(source: &InMemory) -> Classes {
     let labels: Vec<&str> = source
         .descriptions
         .iter()
-        .map(|known| known.label.as_str())
+        .map(|description| description.label.as_str())
         .collect();
     Classes::of(&labels, Target::Label, 1).unwrap()
 }
@@ -127,7 +127,7 @@ impl Observer for Keeper {
     fn step(&mut self, _: StepReport) -> ControlFlow<()> {
         match &mut self.steps {
             Some(0) => return ControlFlow::Break(()),
-            Some(left) => *left -= 1,
+            Some(remaining) => *remaining -= 1,
             None => {}
         }
         ControlFlow::Continue(())
@@ -471,12 +471,12 @@ fn patience_ends_a_training_that_only_memorises() {
 fn predictions_over_all_rotations_do_not_depend_on_the_rotation() {
     let source = source(60);
     let trained = run(&settings(2), None, &mut ()).unwrap();
-    let turned = CubeRotation::all()
+    let grids = CubeRotation::all()
         .iter()
         .map(|turn| turn.sparse(&source.grids[0]))
         .collect();
-    let turned = InMemory {
-        grids: turned,
+    let orientations = InMemory {
+        grids,
         descriptions: vec![Description::default(); 24],
         ..source.clone()
     };
@@ -488,7 +488,7 @@ fn predictions_over_all_rotations_do_not_depend_on_the_rotation() {
         };
         let p = trained
             .model
-            .predict(&turned, &(0..24).collect::<Vec<_>>(), how)
+            .predict(&orientations, &(0..24).collect::<Vec<_>>(), how)
             .unwrap()
             .probabilities;
         let first: Vec<f64> = p.chunks(2).map(|p| p[0]).collect();
@@ -513,11 +513,11 @@ fn models_survive_as_bytes_and_can_be_calibrated() {
     let split = Split::grouped(&source.descriptions, 1, Fractions::default()).unwrap();
     let labels = classes(&source).labels;
     let how = PredictionSettings::default();
-    let found = trained
+    let temperature = trained
         .model
         .calibrate(&source, &split.validation, &labels, None, how)
         .unwrap();
-    assert!(found > 0.0 && found == trained.model.card.temperature);
+    assert!(temperature > 0.0 && temperature == trained.model.card.temperature);
     let copy = Model::from_bytes(&trained.model.to_bytes().unwrap()).unwrap();
     let p = |model: &Model| model.predict(&source, &split.test, how).unwrap();
     assert_eq!(p(&copy), p(&trained.model));

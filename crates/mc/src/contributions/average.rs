@@ -293,11 +293,11 @@ impl Averages {
             return None;
         }
         let share = self.total(index).mean / charges.mean;
-        let rest = |block: &[f64; TOTALS]| (block[index] - share * block[0]) / charges.mean;
-        let rests: Vec<f64> = self.ended().iter().map(rest).collect();
+        let residual = |block: &[f64; TOTALS]| (block[index] - share * block[0]) / charges.mean;
+        let residuals: Vec<f64> = self.ended().iter().map(residual).collect();
         Some(Mean {
             mean: share,
-            error: mean_of_blocks(&rests).error,
+            error: mean_of_blocks(&residuals).error,
         })
     }
 }

@@ -122,12 +122,12 @@ impl OwnedCharges {
 
     /// The charges in the frame of another body.
     pub(super) fn moved(&self, relative: &RelativePose) -> Self {
-        let mut moved = self.clone();
+        let mut charges = self.clone();
         for index in 0..self.len() {
             let place = relative.transform_point(&self.place(index));
-            (moved.x[index], moved.y[index], moved.z[index]) = (place.x, place.y, place.z);
+            (charges.x[index], charges.y[index], charges.z[index]) = (place.x, place.y, place.z);
         }
-        moved
+        charges
     }
 }
 

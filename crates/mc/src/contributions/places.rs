@@ -15,7 +15,7 @@ pub struct ResiduePlaces {
     atoms: Vec<(Vec3, usize)>,
     beads: Vec<Bead>,
     /// Residues of places already met: terms hand out the same places again and again.
-    found: RwLock<HashMap<[u64; 3], Option<usize>>>,
+    residues_by_place: RwLock<HashMap<[u64; 3], Option<usize>>>,
 }
 
 impl ResiduePlaces {
@@ -31,7 +31,7 @@ impl ResiduePlaces {
             residues: body.residues.len(),
             atoms,
             beads: beads_of(body),
-            found: RwLock::default(),
+            residues_by_place: RwLock::default(),
         }
     }
 
@@ -52,14 +52,20 @@ impl ResiduePlaces {
             return self.nearest_bead(place);
         }
         let key = [place.x.to_bits(), place.y.to_bits(), place.z.to_bits()];
-        let known = self.found.read().unwrap_or_else(PoisonError::into_inner);
-        if let Some(residue) = known.get(&key) {
+        let residues = self
+            .residues_by_place
+            .read()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(residue) = residues.get(&key) {
             return *residue;
         }
-        drop(known);
+        drop(residues);
         let residue = self.nearest(place);
-        let mut known = self.found.write().unwrap_or_else(PoisonError::into_inner);
-        known.insert(key, residue);
+        let mut residues = self
+            .residues_by_place
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        residues.insert(key, residue);
         residue
     }
 

@@ -106,9 +106,9 @@ impl Contributions {
             }
             if first == site.kind && second == site.kind {
                 for place in &site.places {
-                    let moved = relative.transform_point(place);
+                    let image = relative.transform_point(place);
                     for other in &site.places {
-                        let square = (moved - other).norm_squared();
+                        let square = (image - other).norm_squared();
                         response.among_copies_kt_per_e2 +=
                             per_place * per_place * self.potential.at_square(square);
                     }

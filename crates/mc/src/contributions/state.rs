@@ -116,8 +116,8 @@ impl Contributions {
         for first in 0..system.len() {
             for second in first + 1..system.len() {
                 let pair = system.pair(first, second);
-                let found = self.of_bodies(&pair);
-                state.add(&pair, &found, self.columns(&pair));
+                let energies = self.of_bodies(&pair);
+                state.add(&pair, &energies, self.columns(&pair));
             }
         }
         // Touching is known once all pairs are: now half of each energy goes to each residue.
@@ -160,28 +160,28 @@ impl Contributions {
     fn of_bodies(&self, pair: &Pair<'_>) -> OfBodies {
         let (first, second) = pair.type_indices();
         let (ours, theirs) = (&self.kinds[first], &self.kinds[second]);
-        let mut found = OfBodies {
+        let mut energies = OfBodies {
             pairs: vec![PairContribution::default(); ours.len() * theirs.len()],
             single: [ours, theirs].map(|kind| vec![EnergyParts::default(); kind.len()]),
         };
         for displacement in self.reach_of_charges.images(pair) {
             let relative = pair.relative_image(&displacement);
-            self.add_charges(ours, theirs, &relative, &mut found);
+            self.add_charges(ours, theirs, &relative, &mut energies);
         }
         if let Some((terms, reach)) = &self.terms {
             for displacement in reach.images(pair) {
                 let relative = pair.relative_image(&displacement);
-                self.add_terms(terms, (first, second), &relative, &mut found);
+                self.add_terms(terms, (first, second), &relative, &mut energies);
             }
         }
         let columns = theirs.len();
         for displacement in self.reach_of_touch.images(pair) {
             let relative = pair.relative_image(&displacement);
             ours.touching(theirs, &relative, self.touching_angstrom, |a, b| {
-                found.pairs[a * columns + b].touching = 1.0;
+                energies.pairs[a * columns + b].touching = 1.0;
             });
         }
-        found
+        energies
     }
 
     fn add_charges(
@@ -189,17 +189,17 @@ impl Contributions {
         ours: &ResiduesOfKind,
         theirs: &ResiduesOfKind,
         relative: &RelativePose,
-        found: &mut OfBodies,
+        energies: &mut OfBodies,
     ) {
         let columns = theirs.len();
-        let moved = theirs.charges.moved(relative);
-        let mut potentials = vec![0.0; moved.len()];
+        let their_charges = theirs.charges.moved(relative);
+        let mut potentials = vec![0.0; their_charges.len()];
         for index in 0..ours.charges.len() {
-            let at = ours.charges.place(index);
+            let place = ours.charges.place(index);
             let charge_e = ours.charges.charge_e[index];
-            self.potentials_at(&at, &moved, &mut potentials);
-            let row = &mut found.pairs[ours.charges.residue[index] * columns..][..columns];
-            for (residue, potential) in moved.residue.iter().zip(&potentials) {
+            self.potentials_at(&place, &their_charges, &mut potentials);
+            let row = &mut energies.pairs[ours.charges.residue[index] * columns..][..columns];
+            for (residue, potential) in their_charges.residue.iter().zip(&potentials) {
                 row[*residue].charges_kt += charge_e * potential;
             }
         }
@@ -208,13 +208,18 @@ impl Contributions {
     /// The potential (kT/e) of each of these charges at a place.
     pub(super) fn potentials_at(
         &self,
-        at: &protomer_kernel::Vec3,
-        of: &OwnedCharges,
+        place: &protomer_kernel::Vec3,
+        charges: &OwnedCharges,
         potentials: &mut [f64],
     ) {
-        let places = of.x.iter().zip(&of.y).zip(&of.z).zip(&of.charge_e);
+        let places = charges
+            .x
+            .iter()
+            .zip(&charges.y)
+            .zip(&charges.z)
+            .zip(&charges.charge_e);
         for ((((x, y), z), charge_e), potential) in places.zip(potentials) {
-            let (dx, dy, dz) = (x - at.x, y - at.y, z - at.z);
+            let (dx, dy, dz) = (x - place.x, y - place.y, z - place.z);
             *potential = charge_e * self.potential.at_square(dx * dx + dy * dy + dz * dz);
         }
     }
@@ -224,7 +229,7 @@ impl Contributions {
         terms: &TermsByType,
         (first, second): (usize, usize),
         relative: &RelativePose,
-        found: &mut OfBodies,
+        energies: &mut OfBodies,
     ) {
         let places = [&self.kinds[first].places, &self.kinds[second].places];
         let columns = places[1].len();
@@ -233,7 +238,7 @@ impl Contributions {
             if matches!(kind, Term::Desolvation | Term::SolventResponse) {
                 term.shares(relative, &mut |body, place, energy_kt| {
                     if let Some(residue) = places[body].of_term(kind, place) {
-                        found.single[body][residue].add(kind, energy_kt);
+                        energies.single[body][residue].add(kind, energy_kt);
                     }
                 });
                 continue;
@@ -244,7 +249,7 @@ impl Contributions {
                     places[1].of_term(kind, of_second),
                 );
                 if let (Some(a), Some(b)) = residues {
-                    let pair = &mut found.pairs[a * columns + b];
+                    let pair = &mut energies.pairs[a * columns + b];
                     match kind {
                         Term::Charges => pair.charges_kt += energy_kt,
                         _ => pair.contacts_kt += energy_kt,
@@ -267,13 +272,13 @@ impl ResiduesOfKind {
 }
 
 impl StateEnergies {
-    fn add(&mut self, bodies: &Pair<'_>, found: &OfBodies, columns: usize) {
+    fn add(&mut self, bodies: &Pair<'_>, contributions: &OfBodies, columns: usize) {
         let (first, second) = bodies.type_indices();
         let kinds = (first.min(second), first.max(second));
         let Some(table) = self.pairs.iter_mut().find(|pairs| pairs.kinds == kinds) else {
             return;
         };
-        for (index, pair) in found.pairs.iter().enumerate() {
+        for (index, pair) in contributions.pairs.iter().enumerate() {
             let (a, b) = (index / columns, index % columns);
             let place = match first.cmp(&second) {
                 std::cmp::Ordering::Less => a * table.columns + b,
@@ -290,7 +295,10 @@ impl StateEnergies {
                 self.apart_kt += pair.charges_kt;
             }
         }
-        for (copy, energies) in [bodies.first, bodies.second].into_iter().zip(&found.single) {
+        for (copy, energies) in [bodies.first, bodies.second]
+            .into_iter()
+            .zip(&contributions.single)
+        {
             for (residue, parts) in self.residues[copy].iter_mut().zip(energies) {
                 residue.parts += *parts;
                 self.parts += *parts;

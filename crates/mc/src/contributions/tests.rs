@@ -80,15 +80,15 @@ fn case(seed: u64, edge: f64) -> Case {
     let bodies = vec![random_body(&mut rng, 7), random_body(&mut rng, 5)];
     let kind = |body: &Body| Arc::new(BodyType::from_body(body).unwrap());
     let types: Vec<Arc<BodyType>> = bodies.iter().map(kind).collect();
-    let mut at = |x: f64, y: f64| Pose {
+    let mut pose = |x: f64, y: f64| Pose {
         position: Vec3::new(x, y, 0.0),
         rotation: rng.rotation(),
     };
     let placed = [
-        (1, at(0.0, 0.0)),
-        (0, at(16.0, 0.0)),
-        (0, at(0.0, 17.0)),
-        (1, at(18.0, 19.0)),
+        (1, pose(0.0, 0.0)),
+        (0, pose(16.0, 0.0)),
+        (0, pose(0.0, 17.0)),
+        (1, pose(18.0, 19.0)),
     ];
     let boundary = Boundary::periodic(Vec3::repeat(edge)).unwrap();
     let system = System::new(types.clone(), &placed, boundary).unwrap();
@@ -156,11 +156,11 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
             &case.bodies[case.system.type_index(copy)],
             case.system.pose(copy),
         );
-        let at = |site: &Site| {
+        let atom = |site: &Site| {
             let residue = site.residue.unwrap() as usize;
             (residue, pose.transform_point(&site.position), site.charge_e)
         };
-        body.sites.iter().map(at).collect::<Vec<_>>()
+        body.sites.iter().map(atom).collect::<Vec<_>>()
     };
     let mut touches = vec![vec![false; 7]; 4];
     let mut apart = 0.0;
@@ -180,9 +180,9 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
                         }
                         let (mut of_bodies, mut nearest) = (0.0, f64::INFINITY);
                         for (residue, place, charge) in atoms_at(first) {
-                            for (other, at, other_charge) in atoms_at(second) {
+                            for (other, other_place, other_charge) in atoms_at(second) {
                                 if (residue, other) == (a, b) {
-                                    let r = (place - at).norm();
+                                    let r = (place - other_place).norm();
                                     nearest = nearest.min(r);
                                     of_bodies += charge * other_charge * case.yukawa.energy_kt(r);
                                 }
@@ -199,21 +199,21 @@ fn pairs_of_residues_are_those_of_the_double_loop() {
                     }
                 }
                 let is_one_kind = pairs.kinds.0 == pairs.kinds.1;
-                let found = pairs.at(a, b);
-                assert!((found.charges_kt - energy).abs() < 1e-11, "{a} {b}");
-                assert_eq!(found.touching, touching, "{:?} {a} {b}", pairs.kinds);
+                let pair = pairs.at(a, b);
+                assert!((pair.charges_kt - energy).abs() < 1e-11, "{a} {b}");
+                assert_eq!(pair.touching, touching, "{:?} {a} {b}", pairs.kinds);
                 if is_one_kind {
-                    assert_eq!(found, pairs.at(b, a));
+                    assert_eq!(pair, pairs.at(b, a));
                 }
             }
         }
     }
     let mut outside = 0.0;
     for (copy, residues) in state.residues.iter().enumerate() {
-        for (residue, found) in residues.iter().enumerate() {
-            assert_eq!(found.touches, touches[copy][residue]);
-            if !found.touches {
-                outside += 0.5 * found.parts.charges_kt;
+        for (residue, contribution) in residues.iter().enumerate() {
+            assert_eq!(contribution.touches, touches[copy][residue]);
+            if !contribution.touches {
+                outside += 0.5 * contribution.parts.charges_kt;
             }
         }
     }
@@ -231,11 +231,11 @@ fn two_point_charges_have_the_energy_of_the_formula() {
     let types: Vec<Arc<BodyType>> = [&first, &second]
         .map(|body| Arc::new(BodyType::from_body(body).unwrap()))
         .to_vec();
-    let there = Pose {
+    let second_pose = Pose {
         position: Vec3::new(10.0, 0.0, 0.0),
         ..Pose::identity()
     };
-    let placed = [(0, Pose::identity()), (1, there)];
+    let placed = [(0, Pose::identity()), (1, second_pose)];
     let system = System::new(types.clone(), &placed, Boundary::Open).unwrap();
     let yukawa = Yukawa::uncut(7.0, 0.1).unwrap();
     let kinds = [&first, &second].into_iter().zip(&types);
@@ -292,9 +292,9 @@ fn a_response_is_the_energy_of_the_changed_bodies() {
                 model.total_kt(system)
             };
             let expected = energy(&changed) - energy(&case.system);
-            let found = responses[0].energy_change_kt(1.5);
+            let change = responses[0].energy_change_kt(1.5);
             // Images beyond the reach of either system are left out, 1e-8 kT each.
-            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+            assert!((change - expected).abs() < 1e-6, "{change} {expected}");
         }
     }
 }
@@ -312,10 +312,10 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
             for pose in &mut poses {
                 pose.position += rng.vector_in_ball(2.0) + Vec3::x() * f64::from(block);
             }
-            let moved = case.system.with_poses(&poses);
-            let state = contributions.of(&moved);
+            let displaced_system = case.system.with_poses(&poses);
+            let state = contributions.of(&displaced_system);
             energies.push(state.parts.total_kt());
-            averages.push(&state, &moved);
+            averages.push(&state, &displaced_system);
         }
         averages.end_block();
     }
@@ -326,9 +326,9 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
         .collect();
     let mean = of_blocks.iter().sum::<f64>() / 4.0;
     let squares: f64 = of_blocks.iter().map(|block| (block - mean).powi(2)).sum();
-    let found = averages.total_kt();
-    assert!((found.mean - mean).abs() < 1e-12);
-    assert!((found.error.unwrap() - (squares / 12.0).sqrt()).abs() < 1e-12);
+    let total = averages.total_kt();
+    assert!((total.mean - mean).abs() < 1e-12);
+    assert!((total.error.unwrap() - (squares / 12.0).sqrt()).abs() < 1e-12);
     // Per copy, two of each kind; a pair with both of its residues.
     let (mut of_residues, mut of_pairs) = (0.0, 0.0);
     for kind in 0..2 {
@@ -361,14 +361,14 @@ fn weighted_frames_are_those_of_the_mutants() {
     let yukawa = Yukawa::uncut(2.5, 1.0 / 4.0).unwrap();
     let system_of = |first: &Body, second: &Body| {
         let types = [first, second].map(|body| Arc::new(BodyType::from_body(body).unwrap()));
-        let there = Pose {
+        let second_pose = Pose {
             position: Vec3::new(4.0, 0.0, 0.0),
             ..Pose::identity()
         };
         let boundary = Boundary::SphereWall {
             radius_angstrom: 7.0,
         };
-        let placed = [(0, Pose::identity()), (1, there)];
+        let placed = [(0, Pose::identity()), (1, second_pose)];
         System::new(types.to_vec(), &placed, boundary).unwrap()
     };
     // Each frame of each replica: whether the bodies touch, and the state.
@@ -392,8 +392,8 @@ fn weighted_frames_are_those_of_the_mutants() {
         }
     };
     let mean_of = |values: &[Vec<f64>]| -> Mean {
-        let of = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
-        mean_of_blocks(&values.iter().map(of).collect::<Vec<f64>>())
+        let block_mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
+        mean_of_blocks(&values.iter().map(block_mean).collect::<Vec<f64>>())
     };
     let system = system_of(&first, &second);
     let kinds = [&first, &second].into_iter().zip(system.types());
@@ -421,9 +421,13 @@ fn weighted_frames_are_those_of_the_mutants() {
                 let frames = frames.iter().map(|(bound, responses)| {
                     (*bound, responses[index].energy_change_kt(charge_e))
                 });
-                let found = reweighted(frames);
-                assert!(found.effective_frames > 300.0, "{}", found.effective_frames);
-                found.mean
+                let estimate = reweighted(frames);
+                assert!(
+                    estimate.effective_frames > 300.0,
+                    "{}",
+                    estimate.effective_frames
+                );
+                estimate.mean
             })
             .collect();
         let weighted = mean_of_blocks(&weighted);

@@ -93,8 +93,8 @@ impl FieldTable {
 fn field_of(charges: &[(Vec3, f64)], yukawa: &Yukawa, place: &Vec3) -> [f32; 4] {
     let kappa = yukawa.inverse_debye_length_per_angstrom;
     let (mut gradient, mut potential) = (Vec3::zeros(), 0.0);
-    for (at, charge) in charges {
-        let apart = place - at;
+    for (position, charge) in charges {
+        let apart = place - position;
         let distance = apart.norm().max(LEAST_DISTANCE_ANGSTROM);
         let of_charge = charge * yukawa.energy_kt(distance);
         potential += of_charge;

@@ -139,19 +139,21 @@ impl Voxels {
     fn shifted(&self, place: [usize; 3], offset: [i64; 3]) -> Option<[usize; 3]> {
         let mut shifted = place;
         for axis in 0..3 {
-            let moved = place[axis] as i64 + offset[axis];
-            if moved < 0 || moved >= self.counts[axis] as i64 {
+            let coordinate = place[axis] as i64 + offset[axis];
+            if coordinate < 0 || coordinate >= self.counts[axis] as i64 {
                 return None;
             }
-            shifted[axis] = moved as usize;
+            shifted[axis] = coordinate as usize;
         }
         Some(shifted)
     }
 
     /// The first voxels of all elements.
     fn element_corners(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
-        let along = |axis: usize| (0..self.counts[axis]).step_by(VOXELS_PER_ELEMENT);
-        along(0).flat_map(move |i| along(1).flat_map(move |j| along(2).map(move |k| [i, j, k])))
+        let coordinates = |axis: usize| (0..self.counts[axis]).step_by(VOXELS_PER_ELEMENT);
+        coordinates(0).flat_map(move |i| {
+            coordinates(1).flat_map(move |j| coordinates(2).map(move |k| [i, j, k]))
+        })
     }
 
     /// The element with this first voxel, unless it is empty.

@@ -89,8 +89,8 @@ impl EnergyModel for DirectSum {
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
-        let kept = self.energies.row(trial.body);
-        let old: f64 = kept.map(|(_, energy)| energy).sum();
+        let energies = self.energies.row(trial.body);
+        let old: f64 = energies.map(|(_, energy)| energy).sum();
         let mut new = 0.0;
         for &partner in partners {
             new += self.propose(&trial.pair(partner))?;
@@ -104,20 +104,20 @@ impl EnergyModel for DirectSum {
         Ok(new - old > threshold_kt)
     }
 
-    fn commit(&mut self, moved: &[usize]) {
+    fn commit(&mut self, bodies: &[usize]) {
         let proposed = self
             .proposed
             .drain(..)
             .map(|pair| (pair.first, pair.second, pair.energy_kt));
-        self.energies.take_over(moved, proposed);
+        self.energies.take_over(bodies, proposed);
     }
 
     fn reject(&mut self) {
         self.proposed.clear();
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, _: Effort) -> Result<f64> {
-        sum_of_pairs(system, of, |pair| {
+    fn energy_elsewhere_kt(&self, system: &System, pairs: Pairs<'_>, _: Effort) -> Result<f64> {
+        sum_of_pairs(system, pairs, |pair| {
             direct_energy_kt(&self.potential, &self.reach, pair)
         })
     }

@@ -21,7 +21,7 @@ impl FarEnergies {
     pub fn new(system: &System, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types
-            .map(|of| FarField::new(&of.charges, potential))
+            .map(|body_type| FarField::new(&body_type.charges, potential))
             .collect();
         let steps = (reach_angstrom / Self::STEP_ANGSTROM).min(Self::MOST_STEPS) as usize;
         let distances: Vec<f64> = (0..=steps)

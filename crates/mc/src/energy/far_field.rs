@@ -215,9 +215,9 @@ fn scaled_k(x: f64) -> [f64; TERMS] {
 /// Real and imaginary parts of √((l-m)!/(l+m)!) P_lm(cos θ) exp(imφ) in the direction of a place, at
 /// l · ORDERS + m for 0 ≤ m ≤ l: Σ_m of the products of two directions is P_l(cos γ).
 fn harmonics(place: &Vec3) -> Vec<[f64; 2]> {
-    let across = place.x.hypot(place.y);
+    let axis_distance = place.x.hypot(place.y);
     let length = place.norm().max(f64::MIN_POSITIVE);
-    let (cosine, sine) = (place.z / length, across / length);
+    let (cosine, sine) = (place.z / length, axis_distance / length);
     let azimuth = place.y.atan2(place.x);
     let mut legendre = vec![0.0; ORDERS * ORDERS];
     let mut diagonal = 1.0;
@@ -228,9 +228,9 @@ fn harmonics(place: &Vec3) -> Vec<[f64; 2]> {
         let (mut before, mut value) = (0.0, diagonal);
         for l in m..ORDERS {
             legendre[l * ORDERS + m] = value;
-            let of = |l: usize| (l * l - m * m) as f64;
-            let next = (2 * l + 1) as f64 * cosine * value - of(l).sqrt() * before;
-            (before, value) = (value, next / of(l + 1).sqrt());
+            let difference = |l: usize| (l * l - m * m) as f64;
+            let next = (2 * l + 1) as f64 * cosine * value - difference(l).sqrt() * before;
+            (before, value) = (value, next / difference(l + 1).sqrt());
         }
     }
     let part = |(place, value): (usize, f64)| {

@@ -191,7 +191,8 @@ pub trait EnergyModel: Send {
     ///
     /// # Errors
     /// As [`reset`](EnergyModel::reset).
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64>;
+    fn energy_elsewhere_kt(&self, system: &System, pairs: Pairs<'_>, effort: Effort)
+    -> Result<f64>;
 
     /// The energy of the system, kT, summed in the order of [`pairs`](EnergyModel::pairs).
     fn total_kt(&self, system: &System) -> f64 {
@@ -271,13 +272,13 @@ impl Pairs<'_> {
 /// The sum of what `energy` says of these pairs of a system, kT.
 fn sum_of_pairs(
     system: &System,
-    of: Pairs<'_>,
+    pairs: Pairs<'_>,
     mut energy: impl FnMut(&Pair<'_>) -> Result<Option<f64>>,
 ) -> Result<f64> {
     let mut sum = 0.0;
     for first in 0..system.len() {
         for second in first + 1..system.len() {
-            if of.count(first, second) {
+            if pairs.count(first, second) {
                 sum += energy(&system.pair(first, second))?.unwrap_or(0.0);
             }
         }

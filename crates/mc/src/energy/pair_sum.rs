@@ -32,11 +32,11 @@ fn sum(
     let reach = potential.cutoff_angstrom().unwrap_or(f64::INFINITY) + 1e-9;
     let mut total = [0.0; LANES];
     for group in second.groups() {
-        let moved = transform(group, relative);
+        let image = transform(group, relative);
         for other in first.groups() {
-            let limit = reach + moved.radius_angstrom + other.radius_angstrom;
-            if (moved.centre - other.centre).norm_squared() < limit * limit {
-                add_group_pair(potential, other, &moved, &mut total);
+            let limit = reach + image.radius_angstrom + other.radius_angstrom;
+            if (image.centre - other.centre).norm_squared() < limit * limit {
+                add_group_pair(potential, other, &image, &mut total);
             }
         }
     }
@@ -46,17 +46,17 @@ fn sum(
 #[inline(always)]
 fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
     let (r, t) = (&relative.rotation, &relative.translation);
-    let mut moved = ChargeGroup {
+    let mut image = ChargeGroup {
         centre: relative.transform_point(&group.centre),
         ..*group
     };
     for lane in 0..LANES {
         let (x, y, z) = (group.x[lane], group.y[lane], group.z[lane]);
-        moved.x[lane] = r.m11 * x + r.m12 * y + r.m13 * z + t.x;
-        moved.y[lane] = r.m21 * x + r.m22 * y + r.m23 * z + t.y;
-        moved.z[lane] = r.m31 * x + r.m32 * y + r.m33 * z + t.z;
+        image.x[lane] = r.m11 * x + r.m12 * y + r.m13 * z + t.x;
+        image.y[lane] = r.m21 * x + r.m22 * y + r.m23 * z + t.y;
+        image.z[lane] = r.m31 * x + r.m32 * y + r.m33 * z + t.z;
     }
-    moved
+    image
 }
 
 #[inline(always)]

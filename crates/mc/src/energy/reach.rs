@@ -55,7 +55,7 @@ impl Reach {
     pub fn beyond(system: &System, potential: &Yukawa, energy_kt: f64) -> Self {
         let types = system.types().iter();
         let fields: Vec<_> = types
-            .map(|of| FarField::new(&of.charges, potential))
+            .map(|body_type| FarField::new(&body_type.charges, potential))
             .collect();
         let mut distances = Vec::with_capacity(fields.len() * fields.len());
         for first in &fields {

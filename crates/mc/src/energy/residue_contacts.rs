@@ -163,11 +163,11 @@ impl ContactPotential {
             if centre.norm() > first.radius_angstrom() + cutoff + group.radius_angstrom {
                 continue;
             }
-            let moved = transform(group, centre, relative);
+            let image = transform(group, centre, relative);
             for one in first.groups() {
-                let limit = cutoff + one.radius_angstrom + moved.radius_angstrom;
-                if (one.centre - moved.centre).norm_squared() < limit * limit {
-                    visit(one, &moved);
+                let limit = cutoff + one.radius_angstrom + image.radius_angstrom;
+                if (one.centre - image.centre).norm_squared() < limit * limit {
+                    visit(one, &image);
                 }
             }
         }
@@ -220,14 +220,14 @@ fn lennard_jones(inverse_square: f64) -> f64 {
 
 fn transform(group: &BeadGroup, centre: Vec3, relative: &RelativePose) -> BeadGroup {
     let (r, t) = (&relative.rotation, &relative.translation);
-    let mut moved = BeadGroup { centre, ..*group };
+    let mut image = BeadGroup { centre, ..*group };
     for lane in 0..LANES {
         let (x, y, z) = (group.x[lane], group.y[lane], group.z[lane]);
-        moved.x[lane] = r.m11 * x + r.m12 * y + r.m13 * z + t.x;
-        moved.y[lane] = r.m21 * x + r.m22 * y + r.m23 * z + t.y;
-        moved.z[lane] = r.m31 * x + r.m32 * y + r.m33 * z + t.z;
+        image.x[lane] = r.m11 * x + r.m12 * y + r.m13 * z + t.x;
+        image.y[lane] = r.m21 * x + r.m22 * y + r.m23 * z + t.y;
+        image.z[lane] = r.m31 * x + r.m32 * y + r.m33 * z + t.z;
     }
-    moved
+    image
 }
 
 #[cfg(test)]

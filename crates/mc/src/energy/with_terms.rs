@@ -54,7 +54,7 @@ impl TermsByType {
     /// reach, and without the charges.
     pub fn parts_of_pairs(&self, system: &System) -> Vec<(usize, usize, EnergyParts)> {
         let reach = self.reach(system);
-        let mut found = Vec::new();
+        let mut pairs = Vec::new();
         for first in 0..system.len() {
             for second in first + 1..system.len() {
                 let pair = system.pair(first, second);
@@ -64,10 +64,10 @@ impl TermsByType {
                     *parts.get_or_insert_default() +=
                         terms.parts_kt(&pair.relative_image(&displacement));
                 }
-                found.extend(parts.map(|parts| (first, second, parts)));
+                pairs.extend(parts.map(|parts| (first, second, parts)));
             }
         }
-        found
+        pairs
     }
 
     /// The kinds of terms that act between any bodies.
@@ -206,9 +206,9 @@ impl EnergyModel for WithTerms {
         self.charges.exceeds(trial, partner, threshold_kt - rise_kt)
     }
 
-    fn commit(&mut self, moved: &[usize]) {
-        self.energies.take_over(moved, self.proposed.drain(..));
-        self.charges.commit(moved);
+    fn commit(&mut self, bodies: &[usize]) {
+        self.energies.take_over(bodies, self.proposed.drain(..));
+        self.charges.commit(bodies);
     }
 
     fn reject(&mut self) {
@@ -228,9 +228,14 @@ impl EnergyModel for WithTerms {
         self.charges.memory_bytes()
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
-        let of_terms_kt = sum_of_pairs(system, of, |pair| self.energy_kt(pair))?;
-        Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, of, effort)?)
+    fn energy_elsewhere_kt(
+        &self,
+        system: &System,
+        pairs: Pairs<'_>,
+        effort: Effort,
+    ) -> Result<f64> {
+        let of_terms_kt = sum_of_pairs(system, pairs, |pair| self.energy_kt(pair))?;
+        Ok(of_terms_kt + self.charges.energy_elsewhere_kt(system, pairs, effort)?)
     }
 
     fn pairs(&self, system: &System) -> Vec<PairEnergy> {

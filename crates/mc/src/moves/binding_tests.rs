@@ -64,8 +64,8 @@ fn with_middles(mesh: TriangleMesh) -> TriangleMesh {
     for [a, b, c] in mesh.triangles {
         let mut middle = |i: u32, j: u32| {
             let point = 0.5 * (vertices[i as usize] + vertices[j as usize]);
-            let known = vertices.iter().position(|vertex| *vertex == point);
-            known.unwrap_or_else(|| {
+            let index = vertices.iter().position(|vertex| *vertex == point);
+            index.unwrap_or_else(|| {
                 vertices.push(point);
                 vertices.len() - 1
             }) as u32
@@ -203,9 +203,9 @@ fn simulated(
 }
 
 /// The largest deviation, in standard errors.
-fn apart(found: &[Estimate; 3], wanted: &[Estimate; 3]) -> f64 {
-    let of = found.iter().zip(wanted);
-    let sigmas = of.map(|(a, b)| (a.mean - b.mean).abs() / a.error.hypot(b.error));
+fn apart(averages: &[Estimate; 3], wanted: &[Estimate; 3]) -> f64 {
+    let pairs = averages.iter().zip(wanted);
+    let sigmas = pairs.map(|(a, b)| (a.mean - b.mean).abs() / a.error.hypot(b.error));
     sigmas.fold(0.0, f64::max)
 }
 
@@ -214,13 +214,18 @@ fn two_bodies_have_the_averages_of_the_direct_integral() {
     for space in spaces() {
         let wanted = integrated(space);
         for kind in ALL {
-            let found = simulated(&row(2, space), Some(kind), (6, 3_000), |of| of);
-            let sigmas = apart(&found, &wanted);
+            let averages = simulated(&row(2, space), Some(kind), (6, 3_000), |allowance_kt| {
+                allowance_kt
+            });
+            let sigmas = apart(&averages, &wanted);
             assert!(
                 sigmas < 4.0,
-                "{kind:?}, {space:?}: {sigmas}\n{found:?}\n{wanted:?}"
+                "{kind:?}, {space:?}: {sigmas}\n{averages:?}\n{wanted:?}"
             );
-            assert!(found[1].error < 0.03 && found[0].error < 0.08, "{found:?}");
+            assert!(
+                averages[1].error < 0.03 && averages[0].error < 0.08,
+                "{averages:?}"
+            );
         }
     }
 }
@@ -229,11 +234,11 @@ fn two_bodies_have_the_averages_of_the_direct_integral() {
 fn a_mixture_has_the_averages_of_plain_moves() {
     let [space, _] = spaces();
     let system = row(4, space);
-    let wanted = simulated(&system, None, (0, 10_000), |of| of);
+    let wanted = simulated(&system, None, (0, 10_000), |allowance_kt| allowance_kt);
     for kind in ALL {
-        let found = simulated(&system, Some(kind), (8, 2_000), |of| of);
-        let sigmas = apart(&found, &wanted);
-        assert!(sigmas < 4.0, "{kind:?}: {sigmas}\n{found:?}\n{wanted:?}");
+        let averages = simulated(&system, Some(kind), (8, 2_000), |allowance_kt| allowance_kt);
+        let sigmas = apart(&averages, &wanted);
+        assert!(sigmas < 4.0, "{kind:?}: {sigmas}\n{averages:?}\n{wanted:?}");
     }
 }
 
@@ -250,15 +255,15 @@ fn a_fault_in_each_rule_is_noticed() {
         BindingMove::ContactTurn,
         BindingMove::Group,
     ] {
-        let found = simulated(&row(2, space), Some(kind), (8, 5_000), forgotten);
-        let sigmas = apart(&found, &wanted);
-        assert!(sigmas > 8.0, "{kind:?}: {sigmas}\n{found:?}\n{wanted:?}");
+        let averages = simulated(&row(2, space), Some(kind), (8, 5_000), forgotten);
+        let sigmas = apart(&averages, &wanted);
+        assert!(sigmas > 8.0, "{kind:?}: {sigmas}\n{averages:?}\n{wanted:?}");
     }
     // A swap has no allowance; this one forgets the energy. Two of them cancel, so their number is odd.
     let always = |_: f64| f64::INFINITY;
-    let found = simulated(&row(2, space), Some(BindingMove::Swap), (5, 5_000), always);
-    let sigmas = apart(&found, &wanted);
-    assert!(sigmas > 8.0, "{sigmas}\n{found:?}\n{wanted:?}");
+    let averages = simulated(&row(2, space), Some(BindingMove::Swap), (5, 5_000), always);
+    let sigmas = apart(&averages, &wanted);
+    assert!(sigmas > 8.0, "{sigmas}\n{averages:?}\n{wanted:?}");
 }
 
 #[test]
@@ -272,16 +277,16 @@ fn a_turn_about_a_contact_keeps_it() {
         let (body, pose) = proposal.poses[0];
         let old = system.pose(body);
         // A point of the body has stayed, and it is a vertex that touches another body.
-        let kept = |vertex: &Vec3| {
+        let is_fixed = |vertex: &Vec3| {
             (old.transform_point(vertex) - pose.transform_point(vertex)).norm() < 1e-9
         };
         let corners: Vec<Vec3> = (0..18)
             .map(|mark| system.body_type(body).surface_points.of_mark(mark))
             .collect();
-        assert!(corners.iter().any(kept), "{step}");
-        let moved = system.with_moved(&proposal.poses);
+        assert!(corners.iter().any(is_fixed), "{step}");
+        let trial_system = system.with_moved(&proposal.poses);
         assert!(
-            contacts(&moved, 5.0)
+            contacts(&trial_system, 5.0)
                 .iter()
                 .any(|(i, j)| *i == body || *j == body)
         );

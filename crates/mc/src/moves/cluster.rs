@@ -76,10 +76,10 @@ impl HalfTurn {
     /// The pose after the half turn.
     pub fn apply(&self, pose: &Pose) -> Pose {
         let from_axis = pose.position - self.point;
-        let along = self.direction * (2.0 * self.direction.dot(&from_axis));
+        let doubled_projection = self.direction * (2.0 * self.direction.dot(&from_axis));
         let turn: Rotation = Unit::new_unchecked(Quaternion::from_imag(self.direction));
         Pose {
-            position: self.point + along - from_axis,
+            position: self.point + doubled_projection - from_axis,
             rotation: turn * pose.rotation,
         }
     }
@@ -89,9 +89,9 @@ impl HalfTurn {
 fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     let length = reach * rng.uniform();
     loop {
-        let across = rng.unit_vector().cross(direction);
-        if across.norm_squared() > 1e-6 {
-            return across.normalize() * length;
+        let perpendicular = rng.unit_vector().cross(direction);
+        if perpendicular.norm_squared() > 1e-6 {
+            return perpendicular.normalize() * length;
         }
     }
 }

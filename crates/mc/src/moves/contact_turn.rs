@@ -29,19 +29,19 @@ pub fn propose(system: &System, gap_angstrom: f64, rng: &mut CounterRng) -> Opti
     let vertex = system.body_type(body).surface_points.of_mark(mark);
     let pivot = pose.transform_point(&vertex);
     let turn = rng.small_rotation(largest_angle_rad);
-    let turned = system.tidy(Pose {
+    let trial_pose = system.tidy(Pose {
         position: pivot + turn * (pose.position - pivot),
         rotation: turn * pose.rotation,
     });
     let trial = Trial {
         system,
         body,
-        pose: turned,
+        pose: trial_pose,
     };
     // The pivot itself, should rounding have lost it.
     let after = self::touching(&trial, gap_angstrom).len().max(1);
     Some(Proposal {
-        poses: vec![(body, turned)],
+        poses: vec![(body, trial_pose)],
         allowance_kt: (touching.len() as f64 / after as f64).ln(),
         is_rigid: true,
     })

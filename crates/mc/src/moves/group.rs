@@ -83,9 +83,9 @@ impl Group {
             others.retain(|other| !is_member[*other] && touch(system, body, *other, gap_angstrom));
             for other in others {
                 if rng.uniform() < p {
-                    let here = system.pose(body).position;
+                    let position = system.pose(body).position;
                     let step = system.boundary();
-                    let step = step.displacement(&here, &system.pose(other).position);
+                    let step = step.displacement(&position, &system.pose(other).position);
                     is_member[other] = true;
                     members.push((other, way + step));
                 } else {
@@ -139,9 +139,9 @@ fn touch(system: &System, body: usize, other: usize, gap_angstrom: f64) -> bool 
 }
 
 fn contacts_with_rest(system: &System, group: &Group, gap_angstrom: f64) -> usize {
-    let rest: Vec<usize> = (0..system.len()).filter(|body| !group.has(*body)).collect();
+    let outsiders: Vec<usize> = (0..system.len()).filter(|body| !group.has(*body)).collect();
     let touching = |body: usize| {
-        let contacts = rest.iter();
+        let contacts = outsiders.iter();
         contacts
             .filter(|other| touch(system, body, **other, gap_angstrom))
             .count()

@@ -23,7 +23,7 @@ pub fn propose(system: &System, gap_angstrom: f64, rng: &mut CounterRng) -> Opti
     let is_near = |third: usize| {
         [body, other]
             .iter()
-            .any(|of| system.pair(*of, third).displacement.norm() < reach)
+            .any(|member| system.pair(*member, third).displacement.norm() < reach)
     };
     let mut thirds = (0..system.len()).filter(|third| *third != body && *third != other);
     if system.len() > 2 && !thirds.any(is_near) {

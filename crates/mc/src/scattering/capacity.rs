@@ -148,7 +148,7 @@ impl Matrix {
             vector
                 .iter()
                 .zip(&diagonal)
-                .map(|(value, own)| value / own)
+                .map(|(value, diagonal_entry)| value / diagonal_entry)
                 .collect()
         };
         let mut solution = vec![0.0; self.size];
@@ -209,14 +209,14 @@ fn erf(x: f64) -> f64 {
 
 /// The centres of the `cuts`² equal parts of a triangle.
 fn parts([a, b, c]: [Vec3; 3], cuts: usize) -> Vec<Vec3> {
-    let at = |i: f64, j: f64| a + ((b - a) * i + (c - a) * j) / cuts as f64;
+    let point = |i: f64, j: f64| a + ((b - a) * i + (c - a) * j) / cuts as f64;
     let mut centres = Vec::with_capacity(cuts * cuts);
     for i in 0..cuts {
         for j in 0..cuts - i {
             let (row, column) = (i as f64, j as f64);
-            centres.push(at(row + 1.0 / 3.0, column + 1.0 / 3.0));
+            centres.push(point(row + 1.0 / 3.0, column + 1.0 / 3.0));
             if i + j + 1 < cuts {
-                centres.push(at(row + 2.0 / 3.0, column + 2.0 / 3.0));
+                centres.push(point(row + 2.0 / 3.0, column + 2.0 / 3.0));
             }
         }
     }
@@ -242,14 +242,14 @@ fn moved_outward(mesh: &TriangleMesh, distance: f64) -> Vec<Vec3> {
             angles[triangle[place] as usize] += angle;
         }
     }
-    let mut moved = Vec::with_capacity(mesh.vertices.len());
+    let mut vertices = Vec::with_capacity(mesh.vertices.len());
     for ((vertex, normal), angle) in mesh.vertices.iter().zip(&normals).zip(&angles) {
         // The mean cosine between the mean normal and those of the triangles.
         let cosine = (normal.norm() / angle).max(LEAST_COSINE);
         let direction = normal.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
-        moved.push(vertex + direction * (distance / cosine));
+        vertices.push(vertex + direction * (distance / cosine));
     }
-    moved
+    vertices
 }
 
 /// Places far from each other: each the farthest from those before it.
@@ -291,16 +291,16 @@ fn middles(places: &[Vec3], areas: &[f64], owners: &[usize], centres: &[Vec3]) -
         sums[*owner].0 += place * *area;
         sums[*owner].1 += area;
     }
-    let mut found = centres.to_vec();
+    let mut middles = centres.to_vec();
     let mut least = vec![f64::INFINITY; centres.len()];
     for (place, owner) in places.iter().zip(owners) {
         let (sum, area) = sums[*owner];
         let squared = (place - sum / area).norm_squared();
         if squared < least[*owner] {
-            (found[*owner], least[*owner]) = (*place, squared);
+            (middles[*owner], least[*owner]) = (*place, squared);
         }
     }
-    found
+    middles
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ pub fn clusters(system: &System, contacts: &[(usize, usize)]) -> Vec<Cluster> {
         neighbours[second].push(first);
     }
     let mut place: Vec<Option<Vec3>> = vec![None; system.len()];
-    let mut found = Vec::new();
+    let mut clusters = Vec::new();
     for start in 0..system.len() {
         if place[start].is_some() {
             continue;
@@ -53,23 +53,27 @@ pub fn clusters(system: &System, contacts: &[(usize, usize)]) -> Vec<Cluster> {
             is_endless: false,
         };
         let mut waiting = VecDeque::from([(start, first)]);
-        while let Some((body, at)) = waiting.pop_front() {
+        while let Some((body, body_place)) = waiting.pop_front() {
             for &next in &neighbours[body] {
-                let (here, there) = (system.pose(body).position, system.pose(next).position);
-                let there = at + system.boundary().displacement(&here, &there);
+                let (position, next_position) =
+                    (system.pose(body).position, system.pose(next).position);
+                let next_place =
+                    body_place + system.boundary().displacement(&position, &next_position);
                 match place[next] {
                     // Where two ways to a body end a box length apart, the cluster has no end.
-                    Some(known) => cluster.is_endless |= (known - there).norm() > 1e-3,
+                    Some(other_place) => {
+                        cluster.is_endless |= (other_place - next_place).norm() > 1e-3
+                    }
                     None => {
-                        place[next] = Some(there);
+                        place[next] = Some(next_place);
                         cluster.members.push(next);
-                        cluster.positions_angstrom.push(there);
-                        waiting.push_back((next, there));
+                        cluster.positions_angstrom.push(next_place);
+                        waiting.push_back((next, next_place));
                     }
                 }
             }
         }
-        found.push(cluster);
+        clusters.push(cluster);
     }
-    found
+    clusters
 }

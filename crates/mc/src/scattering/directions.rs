@@ -47,24 +47,24 @@ impl Directions {
 
     /// The directions with the highest degree that are not more than `most`, and one at least.
     pub fn at_most(most: usize) -> Self {
-        let mut found = Self::exact_to_degree(0);
+        let mut directions = Self::exact_to_degree(0);
         for degree in 1.. {
             if Self::count(degree) > most {
                 break;
             }
-            found = Self::exact_to_degree(degree);
+            directions = Self::exact_to_degree(degree);
         }
-        found
+        directions
     }
 
     /// The same directions, all turned. With a random rotation each of them is a random direction, so
     /// that averages have no systematic error, of whatever degree.
     pub fn turned(&self, rotation: &Rotation) -> Self {
-        let turned = self
+        let directions = self
             .0
             .iter()
             .map(|(direction, weight)| (rotation * direction, *weight));
-        Self(turned.collect())
+        Self(directions.collect())
     }
 
     /// Each direction with its weight.

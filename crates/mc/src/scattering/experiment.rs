@@ -208,7 +208,7 @@ impl Experiment {
     /// Measures a state. `number` is that of the state: in open space it chooses the directions.
     pub fn measure(&self, system: &System, number: u64) -> Measured {
         let touching = contacts(system, self.settings.contact_gap_angstrom);
-        let found = clusters(system, &touching);
+        let touching_clusters = clusters(system, &touching);
         let (structure_factor, intensity) = match &self.shells {
             Some(shells) => self.in_box(system, shells),
             None => self.in_open_space(system, number),
@@ -216,7 +216,7 @@ impl Experiment {
         Measured {
             structure_factor,
             intensity,
-            clusters: found
+            clusters: touching_clusters
                 .iter()
                 .map(|cluster| self.measured(system, cluster))
                 .collect(),
@@ -245,10 +245,10 @@ impl Experiment {
         let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
         let mut radius = 0.0_f64;
         for (body, position) in positions.iter().enumerate() {
-            let own = self.kinds[system.type_index(body)]
+            let body_radius = self.kinds[system.type_index(body)]
                 .scatterers
                 .radius_angstrom();
-            radius = radius.max((position - centre).norm() + own);
+            radius = radius.max((position - centre).norm() + body_radius);
         }
         let mut rng = CounterRng::new(self.settings.seed, 0, number);
         let few = Directions::at_most(self.settings.directions);
@@ -288,9 +288,10 @@ impl Experiment {
     }
 
     fn amplitude_of(&self, kind: usize, pose: &Pose, wave_vector: &Vec3) -> Complex<f64> {
-        let own = pose.rotation.inverse_transform_vector(wave_vector);
+        let body_wave_vector = pose.rotation.inverse_transform_vector(wave_vector);
         let phase = wave_vector.dot(&pose.position);
-        self.kinds[kind].scatterers.amplitude(&own) * Complex::new(phase.cos(), phase.sin())
+        self.kinds[kind].scatterers.amplitude(&body_wave_vector)
+            * Complex::new(phase.cos(), phase.sin())
     }
 
     fn measured(&self, system: &System, cluster: &Cluster) -> ClusterMeasure {
@@ -345,8 +346,8 @@ impl Experiment {
         let middle = poses.iter().map(|(_, pose)| pose.position).sum::<Vec3>() / poses.len() as f64;
         let mut radius = 0.0_f64;
         for (kind, pose) in poses {
-            let own = self.kinds[*kind].scatterers.radius_angstrom();
-            radius = radius.max((pose.position - middle).norm() + own);
+            let body_radius = self.kinds[*kind].scatterers.radius_angstrom();
+            radius = radius.max((pose.position - middle).norm() + body_radius);
         }
         // The error of degree d is of the order (qR)^d/d!: few directions are enough for small qR.
         let degree = (2.0 * q * radius).ceil() as usize + 4;

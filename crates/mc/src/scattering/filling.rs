@@ -58,8 +58,8 @@ fn grid_inside(mesh: &TriangleMesh, properties: &MassProperties) -> Result<Vec<V
     let axes = SymmetricEigen::new(properties.inertia_angstrom5).eigenvectors;
     let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
     for vertex in &mesh.vertices {
-        let along = axes.tr_mul(vertex);
-        (low, high) = (low.inf(&along), high.sup(&along));
+        let projections = axes.tr_mul(vertex);
+        (low, high) = (low.inf(&projections), high.sup(&projections));
     }
     let lengths = high - low;
     let volume = (properties.volume_angstrom3 / POINTS).max(lengths.product() / MOST_PLACES);

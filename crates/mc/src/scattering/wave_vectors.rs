@@ -39,7 +39,7 @@ pub fn shells(
     let width = largest_q_per_angstrom / count as f64;
     let steps = lengths_angstrom.map(|length| TAU / length);
     let volume: f64 = lengths_angstrom.iter().product();
-    let mut found = Vec::new();
+    let mut shells = Vec::new();
     for shell in 0..count {
         let (low, high) = (width * shell as f64, width * (shell + 1) as f64);
         let expected = volume * (high.powi(3) - low.powi(3)) / (12.0 * PI * PI);
@@ -60,12 +60,12 @@ pub fn shells(
             continue;
         }
         let lengths: f64 = vectors.iter().map(Vec3::norm).sum();
-        found.push(Shell {
+        shells.push(Shell {
             q_per_angstrom: lengths / vectors.len() as f64,
             vectors,
         });
     }
-    found
+    shells
 }
 
 /// All vectors of a shell (its lower end left out), of each pair q, -q one.
@@ -94,8 +94,8 @@ fn vector_of(steps: [f64; 3], number: [i64; 3]) -> Vec3 {
 /// A random choice without repetition.
 fn thinned(mut vectors: Vec<Vec3>, most: usize, mut rng: CounterRng) -> Vec<Vec3> {
     for place in 0..most.min(vectors.len()) {
-        let left = vectors.len() - place;
-        let chosen = place + ((rng.uniform() * left as f64) as usize).min(left - 1);
+        let remaining = vectors.len() - place;
+        let chosen = place + ((rng.uniform() * remaining as f64) as usize).min(remaining - 1);
         vectors.swap(place, chosen);
     }
     vectors.truncate(most);

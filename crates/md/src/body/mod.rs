@@ -106,10 +106,10 @@ impl Kind {
         check_apart(parts, radius)?;
         let mut total: Option<Moments> = None;
         for (polytope, place) in parts {
-            let own = Moments::of(polytope, radius).seen_from(&-place);
+            let part_moments = Moments::of(polytope, radius).seen_from(&-place);
             match &mut total {
-                Some(total) => total.add(&own),
-                None => total = Some(own),
+                Some(total) => total.add(&part_moments),
+                None => total = Some(part_moments),
             }
         }
         let total = total.ok_or(Error::NoVolume)?;
@@ -274,14 +274,14 @@ impl Kind {
 /// Fails if two parts overlap by more than they touch.
 fn check_apart(parts: &[(Polytope, Vec3)], radius: f64) -> Result<()> {
     let shrunk = |(polytope, place): &(Polytope, Vec3)| -> Vec<Vec3> {
-        let at = |corner: &Vec3| place + (1.0 - TOUCHING) * corner;
-        polytope.corners.iter().map(at).collect()
+        let shrink = |corner: &Vec3| place + (1.0 - TOUCHING) * corner;
+        polytope.corners.iter().map(shrink).collect()
     };
     for (number, first) in parts.iter().enumerate() {
         for (other, second) in parts.iter().enumerate().skip(number + 1) {
-            let found = closest_points(&shrunk(first), &shrunk(second));
+            let closest = closest_points(&shrunk(first), &shrunk(second));
             let least = 2.0 * radius * (1.0 - TOUCHING);
-            if found.is_none_or(|points| points.distance() < least) {
+            if closest.is_none_or(|points| points.distance() < least) {
                 return Err(Error::OverlappingParts {
                     first: number + 1,
                     second: other + 1,
@@ -299,14 +299,14 @@ fn about_layer(polytope: &Polytope, place: Vec3, radius: f64, parts: usize) -> (
         return (polytope.clone(), place);
     }
     let centroid = Moments::of(polytope, radius).centroid();
-    let mut moved = polytope.clone();
-    for corner in &mut moved.corners {
+    let mut centred = polytope.clone();
+    for corner in &mut centred.corners {
         *corner -= centroid;
     }
-    for face in &mut moved.faces {
+    for face in &mut centred.faces {
         face.offset -= face.normal.dot(&centroid);
     }
-    (moved, place + centroid)
+    (centred, place + centroid)
 }
 
 /// Principal moments, and the axes as columns of a rotation; the axes of the body where they are
@@ -328,14 +328,14 @@ fn principal(inertia: &Matrix3<f64>) -> (Vec3, Matrix3<f64>) {
 /// The body seen from these axes.
 fn turned(polytope: &Polytope, axes: &Matrix3<f64>) -> Polytope {
     let into = axes.transpose();
-    let mut turned = polytope.clone();
-    for corner in &mut turned.corners {
+    let mut aligned = polytope.clone();
+    for corner in &mut aligned.corners {
         *corner = into * *corner;
     }
-    for face in &mut turned.faces {
+    for face in &mut aligned.faces {
         face.normal = into * face.normal;
     }
-    turned
+    aligned
 }
 
 #[cfg(test)]

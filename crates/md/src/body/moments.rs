@@ -91,10 +91,10 @@ impl Moments {
     /// Adds points a + ρ u with the radius ρ up to r, from ∫ dω, ∫ u dω and ∫ u uᵀ dω over the
     /// directions in a space of this dimension, spread along a segment from a to b (or at a point).
     fn add_fan(&mut self, ends: [Vec3; 2], radius: f64, dimension: i32, fan: &Fan) {
-        let along = ends[1] - ends[0];
+        let edge = ends[1] - ends[0];
         let middle = 0.5 * (ends[0] + ends[1]);
         let over = |power: i32| radius.powi(dimension + power) / f64::from(dimension + power);
-        let line = middle * middle.transpose() + along * along.transpose() / 12.0;
+        let line = middle * middle.transpose() + edge * edge.transpose() / 12.0;
         let first = over(1) * fan.first;
         self.volume += over(0) * fan.measure;
         self.first += over(0) * fan.measure * middle + first;
@@ -185,22 +185,22 @@ impl Fan {
     /// The arc between two directions less than half a turn apart.
     fn arc(from: &Vec3, to: &Vec3) -> Self {
         let angle = from.cross(to).norm().atan2(from.dot(to));
-        let along = (to - from * from.dot(to)).try_normalize(0.0);
-        let along = along.unwrap_or_else(Vec3::zeros);
-        // u = cos φ · from + sin φ · along.
+        let tangent = (to - from * from.dot(to)).try_normalize(0.0);
+        let tangent = tangent.unwrap_or_else(Vec3::zeros);
+        // u = cos φ · from + sin φ · tangent.
         let (sine, cosine) = angle.sin_cos();
-        let first = sine * from + (1.0 - cosine) * along;
+        let first = sine * from + (1.0 - cosine) * tangent;
         let squares = [
             0.5 * (angle + sine * cosine),
             0.5 * (angle - sine * cosine),
             0.5 * sine * sine,
         ];
-        let cross = from * along.transpose();
+        let cross = from * tangent.transpose();
         Self {
             measure: angle,
             first,
             second: squares[0] * from * from.transpose()
-                + squares[1] * along * along.transpose()
+                + squares[1] * tangent * tangent.transpose()
                 + squares[2] * (cross + cross.transpose()),
         }
     }
@@ -259,14 +259,14 @@ pub(crate) fn gauss_legendre() -> [(f64, f64); POINTS] {
         let mut x = (std::f64::consts::PI * guess).cos();
         let mut slope = 1.0;
         for _ in 0..8 {
-            let (mut before, mut here) = (1.0, x);
+            let (mut before, mut value) = (1.0, x);
             for degree in 2..=POINTS {
                 let k = degree as f64;
-                let next = ((2.0 * k - 1.0) * x * here - (k - 1.0) * before) / k;
-                (before, here) = (here, next);
+                let next = ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k;
+                (before, value) = (value, next);
             }
-            slope = POINTS as f64 * (x * here - before) / (x * x - 1.0);
-            x -= here / slope;
+            slope = POINTS as f64 * (x * value - before) / (x * x - 1.0);
+            x -= value / slope;
         }
         *point = (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope));
     }
@@ -283,20 +283,20 @@ fn beside(polytope: &Polytope, edge: &[usize; 2]) -> Vec<Vec3> {
 /// Normals of the faces at a corner, in their order around it.
 fn around(polytope: &Polytope, corner: usize) -> Vec<Vec3> {
     // Each face with the corners before and after this one on its rim.
-    let mut at: Vec<(usize, usize, Vec3)> = Vec::new();
+    let mut faces: Vec<(usize, usize, Vec3)> = Vec::new();
     for face in &polytope.faces {
         if let Some(place) = face.corners.iter().position(|other| *other == corner) {
             let count = face.corners.len();
             let before = face.corners[(place + count - 1) % count];
-            at.push((before, face.corners[(place + 1) % count], face.normal));
+            faces.push((before, face.corners[(place + 1) % count], face.normal));
         }
     }
-    let mut normals = Vec::with_capacity(at.len());
-    let mut next = at.first().map(|(before, ..)| *before);
+    let mut normals = Vec::with_capacity(faces.len());
+    let mut next = faces.first().map(|(before, ..)| *before);
     while let Some(towards) = next
-        && normals.len() < at.len()
+        && normals.len() < faces.len()
     {
-        let face = at.iter().find(|(_, after, _)| *after == towards);
+        let face = faces.iter().find(|(_, after, _)| *after == towards);
         normals.extend(face.map(|(.., normal)| *normal));
         next = face.map(|(before, ..)| *before);
     }

@@ -155,15 +155,15 @@ impl Part {
 }
 
 /// Integrates over all directions.
-fn over_directions(of: impl Fn(&Vec3) -> [f64; 2]) -> [f64; 2] {
+fn over_directions(integrand: impl Fn(&Vec3) -> [f64; 2]) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for part in 0..ALONG {
         for (place, weight) in gauss_legendre() {
             let z = -1.0 + 2.0 * (part as f64 + place) / ALONG as f64;
-            let across = (1.0 - z * z).sqrt();
+            let axis_distance = (1.0 - z * z).sqrt();
             for k in 0..AROUND {
                 let (sine, cosine) = (TAU * k as f64 / AROUND as f64).sin_cos();
-                let values = of(&Vec3::new(across * cosine, across * sine, z));
+                let values = integrand(&Vec3::new(axis_distance * cosine, axis_distance * sine, z));
                 for (sum, value) in sums.iter_mut().zip(values) {
                     *sum += value * weight * 2.0 / ALONG as f64 * TAU / AROUND as f64;
                 }

@@ -50,9 +50,9 @@ pub fn felt(
         None => return Felt::nothing(),
     };
     let mut closest = ((f64::INFINITY, 0), Vec3::zeros(), Vec3::zeros());
-    let mut note = |here: (f64, usize), on_first: Vec3, on_second: Vec3| {
-        if precedes(here, closest.0) {
-            closest = (here, on_first, on_second);
+    let mut note = |candidate: (f64, usize), on_first: Vec3, on_second: Vec3| {
+        if precedes(candidate, closest.0) {
+            closest = (candidate, on_first, on_second);
         }
     };
     let (with_face, other, way) = match separation.is_of_second {
@@ -117,16 +117,16 @@ fn separation(
 ) -> Option<Separation> {
     let faces = first.normals.len();
     let gap = |face: usize| {
-        let (body, other, way, own) = match face < faces {
+        let (body, other, way, number) = match face < faces {
             true => (first, second, between, face),
             false => (second, first, -between, face - faces),
         };
-        let normal = body.normals[own];
+        let normal = body.normals[number];
         let mut lowest = f64::INFINITY;
         for corner in other.corners {
             lowest = lowest.min(normal.x * corner.x + normal.y * corner.y);
         }
-        lowest + normal.dot(&way) - body.part.offsets[own]
+        lowest + normal.dot(&way) - body.part.offsets[number]
     };
     let remembered = (hint.face as usize).min(faces + second.normals.len() - 1);
     let mut best = (remembered, gap(remembered));
@@ -144,14 +144,14 @@ fn separation(
     }
     hint.face = best.0 as u32;
     let is_of_second = best.0 >= faces;
-    let (body, own) = match is_of_second {
+    let (body, number) = match is_of_second {
         false => (first, best.0),
         true => (second, best.0 - faces),
     };
     (best.1 <= reach).then(|| Separation {
-        normal: body.normals[own],
+        normal: body.normals[number],
         gap: best.1,
-        top: body.part.offsets[own],
+        top: body.part.offsets[number],
         is_of_second,
     })
 }
@@ -181,8 +181,8 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let mut came = 0;
     for _ in 0..count {
         let from = corners[face];
-        let along = corners[if face + 1 == count { 0 } else { face + 1 }] - from;
-        let place = (point - from).dot(&along) / along.norm_squared();
+        let edge = corners[if face + 1 == count { 0 } else { face + 1 }] - from;
+        let place = (point - from).dot(&edge) / edge.norm_squared();
         if place < 0.0 {
             if came > 0 {
                 return Some((from, 0));
@@ -191,12 +191,12 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
             face = if face == 0 { count - 1 } else { face - 1 };
         } else if place > 1.0 {
             if came < 0 {
-                return Some((from + along, 0));
+                return Some((from + edge, 0));
             }
             came = 1;
             face = if face + 1 == count { 0 } else { face + 1 };
         } else {
-            return Some((from + place * along, 1));
+            return Some((from + place * edge, 1));
         }
     }
     Some((corners[face], 0))
@@ -287,7 +287,7 @@ fn towards(body: &TurnedPart<'_>, direction: &Vec3) -> [Vec3; 2] {
 }
 
 fn on_segment(point: &Vec3, [from, to]: [Vec3; 2]) -> Vec3 {
-    let along = to - from;
-    let place = (point - from).dot(&along) / along.norm_squared();
-    from + place.clamp(0.0, 1.0) * along
+    let edge = to - from;
+    let place = (point - from).dot(&edge) / edge.norm_squared();
+    from + place.clamp(0.0, 1.0) * edge
 }

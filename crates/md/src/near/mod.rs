@@ -46,13 +46,13 @@ impl Law {
     /// The interaction of two parts; the length of that of points is 0.15 σ.
     pub fn between(first: &Part, second: &Part, interaction: &Interaction) -> Self {
         let sigma = first.inradius() + second.inradius();
-        let along = |sigma: f64| Radial {
+        let radial_law = |sigma: f64| Radial {
             sigma,
             attraction: interaction.attraction,
         };
-        let radial = along(CONTACT_RATIO * sigma);
+        let radial = radial_law(CONTACT_RATIO * sigma);
         let radii = first.radius + second.radius;
-        let central = (interaction.central != Central::None).then(|| along(sigma));
+        let central = (interaction.central != Central::None).then(|| radial_law(sigma));
         let contact = first.circumradius() + second.circumradius() + radial.range();
         Self {
             radial,
@@ -195,24 +195,24 @@ pub struct TurnedPart<'a> {
 impl Turned {
     /// Reserves room for bodies of these kinds.
     pub fn of<'a>(kinds: impl Iterator<Item = &'a Kind>) -> Self {
-        let mut turned = Self::default();
+        let mut geometry = Self::default();
         let mut starts = [0, 0];
-        turned.starts.push(starts);
+        geometry.starts.push(starts);
         for kind in kinds {
-            turned.first_part.push(turned.centres.len());
+            geometry.first_part.push(geometry.centres.len());
             for part in &kind.parts {
                 starts[0] += part.polytope.corners.len();
                 starts[1] += match part.half_axes {
                     Some(_) => part.dimension,
                     None => part.polytope.faces.len(),
                 };
-                turned.starts.push(starts);
-                turned.centres.push(Vec3::zeros());
+                geometry.starts.push(starts);
+                geometry.centres.push(Vec3::zeros());
             }
         }
-        turned.corners.resize(starts[0], Vec3::zeros());
-        turned.normals.resize(starts[1], Vec3::zeros());
-        turned
+        geometry.corners.resize(starts[0], Vec3::zeros());
+        geometry.normals.resize(starts[1], Vec3::zeros());
+        geometry
     }
 
     /// Turns a body in a plane.

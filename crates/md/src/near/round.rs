@@ -92,25 +92,25 @@ struct Along {
 impl Gap<'_> {
     /// The largest gap, or the first that is found to be beyond the reach.
     fn widest(&self, start: Vec3, reach: f64) -> Along {
-        let mut here = self.along(start);
+        let mut current = self.along(start);
         for _ in 0..MOST_STEPS {
-            if here.value > reach {
+            if current.value > reach {
                 break;
             }
-            let gradient = self.between - here.points[0] - here.points[1];
-            let slope = gradient - here.direction * here.direction.dot(&gradient);
+            let gradient = self.between - current.points[0] - current.points[1];
+            let slope = gradient - current.direction * current.direction.dot(&gradient);
             if slope.norm() <= CONVERGED * self.size {
                 break;
             }
-            let Some(step) = self.step(&here, &slope) else {
+            let Some(step) = self.step(&current, &slope) else {
                 break;
             };
-            let Some(next) = self.higher(&here, &step) else {
+            let Some(next) = self.higher(&current, &step) else {
                 break;
             };
-            here = next;
+            current = next;
         }
-        here
+        current
     }
 
     fn along(&self, direction: Vec3) -> Along {
@@ -128,11 +128,11 @@ impl Gap<'_> {
     }
 
     /// Newton's step on the sphere: (P (H₁ + H₂) P + f) t = the tangential gradient.
-    fn step(&self, here: &Along, slope: &Vec3) -> Option<Vec3> {
-        let n = here.direction;
-        let across = Matrix3::identity() - n * n.transpose();
+    fn step(&self, current: &Along, slope: &Vec3) -> Option<Vec3> {
+        let n = current.direction;
+        let projector = Matrix3::identity() - n * n.transpose();
         let mut curvature = Matrix3::zeros();
-        for (axes, point) in self.axes.iter().zip(&here.points) {
+        for (axes, point) in self.axes.iter().zip(&current.points) {
             let height = point.dot(&n);
             if height > 0.0 {
                 for axis in *axes {
@@ -141,18 +141,18 @@ impl Gap<'_> {
                 curvature -= point * point.transpose() / height;
             }
         }
-        let matrix = across * curvature * across
-            + Matrix3::identity() * here.value.max(LEAST_CURVATURE * self.size);
+        let matrix = projector * curvature * projector
+            + Matrix3::identity() * current.value.max(LEAST_CURVATURE * self.size);
         matrix.try_inverse().map(|inverse| inverse * slope)
     }
 
     /// The first direction with a larger gap, after the whole step, a half, a quarter of it and so
     /// on; `None` if rounding leaves none.
-    fn higher(&self, here: &Along, step: &Vec3) -> Option<Along> {
+    fn higher(&self, current: &Along, step: &Vec3) -> Option<Along> {
         let mut share = 1.0;
         for _ in 0..30 {
-            let next = self.along((here.direction + share * step).normalize());
-            if next.value > here.value {
+            let next = self.along((current.direction + share * step).normalize());
+            if next.value > current.value {
                 return Some(next);
             }
             // Near the maximum the gap is flat to rounding, and the step itself says where it is.
@@ -170,9 +170,9 @@ fn support(axes: &[Vec3], direction: &Vec3) -> (f64, Vec3) {
     let mut point = Vec3::zeros();
     let mut squared = 0.0;
     for axis in axes {
-        let along = axis.dot(direction);
-        point += along * axis;
-        squared += along * along;
+        let projection = axis.dot(direction);
+        point += projection * axis;
+        squared += projection * projection;
     }
     if squared > 0.0 {
         point /= squared.sqrt();

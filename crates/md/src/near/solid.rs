@@ -98,9 +98,9 @@ fn exact(
     // The walk knows no feature, so all of them come before it.
     let mut best = ((reach, 0), walked);
     let mut note = |dimensions: usize, points: ClosestPoints| {
-        let here = (points.distance(), dimensions);
-        if precedes(here, best.0) {
-            best = (here, points);
+        let candidate = (points.distance(), dimensions);
+        if precedes(candidate, best.0) {
+            best = (candidate, points);
         }
     };
     let [top, bottom] = limits(first, second, &between, direction);
@@ -204,9 +204,9 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
             continue;
         }
         let place = foot_on_face(body, (number, &faces[number]), point);
-        let here = (place.0 - point).norm();
-        if replaces((here, place.1), (distance, best.1)) {
-            (best, distance) = (place, here);
+        let separation = (place.0 - point).norm();
+        if replaces((separation, place.1), (distance, best.1)) {
+            (best, distance) = (place, separation);
         }
     }
     Some(best)
@@ -410,9 +410,9 @@ fn foot_on_face(
     for (from, to) in rim(face) {
         let (from, to) = (body.corners[from], body.corners[to]);
         if normal.dot(&(to - from).cross(&(foot - from))) < 0.0 {
-            let along = to - from;
-            let place = (point - from).dot(&along) / along.norm_squared();
-            let on_edge = from + place.clamp(0.0, 1.0) * along;
+            let edge = to - from;
+            let place = (point - from).dot(&edge) / edge.norm_squared();
+            let on_edge = from + place.clamp(0.0, 1.0) * edge;
             let squared = (on_edge - point).norm_squared();
             let is_within = usize::from(place > 0.0 && place < 1.0);
             if precedes((squared, is_within), (best.0, dimensions % 2)) {

@@ -74,10 +74,10 @@ pub fn add(
         forces.force -= energy / unscaled * slope * direction;
         return;
     }
-    let by = gradient_of_excess(pair, closest);
-    forces.force -= slope * (direction - by.position);
-    for (torque, by) in forces.torques.iter_mut().zip(by.rotations) {
-        *torque += slope * by;
+    let gradient = gradient_of_excess(pair, closest);
+    forces.force -= slope * (direction - gradient.position);
+    for (torque, component) in forces.torques.iter_mut().zip(gradient.rotations) {
+        *torque += slope * component;
     }
 }
 
@@ -112,31 +112,32 @@ fn gradient_of_excess(pair: &Placed, closest: &ClosestPoints) -> Gradient {
         let on = [closest.on_first, closest.on_second][n] - pair.poses[n].position;
         directions(pair.bodies[n], &(pair.poses[n].rotation.inverse() * on))
             .iter()
-            .map(|along| pair.poses[n].rotation * along)
+            .map(|direction| pair.poses[n].rotation * direction)
             .collect::<Vec<Vec3>>()
     });
     let separation = closest.separation();
     let distance = separation.norm();
     let response = Response::of(&features);
     // How M changes when the closest points move by `shift` in space, in addition to what their
-    // bodies take along: `moved` is how each point moves with its body, `turn` how the body turns.
-    let change = |moved: [Vec3; 2], turn: [Vec3; 2]| -> f64 {
-        let rate = moved[0] - moved[1];
-        let turned = [0, 1].map(|n| {
-            let turned = features[n].iter().map(|along| turn[n].cross(along));
-            turned.collect::<Vec<Vec3>>()
+    // bodies take along: `displacements` is how each point moves with its body, `turn` how the body
+    // turns.
+    let change = |displacements: [Vec3; 2], turn: [Vec3; 2]| -> f64 {
+        let rate = displacements[0] - displacements[1];
+        let derivatives = [0, 1].map(|n| {
+            let derivatives = features[n].iter().map(|direction| turn[n].cross(direction));
+            derivatives.collect::<Vec<Vec3>>()
         });
-        let along = response.along(&features, &turned, &separation, &rate);
-        let rate = rate + along[0] - along[1];
+        let slides = response.along(&features, &derivatives, &separation, &rate);
+        let rate = rate + slides[0] - slides[1];
         // The direction of the separation turns by this, and the rounded points with it.
         let swing =
             (rate - separation * (separation.dot(&rate) / (distance * distance))) / distance;
         let mut sum = 0.0;
         for n in 0..2 {
             let sign = [-1.0, 1.0][n];
-            let core = moved[n] + along[n];
+            let core = displacements[n] + slides[n];
             // The centroid moves with the body: what is left is the change of the arm.
-            let carried = moved[n]
+            let carried = displacements[n]
                 - turn[n]
                     .cross(&([closest.on_first, closest.on_second][n] - pair.poses[n].position));
             let arm = core - carried + sign * pair.radii[n] * swing;
@@ -150,10 +151,10 @@ fn gradient_of_excess(pair: &Placed, closest: &ClosestPoints) -> Gradient {
     let rotations = [0, 1].map(|body| {
         Vec3::from_fn(|n, _| {
             let point = [closest.on_first, closest.on_second][body] - pair.poses[body].position;
-            let (mut moved, mut turn) = ([none; 2], [none; 2]);
-            moved[body] = axis(n).cross(&point);
+            let (mut displacements, mut turn) = ([none; 2], [none; 2]);
+            displacements[body] = axis(n).cross(&point);
             turn[body] = axis(n);
-            change(moved, turn)
+            change(displacements, turn)
         })
     });
     Gradient {
@@ -208,7 +209,7 @@ impl Response {
     fn along(
         &self,
         features: &[Vec<Vec3>; 2],
-        turned: &[Vec<Vec3>; 2],
+        derivatives: &[Vec<Vec3>; 2],
         separation: &Vec3,
         rate: &Vec3,
     ) -> [Vec3; 2] {
@@ -216,19 +217,19 @@ impl Response {
             let second = lists[1].iter().map(|x| -x);
             lists[0].iter().copied().chain(second).collect()
         };
-        let (fixed, turned) = (signed(features), signed(turned));
+        let (fixed, derivatives) = (signed(features), signed(derivatives));
         let right = DVector::from_iterator(
             fixed.len(),
             fixed
                 .iter()
-                .zip(&turned)
-                .map(|(along, turned)| -(along.dot(rate) + turned.dot(separation))),
+                .zip(&derivatives)
+                .map(|(direction, derivative)| -(direction.dot(rate) + derivative.dot(separation))),
         );
         let places = &self.0 * right;
         let mut slid = [Vec3::zeros(); 2];
-        for (n, along) in features.iter().enumerate() {
-            for (k, along) in along.iter().enumerate() {
-                slid[n] += places[n * features[0].len() + k] * along;
+        for (n, directions) in features.iter().enumerate() {
+            for (k, direction) in directions.iter().enumerate() {
+                slid[n] += places[n * features[0].len() + k] * direction;
             }
         }
         slid

@@ -31,15 +31,15 @@ impl Features {
     /// The features of a body in a pose.
     pub fn of(body: &Polytope, pose: &Pose) -> Self {
         let corners = body.corners_at(pose);
-        let at = |number: &usize| corners[*number];
+        let corner = |number: &usize| corners[*number];
         let faces = body.faces.iter().map(|face| {
-            let rim = face.corners.iter().map(at).collect();
+            let rim = face.corners.iter().map(corner).collect();
             (pose.rotation * face.normal, rim)
         });
         let edges = body.edges.iter();
         Self {
             faces: faces.collect(),
-            edges: edges.map(|[from, to]| [at(from), at(to)]).collect(),
+            edges: edges.map(|[from, to]| [corner(from), corner(to)]).collect(),
             corners,
         }
     }
@@ -53,14 +53,14 @@ impl Features {
     /// above which the point is highest comes before others that are equally near to rounding.
     fn foot(&self, point: &Vec3) -> (Vec3, usize) {
         let height = |(normal, rim): &(Vec3, Vec<Vec3>)| normal.dot(&(point - rim[0]));
-        let mut seen: Vec<_> = self
+        let mut visible: Vec<_> = self
             .faces
             .iter()
             .filter(|face| height(face) > 0.0)
             .collect();
-        seen.sort_by(|a, b| height(b).total_cmp(&height(a)));
+        visible.sort_by(|a, b| height(b).total_cmp(&height(a)));
         let mut best = (f64::INFINITY, (*point, 0));
-        for (normal, rim) in seen {
+        for (normal, rim) in visible {
             let foot = on_face(normal, rim, point);
             let distance = (foot.0 - point).norm();
             if replaces((distance, foot.1), (best.0, best.1.1)) {
@@ -111,29 +111,32 @@ impl Features {
 /// rounding, one of the most dimensions.
 fn best<T>(candidates: impl Iterator<Item = (f64, usize, T)>) -> Option<T> {
     let mut best: Option<(f64, usize, T)> = None;
-    for (distance, dimensions, found) in candidates {
+    for (distance, dimensions, candidate) in candidates {
         if best
             .as_ref()
             .is_none_or(|(least, most, _)| precedes((distance, dimensions), (*least, *most)))
         {
-            best = Some((distance, dimensions, found));
+            best = Some((distance, dimensions, candidate));
         }
     }
-    best.map(|(.., found)| found)
+    best.map(|(.., candidate)| candidate)
 }
 
 /// Whether the foot on another face comes before that on the highest: only if it is nearer by more
 /// than rounding, or if it lies inside an edge that has the other foot as an end.
-pub(crate) fn replaces(here: (f64, usize), there: (f64, usize)) -> bool {
-    let is_inner = here.1 > there.1 && here.0 <= there.0 * (1.0 + EQUAL);
-    is_inner || here.0 < there.0 * (1.0 - EQUAL)
+pub(crate) fn replaces(candidate: (f64, usize), incumbent: (f64, usize)) -> bool {
+    let is_inner = candidate.1 > incumbent.1 && candidate.0 <= incumbent.0 * (1.0 + EQUAL);
+    is_inner || candidate.0 < incumbent.0 * (1.0 - EQUAL)
 }
 
 /// Whether a distance, or at equal distances the dimensions of its features, come before others.
-pub(crate) fn precedes(here: (f64, usize), there: (f64, usize)) -> bool {
-    match here.1 > there.1 {
-        true => here.0 <= there.0 * (1.0 + EQUAL),
-        false => here.0 < there.0 * (1.0 - EQUAL) || (here.1 == there.1 && here.0 < there.0),
+pub(crate) fn precedes(candidate: (f64, usize), incumbent: (f64, usize)) -> bool {
+    match candidate.1 > incumbent.1 {
+        true => candidate.0 <= incumbent.0 * (1.0 + EQUAL),
+        false => {
+            candidate.0 < incumbent.0 * (1.0 - EQUAL)
+                || (candidate.1 == incumbent.1 && candidate.0 < incumbent.0)
+        }
     }
 }
 
@@ -148,16 +151,16 @@ pub fn on_face(normal: &Vec3, rim: &[Vec3], point: &Vec3) -> (Vec3, usize) {
     let edges = rim.iter().zip(next).map(|(from, to)| [*from, *to]);
     let is_outside = |[from, to]: &[Vec3; 2]| normal.dot(&(to - from).cross(&(foot - from))) < 0.0;
     let feet = edges.filter(is_outside).map(|edge| on_edge(&edge, point));
-    let found = best(feet.map(|foot| ((foot.0 - point).norm(), foot.1, foot)));
-    found.unwrap_or((foot, 2))
+    let nearest = best(feet.map(|foot| ((foot.0 - point).norm(), foot.1, foot)));
+    nearest.unwrap_or((foot, 2))
 }
 
 /// Variant of [`on_face`] for an edge.
 fn on_edge([from, to]: &[Vec3; 2], point: &Vec3) -> (Vec3, usize) {
-    let along = to - from;
-    let place = (point - from).dot(&along) / along.norm_squared();
+    let edge = to - from;
+    let place = (point - from).dot(&edge) / edge.norm_squared();
     let is_within = place > 0.0 && place < 1.0;
-    (from + place.clamp(0.0, 1.0) * along, usize::from(is_within))
+    (from + place.clamp(0.0, 1.0) * edge, usize::from(is_within))
 }
 
 /// The point of a segment nearest to a point.
@@ -180,17 +183,17 @@ fn crossing([a, b]: &[Vec3; 2], [c, d]: &[Vec3; 2]) -> Option<ClosestPoints> {
 
 /// The closest points of two segments.
 pub fn between_segments(first: &[Vec3; 2], second: &[Vec3; 2]) -> ClosestPoints {
-    let here = first.iter().map(|end| ClosestPoints {
+    let first_ends = first.iter().map(|end| ClosestPoints {
         on_first: *end,
         on_second: on_segment(second, end),
     });
-    let there = second.iter().map(|end| ClosestPoints {
+    let second_ends = second.iter().map(|end| ClosestPoints {
         on_first: on_segment(first, end),
         on_second: *end,
     });
     let inner = crossing(first, second).map(|points| (points.distance(), 1, points));
-    let ends = here
-        .chain(there)
+    let ends = first_ends
+        .chain(second_ends)
         .map(|points| (points.distance(), 0, points));
     best(inner.into_iter().chain(ends)).unwrap_or(ClosestPoints {
         on_first: first[0],

@@ -151,9 +151,9 @@ impl<'a> Placed<'a> {
             return Err(Error::Overlap);
         }
         let sigma = first.inradius() + second.inradius() + radii;
-        let along = |sigma: f64| Radial { sigma, attraction };
+        let radial_law = |sigma: f64| Radial { sigma, attraction };
         let centroids = self.poses.map(|pose| pose.position);
-        let mut terms = Terms::about(centroids, along(CONTACT_RATIO * sigma), radii);
+        let mut terms = Terms::about(centroids, radial_law(CONTACT_RATIO * sigma), radii);
         if distance < terms.radial.range() {
             match form {
                 Form::Contact => contact::add(&mut terms, &closest),
@@ -167,7 +167,7 @@ impl<'a> Placed<'a> {
             force: terms.force,
             torques: terms.torques,
         };
-        central::add(&mut forces, central, &along(sigma), self, &closest);
+        central::add(&mut forces, central, &radial_law(sigma), self, &closest);
         Ok(forces)
     }
 }

@@ -29,16 +29,16 @@ use protomer_kernel::shape::closest::ClosestPoints;
 
 /// Adds all terms.
 pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2]) {
-    let [here, there] = features;
-    for corner in &here.corners {
+    let [first_features, second_features] = features;
+    for corner in &first_features.corners {
         terms.repel(&ClosestPoints {
             on_first: *corner,
-            on_second: there.nearest(corner),
+            on_second: second_features.nearest(corner),
         });
     }
-    for corner in &there.corners {
+    for corner in &second_features.corners {
         terms.repel(&ClosestPoints {
-            on_first: here.nearest(corner),
+            on_first: first_features.nearest(corner),
             on_second: *corner,
         });
     }
@@ -46,8 +46,8 @@ pub fn add(terms: &mut Terms, pair: &Placed, features: &[Features; 2]) {
         return;
     }
     let reach = terms.radial.range() + terms.radii;
-    for first in &here.edges {
-        for second in &there.edges {
+    for first in &first_features.edges {
+        for second in &second_features.edges {
             if let Some(crossing) = Crossing::of(*first, *second, reach) {
                 crossing.add(terms);
             }
@@ -61,7 +61,7 @@ pub(crate) struct Crossing {
     /// Starts of the edges.
     starts: [Vec3; 2],
     /// Vectors u and v from the start of each edge to its end.
-    along: [Vec3; 2],
+    edges: [Vec3; 2],
     /// Vector r from the start of the second edge to that of the first.
     between: Vec3,
     /// Squares u·u and v·v.
@@ -95,7 +95,7 @@ impl Crossing {
         let distance = (r + places[0] * u - places[1] * v).norm();
         (distance < reach).then_some(Self {
             starts: [first[0], second[0]],
-            along: [u, v],
+            edges: [u, v],
             between: r,
             squares: [a, c],
             products: [b, d, e],
@@ -112,7 +112,7 @@ impl Crossing {
         let [a, c] = self.squares;
         let [b, d, e] = self.products;
         let [s, t] = self.places;
-        let [u, v] = self.along;
+        let [u, v] = self.edges;
         let r = self.between;
 
         let angle = AngleWeight::new(a.min(c) / radial.sigma.powi(2), self.determinant, a * c);
@@ -132,10 +132,11 @@ impl Crossing {
         let by_square = weight * slope / (2.0 * self.distance);
         let by_s = angle.value * ends[0].slope * ends[1].value * energy;
         let by_t = angle.value * ends[0].value * ends[1].slope * energy;
-        let mut by = [0, 1, 2].map(|n| by_square * of_square[n] + by_s * of_s[n] + by_t * of_t[n]);
-        by[0] += ends[0].value * ends[1].value * energy * angle.slope(b);
+        let mut derivatives =
+            [0, 1, 2].map(|n| by_square * of_square[n] + by_s * of_s[n] + by_t * of_t[n]);
+        derivatives[0] += ends[0].value * ends[1].value * energy * angle.slope(b);
 
-        let [by_b, by_d, by_e] = by;
+        let [by_b, by_d, by_e] = derivatives;
         let force = -(by_d * u + by_e * v + 2.0 * by_square * r);
         terms.push(self.starts, force);
         terms.torques[0] -= u.cross(&(by_b * v + by_d * r));

@@ -168,7 +168,7 @@ impl Assembly {
                 .iter()
                 .position(|entry| entry.name == placement.body)
             else {
-                let known: Vec<&str> = file
+                let names: Vec<&str> = file
                     .bodies
                     .iter()
                     .map(|entry| entry.name.as_str())
@@ -176,7 +176,7 @@ impl Assembly {
                 bail!(
                     "placement {index} names body '{}', but 'bodies' has only {}",
                     placement.body,
-                    known.join(", ")
+                    names.join(", ")
                 );
             };
             kinds.push(kind);

@@ -42,9 +42,9 @@ pub struct CandidatesReport {
 
 impl Answer for CandidatesReport {
     fn text(&self) -> String {
-        let found = &self.candidates;
+        let enumeration = &self.candidates;
         let mut rows = vec![heading(["candidate", "directions", "equivalent"])];
-        for (index, arrangement) in found.arrangements.iter().enumerate() {
+        for (index, arrangement) in enumeration.arrangements.iter().enumerate() {
             let rings: Vec<String> = arrangement.up.chunks(self.ring).map(letters).collect();
             rows.push(vec![
                 (index + 1).to_string(),
@@ -55,11 +55,11 @@ impl Answer for CandidatesReport {
         format!(
             "{} arrangements, {} of the required symmetry, {} distinct under a group of order {}, \
              {} with distinct contacts\n{}",
-            found.total,
-            found.symmetric,
-            found.distinct,
-            found.group_order,
-            found.arrangements.len(),
+            enumeration.total,
+            enumeration.symmetric,
+            enumeration.distinct,
+            enumeration.group_order,
+            enumeration.arrangements.len(),
             columns(&rows)
         )
     }
@@ -99,23 +99,27 @@ pub fn candidates(settings: &CandidatesSettings) -> Result<CandidatesReport> {
     }
     let kinds = (0..settings.bodies.len()).collect();
     let stack = Stack::new(settings.ring, settings.stack, kinds)?;
-    let found = stack.candidates(settings.symmetry);
-    let assemblies = write(settings, &stack, &found)?;
+    let enumeration = stack.candidates(settings.symmetry);
+    let assemblies = write(settings, &stack, &enumeration)?;
     Ok(CandidatesReport {
-        candidates: found,
+        candidates: enumeration,
         assemblies,
         ring: settings.ring,
     })
 }
 
-fn write(settings: &CandidatesSettings, stack: &Stack, found: &Candidates) -> Result<Vec<PathBuf>> {
+fn write(
+    settings: &CandidatesSettings,
+    stack: &Stack,
+    enumeration: &Candidates,
+) -> Result<Vec<PathBuf>> {
     let Some(folder) = &settings.output else {
         return Ok(Vec::new());
     };
     let gap = settings.gap_angstrom;
     let files = BodyFiles::read(&settings.bodies)?;
     let mut written = Vec::new();
-    for (index, arrangement) in found.arrangements.iter().enumerate() {
+    for (index, arrangement) in enumeration.arrangements.iter().enumerate() {
         let recipe = stack.recipe(arrangement);
         let placements = files.hard.close(&recipe, gap)?.placements;
         files.require_room(&placements, settings.box_angstrom)?;

@@ -43,11 +43,11 @@ pub struct ChainGroup {
 
 /// Names of the chains of a selection, in its order.
 pub fn chains_of(selection: &Selection) -> Vec<String> {
-    let mut seen = HashSet::new();
+    let mut names = HashSet::new();
     let mut chains = Vec::new();
     for residue in &selection.residues {
         let name = &*residue.key.chain;
-        if seen.insert(name) {
+        if names.insert(name) {
             chains.push(name.to_owned());
         }
     }
@@ -122,15 +122,15 @@ pub fn ungrouped(groups: &[ChainGroup], chains_of_files: &[Vec<String>]) -> Vec<
         let mut of_file = groups.iter().filter(|group| group.file == file);
         of_file.any(|group| group.chains.contains(chain))
     };
-    let mut left = Vec::new();
+    let mut remaining_chains = Vec::new();
     for (file, chains) in chains_of_files.iter().enumerate() {
         for chain in chains {
             if !is_grouped(file, chain) {
-                left.push((file, chain.clone()));
+                remaining_chains.push((file, chain.clone()));
             }
         }
     }
-    left
+    remaining_chains
 }
 
 #[cfg(test)]
@@ -166,7 +166,7 @@ mod tests {
     fn chains_without_a_body_are_known() {
         let files = [chains("HLX"), chains("AH")];
         let groups = found(&["L,X", "A"], &files).unwrap();
-        let left = ungrouped(&groups, &files);
-        assert_eq!(left, [(0, "H".to_owned()), (1, "H".to_owned())]);
+        let remaining_chains = ungrouped(&groups, &files);
+        assert_eq!(remaining_chains, [(0, "H".to_owned()), (1, "H".to_owned())]);
     }
 }

@@ -33,7 +33,8 @@ pub struct FetchedEntry {
 
 impl Answer for Fetched {
     fn text(&self) -> String {
-        let line = |found: &FetchedEntry| format!("{}: {}", found.entry, found.file.display());
+        let line =
+            |structure: &FetchedEntry| format!("{}: {}", structure.entry, structure.file.display());
         self.files.iter().map(line).collect::<Vec<_>>().join("\n")
     }
 }

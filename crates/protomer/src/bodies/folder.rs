@@ -60,8 +60,8 @@ impl BodyFolder {
             .with_context(|| file.display().to_string());
         match built {
             Ok(built) => {
-                let kept = keep(file, &name, built, &self.folder, &self.settings)?;
-                Ok(record_of(&kept))
+                let outcome = keep(file, &name, built, &self.folder, &self.settings)?;
+                Ok(record_of(&outcome))
             }
             Err(error) => Ok(self.failed(file, &error)),
         }

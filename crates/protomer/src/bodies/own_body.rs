@@ -67,8 +67,8 @@ impl Answer for WrittenBody {
 /// assert_eq!(written.name, "patchy");
 /// # Ok::<(), anyhow::Error>(())
 /// ```
-pub fn make(own: &OwnBody, output: &Path, force: bool) -> Result<WrittenBody> {
-    let body = build(own)?;
+pub fn make(description: &OwnBody, output: &Path, force: bool) -> Result<WrittenBody> {
+    let body = build(description)?;
     body_file::write_once(output, &body, force)?;
     Ok(WrittenBody {
         body: output.to_owned(),
@@ -81,9 +81,9 @@ pub fn make(own: &OwnBody, output: &Path, force: bool) -> Result<WrittenBody> {
 ///
 /// # Errors
 /// Names the file and the line, or the defect of the mesh.
-pub fn build(own: &OwnBody) -> Result<Body> {
-    check_name(&own.name)?;
-    let file = InputFile::read(&own.mesh)?;
+pub fn build(description: &OwnBody) -> Result<Body> {
+    check_name(&description.name)?;
+    let file = InputFile::read(&description.mesh)?;
     let mesh = read_mesh(&file.name, &file.bytes)?;
     let checked = || -> Result<_> {
         check_embedding(&mesh)?;
@@ -92,7 +92,7 @@ pub fn build(own: &OwnBody) -> Result<Body> {
     let mass_properties = checked().with_context(|| file.name.clone())?;
     let mut settings = BTreeMap::from([("mesh".to_owned(), file.name.clone())]);
     let mut sites = Vec::new();
-    if let Some(path) = &own.charges {
+    if let Some(path) = &description.charges {
         let charges = InputFile::read(path)?;
         sites = read_points(&charges.name, &charges.bytes)?
             .into_iter()
@@ -108,7 +108,7 @@ pub fn build(own: &OwnBody) -> Result<Body> {
         settings,
     };
     Ok(Body {
-        name: own.name.clone(),
+        name: description.name.clone(),
         mesh,
         core: None,
         sites,

@@ -69,12 +69,12 @@ impl Row for WarningRow {
 
 /// Record of an outcome, for the tables.
 pub(super) fn record_of(outcome: &FileOutcome) -> FileRecord {
-    let measures = |of: fn(&BodyMeasures) -> String| {
+    let measures = |value: fn(&BodyMeasures) -> String| {
         let measures = outcome.measures.as_ref();
-        measures.map(of).unwrap_or_default()
+        measures.map(value).unwrap_or_default()
     };
-    let distance = |of: fn(&MeshDistance) -> f64| {
-        let distance = outcome.distance.as_ref().map(of);
+    let distance = |value: fn(&MeshDistance) -> f64| {
+        let distance = outcome.distance.as_ref().map(value);
         distance.map_or(String::new(), |angstrom| angstrom.to_string())
     };
     let body = outcome.body.as_ref();

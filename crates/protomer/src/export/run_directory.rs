@@ -85,12 +85,12 @@ fn simulation_of(sweep: &Path, settings: &ExportSettings) -> Result<PathBuf> {
     };
     let replica = settings.replica.unwrap_or(0);
     if replica >= run.replicas {
-        let known = match run.replicas {
+        let choices = match run.replicas {
             0 | 1 => "0".to_owned(),
             many => format!("0 to {}", many - 1),
         };
         bail!(
-            "{} holds no replica {replica}, only {known}; choose another --replica",
+            "{} holds no replica {replica}, only {choices}; choose another --replica",
             sweep.display()
         );
     }

@@ -129,8 +129,12 @@ impl Source {
             Frame::Number(number) => number,
             Frame::Last => frames.saturating_sub(1),
         };
-        let found = reader.frame(frame)?;
-        let kinds: Vec<usize> = found.type_ids.iter().map(|kind| *kind as usize).collect();
+        let snapshot = reader.frame(frame)?;
+        let kinds: Vec<usize> = snapshot
+            .type_ids
+            .iter()
+            .map(|kind| *kind as usize)
+            .collect();
         if kinds != assembly.kinds {
             bail!(
                 "{} is a trajectory of other bodies than those of the assembly; name the right one \
@@ -141,14 +145,14 @@ impl Source {
         let title = format!(
             "{}, frame {frame}, after {} sweeps",
             trajectory.display(),
-            found.step
+            snapshot.step
         );
         Ok(Self {
-            poses: found.poses,
+            poses: snapshot.poses,
             place: Some(Place {
                 frame,
                 frames,
-                sweep: found.step,
+                sweep: snapshot.step,
             }),
             ..Self::of_assembly(assembly, title)
         })

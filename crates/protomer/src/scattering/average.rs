@@ -49,12 +49,12 @@ pub(super) fn ratio(
             .collect()
     };
     let (top, bottom) = (estimate(&series(above)).mean, estimate(&series(below)).mean);
-    let found = top / bottom;
+    let quotient = top / bottom;
     let apart = estimate(&series(&|state| {
-        (above(state) - found * below(state)) / bottom
+        (above(state) - quotient * below(state)) / bottom
     }));
     Estimate {
-        mean: found,
+        mean: quotient,
         error: apart.error,
     }
 }

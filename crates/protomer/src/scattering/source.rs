@@ -141,7 +141,7 @@ fn simulations(
     only: Option<&Path>,
     asked: Option<f64>,
 ) -> Result<Vec<(f64, PathBuf)>> {
-    let mut found = Vec::new();
+    let mut trajectories = Vec::new();
     for salt in &run.salt_molar {
         if asked.is_some_and(|asked| salt_label(asked) != salt_label(*salt)) {
             continue;
@@ -149,11 +149,11 @@ fn simulations(
         for replica in 0..run.replicas {
             let directory = replica_directory(sweep, *salt, replica);
             if only.is_none_or(|only| only == directory) {
-                found.push((*salt, directory.join("trajectory.gsd")));
+                trajectories.push((*salt, directory.join("trajectory.gsd")));
             }
         }
     }
-    if found.is_empty() {
+    if trajectories.is_empty() {
         let salts: Vec<String> = run
             .salt_molar
             .iter()
@@ -165,7 +165,7 @@ fn simulations(
             salts.join(", ")
         );
     }
-    Ok(found)
+    Ok(trajectories)
 }
 
 fn frames(
@@ -181,7 +181,7 @@ fn frames(
         );
     }
     let mut reader = TrajectoryReader::open(path)?;
-    let mut found = Vec::new();
+    let mut poses = Vec::new();
     for frame in chosen(reader.frames(), settings.skip, settings.most_frames) {
         let read = reader.frame(frame)?;
         let is_ours = read
@@ -196,21 +196,21 @@ fn frames(
                 path.display()
             );
         }
-        found.push(read.poses);
+        poses.push(read.poses);
     }
-    if found.is_empty() {
+    if poses.is_empty() {
         bail!("{} holds no frame yet; let the run go on", path.display());
     }
-    Ok(found)
+    Ok(poses)
 }
 
 /// The frames after the first share, evenly spread; the last is among them.
 fn chosen(frames: u64, skip: f64, most: usize) -> Vec<u64> {
     let first = ((frames as f64 * skip).floor() as u64).min(frames);
-    let left = frames - first;
-    let count = left.min(most as u64);
+    let remaining_frames = frames - first;
+    let count = remaining_frames.min(most as u64);
     (1..=count)
-        .map(|number| first + number * left / count - 1)
+        .map(|number| first + number * remaining_frames / count - 1)
         .collect()
 }
 

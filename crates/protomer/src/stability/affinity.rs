@@ -52,17 +52,17 @@ impl ContactAffinity {
     /// The contacts between the residues of two bodies; `nearest_angstrom` has the distance of the closest heavy atoms of pairs
     /// of residues, at least of all those in contact.
     pub fn new(residues: [&[Residue]; 2], nearest_angstrom: &BTreeMap<(u32, u32), f64>) -> Self {
-        let mut found = Self::default();
+        let mut affinity = Self::default();
         for ((first, second), distance_angstrom) in nearest_angstrom {
             let pair = (
                 amino_acid(residues[0], *first),
                 amino_acid(residues[1], *second),
             );
             if let (Some(first), Some(second)) = pair {
-                found.add(first, second, share_of_contact(*distance_angstrom));
+                affinity.add(first, second, share_of_contact(*distance_angstrom));
             }
         }
-        found
+        affinity
     }
 
     fn add(&mut self, first: AminoAcid, second: AminoAcid, share: f64) {
@@ -143,13 +143,13 @@ mod tests {
     fn an_interface_of_two_pairs_is_summed_by_hand() {
         let (first, second) = (residues(&["TRP", "SER", "HEM"]), residues(&["PHE", "GLN"]));
         let nearest = BTreeMap::from([((0, 0), 3.5), ((1, 1), 5.5), ((2, 0), 3.0)]);
-        let found = ContactAffinity::new([&first, &second], &nearest);
+        let affinity = ContactAffinity::new([&first, &second], &nearest);
         let by_hand = -0.2 * (1.033_450_123_574_512 + 0.890_644_935_549_986_6) / 2.0
             - 0.5 * 0.2 * (0.447_314_257_269_317_6 + 0.314_344_979_166_913_3) / 2.0;
-        assert!((found.attraction_kcal_per_mol - by_hand).abs() < 1e-12);
-        assert_eq!((found.contacts, found.polar_contacts), (1.5, 0.5));
+        assert!((affinity.attraction_kcal_per_mol - by_hand).abs() < 1e-12);
+        assert_eq!((affinity.contacts, affinity.polar_contacts), (1.5, 0.5));
         let total = CONSTANT_KCAL_PER_MOL + by_hand + 0.5 * POLAR_PAIR_KCAL_PER_MOL;
-        assert!((found.delta_g_kcal_per_mol() - total).abs() < 1e-12);
-        assert!(found.warning().is_some());
+        assert!((affinity.delta_g_kcal_per_mol() - total).abs() < 1e-12);
+        assert!(affinity.warning().is_some());
     }
 }

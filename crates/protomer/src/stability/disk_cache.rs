@@ -205,7 +205,7 @@ fn files(folder: &Path) -> Vec<FoundFile> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
-    let found = entries.flatten().filter_map(|entry| {
+    let cache_files = entries.flatten().filter_map(|entry| {
         let name = entry.file_name().to_string_lossy().into_owned();
         let (name, is_ours) = match name.strip_suffix(PARTIAL_ENDING) {
             Some(partial) => (
@@ -227,7 +227,7 @@ fn files(folder: &Path) -> Vec<FoundFile> {
             used: metadata.modified().ok()?,
         })
     });
-    found.collect()
+    cache_files.collect()
 }
 
 #[cfg(test)]

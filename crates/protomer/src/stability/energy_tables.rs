@@ -167,8 +167,8 @@ impl EnergyTables {
         let Some(disk) = &self.disk else {
             return compare();
         };
-        let kept = disk.load(key, |file| Calibration::read_from(file, key));
-        kept.unwrap_or_else(|| {
+        let stored_calibration = disk.load(key, |file| Calibration::read_from(file, key));
+        stored_calibration.unwrap_or_else(|| {
             let calibration = compare();
             disk.store(key, |file| calibration.write_to(file, key));
             calibration

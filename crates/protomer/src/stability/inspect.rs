@@ -158,16 +158,16 @@ fn pair_terms(engine: &Engine, system: &System, pairs: &[PairEnergy]) -> Vec<Pai
         terms_kt.insert(Term::Charges.name(), pair.energy_kt);
         terms_kt
     };
-    let mut found = Vec::with_capacity(pairs.len());
+    let mut rows = Vec::with_capacity(pairs.len());
     for pair in pairs {
-        found.push(PairTerms {
+        rows.push(PairTerms {
             first: pair.first,
             second: pair.second,
             names: [name(pair.first), name(pair.second)],
             terms_kt: terms_of(pair),
         });
     }
-    found
+    rows
 }
 
 /// The sums over all pairs.

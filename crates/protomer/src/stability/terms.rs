@@ -105,16 +105,18 @@ impl PreparedTerms {
             terms.0.push(Arc::new(contacts));
         }
         if !self.desolvation.is_empty() {
-            let of = |kind: usize| Arc::clone(&self.desolvation[kind]);
-            terms
-                .0
-                .push(Arc::new(Desolvation::new(of(first), of(second))));
+            let desolvation = |kind: usize| Arc::clone(&self.desolvation[kind]);
+            terms.0.push(Arc::new(Desolvation::new(
+                desolvation(first),
+                desolvation(second),
+            )));
         }
         if !self.response.is_empty() {
-            let of = |kind: usize| Arc::clone(&self.response[kind]);
-            terms
-                .0
-                .push(Arc::new(SolventResponse::new(of(first), of(second))));
+            let response = |kind: usize| Arc::clone(&self.response[kind]);
+            terms.0.push(Arc::new(SolventResponse::new(
+                response(first),
+                response(second),
+            )));
         }
         terms
     }

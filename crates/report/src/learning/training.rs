@@ -123,13 +123,13 @@ fn scores(metrics: &Metrics) -> String {
             significant(interval.high, 3)
         )
     };
-    let of = |value: f64| significant(value, 4);
+    let rounded = |value: f64| significant(value, 4);
     definitions(&[
         (
             "balanced accuracy",
             format!(
                 "{} ({})",
-                of(metrics.balanced_accuracy),
+                rounded(metrics.balanced_accuracy),
                 interval(&metrics.bootstrap_95.balanced_accuracy)
             ),
         ),
@@ -137,24 +137,27 @@ fn scores(metrics: &Metrics) -> String {
             "accuracy",
             format!(
                 "{} ({}); always predicting the most frequent class gives {}",
-                of(metrics.accuracy),
+                rounded(metrics.accuracy),
                 interval(&metrics.bootstrap_95.accuracy),
-                of(metrics.majority_accuracy)
+                rounded(metrics.majority_accuracy)
             ),
         ),
         (
             "nats gained over the prior",
             format!(
                 "{} ({})",
-                of(metrics.nats_gained_over_prior),
+                rounded(metrics.nats_gained_over_prior),
                 interval(&metrics.bootstrap_95.nats_gained_over_prior)
             ),
         ),
         ("permutation test", metrics.permutation_test()),
-        ("Matthews' correlation", of(metrics.matthews_correlation)),
+        (
+            "Matthews' correlation",
+            rounded(metrics.matthews_correlation),
+        ),
         (
             "expected calibration error",
-            of(metrics.expected_calibration_error),
+            rounded(metrics.expected_calibration_error),
         ),
         (
             "epochs",

@@ -88,14 +88,14 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
         "highest",
         "as a training scales it",
     ];
-    let of = if step > 1 {
+    let selection = if step > 1 {
         format!("{} of the {} samples", read.len(), set.reader().len())
     } else {
         "all samples".into()
     };
     let note = format!(
-        "Numbers are over the occupied voxels of {of}. A training fits its scale to its own training part, so it may \
-         differ in the last digits; 'train --scaling' lists the other scalings."
+        "Numbers are over the occupied voxels of {selection}. A training fits its scale to its own training part, so \
+         it may differ in the last digits; 'train --scaling' lists the other scalings."
     );
     Ok(Section::new(
         "Channels",

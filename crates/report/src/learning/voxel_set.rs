@@ -65,11 +65,11 @@ pub fn page(directory: &Path) -> Result<Page> {
         more,
     ));
     let mut problems = problems(&samples, &excluded);
-    for of in Missing::of(&origins(reader)?) {
-        let parts = of.parts.join(", ");
+    for shortfall in Missing::of(&origins(reader)?) {
+        let parts = shortfall.parts.join(", ");
         problems.push(format!(
             "{} of the {} structures of a manifest are missing; only its parts {parts} are here.",
-            of.missing, of.structures
+            shortfall.missing, shortfall.structures
         ));
     }
     Ok(Page {
@@ -104,9 +104,9 @@ fn problems(samples: &[SampleRecord], excluded: &[Exclusion]) -> Vec<String> {
         for (reason, count) in by_reason(excluded) {
             counts.push(format!("{reason}: {count}"));
         }
-        let of = samples.len() + excluded.len();
+        let total = samples.len() + excluded.len();
         problems.push(format!(
-            "{} of {of} structures were left out ({}).",
+            "{} of {total} structures were left out ({}).",
             excluded.len(),
             counts.join(", ")
         ));

@@ -46,18 +46,18 @@ pub fn row(entry: usize, p: &Properties) -> Vec<f64> {
 
 /// The entry and the properties in a row of the table; the inverse of [`row`].
 pub fn properties(row: &[f64]) -> (usize, Properties) {
-    let at = |column: usize| row.get(column).copied().unwrap_or(f64::NAN);
+    let cell = |column: usize| row.get(column).copied().unwrap_or(f64::NAN);
     let properties = Properties {
-        residues: at(1) as usize,
-        radius_of_gyration_angstrom: at(2),
-        extents_angstrom: std::array::from_fn(|n| at(3 + n)),
-        net_charge_e: at(6),
-        spacing_angstrom: at(7),
-        rotation_wxyz: std::array::from_fn(|n| at(8 + n)),
-        middle_angstrom: std::array::from_fn(|n| at(12 + n)),
-        composition: std::array::from_fn(|n| at(15 + n)),
+        residues: cell(1) as usize,
+        radius_of_gyration_angstrom: cell(2),
+        extents_angstrom: std::array::from_fn(|n| cell(3 + n)),
+        net_charge_e: cell(6),
+        spacing_angstrom: cell(7),
+        rotation_wxyz: std::array::from_fn(|n| cell(8 + n)),
+        middle_angstrom: std::array::from_fn(|n| cell(12 + n)),
+        composition: std::array::from_fn(|n| cell(15 + n)),
     };
-    (at(0) as usize, properties)
+    (cell(0) as usize, properties)
 }
 
 #[cfg(test)]

@@ -111,10 +111,10 @@ impl Manifest {
     /// Compares the names themselves, all in memory: for when their hashes do not suffice.
     fn check_names(&self) -> Result<()> {
         let file = &self.file;
-        let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+        let mut line_numbers: BTreeMap<String, usize> = BTreeMap::new();
         for (number, line) in lines(&self.text).skip(1).enumerate() {
             let name = self.entry_of(number, &line)?.name;
-            if let Some(earlier) = seen.insert(name.clone(), line.number) {
+            if let Some(earlier) = line_numbers.insert(name.clone(), line.number) {
                 bail!(
                     "{file}:{}, column file: line {earlier} has the name '{name}' too; distinguish them with a column 'name'",
                     line.number
@@ -234,9 +234,9 @@ impl Columns {
         let columns = cells(file, number, heading.text)?;
         for (place, column) in columns.iter().enumerate() {
             if !KNOWN.contains(&column.as_str()) {
-                let known = KNOWN.join(", ");
+                let known_columns = KNOWN.join(", ");
                 bail!(
-                    "{file}:{number}, column {}: '{column}' is not a known column; remove it, or use one of {known}",
+                    "{file}:{number}, column {}: '{column}' is not a known column; remove it, or use one of {known_columns}",
                     place + 1
                 );
             }
@@ -272,16 +272,16 @@ impl Columns {
                 self.count
             );
         }
-        let known = self.places.map(|place| {
+        let ordered_cells = self.places.map(|place| {
             let cell = place.and_then(|place| cells.get_mut(place));
             cell.map(std::mem::take).unwrap_or_default()
         });
-        for (needed, cell) in ["file", "label"].into_iter().zip(&known) {
+        for (needed, cell) in ["file", "label"].into_iter().zip(&ordered_cells) {
             if cell.is_empty() {
                 bail!("{file}:{number}, column {needed}: the cell is empty; fill it in");
             }
         }
-        Ok(known)
+        Ok(ordered_cells)
     }
 }
 

@@ -232,7 +232,7 @@ fn joined_content(
 ) -> Result<(Vec<Source>, Vec<Exclusion>)> {
     let mut samples: Vec<Source> = Vec::new();
     let mut excluded = Vec::new();
-    let mut seen: HashMap<String, &PathBuf> = HashMap::new();
+    let mut paths: HashMap<String, &PathBuf> = HashMap::new();
     for ((number, reader), path) in readers.iter().enumerate().zip(inputs) {
         let of_set = set::samples_of(reader).context(path.display().to_string())?;
         let exclusions = exclusions(reader).context(path.display().to_string())?;
@@ -241,7 +241,7 @@ fn joined_content(
         names.extend(of_set.iter().map(|sample| sample.row.name.clone()));
         names.extend(exclusions.iter().map(|excluded| excluded.row.name.clone()));
         for name in names {
-            if let Some(earlier) = seen.insert(name.clone(), path) {
+            if let Some(earlier) = paths.insert(name.clone(), path) {
                 bail!(
                     "'{name}' is in {} and in {}; give each part once",
                     earlier.display(),

@@ -73,12 +73,12 @@ pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     for next in all {
         match manifests
             .iter_mut()
-            .find(|known| known.manifest_sha256 == next.manifest_sha256)
+            .find(|origin| origin.manifest_sha256 == next.manifest_sha256)
         {
-            Some(known) => {
-                known.structures = known.structures.or(next.structures);
-                known.present += next.present;
-                known.parts.extend(next.parts);
+            Some(origin) => {
+                origin.structures = origin.structures.or(next.structures);
+                origin.present += next.present;
+                origin.parts.extend(next.parts);
             }
             None => manifests.push(next),
         }

@@ -54,8 +54,8 @@ impl<'a> Part<'a> {
     }
 
     pub(super) fn entry(&self, structure: usize) -> Result<Entry> {
-        let Shard { index, of } = self.shard;
-        self.manifest.entry(index - 1 + structure * of)
+        let Shard { index, of: parts } = self.shard;
+        self.manifest.entry(index - 1 + structure * parts)
     }
 
     fn hash(&self, structure: usize) -> Option<Digest> {

@@ -59,7 +59,7 @@ impl Groups {
         word: impl Fn(&Row) -> &String,
     ) -> Result<BTreeMap<String, String>> {
         self.0.sort_unstable();
-        let mut found = BTreeMap::new();
+        let mut examples = BTreeMap::new();
         // The word at hand, and its first row.
         let mut first: Option<(u64, usize)> = None;
         for (hash, number) in &self.0 {
@@ -70,10 +70,10 @@ impl Groups {
             let (first, other) = (row(first)?, row(*number)?);
             if word(&first) == word(&other) && first.cluster != other.cluster {
                 let two = in_words(&first, &other);
-                found.entry(word(&first).clone()).or_insert(two);
+                examples.entry(word(&first).clone()).or_insert(two);
             }
         }
-        Ok(found)
+        Ok(examples)
     }
 }
 
@@ -114,19 +114,19 @@ mod tests {
             ])
             .is_empty()
         );
-        let found = lines(&[
+        let warnings = lines(&[
             ["a", "1", "f", "x"],
             ["b", "2", "", "x"],
             ["c", "1", "f", "y"],
             ["d", "3", "f", "z"],
         ]);
-        assert_eq!(found.len(), 2, "{found:?}");
-        assert!(found[0].starts_with(
+        assert_eq!(warnings.len(), 2, "{warnings:?}");
+        assert!(warnings[0].starts_with(
             "'a' and 'b' are in different clusters, '1' and '2', and are the same file"
         ));
         assert!(
-            found[1].starts_with("'a' and 'd'") && found[1].contains("the family 'f'"),
-            "{found:?}"
+            warnings[1].starts_with("'a' and 'd'") && warnings[1].contains("the family 'f'"),
+            "{warnings:?}"
         );
     }
 }

@@ -95,10 +95,10 @@ impl SampleSource for VoxelSet {
             .reader
             .sample(sample)
             .map_err(|error| LearnError::Sample {
-                name: self
-                    .descriptions
-                    .get(sample)
-                    .map_or_else(|| sample.to_string(), |known| known.name.clone()),
+                name: self.descriptions.get(sample).map_or_else(
+                    || sample.to_string(),
+                    |description| description.name.clone(),
+                ),
                 reason: error.to_string(),
             })?;
         let grid = SparseGrid {

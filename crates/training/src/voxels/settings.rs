@@ -140,9 +140,9 @@ impl VoxelizeSettings {
             ),
             ("the pH", self.ph, -10.0, 30.0, ""),
         ];
-        for (what, value, low, high, unit) in ranges {
+        for (quantity, value, low, high, unit) in ranges {
             if !(low..=high).contains(&value) {
-                bail!("{what} is {value}; give {low} to {high}{unit}");
+                bail!("{quantity} is {value}; give {low} to {high}{unit}");
             }
         }
         self.voxel_settings()?;

@@ -217,12 +217,12 @@ impl Gathered {
 /// The median of values that occur so many times each, the upper of the two in the middle.
 fn median(counted: &mut [(f32, u64)]) -> f32 {
     counted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-    let mut left = counted.iter().map(|(_, count)| count).sum::<u64>() / 2;
+    let mut remaining_count = counted.iter().map(|(_, count)| count).sum::<u64>() / 2;
     for (value, count) in &*counted {
-        if left < *count {
+        if remaining_count < *count {
             return *value;
         }
-        left -= count;
+        remaining_count -= count;
     }
     f32::NAN
 }
@@ -322,13 +322,13 @@ mod tests {
             let values: Vec<f32> = (0..length).map(|_| draw()).collect();
             let mut gathered = Gathered::default();
             gathered.add(&values);
-            let found = gathered.finish();
+            let statistics = gathered.finish();
             let mut list = values.clone();
             let middle = protomer_learn::scaling::median(&mut list);
             let mut distances: Vec<f32> = values.iter().map(|x| (x - middle).abs()).collect();
             let deviation = protomer_learn::scaling::median(&mut distances);
-            assert_eq!(found.median, Some(f64::from(middle)));
-            assert_eq!(found.median_deviation, Some(f64::from(deviation)));
+            assert_eq!(statistics.median, Some(f64::from(middle)));
+            assert_eq!(statistics.median_deviation, Some(f64::from(deviation)));
         }
     }
 

@@ -132,10 +132,10 @@ pub fn voxelize_structure(
             draft,
             surface,
         }) => {
-            let kept = bodies.map(|bodies| bodies.keep(path, draft, surface));
+            let record = bodies.map(|bodies| bodies.keep(path, draft, surface));
             Ok(Done {
                 outcome,
-                body: kept.transpose()?,
+                body: record.transpose()?,
             })
         }
         Err(excluded) => Ok(Done {
@@ -479,11 +479,11 @@ fn radius_of_gyration(positions: &[Vec3]) -> f64 {
 fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let (rotation, _) = principal_axes(&positions);
-    let mut turned = atoms.to_vec();
-    for atom in &mut turned {
+    let mut rotated_atoms = atoms.to_vec();
+    for atom in &mut rotated_atoms {
         atom.sphere.centre = rotation * atom.sphere.centre;
     }
-    let (low, high) = bounds(&turned);
+    let (low, high) = bounds(&rotated_atoms);
     let mut extents: [f64; 3] = (high - low).into();
     extents.sort_by(|a, b| b.total_cmp(a));
     extents

@@ -106,11 +106,11 @@ mod tests {
             Survey::of_extents(extents, settings).note()
         };
         assert_eq!(note(&[20.0, 63.0], &settings), None);
-        let found = note(&[20.0, 63.5, 100.0], &settings).unwrap();
+        let advice = note(&[20.0, 63.5, 100.0], &settings).unwrap();
         assert!(
-            found.contains("2 of 3")
-                && found.ends_with("--size 101, or with --spacing 1.59, or with --spacing fit"),
-            "{found}"
+            advice.contains("2 of 3")
+                && advice.ends_with("--size 101, or with --spacing 1.59, or with --spacing fit"),
+            "{advice}"
         );
         // What is named does take them all.
         let spacing = Spacing::Angstrom(1.59);
@@ -119,10 +119,10 @@ mod tests {
             ..settings.clone()
         };
         assert_eq!(note(&[20.0, 63.5, 100.0], &larger), None);
-        let found = note(&[300.0], &settings).unwrap();
+        let advice = note(&[300.0], &settings).unwrap();
         assert!(
-            found.ends_with("--size 301, or with --size 151 --spacing fit"),
-            "{found}"
+            advice.ends_with("--size 301, or with --size 151 --spacing fit"),
+            "{advice}"
         );
         let fitted = VoxelizeSettings {
             spacing: Spacing::Fit(Fit::Fit),

@@ -133,9 +133,9 @@ impl WorkFile {
             bail!("{name} has no record of structure {number}");
         };
         let begin = place.get() - LENGTH_BYTES;
-        let left = inner.end - begin;
+        let remaining_bytes = inner.end - begin;
         let position = inner.file.seek(SeekFrom::Start(begin));
-        let bytes = position.and_then(|_| read_record(&mut inner.file, left));
+        let bytes = position.and_then(|_| read_record(&mut inner.file, remaining_bytes));
         drop(inner);
         let bytes = bytes.with_context(|| format!("cannot read {name}"))?;
         let Some(bytes) = bytes else {
@@ -187,15 +187,15 @@ fn scan(
     Ok(end)
 }
 
-/// Reads a record behind its length; `None` if not all of it is among the `left` bytes.
-fn read_record(reader: &mut impl Read, left: u64) -> std::io::Result<Option<Vec<u8>>> {
-    if left < LENGTH_BYTES {
+/// Reads a record behind its length; `None` if not all of it is among the `remaining_bytes`.
+fn read_record(reader: &mut impl Read, remaining_bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
+    if remaining_bytes < LENGTH_BYTES {
         return Ok(None);
     }
     let mut prefix = [0; 8];
     reader.read_exact(&mut prefix)?;
     let size = u64::from_le_bytes(prefix);
-    if size > LONGEST_RECORD_BYTES || size > left - LENGTH_BYTES {
+    if size > LONGEST_RECORD_BYTES || size > remaining_bytes - LENGTH_BYTES {
         return Ok(None);
     }
     let mut bytes = vec![0; size as usize];

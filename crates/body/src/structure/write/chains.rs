@@ -90,11 +90,11 @@ impl<'a> Layout<'a> {
         let mut parts: Vec<(&Body, BodyParts)> = Vec::new();
         let mut chains = Vec::new();
         for (copy, placed) in copies.iter().enumerate() {
-            let known = parts
+            let index = parts
                 .iter()
                 .position(|(body, _)| std::ptr::eq(*body, placed.body));
-            let body = known.unwrap_or(parts.len());
-            if known.is_none() {
+            let body = index.unwrap_or(parts.len());
+            if index.is_none() {
                 parts.push((placed.body, BodyParts::of(placed.body)));
             }
             for part in 0..parts[body].1.chains.len() {
@@ -249,7 +249,7 @@ pub(super) fn letters(mut number: usize) -> String {
     loop {
         letters.push(char::from(b'A' + (number % 26) as u8));
         match (number / 26).checked_sub(1) {
-            Some(rest) => number = rest,
+            Some(quotient) => number = quotient,
             None => break,
         }
     }

@@ -110,8 +110,8 @@ impl Units {
                     .iter()
                     .map(|(index, _)| &*residues[*index].name);
                 let sequence = names.collect::<Vec<_>>().join(" ");
-                let what = format!("chain {} of {}", part.name, chain.placed.body.name);
-                units.add(chain.id.clone(), "polymer", sequence, plain(&what));
+                let description = format!("chain {} of {}", part.name, chain.placed.body.name);
+                units.add(chain.id.clone(), "polymer", sequence, plain(&description));
             }
             let mut has_water = false;
             for index in &part.others {
@@ -136,21 +136,21 @@ impl Units {
     }
 
     /// Adds a molecule. Molecules with the same key are the same entity.
-    fn add(&mut self, label: String, kind: &'static str, key: String, what: String) {
+    fn add(&mut self, label: String, kind: &'static str, key: String, description: String) {
         let next = self.entities.len();
         let entity = *self.entity_of.entry(key).or_insert(next);
         if entity == next {
-            self.entities.push((kind, what));
+            self.entities.push((kind, description));
         }
         self.units.push(Unit { label, entity });
     }
 
     fn tables(&self, text: &mut String) {
         begin_loop(text, "entity", ["id", "type", "pdbx_description"]);
-        for (number, (kind, what)) in self.entities.iter().enumerate() {
+        for (number, (kind, description)) in self.entities.iter().enumerate() {
             add_row(
                 text,
-                &[(number + 1).to_string(), (*kind).into(), value(what)],
+                &[(number + 1).to_string(), (*kind).into(), value(description)],
             );
         }
         text.push_str("#\n");
@@ -209,8 +209,8 @@ fn atoms(text: &mut String, layout: &Layout, units: &Units) {
         let mut water = None;
         for residue in &part.others {
             let is_water = is_water(&chain.placed.body.residues[*residue].name);
-            let known = water.filter(|_| is_water);
-            let Some(unit) = known.or_else(|| units.next()) else {
+            let shared_unit = water.filter(|_| is_water);
+            let Some(unit) = shared_unit.or_else(|| units.next()) else {
                 continue;
             };
             if is_water {

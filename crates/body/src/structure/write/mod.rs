@@ -174,11 +174,11 @@ fn require_atoms(body: &Body) -> Result<()> {
 }
 
 fn check_values(copy: &PlacedBody) -> Result<()> {
-    let (found, wanted) = (copy.residue_values.len(), copy.body.residues.len());
-    if found != 0 && found != wanted {
+    let (count, wanted) = (copy.residue_values.len(), copy.body.residues.len());
+    if count != 0 && count != wanted {
         return Err(BodyError::Invalid {
             cause: format!(
-                "body '{}' has {wanted} residues, but {found} values are given",
+                "body '{}' has {wanted} residues, but {count} values are given",
                 copy.body.name
             ),
             remedy: "give one for each residue, or none".into(),

@@ -205,17 +205,22 @@ fn atom_name(name: &str, symbol: &str) -> Result<String> {
 }
 
 /// A number in a field of fixed width.
-fn fitting(value: f64, decimals: usize, width: usize, what: impl Fn() -> String) -> Result<String> {
+fn fitting(
+    value: f64,
+    decimals: usize,
+    width: usize,
+    label: impl Fn() -> String,
+) -> Result<String> {
     let text = rounded(value, decimals);
     if text.len() > width {
-        return Err(too_large(format!("the number {text} of {}", what())));
+        return Err(too_large(format!("the number {text} of {}", label())));
     }
     Ok(format!("{text:>width$}"))
 }
 
-fn too_large(what: String) -> BodyError {
+fn too_large(content: String) -> BodyError {
     BodyError::Invalid {
-        cause: format!("a PDB file cannot hold {what}"),
+        cause: format!("a PDB file cannot hold {content}"),
         remedy: "write mmCIF instead".into(),
     }
 }
@@ -224,21 +229,21 @@ fn too_large(what: String) -> BodyError {
 fn wrapped(text: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in text.split(' ') {
-        let mut rest = word;
-        while !rest.is_empty() {
+        let mut remainder = word;
+        while !remainder.is_empty() {
             let Some(line) = lines.last_mut() else { break };
-            let needed = rest.len() + usize::from(!line.is_empty());
+            let needed = remainder.len() + usize::from(!line.is_empty());
             if line.len() + needed <= width {
                 if !line.is_empty() {
                     line.push(' ');
                 }
-                line.push_str(rest);
-                rest = "";
+                line.push_str(remainder);
+                remainder = "";
             } else if line.is_empty() {
-                let (start, end) = rest.split_at(width);
+                let (start, end) = remainder.split_at(width);
                 line.push_str(start);
                 lines.push(String::new());
-                rest = end;
+                remainder = end;
             } else {
                 lines.push(String::new());
             }

@@ -132,12 +132,12 @@ fn clip(arcs: &mut Vec<CircleArc>, whole: bool, [a, b, c]: [f64; 3], square: f64
         });
         return;
     }
-    let kept = |p: &[f64; 2]| a * p[0] + b * p[1] >= c;
+    let is_kept = |p: &[f64; 2]| a * p[0] + b * p[1] >= c;
     for index in (0..arcs.len()).rev() {
         let arc = arcs[index];
         let [start, end] = arc.ends;
         let within = |p: &[f64; 2]| turn(&start, p) < turn(&start, &end);
-        match (kept(&start), kept(&end)) {
+        match (is_kept(&start), is_kept(&end)) {
             (true, false) => {
                 arcs[index] = CircleArc {
                     ends: [start, leave],

@@ -124,10 +124,10 @@ fn loops_of(
             half_arcs.push(half);
             edges.push(edge(&arcs[half as usize / 2], half as usize % 2, balls));
             let following = next[half as usize];
-            let Ok(found) = group.binary_search_by_key(&following, |entry| entry.1) else {
+            let Ok(index) = group.binary_search_by_key(&following, |entry| entry.1) else {
                 break;
             };
-            place = found;
+            place = index;
         }
         if !edges.is_empty() {
             loops.push(edges);

@@ -82,11 +82,11 @@ fn exterior_angle(arriving: &Edge, departing: &Edge) -> f64 {
 
 /// Solid angle of a connected region with these boundary loops.
 pub(crate) fn solid_angle(loops: &[&Loop]) -> f64 {
-    let mut turned = 0.0;
+    let mut angle = 0.0;
     for edges in loops {
-        turned += turning(edges);
+        angle += turning(edges);
     }
-    2.0 * PI * (2.0 - loops.len() as f64) + turned
+    2.0 * PI * (2.0 - loops.len() as f64) + angle
 }
 
 /// ∫ u dΩ over a region with these boundary loops.
@@ -141,19 +141,19 @@ fn is_on_left(edges: &[Edge], other: &[Edge]) -> bool {
     let (Some(inside), Some(right)) = (largest_cap(other), largest_cap(edges)) else {
         return false;
     };
-    let Some(along) = (right - inside).try_normalize(0.0) else {
+    let Some(direction) = (right - inside).try_normalize(0.0) else {
         return false;
     };
     let line = Line {
         inside,
         right,
-        along,
+        direction,
     };
-    let mut turned = 0.0;
+    let mut angle = 0.0;
     for edge in edges {
-        turned += line.turned_by(edge);
+        angle += line.turned_by(edge);
     }
-    turned.abs() > PI
+    angle.abs() > PI
 }
 
 /// The centre of the largest cap at the edges.
@@ -170,7 +170,7 @@ const SHORT_EDGE: f64 = 1e-4;
 struct Line {
     inside: Vec3,
     right: Vec3,
-    along: Vec3,
+    direction: Vec3,
 }
 
 impl Line {
@@ -188,14 +188,14 @@ impl Line {
         }
         let [before, after] = edge
             .ends
-            .map(|end| (edge.point(&end) - self.inside).cross(&self.along));
-        let sine = before.cross(&after).dot(&self.along);
-        let turned = sine.atan2(before.dot(&after));
+            .map(|end| (edge.point(&end) - self.inside).cross(&self.direction));
+        let sine = before.cross(&after).dot(&self.direction);
+        let angle = sine.atan2(before.dot(&after));
         let is_short = edge.angle * edge.radius < SHORT_EDGE;
-        if is_through && !is_short && turned * sense < 0.0 {
-            turned + 2.0 * PI * sense
+        if is_through && !is_short && angle * sense < 0.0 {
+            angle + 2.0 * PI * sense
         } else {
-            turned
+            angle
         }
     }
 }

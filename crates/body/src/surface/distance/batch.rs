@@ -138,11 +138,11 @@ impl SesSolid {
             let lanes = Lanes::new(some.iter().map(|number| &points[*number]), cell);
             for (number, atom) in some.iter().zip(self.deepest_of(&lanes, atoms, cell)) {
                 let point = &points[*number];
-                let known = match atom {
+                let surface_point = match atom {
                     TIE => Some(self.nearest_alone(point)),
                     _ => self.nearest_on_atom(point, atom),
                 };
-                match known {
+                match surface_point {
                     Some((value, nearest)) => visit(*number, value, nearest),
                     None => at_edges.push(*number),
                 }
@@ -287,11 +287,15 @@ impl SesSolid {
                 let (radius, cosine) = (this.radius as f32, this.cosine_half_angle as f32);
                 for lane in 0..LANES {
                     let (dx, dy, dz) = (x[lane] - cx, y[lane] - cy, z[lane] - cz);
-                    let along = dx * ax + dy * ay + dz * az;
-                    let (ox, oy, oz) = (dx - along * ax, dy - along * ay, dz - along * az);
+                    let projection = dx * ax + dy * ay + dz * az;
+                    let (ox, oy, oz) = (
+                        dx - projection * ax,
+                        dy - projection * ay,
+                        dz - projection * az,
+                    );
                     let out = (ox * ox + oy * oy + oz * oz).sqrt();
                     let gap = out - radius;
-                    let square = along * along + gap * gap;
+                    let square = projection * projection + gap * gap;
                     let is_on_arc = dx * mx + dy * my + dz * mz >= cosine * out;
                     let is_nearer = is_on_arc & (square < best[lane]);
                     best[lane] = if is_nearer { square } else { best[lane] };
@@ -314,11 +318,11 @@ impl Lanes {
             from_middle: [f32::MIN; LANES],
         };
         for (lane, point) in points.enumerate() {
-            let seen = cell.seen(point);
-            for (places, x) in lanes.places.iter_mut().zip(seen) {
+            let coordinates = cell.seen(point);
+            for (places, x) in lanes.places.iter_mut().zip(coordinates) {
                 places[lane] = x;
             }
-            let [x, y, z] = seen;
+            let [x, y, z] = coordinates;
             let from_middle = (x * x + y * y + z * z).sqrt();
             lanes.from_middle[lane] = from_middle * (1.0 + ROUNDING) + ROUNDING_ANGSTROM;
         }

@@ -261,8 +261,8 @@ impl Cell {
     /// A point seen from the middle.
     #[inline]
     pub(super) fn seen(&self, point: &Vec3) -> [f32; 3] {
-        let seen = point - self.middle;
-        [seen.x as f32, seen.y as f32, seen.z as f32]
+        let offset = point - self.middle;
+        [offset.x as f32, offset.y as f32, offset.z as f32]
     }
 }
 

@@ -353,10 +353,10 @@ impl ImplicitSolid for SesSolid {
     fn signed_distances_and_empty_balls(
         &self,
         points: &[Vec3],
-        found: &mut Vec<(f64, Option<Ball>)>,
+        results: &mut Vec<(f64, Option<Ball>)>,
     ) {
-        found.clear();
-        found.resize(points.len(), (0.0, None));
+        results.clear();
+        results.resize(points.len(), (0.0, None));
         self.for_each_nearest(points, |number, value, nearest| {
             let centre = match nearest {
                 Nearest::Nowhere => None,
@@ -365,7 +365,7 @@ impl ImplicitSolid for SesSolid {
                 Nearest::Arc(arc) => Some(self.arcs[arc as usize].nearest(&points[number])),
                 Nearest::Vertex(vertex) => Some(self.vertices[vertex as usize]),
             };
-            found[number] = (value, centre.map(|centre| (centre, self.probe_radius)));
+            results[number] = (value, centre.map(|centre| (centre, self.probe_radius)));
         });
     }
 
@@ -419,8 +419,8 @@ impl CompactArc {
     #[inline]
     fn distance_squared(&self, point: &Vec3) -> f64 {
         let offset = point - self.centre;
-        let along = offset.dot(&self.axis);
-        let height = along * along;
+        let projection = offset.dot(&self.axis);
+        let height = projection * projection;
         let out = (offset.norm_squared() - height).max(0.0).sqrt();
         let gap = out - self.radius;
         let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
@@ -438,9 +438,11 @@ impl CompactArc {
 
     fn distance_from_circle(&self, point: &Vec3) -> f64 {
         let offset = point - self.centre;
-        let along = offset.dot(&self.axis);
-        let out = (offset.norm_squared() - along * along).max(0.0).sqrt();
-        (along * along + (out - self.radius).powi(2)).sqrt()
+        let projection = offset.dot(&self.axis);
+        let out = (offset.norm_squared() - projection * projection)
+            .max(0.0)
+            .sqrt();
+        (projection * projection + (out - self.radius).powi(2)).sqrt()
     }
 
     /// A ball that holds the arc.

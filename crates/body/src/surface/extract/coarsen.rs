@@ -181,8 +181,8 @@ impl EdgeCounts {
     /// Counts an edge once more, and says how often it has been by now.
     pub(super) fn add(&mut self, a: u32, b: u32) -> u32 {
         let (low, high) = (a.min(b), a.max(b));
-        if let Some(known) = self.find(low, high) {
-            let entry = &mut self.entries[known as usize];
+        if let Some(index) = self.find(low, high) {
+            let entry = &mut self.entries[index as usize];
             entry.count += 1;
             return entry.count;
         }
@@ -204,13 +204,13 @@ impl EdgeCounts {
     }
 
     fn find(&self, low: u32, high: u32) -> Option<u32> {
-        let mut here = self.head[low as usize];
-        while here != NOTHING {
-            let entry = &self.entries[here as usize];
+        let mut index = self.head[low as usize];
+        while index != NOTHING {
+            let entry = &self.entries[index as usize];
             if entry.other == high {
-                return Some(here);
+                return Some(index);
             }
-            here = entry.next;
+            index = entry.next;
         }
         None
     }

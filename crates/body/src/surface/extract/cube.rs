@@ -26,7 +26,7 @@ const CELL: u32 = 0b11_0110_0001_1011;
 
 /// Lower ends of the edges along each axis that lie in the middle of the cube along so many others.
 const fn edges(middles: u32) -> [u32; 3] {
-    let mut found = [0; 3];
+    let mut masks = [0; 3];
     let mut axis = 0;
     while axis < 3 {
         let mut bit = 0;
@@ -34,30 +34,30 @@ const fn edges(middles: u32) -> [u32; 3] {
             let node = [bit / 9, bit / 3 % 3, bit % 3];
             let (u, v) = (node[(axis + 1) % 3], node[(axis + 2) % 3]);
             if node[axis] < 2 && (u % 2) + (v % 2) == middles {
-                found[axis] |= 1 << bit;
+                masks[axis] |= 1 << bit;
             }
             bit += 1;
         }
         axis += 1;
     }
-    found
+    masks
 }
 
 const fn layers(layer: u32) -> [u32; 3] {
-    let mut found = [0; 3];
+    let mut masks = [0; 3];
     let mut bit = 0;
     while bit < 27 {
         let node = [bit / 9, bit / 3 % 3, bit % 3];
         let mut axis = 0;
         while axis < 3 {
             if node[axis] == layer {
-                found[axis] |= 1 << bit;
+                masks[axis] |= 1 << bit;
             }
             axis += 1;
         }
         bit += 1;
     }
-    found
+    masks
 }
 
 /// The inside corners of the cell whose lowest node is `first`, in the numbering of [`Cycles`].
@@ -122,11 +122,11 @@ fn has_plain_boundary(nodes: u32, table: &[Cycles]) -> bool {
         let (u, v) = (STEP[(axis + 1) % 3], STEP[(axis + 2) % 3]);
         for side in [0, 2 * step] {
             let face = nodes >> side;
-            let at = |bit: u32| face >> bit & 1;
-            let middle = at(u + v);
-            let sides = at(u) + at(v) + at(2 * u + v) + at(u + 2 * v);
+            let node = |bit: u32| face >> bit & 1;
+            let middle = node(u + v);
+            let sides = node(u) + node(v) + node(2 * u + v) + node(u + 2 * v);
             let is_alone = sides == if middle == 1 { 0 } else { 4 };
-            let [a, b, c, d] = [at(0), at(2 * u), at(2 * v), at(2 * (u + v))];
+            let [a, b, c, d] = [node(0), node(2 * u), node(2 * v), node(2 * (u + v))];
             if is_alone || (a == d && b == c && a != b) {
                 return false;
             }
@@ -159,16 +159,16 @@ pub(super) fn crossed(nodes: u32, axis: usize, with_faces: bool) -> u32 {
 /// cell from the lowest node.
 pub(super) fn crossings(nodes: u32) -> (u16, [u16; 3]) {
     let (mut count, mut sum) = (0, [0; 3]);
-    for along in 0..3 {
-        let edges = ON_EDGES[along] | IN_FACES[along] | INSIDE[along];
-        let crossed = (nodes ^ nodes >> STEP[along]) & edges;
+    for direction in 0..3 {
+        let edges = ON_EDGES[direction] | IN_FACES[direction] | INSIDE[direction];
+        let crossed = (nodes ^ nodes >> STEP[direction]) & edges;
         let number = crossed.count_ones() as u16;
         count += number;
         for axis in 0..3 {
             sum[axis] += 2 * (crossed & SECOND[axis]).count_ones() as u16;
             sum[axis] += 4 * (crossed & THIRD[axis]).count_ones() as u16;
         }
-        sum[along] += number;
+        sum[direction] += number;
     }
     (count, sum)
 }

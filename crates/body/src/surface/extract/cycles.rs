@@ -47,10 +47,10 @@ fn cycles(mask: usize) -> Cycles {
     for face in 0..6 {
         for [from, to] in links(mask, face) {
             (crossed[from], crossed[to]) = (true, true);
-            let (kept, gone) = (label[from], label[to]);
+            let (survivor, gone) = (label[from], label[to]);
             for label in &mut label {
                 if *label == gone {
-                    *label = kept;
+                    *label = survivor;
                 }
             }
         }
@@ -80,8 +80,8 @@ pub(super) fn links(mask: usize, face: usize) -> Vec<[usize; 2]> {
     let is_inside = |i: usize| mask >> corners[i % 4] & 1 == 1;
     // Side i of the face runs from its corner i to the next.
     let side_edge = |i: usize| {
-        let along = if i.is_multiple_of(2) { u } else { v };
-        edge_between(along, corners[i % 4])
+        let direction = if i.is_multiple_of(2) { u } else { v };
+        edge_between(direction, corners[i % 4])
     };
     let mut links = Vec::new();
     for start in 0..4 {

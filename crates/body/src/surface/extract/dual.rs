@@ -175,11 +175,11 @@ enum Slot {
 impl March<'_> {
     /// Finds the blocks with cells that the surface crosses, and how their cubes are tiled.
     fn find_blocks(&mut self) {
-        let mut kept = 0;
+        let mut count = 0;
         for (number, region) in (0..).zip(&self.lattice.regions) {
             let after = Neighbours::of(region.place, self.lattice);
-            for block in bits(region.kept) {
-                kept += 1;
+            for block in bits(region.blocks) {
+                count += 1;
                 let words = after.words(node_at(block));
                 let Some(rim) = Rim::of(words) else {
                     continue;
@@ -194,7 +194,7 @@ impl March<'_> {
                     let kind = if is_plain { &mut plain } else { &mut cellwise };
                     *kind |= 1 << cube;
                 }
-                self.block_at[kept - 1] = self.blocks.len() as u32;
+                self.block_at[count - 1] = self.blocks.len() as u32;
                 let [x, y, z] = node_at(block);
                 self.blocks.push(Block {
                     place: [
@@ -385,23 +385,23 @@ impl March<'_> {
         let Some(slot) = after.slot(edge.node, edge.axis) else {
             return;
         };
-        let known = match slot {
+        let entry = match slot {
             Slot::OnCubeEdge(block, slot) => self.blocks[block as usize].quads[slot],
             Slot::Other(node, axis) => *self.other_quads.get(&(node, axis)).unwrap_or(&NOTHING),
         };
-        let quad = match known {
+        let quad = match entry {
             NOTHING if !may_make => return,
             NOTHING => {
                 let node = global(after.place, edge.node);
                 self.make_quad(slot, node, edge.axis, edge.is_low_inside)
             }
-            known => known,
+            entry => entry,
         };
         // The cells around an edge, counter-clockwise seen from its upper end, have it at these
         // places.
         let place = [0, 1, 3, 2][edge.place];
-        let turned = if edge.is_low_inside { place } else { 3 - place };
-        self.dual.quads[quad as usize].corners[turned] = tile;
+        let corner = if edge.is_low_inside { place } else { 3 - place };
+        self.dual.quads[quad as usize].corners[corner] = tile;
     }
 
     fn make_quad(&mut self, slot: Slot, node: Cell, axis: usize, is_low_inside: bool) -> u32 {
@@ -453,9 +453,9 @@ impl Rim {
     /// nodes of a block that is not there are on the side of their neighbours in this block, since
     /// no cell with a corner there is crossed.
     fn of(words: [Option<u64>; 8]) -> Option<Self> {
-        let own = words[0]?;
-        let is_uniform = own == 0 || own == u64::MAX;
-        if is_uniform && words.iter().flatten().all(|word| *word == own) {
+        let block_word = words[0]?;
+        let is_uniform = block_word == 0 || block_word == u64::MAX;
+        if is_uniform && words.iter().flatten().all(|word| *word == block_word) {
             return None;
         }
         let mut rows = [0; (RIM * RIM) as usize];
@@ -463,15 +463,15 @@ impl Rim {
             for y in 0..RIM {
                 let after = usize::from(x == BLOCK) | usize::from(y == BLOCK) << 1;
                 let start = |x: i32, y: i32| node_index([x, y, 0]);
-                let here = start(x % BLOCK, y % BLOCK);
+                let shift = start(x % BLOCK, y % BLOCK);
                 let nearest = start(x.min(BLOCK - 1), y.min(BLOCK - 1));
                 let row = match words[after] {
-                    Some(word) => word >> here & 0b1111,
-                    None => own >> nearest & 0b1111,
+                    Some(word) => word >> shift & 0b1111,
+                    None => block_word >> nearest & 0b1111,
                 };
                 let last = match words[after | 4] {
-                    Some(word) => word >> here & 1,
-                    None => own >> (nearest + 3) & 1,
+                    Some(word) => word >> shift & 1,
+                    None => block_word >> (nearest + 3) & 1,
                 };
                 rows[(x * RIM + y) as usize] = (row | last << BLOCK) as u8;
             }

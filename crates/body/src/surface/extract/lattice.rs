@@ -41,7 +41,7 @@ pub(super) struct Region {
     pub(super) place: Cell,
     /// The blocks that are kept, as bits: those that hold a corner of a cell that the surface
     /// crosses, and some others near the surface.
-    pub(super) kept: u64,
+    pub(super) blocks: u64,
     /// Number of blocks that the regions before this one keep.
     kept_before: u32,
 }
@@ -49,8 +49,8 @@ pub(super) struct Region {
 impl Region {
     /// The number of a block among all that the lattice keeps, if it is kept.
     pub(super) fn number(&self, block: usize) -> Option<u32> {
-        let before = self.kept & ((1 << block) - 1);
-        let is_kept = self.kept >> block & 1 == 1;
+        let before = self.blocks & ((1 << block) - 1);
+        let is_kept = self.blocks >> block & 1 == 1;
         is_kept.then(|| self.kept_before + before.count_ones())
     }
 }
@@ -72,12 +72,12 @@ impl<'a> SparseLattice<'a> {
         let mut buffers = Buffers::default();
         for (place, candidates) in lattice.candidates(&solid.cover())? {
             let kept_before = lattice.inside.len() as u32;
-            let kept = lattice.fill(solid, place, candidates, &mut buffers);
-            if kept != 0 {
+            let blocks = lattice.fill(solid, place, candidates, &mut buffers);
+            if blocks != 0 {
                 lattice.index_of.insert(place, lattice.regions.len() as u32);
                 lattice.regions.push(Region {
                     place,
-                    kept,
+                    blocks,
                     kept_before,
                 });
             }
@@ -110,7 +110,7 @@ impl<'a> SparseLattice<'a> {
     /// that the mesh does not depend on a hash.
     fn candidates(&self, cover: &[Ball]) -> Result<Vec<(Cell, u64)>> {
         let edge = self.spacing * f64::from(BLOCK);
-        let mut found: FastMap<Cell, u64> = FastMap::default();
+        let mut blocks: FastMap<Cell, u64> = FastMap::default();
         let mut looks = 0.0;
         for (centre, radius) in cover {
             let centre = self.frame.to_lattice(centre) / edge;
@@ -120,12 +120,12 @@ impl<'a> SparseLattice<'a> {
             if !(extent.is_finite() && extent < 1e8 && looks < MOST_LOOKS) {
                 return Err(too_large(self.spacing));
             }
-            add_blocks_near(&mut found, &centre, reach);
-            if found.len() > MOST_REGIONS {
+            add_blocks_near(&mut blocks, &centre, reach);
+            if blocks.len() > MOST_REGIONS {
                 return Err(too_large(self.spacing));
             }
         }
-        let mut candidates: Vec<(Cell, u64)> = found.into_iter().collect();
+        let mut candidates: Vec<(Cell, u64)> = blocks.into_iter().collect();
         candidates.sort_unstable();
         Ok(candidates)
     }
@@ -144,7 +144,7 @@ impl<'a> SparseLattice<'a> {
             points,
             at_centres,
             values,
-            left,
+            nodes,
             balls,
         } = buffers;
         blocks.clear();
@@ -161,24 +161,24 @@ impl<'a> SparseLattice<'a> {
             self.settle_by_balls(block, *value, empty.as_ref(), balls);
         }
         points.clear();
-        left.clear();
+        nodes.clear();
         for (number, block) in (0..).zip(&*blocks) {
             for node in bits(block.unknown()) {
-                let here = node_at(node).map(f64::from);
-                points.push(self.point([0, 1, 2].map(|axis| block.first[axis] + here[axis])));
-                left.push((number, node));
+                let offset = node_at(node).map(f64::from);
+                points.push(self.point([0, 1, 2].map(|axis| block.first[axis] + offset[axis])));
+                nodes.push((number, node));
             }
         }
         solid.signed_distances(points, values);
-        for ((number, node), value) in left.iter().zip(&*values) {
+        for ((number, node), value) in nodes.iter().zip(&*values) {
             blocks[*number].settle(1 << node, *value < 0.0);
         }
-        let mut kept = 0;
+        let mut mask = 0;
         for block in blocks.iter().filter(|block| block.is_kept) {
-            kept |= 1 << block.number;
+            mask |= 1 << block.number;
             self.inside.push(block.inside);
         }
-        kept
+        mask
     }
 
     /// Decides by the signed distance at its centre whether a block is kept, and settles what nodes that
@@ -237,7 +237,7 @@ struct Buffers {
     at_centres: Vec<(f64, Option<Ball>)>,
     values: Vec<f64>,
     /// Place in `blocks` of the block of each point, and the point's node in that block.
-    left: Vec<(usize, usize)>,
+    nodes: Vec<(usize, usize)>,
     balls: Vec<Ball>,
 }
 
@@ -289,9 +289,9 @@ fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u6
             continue;
         }
         for (j, y) in y.into_iter().enumerate() {
-            let left = square - x - y;
-            if left > 0.0 {
-                let [a, b, c, d] = z.map(|z| u64::from(z < left));
+            let remainder = square - x - y;
+            if remainder > 0.0 {
+                let [a, b, c, d] = z.map(|z| u64::from(z < remainder));
                 bits |= (a | b << 1 | c << 2 | d << 3) << (16 * i + 4 * j);
             }
         }
@@ -301,7 +301,7 @@ fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u6
 
 /// Adds the blocks within `reach` of a point, both in units of a block's edge, to those of each
 /// region.
-fn add_blocks_near(found: &mut FastMap<Cell, u64>, centre: &Vec3, reach: f64) {
+fn add_blocks_near(regions: &mut FastMap<Cell, u64>, centre: &Vec3, reach: f64) {
     let size = f64::from(BLOCK);
     let [low, high] = [-reach, reach].map(|r| centre.map(|x| ((x + r) / size).floor() as i32));
     for x in low.x..=high.x {
@@ -315,7 +315,7 @@ fn add_blocks_near(found: &mut FastMap<Cell, u64>, centre: &Vec3, reach: f64) {
                     c - c.clamp(block, block + 1.0)
                 });
                 if blocks != 0 {
-                    *found.entry(region).or_insert(0) |= blocks;
+                    *regions.entry(region).or_insert(0) |= blocks;
                 }
             }
         }

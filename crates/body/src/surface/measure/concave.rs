@@ -215,12 +215,12 @@ fn cut_solid_angle(caps: &[Cap]) -> Option<(f64, bool)> {
 fn plane_face_area(caps: &[Cap], index: usize) -> f64 {
     let frame = CircleFrame::new(&caps[index]);
     let mut arcs: Vec<CircleArc> = Vec::new();
-    let mut turned = 0.0;
+    let mut angle = 0.0;
     match exposed_arcs(caps, index, &frame, &mut arcs) {
-        Exposure::Whole => turned = TAU,
+        Exposure::Whole => angle = TAU,
         Exposure::Arcs => {
             for arc in &arcs {
-                turned += counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
+                angle += counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
             }
         }
     }
@@ -229,7 +229,7 @@ fn plane_face_area(caps: &[Cap], index: usize) -> f64 {
     for (chord, half_plane) in half_planes.iter().enumerate() {
         chords += half_plane.distance * chord_length(&half_planes, chord, frame.radius);
     }
-    0.5 * (frame.radius * frame.radius * turned + chords)
+    0.5 * (frame.radius * frame.radius * angle + chords)
 }
 
 /// The points n·x <= d of a plane.

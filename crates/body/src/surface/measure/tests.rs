@@ -129,11 +129,14 @@ fn measures_do_not_depend_on_place_and_orientation() {
             fraction(number + 900) - 0.5,
         );
         let rotation = Rotation::new(axis * 6.0);
-        let moved: Vec<Vec3> = centres
+        let images: Vec<Vec3> = centres
             .iter()
             .map(|c| rotation * c + Vec3::new(30.0, -200.0, 7.0))
             .collect();
-        let (first, second) = (measure(&centres, &radii, 1.4), measure(&moved, &radii, 1.4));
+        let (first, second) = (
+            measure(&centres, &radii, 1.4),
+            measure(&images, &radii, 1.4),
+        );
         assert_eq!(first.shells.len(), second.shells.len(), "cluster {number}");
         assert_eq!(first.sampled_patches + second.sampled_patches, 0);
         let (first, second) = (first.total(), second.total());
@@ -217,7 +220,7 @@ fn cages() -> Vec<(&'static str, Vec<Vec3>)> {
         }
         all
     };
-    let turned = |v: [f64; 3]| {
+    let permutations = |v: [f64; 3]| {
         let cyclic = (0..3).map(move |step| [v[step % 3], v[(step + 1) % 3], v[(step + 2) % 3]]);
         cyclic.flat_map(signs).collect::<Vec<_>>()
     };
@@ -235,14 +238,14 @@ fn cages() -> Vec<(&'static str, Vec<Vec3>)> {
     };
     let scaled = |places: Vec<Vec3>, factor: f64| places.into_iter().map(|v| v * factor).collect();
     let fullerene = [
-        turned([0.0, 1.0, 3.0 * golden]),
-        turned([1.0, 2.0 + golden, 2.0 * golden]),
-        turned([golden, 2.0, 2.0 * golden + 1.0]),
+        permutations([0.0, 1.0, 3.0 * golden]),
+        permutations([1.0, 2.0 + golden, 2.0 * golden]),
+        permutations([golden, 2.0, 2.0 * golden + 1.0]),
     ];
     vec![
         ("cube", scaled(signs([1.0; 3]), 1.4)),
-        ("octahedron", scaled(turned([1.0, 0.0, 0.0]), 2.1)),
-        ("icosahedron", scaled(turned([0.0, 1.0, golden]), 1.6)),
+        ("octahedron", scaled(permutations([1.0, 0.0, 0.0]), 2.1)),
+        ("icosahedron", scaled(permutations([0.0, 1.0, golden]), 1.6)),
         ("hexagon", ring(6, 2.4, 0.0).collect()),
         ("wide ring", ring(12, 5.0, 0.0).collect()),
         ("prism of five", prism(5)),
@@ -271,11 +274,11 @@ fn cages_of_equal_atoms_measure_the_same_in_every_orientation() {
             let rotation = Rotation::new(axis * 6.0);
             let decimals = 9 + number as i32 % 8;
             let rounded = |x: f64| (x * 10_f64.powi(decimals)).round() / 10_f64.powi(decimals);
-            let moved: Vec<Vec3> = centres
+            let images: Vec<Vec3> = centres
                 .iter()
                 .map(|c| (rotation * c).map(rounded))
                 .collect();
-            let second = measure(&moved, &radii, 1.4);
+            let second = measure(&images, &radii, 1.4);
             assert_eq!(second.sampled_patches, 0, "{name} {number}");
             let second = second.total();
             for (a, b) in [

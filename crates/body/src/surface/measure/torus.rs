@@ -30,9 +30,9 @@ pub(super) fn patch(circle: f64, probe: f64, heights: [f64; 2], angle: f64) -> P
     let outer = [(low, high.min(-cusp)), (low.max(cusp), high)];
     let (mut area, mut layer) = (0.0, 0.0);
     for (from, to) in outer.into_iter().filter(|(from, to)| from < to) {
-        let (turned, sines) = (to - from, to.sin() - from.sin());
-        area += probe * (circle * turned - probe * sines);
-        layer += circle * probe * probe * turned / 2.0 - probe.powi(3) * sines / 3.0;
+        let (span, sines) = (to - from, to.sin() - from.sin());
+        area += probe * (circle * span - probe * sines);
+        layer += circle * probe * probe * span / 2.0 - probe.powi(3) * sines / 3.0;
     }
     let (from, to) = (low.max(-cusp), high.min(cusp));
     let is_singular = from < to;

@@ -97,9 +97,9 @@ impl HalfEdgeMesh {
 
     /// The shells for which `is_kept` is true, in the order of [`Self::to_shells`].
     pub(crate) fn with_shells(&self, is_kept: &[bool]) -> Self {
-        let kept = self.triangles_by_shell().into_iter().zip(is_kept);
-        let kept = kept.filter(|(_, is_kept)| **is_kept);
-        let triangles: Vec<u32> = kept.flat_map(|(triangles, _)| triangles).collect();
+        let shells = self.triangles_by_shell().into_iter().zip(is_kept);
+        let shells = shells.filter(|(_, is_kept)| **is_kept);
+        let triangles: Vec<u32> = shells.flat_map(|(triangles, _)| triangles).collect();
         let (mut vertices, mut is_new) = (Vec::new(), vec![true; self.positions.len()]);
         for &triangle in &triangles {
             for vertex in self.triangle(triangle) {
@@ -279,14 +279,14 @@ impl HalfEdgeMesh {
     #[inline]
     pub(crate) fn leaving(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
         let first = self.outgoing[vertex as usize];
-        let mut here = first;
+        let mut spoke = first;
         std::iter::from_fn(move || {
-            if here == NONE {
+            if spoke == NONE {
                 return None;
             }
-            let current = here;
+            let current = spoke;
             let following = next(self.twin[current as usize]);
-            here = if following == first { NONE } else { following };
+            spoke = if following == first { NONE } else { following };
             Some(current)
         })
     }
@@ -381,12 +381,12 @@ impl HalfEdgeMesh {
     fn mark_neighbours(&mut self, vertex: u32) {
         self.stamp += 1;
         let first = self.outgoing[vertex as usize];
-        let mut here = first;
+        let mut spoke = first;
         loop {
-            let neighbour = self.ends(here).1;
+            let neighbour = self.ends(spoke).1;
             self.mark[neighbour as usize] = self.stamp;
-            here = next(self.twin(here));
-            if here == first {
+            spoke = next(self.twin(spoke));
+            if spoke == first {
                 return;
             }
         }
@@ -397,11 +397,11 @@ impl HalfEdgeMesh {
         let (h, g) = (half_edge, self.twin(half_edge));
         let ((a, b), c, d) = (self.ends(h), self.apex(h), self.apex(g));
         let first = self.outgoing[b as usize];
-        let mut here = first;
+        let mut spoke = first;
         loop {
-            self.origin[here as usize] = a;
-            here = next(self.twin(here));
-            if here == first {
+            self.origin[spoke as usize] = a;
+            spoke = next(self.twin(spoke));
+            if spoke == first {
                 break;
             }
         }
@@ -463,23 +463,23 @@ fn twins(origin: &[u32], vertices: usize) -> Option<Vec<u32>> {
             if from < end {
                 continue;
             }
-            let (mut here, mut found) = (first[end as usize], NONE);
-            while here != NONE {
-                let link = links[here as usize];
+            let (mut candidate, mut opposite) = (first[end as usize], NONE);
+            while candidate != NONE {
+                let link = links[candidate as usize];
                 if link.end == from {
-                    if found != NONE || twin[here as usize] != NONE {
+                    if opposite != NONE || twin[candidate as usize] != NONE {
                         return None;
                     }
-                    found = here;
+                    opposite = candidate;
                 }
-                here = link.following;
+                candidate = link.following;
             }
-            if found == NONE {
+            if opposite == NONE {
                 return None;
             }
             let half_edge = 3 * triangle + side;
-            twin[half_edge] = found;
-            twin[found as usize] = half_edge as u32;
+            twin[half_edge] = opposite;
+            twin[opposite as usize] = half_edge as u32;
             joined += 2;
         }
     }
@@ -499,15 +499,15 @@ fn label_shells(origin: &[u32], twin: &[u32], outgoing: &[u32]) -> (Vec<u32>, us
         stack.push(seed);
         while let Some(vertex) = stack.pop() {
             let first = outgoing[vertex];
-            let mut here = first;
+            let mut spoke = first;
             loop {
-                let neighbour = origin[next(here) as usize] as usize;
+                let neighbour = origin[next(spoke) as usize] as usize;
                 if shell[neighbour] == NONE {
                     shell[neighbour] = shells;
                     stack.push(neighbour);
                 }
-                here = next(twin[here as usize]);
-                if here == first {
+                spoke = next(twin[spoke as usize]);
+                if spoke == first {
                     break;
                 }
             }

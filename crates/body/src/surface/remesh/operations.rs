@@ -247,18 +247,18 @@ impl<'a> Remesher<'a> {
     /// Moves a vertex by a pull, or half of it, or none, and onto the surface: as far as the triangles
     /// at it stay in shape. `ring` are its neighbours.
     fn move_along_surface(&mut self, vertex: u32, pull: &Pull, onto: Onto, ring: &[Vec3]) {
-        let here = self.mesh.position(vertex);
+        let position = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
         for fraction in [1.0, 0.5, 0.0] {
-            let place = here + pull.displacement * fraction;
+            let place = position + pull.displacement * fraction;
             let (projected, normal) = match onto {
                 Onto::PlaneWhereFlat if pull.flatness > FLAT => (place, pull.normal),
                 Onto::PlaneWhereFlat | Onto::About => self.solid.pull(&place),
                 Onto::Exactly => self.solid.project(&place),
             };
             let is_near =
-                projected.iter().all(|x| x.is_finite()) && (projected - here).norm() < reach;
-            if is_near && self.move_keeps_shape(&here, &projected, ring) {
+                projected.iter().all(|x| x.is_finite()) && (projected - position).norm() < reach;
+            if is_near && self.move_keeps_shape(&position, &projected, ring) {
                 self.mesh.positions[vertex as usize] = projected;
                 self.normal[vertex as usize] = normal;
                 return;
@@ -266,17 +266,17 @@ impl<'a> Remesher<'a> {
         }
     }
 
-    fn move_keeps_shape(&self, here: &Vec3, target: &Vec3, ring: &[Vec3]) -> bool {
+    fn move_keeps_shape(&self, position: &Vec3, target: &Vec3, ring: &[Vec3]) -> bool {
         let smallest = SMALLEST_AREA.min(SMALLEST_SHARE / self.density);
         sides(ring).all(|(p, q)| {
             let (before, after) = (
-                (p - here).cross(&(q - here)),
+                (p - position).cross(&(q - position)),
                 (p - target).cross(&(q - target)),
             );
             let (area, area_before) = (after.norm_squared(), before.norm_squared());
             is_small_turn(&before, &after)
                 && (area > (2.0 * smallest).powi(2) || area > area_before * BETTER * BETTER)
-                && acceptable(&[*target, *p, *q], &[*here, *p, *q])
+                && acceptable(&[*target, *p, *q], &[*position, *p, *q])
         })
     }
 
@@ -332,10 +332,10 @@ struct Pull {
 
 impl Pull {
     /// The pull on a vertex; `None` without triangles, or with triangles without area.
-    fn of(here: &Vec3, ring: &[Vec3]) -> Option<Self> {
+    fn of(position: &Vec3, ring: &[Vec3]) -> Option<Self> {
         let (mut area, mut centre, mut vector) = (0.0, Vec3::zeros(), Vec3::zeros());
         for (p, q) in sides(ring) {
-            let (p, q) = (p - here, q - here);
+            let (p, q) = (p - position, q - position);
             let normal = p.cross(&q);
             let size = normal.norm();
             area += size;

@@ -65,10 +65,10 @@ impl Remesher<'_> {
             let (a, b) = self.mesh.ends(half_edge);
             let bend = (self.normal[a as usize] - self.normal[b as usize]).norm();
             let length = self.mesh.length_squared(half_edge).sqrt();
-            let along = bend / length.max(f64::MIN_POSITIVE);
+            let edge_curvature = bend / length.max(f64::MIN_POSITIVE);
             for end in [a, b] {
                 let at_end = &mut curvature[end as usize];
-                *at_end = at_end.max(along);
+                *at_end = at_end.max(edge_curvature);
             }
         }
         let (mut sum, mut count) = (vec![0.0; self.mesh.shells], vec![0.0; self.mesh.shells]);

@@ -38,11 +38,11 @@ impl BodyArgs {
             .file_stem()
             .unwrap_or_default()
             .to_string_lossy();
-        let own = OwnBody {
+        let body = OwnBody {
             name: self.name.clone().unwrap_or_else(|| stem.into_owned()),
             mesh: self.mesh.clone(),
             charges: self.charges.clone(),
         };
-        Ok(Reply::of(make(&own, &self.output, front.force())?))
+        Ok(Reply::of(make(&body, &self.output, front.force())?))
     }
 }

@@ -89,8 +89,8 @@ impl IngestArgs {
         settings: &IngestSettings,
         front: &Front,
     ) -> Result<Reply> {
-        let what = "finishing the current files; the same command continues";
-        let execution = front.execution(what, self.time_limit)?;
+        let notice = "finishing the current files; the same command continues";
+        let execution = front.execution(notice, self.time_limit)?;
         let report = ingest_stream(files, &self.output, settings, self.part, &execution)?;
         let (stopped, some_failed) = (report.state == StreamState::Stopped, report.failed > 0);
         let reply = Reply::of(report);

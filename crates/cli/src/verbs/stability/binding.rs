@@ -73,11 +73,11 @@ impl BindingArgs {
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let end = binding(&settings, &front.execution_without_signals())?;
-        let End::Finished(found) = end else {
+        let End::Finished(result) = end else {
             return Ok(Reply::stopped("stopped; nothing was kept".into()));
         };
-        let warnings = found.warnings.clone();
-        Ok(Reply::data(found).with_notes(warnings))
+        let warnings = result.warnings.clone();
+        Ok(Reply::data(result).with_notes(warnings))
     }
 
     fn settings(&self) -> Result<BindingSettings> {

@@ -69,8 +69,8 @@ impl InspectArgs {
         };
         let usual = inspection_settings(energy, self.tolerance.tolerance, self.contact_gap);
         let settings = self.model.acting(&self.charges, &self.terms, usual)?;
-        let found = inspect(&engine, &settings, interaction)?;
-        let warnings = found.warnings.clone();
-        Ok(Reply::data(found).with_notes(warnings))
+        let inspection = inspect(&engine, &settings, interaction)?;
+        let warnings = inspection.warnings.clone();
+        Ok(Reply::data(inspection).with_notes(warnings))
     }
 }

@@ -89,12 +89,14 @@ impl ResiduesArgs {
             force: front.force(),
         };
         let store = self.cache.effective_store(front);
-        let found = residues(&settings, store, &*front.progress())?;
-        let files = found.files.iter();
+        let result = residues(&settings, store, &*front.progress())?;
+        let files = result.files.iter();
         let notes: Vec<String> = files
             .map(|file| format!("written: {}", file.display()))
             .collect();
-        let warnings = found.warnings.clone();
-        Ok(Reply::data(found).with_notes(warnings).with_repeated(notes))
+        let warnings = result.warnings.clone();
+        Ok(Reply::data(result)
+            .with_notes(warnings)
+            .with_repeated(notes))
     }
 }

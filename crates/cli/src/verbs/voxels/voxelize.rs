@@ -103,8 +103,8 @@ impl VoxelizeArgs {
         settings.check()?;
         front.warn(quantity::salt_warning([self.salt]));
         let manifest = Manifest::read(&self.manifest)?;
-        let what = "finishing the current structures; the same command continues";
-        let execution = front.execution(what, self.time_limit)?;
+        let notice = "finishing the current structures; the same command continues";
+        let execution = front.execution(notice, self.time_limit)?;
         let bodies = self.bodies(&manifest, front)?;
         if !self.output.exists() {
             front.warn(survey(&manifest, self.shard, &settings).note());

@@ -9,22 +9,22 @@ use std::path::Path;
 
 /// Packing fractions of coexisting phases against that of the depletants in the reservoir.
 pub(super) fn against_reservoir(phases: &Phases, size_ratio: Option<f64>) -> Figure {
-    let is_here = |found: &&Coexistence| found.size_ratio == size_ratio;
+    let is_here = |coexistence: &&Coexistence| coexistence.size_ratio == size_ratio;
     let series = |name: &str, points: Vec<Point>, line: bool| Series {
         name: name.to_owned(),
         points,
         line,
         ..Series::default()
     };
-    let at = |x: f64, y: f64| Point { x, y, error: None };
+    let plain_point = |x: f64, y: f64| Point { x, y, error: None };
     let mut drawn = Vec::new();
-    for (found, name) in [
+    for (tie_lines, name) in [
         (&phases.metastable, "metastable gas and liquid"),
         (&phases.coexistences, "coexistence"),
     ] {
-        for tie in found.iter().filter(is_here) {
+        for tie in tie_lines.iter().filter(is_here) {
             let y = tie.reservoir_packing_fraction.unwrap_or_default();
-            let ends = tie.packing_fractions.map(|x| at(x, y)).to_vec();
+            let ends = tie.packing_fractions.map(|x| plain_point(x, y)).to_vec();
             let measured = literal(&tie.phases.join(", "));
             let name = tie.uncertainty.map_or(name, |_| &measured);
             drawn.push(series(name, ends, true));
@@ -35,7 +35,7 @@ pub(super) fn against_reservoir(phases: &Phases, size_ratio: Option<f64>) -> Fig
         .iter()
         .filter(|point| Some(point.size_ratio) == size_ratio)
     {
-        let place = at(point.packing_fraction, point.reservoir_packing_fraction);
+        let place = plain_point(point.packing_fraction, point.reservoir_packing_fraction);
         drawn.push(series("critical point", vec![place], false));
     }
     for point in phases
@@ -44,7 +44,7 @@ pub(super) fn against_reservoir(phases: &Phases, size_ratio: Option<f64>) -> Fig
         .filter(|point| Some(point.size_ratio) == size_ratio)
     {
         let y = point.reservoir_packing_fraction;
-        let places = point.packing_fractions.map(|x| at(x, y)).to_vec();
+        let places = point.packing_fractions.map(|x| plain_point(x, y)).to_vec();
         drawn.push(series("triple point", places, true));
     }
     Figure {
@@ -67,7 +67,10 @@ pub(super) fn against_reservoir(phases: &Phases, size_ratio: Option<f64>) -> Fig
 /// Without a coexistence, for several size ratios, for another extension, or a file that exists with
 /// other content unless `force` is set.
 pub fn draw(phases: &Phases, output: &Path, force: bool) -> Result<()> {
-    let ratios = phases.coexistences.iter().map(|found| found.size_ratio);
+    let ratios = phases
+        .coexistences
+        .iter()
+        .map(|coexistence| coexistence.size_ratio);
     let Some(figure) = phases.figure() else {
         bail!("no phases coexist, so there is no diagram to draw; leave out --output");
     };

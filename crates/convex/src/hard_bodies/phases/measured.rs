@@ -57,11 +57,11 @@ pub fn phases_of_measurements(from: &PhaseDirectories, reservoirs: &[f64]) -> Re
     let mixture = MeasuredMixture::new(&branches, &first.equation, depletant_radius)?;
     let mut phases = Phases::none();
     for reservoir in reservoirs {
-        let found = mixture.coexistences(*reservoir)?;
-        if found.is_empty() {
+        let coexistences = mixture.coexistences(*reservoir)?;
+        if coexistences.is_empty() {
             phases.reservoirs_without.push(*reservoir);
         }
-        phases.coexistences.extend(found);
+        phases.coexistences.extend(coexistences);
     }
     phases.has_coexistence = !phases.coexistences.is_empty();
     Ok(phases)
@@ -344,23 +344,25 @@ impl<'a> MeasuredMixture<'a> {
         }
         // Depletants in the volume of a body.
         let density = reservoir * self.depletant_volumes_per_body;
-        let found = self.tangents(&self.measured, density, SAMPLES);
+        let tangents = self.tangents(&self.measured, density, SAMPLES);
         let draws = self.draws.iter();
         let draws: Vec<_> = draws
             .map(|drawn| self.tangents(drawn, density, SAMPLES_OF_A_DRAW))
             .collect();
-        let named = |found: &tangent::Coexistence| Coexistence {
+        let named = |coexistence: &tangent::Coexistence| Coexistence {
             size_ratio: None,
             reservoir_packing_fraction: Some(reservoir),
-            phases: found.branches.map(|n| self.branches[n].name().to_owned()),
-            packing_fractions: found.densities,
-            uncertainty: Some(uncertainty(found, &draws)),
-            pressure: found.pressure,
-            osmotic_pressure: Some(found.pressure - density),
-            chemical_potential: found.chemical_potential,
-            free_volume_fractions: free_volumes(&self.measured, found),
+            phases: coexistence
+                .branches
+                .map(|n| self.branches[n].name().to_owned()),
+            packing_fractions: coexistence.densities,
+            uncertainty: Some(uncertainty(coexistence, &draws)),
+            pressure: coexistence.pressure,
+            osmotic_pressure: Some(coexistence.pressure - density),
+            chemical_potential: coexistence.chemical_potential,
+            free_volume_fractions: free_volumes(&self.measured, coexistence),
         };
-        Ok(found.iter().map(named).collect())
+        Ok(tangents.iter().map(named).collect())
     }
 
     fn tangents(
@@ -388,23 +390,28 @@ impl<'a> MeasuredMixture<'a> {
     }
 }
 
-fn free_volumes(curves: &[PhaseCurves], found: &tangent::Coexistence) -> Option<[f64; 2]> {
-    let of = |n: usize| {
-        let free =
-            curves[found.branches[n]].free_volume_fraction(Jet::constant(found.densities[n]))?;
+fn free_volumes(curves: &[PhaseCurves], coexistence: &tangent::Coexistence) -> Option<[f64; 2]> {
+    let fraction = |n: usize| {
+        let free = curves[coexistence.branches[n]]
+            .free_volume_fraction(Jet::constant(coexistence.densities[n]))?;
         Some(free.value)
     };
-    Some([of(0)?, of(1)?])
+    Some([fraction(0)?, fraction(1)?])
 }
 
 /// Scatter of the nearest coexistence of the same phases over the draws.
-fn uncertainty(found: &tangent::Coexistence, draws: &[Vec<tangent::Coexistence>]) -> Uncertainty {
+fn uncertainty(
+    coexistence: &tangent::Coexistence,
+    draws: &[Vec<tangent::Coexistence>],
+) -> Uncertainty {
     let distance = |other: &tangent::Coexistence| {
-        let difference = |n: usize| (other.densities[n] - found.densities[n]).abs();
+        let difference = |n: usize| (other.densities[n] - coexistence.densities[n]).abs();
         difference(0) + difference(1)
     };
     let nearest = |draw: &Vec<tangent::Coexistence>| {
-        let same = draw.iter().filter(|other| other.branches == found.branches);
+        let same = draw
+            .iter()
+            .filter(|other| other.branches == coexistence.branches);
         same.min_by(|a, b| distance(a).total_cmp(&distance(b)))
             .copied()
     };

@@ -58,29 +58,33 @@ pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Pha
                      than can be computed; give a smaller reservoir"
                 );
             }
-            let named = |found: &tangent::Coexistence, names: [&str; 2]| Coexistence {
+            let named = |coexistence: &tangent::Coexistence, names: [&str; 2]| Coexistence {
                 size_ratio: Some(q),
                 reservoir_packing_fraction: Some(reservoir),
                 phases: names.map(str::to_owned),
-                packing_fractions: found.densities,
+                packing_fractions: coexistence.densities,
                 uncertainty: None,
-                pressure: found.pressure + mixture.reservoir_pressure(),
-                osmotic_pressure: Some(found.pressure),
-                chemical_potential: found.chemical_potential,
-                free_volume_fractions: Some(found.densities.map(|eta| mixture.free_volume(eta))),
+                pressure: coexistence.pressure + mixture.reservoir_pressure(),
+                osmotic_pressure: Some(coexistence.pressure),
+                chemical_potential: coexistence.chemical_potential,
+                free_volume_fractions: Some(
+                    coexistence.densities.map(|eta| mixture.free_volume(eta)),
+                ),
             };
-            for found in &stable {
-                let names = match (found.branches, stable.len()) {
+            for coexistence in &stable {
+                let names = match (coexistence.branches, stable.len()) {
                     ([0, 0], _) => ["gas", "liquid"],
                     ([0, _], 2..) => ["liquid", PHASES[1]],
                     _ => PHASES,
                 };
-                phases.coexistences.push(named(found, names));
+                phases.coexistences.push(named(coexistence, names));
             }
             if stable.len() == 1
-                && let Some(found) = mixture.gas_and_liquid()
+                && let Some(coexistence) = mixture.gas_and_liquid()
             {
-                phases.metastable.push(named(&found, ["gas", "liquid"]));
+                phases
+                    .metastable
+                    .push(named(&coexistence, ["gas", "liquid"]));
             }
         }
         if let Some(critical) = Mixture::critical_point(q)? {

@@ -158,18 +158,20 @@ fn rows(coexistences: &[Coexistence]) -> Vec<Vec<String>> {
         "pressure",
         "chemical potential",
     ])];
-    let is_measured = coexistences.iter().any(|found| found.uncertainty.is_some());
+    let is_measured = coexistences
+        .iter()
+        .any(|coexistence| coexistence.uncertainty.is_some());
     if is_measured {
         rows[0].push("share of draws".into());
     }
     let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |x| x.to_string());
-    for found in coexistences {
+    for coexistence in coexistences {
         let mut row = vec![
-            number(found.size_ratio),
-            number(found.reservoir_packing_fraction),
-            found.phases.join(", "),
+            number(coexistence.size_ratio),
+            number(coexistence.reservoir_packing_fraction),
+            coexistence.phases.join(", "),
         ];
-        row.extend(found.values());
+        row.extend(coexistence.values());
         rows.push(row);
     }
     rows
@@ -180,7 +182,7 @@ impl Coexistence {
     /// they were measured.
     fn values(&self) -> Vec<String> {
         let [low, high] = self.packing_fractions;
-        let Some(known) = &self.uncertainty else {
+        let Some(uncertainty) = &self.uncertainty else {
             return vec![
                 format!("{low:.6}, {high:.6}"),
                 format!("{:.6}", self.pressure),
@@ -188,16 +190,19 @@ impl Coexistence {
             ];
         };
         let with_error = |value: f64, error: f64| format!("{value:.4} ± {error:.4}");
-        let [low_error, high_error] = known.packing_fractions_error;
+        let [low_error, high_error] = uncertainty.packing_fractions_error;
         vec![
             format!(
                 "{}, {}",
                 with_error(low, low_error),
                 with_error(high, high_error)
             ),
-            with_error(self.pressure, known.pressure_error),
-            with_error(self.chemical_potential, known.chemical_potential_error),
-            format!("{:.2}", known.share_of_draws),
+            with_error(self.pressure, uncertainty.pressure_error),
+            with_error(
+                self.chemical_potential,
+                uncertainty.chemical_potential_error,
+            ),
+            format!("{:.2}", uncertainty.share_of_draws),
         ]
     }
 }

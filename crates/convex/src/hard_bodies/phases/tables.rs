@@ -37,21 +37,21 @@ pub fn phases_of_tables(paths: &[PathBuf]) -> Result<Phases> {
             samples: even_samples(first, last, SAMPLES),
         });
     }
-    let found = tangent::coexistences(&branches);
-    let named = |found: &tangent::Coexistence| Coexistence {
+    let coexistences = tangent::coexistences(&branches);
+    let named = |coexistence: &tangent::Coexistence| Coexistence {
         size_ratio: None,
         reservoir_packing_fraction: None,
-        phases: found.branches.map(|branch| names[branch].clone()),
-        packing_fractions: found.densities,
+        phases: coexistence.branches.map(|branch| names[branch].clone()),
+        packing_fractions: coexistence.densities,
         uncertainty: None,
-        pressure: found.pressure,
+        pressure: coexistence.pressure,
         osmotic_pressure: None,
-        chemical_potential: found.chemical_potential,
+        chemical_potential: coexistence.chemical_potential,
         free_volume_fractions: None,
     };
     Ok(Phases {
-        has_coexistence: !found.is_empty(),
-        coexistences: found.iter().map(named).collect(),
+        has_coexistence: !coexistences.is_empty(),
+        coexistences: coexistences.iter().map(named).collect(),
         ..Phases::none()
     })
 }

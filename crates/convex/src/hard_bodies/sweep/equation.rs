@@ -250,15 +250,15 @@ impl Answer for EquationOfState {
                 ),
                 or_dash(point.free_volume_fraction, point.free_volume_fraction_error),
             ]);
-            if let (Some(found), Some(row)) = (&point.equilibrium, rows.last_mut()) {
+            if let (Some(equilibrium), Some(row)) = (&point.equilibrium, rows.last_mut()) {
                 row.extend([
                     with_error(
-                        found.measured_pressure_kt_per_volume,
-                        found.measured_pressure_kt_per_volume_error,
+                        equilibrium.measured_pressure_kt_per_volume,
+                        equilibrium.measured_pressure_kt_per_volume_error,
                     ),
-                    format!("{:.5}", found.expected_pressure_kt_per_volume),
-                    or_dash(found.drift, found.drift_error),
-                    found.verdict().to_owned(),
+                    format!("{:.5}", equilibrium.expected_pressure_kt_per_volume),
+                    or_dash(equilibrium.drift, equilibrium.drift_error),
+                    equilibrium.verdict().to_owned(),
                 ]);
             }
         }
@@ -294,8 +294,8 @@ impl EquationOfState {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         for point in &self.points {
-            if let Some(found) = &point.equilibrium
-                && !found.is_reached
+            if let Some(equilibrium) = &point.equilibrium
+                && !equilibrium.is_reached
             {
                 warnings.push(format!(
                     "equilibrium is not reached or not shown at {} {}: {}",
@@ -306,7 +306,7 @@ impl EquationOfState {
                     point
                         .pressure_kt_per_volume
                         .unwrap_or(point.packing_fraction),
-                    found.doubts.join("; ")
+                    equilibrium.doubts.join("; ")
                 ));
             }
         }
@@ -375,7 +375,7 @@ impl EquationOfState {
         ]);
         let cell = |value: Option<f64>| value.map_or_else(|| Cell::from(""), Cell::from);
         for point in &self.points {
-            let found = point.equilibrium.as_ref();
+            let equilibrium = point.equilibrium.as_ref();
             table.push(vec![
                 Cell::from(point.packing_fraction),
                 cell(point.packing_fraction_error),
@@ -389,15 +389,20 @@ impl EquationOfState {
                 cell(point.excess_chemical_potential_kt_error),
                 cell(point.free_volume_fraction),
                 cell(point.free_volume_fraction_error),
-                cell(found.map(|found| found.measured_pressure_kt_per_volume)),
-                cell(found.and_then(|found| found.measured_pressure_kt_per_volume_error)),
-                cell(found.map(|found| found.expected_pressure_kt_per_volume)),
-                cell(found.and_then(|found| found.drift)),
-                cell(found.and_then(|found| found.drift_error)),
-                Cell::from(found.map_or("", |found| match found.is_reached {
-                    true => "true",
-                    false => "false",
-                })),
+                cell(equilibrium.map(|equilibrium| equilibrium.measured_pressure_kt_per_volume)),
+                cell(
+                    equilibrium
+                        .and_then(|equilibrium| equilibrium.measured_pressure_kt_per_volume_error),
+                ),
+                cell(equilibrium.map(|equilibrium| equilibrium.expected_pressure_kt_per_volume)),
+                cell(equilibrium.and_then(|equilibrium| equilibrium.drift)),
+                cell(equilibrium.and_then(|equilibrium| equilibrium.drift_error)),
+                Cell::from(
+                    equilibrium.map_or("", |equilibrium| match equilibrium.is_reached {
+                        true => "true",
+                        false => "false",
+                    }),
+                ),
                 point.seeds.into(),
             ])?;
         }

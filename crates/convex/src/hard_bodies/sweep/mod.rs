@@ -73,9 +73,9 @@ impl Settings for HardBodySweepSettings {
                     true => self.run.packing_fraction,
                     false => 0.0,
                 },
-                pressure: self.run.pressure.map(|kept| Pressure {
+                pressure: self.run.pressure.map(|pressure| Pressure {
                     kt_per_volume: 0.0,
-                    ..kept
+                    ..pressure
                 }),
                 seed: 0,
                 ..self.run.essential()
@@ -128,7 +128,7 @@ impl HardBodySweepSettings {
             );
         }
         let (freedom, changes_per_sweep) = match self.run.pressure {
-            Some(kept) => (kept.freedom, kept.changes_per_sweep),
+            Some(pressure) => (pressure.freedom, pressure.changes_per_sweep),
             None => Default::default(),
         };
         let mut tasks: Vec<Task> = Vec::new();

@@ -213,7 +213,7 @@ fn seen_from(first: &Neighbour, second: &Neighbour) -> Neighbour {
     let images = second.image.iter().zip(&first.image);
     Neighbour {
         node: second.node,
-        image: images.map(|(there, here)| there - here).collect(),
+        image: images.map(|(target, origin)| target - origin).collect(),
     }
 }
 

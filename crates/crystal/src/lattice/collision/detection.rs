@@ -191,8 +191,9 @@ impl Detector {
         let path = Path::new(network, state, next, step);
         let travel = path.travel();
         if !travel.is_finite() {
+            let is_wrong = |number: &f64| !number.is_finite();
             return Err(CrystalError::NotFinite {
-                square: 0,
+                square: next.iter().position(is_wrong).unwrap_or(0) / 3,
                 time: state.time,
             });
         }
@@ -271,8 +272,8 @@ impl Detector {
                     (gap, watch) = (value, hot.watch);
                 }
             }
-            let found = gap.abs() <= ROOT || newton_step == MOST_NEWTON_STEPS;
-            if found || !search.advance(gap) {
+            let has_converged = gap.abs() <= ROOT || newton_step == MOST_NEWTON_STEPS;
+            if has_converged || !search.advance(gap) {
                 break;
             }
         }

@@ -12,7 +12,7 @@ pub struct Solution {
     /// Impulses p ≥ 0.
     pub impulses: Vec<f64>,
     /// Rates W p + q after the impulses.
-    pub left: Vec<f64>,
+    pub rates: Vec<f64>,
     /// False if the active-set method did not end and relaxation took over (no case is known).
     pub exact: bool,
 }
@@ -34,7 +34,7 @@ const MOST_SWEEPS: usize = 20_000;
 /// // Two contacts that do not know of each other: one approaches at 3, the other opens at 1.
 /// let solution = lcp::solve(&[2.0, 0.0, 0.0, 2.0], &[-3.0, 1.0]);
 /// assert_eq!(solution.impulses, [1.5, 0.0]);
-/// assert_eq!(solution.left, [0.0, 1.0]);
+/// assert_eq!(solution.rates, [0.0, 1.0]);
 /// ```
 pub fn solve(w: &[f64], q: &[f64]) -> Solution {
     let mut search = ActiveSet::new(Problem { w, q });
@@ -43,7 +43,7 @@ pub fn solve(w: &[f64], q: &[f64]) -> Solution {
         let Some(entering) = search.most_violated(&rates) else {
             return Solution {
                 impulses: search.p,
-                left: rates,
+                rates,
                 exact: true,
             };
         };
@@ -79,21 +79,21 @@ impl Problem<'_> {
     /// Projected Gauss-Seidel.
     fn relax(&self, mut p: Vec<f64>) -> Solution {
         for _ in 0..MOST_SWEEPS {
-            let mut moved = 0.0_f64;
+            let mut largest_change = 0.0_f64;
             for row in 0..p.len() {
                 let diagonal = self.entry(row, row);
                 if diagonal > 0.0 {
                     let next = (p[row] - self.rate(&p, row) / diagonal).max(0.0);
-                    moved = moved.max((next - p[row]).abs());
+                    largest_change = largest_change.max((next - p[row]).abs());
                     p[row] = next;
                 }
             }
-            if moved <= SETTLED {
+            if largest_change <= SETTLED {
                 break;
             }
         }
         Solution {
-            left: self.rates(&p),
+            rates: self.rates(&p),
             impulses: p,
             exact: false,
         }
@@ -153,11 +153,11 @@ impl<'a> ActiveSet<'a> {
                 if contact == entering {
                     self.refused[contact] = true;
                 }
-                self.inside.retain(|kept| *kept != contact);
+                self.inside.retain(|member| *member != contact);
             }
         }
         if self.inside.contains(&entering) && self.p[entering] == 0.0 {
-            self.inside.retain(|kept| *kept != entering);
+            self.inside.retain(|member| *member != entering);
             self.refused[entering] = true;
         }
     }
@@ -242,14 +242,14 @@ impl Cholesky {
         for row in 0..size {
             for column in 0..=row {
                 let entry = problem.entry(inside[row], inside[column]);
-                let rest = entry - cholesky.product_of_rows(row, column);
+                let remainder = entry - cholesky.product_of_rows(row, column);
                 cholesky.factor[row * size + column] = if row == column {
-                    if rest.is_nan() || rest <= DEPENDENT * entry {
+                    if remainder.is_nan() || remainder <= DEPENDENT * entry {
                         return None;
                     }
-                    rest.sqrt()
+                    remainder.sqrt()
                 } else {
-                    rest / cholesky.at(column, column)
+                    remainder / cholesky.at(column, column)
                 };
             }
         }
@@ -270,12 +270,12 @@ impl Cholesky {
     /// Replaces b by W⁻¹ b.
     fn solve(&self, b: &mut [f64]) {
         for row in 0..self.size {
-            let known: f64 = (0..row).map(|k| self.at(row, k) * b[k]).sum();
-            b[row] = (b[row] - known) / self.at(row, row);
+            let partial_sum: f64 = (0..row).map(|k| self.at(row, k) * b[k]).sum();
+            b[row] = (b[row] - partial_sum) / self.at(row, row);
         }
         for row in (0..self.size).rev() {
-            let known: f64 = (row + 1..self.size).map(|k| self.at(k, row) * b[k]).sum();
-            b[row] = (b[row] - known) / self.at(row, row);
+            let partial_sum: f64 = (row + 1..self.size).map(|k| self.at(k, row) * b[k]).sum();
+            b[row] = (b[row] - partial_sum) / self.at(row, row);
         }
     }
 }

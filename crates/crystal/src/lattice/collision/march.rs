@@ -23,7 +23,7 @@ const BISECTIONS: usize = 40;
 /// A gap at some time: its functions, and how long until one of them has a kink.
 pub struct Probe<const N: usize> {
     /// m_i and m_i'.
-    pub along: [Along; N],
+    pub functions: [Along; N],
     /// Time to the next kink.
     pub to_kink: f64,
 }
@@ -51,7 +51,7 @@ impl<const N: usize> Probe<N> {
     /// The gap, max m_i, and the rate of the function that leads.
     fn gap_and_rate(&self) -> (f64, f64) {
         let (mut gap, mut rate) = (f64::NEG_INFINITY, 0.0);
-        for function in &self.along {
+        for function in &self.functions {
             if function.distance > gap {
                 (gap, rate) = (function.distance, function.rate);
             }
@@ -63,7 +63,7 @@ impl<const N: usize> Probe<N> {
     /// although they touch start at zero while the bodies are `leaving`.
     fn safe_advance(&self, curvature: f64, leaving: bool) -> f64 {
         let mut longest = 0.0_f64;
-        for function in &self.along {
+        for function in &self.functions {
             let touches = leaving && function.distance >= -TOUCHING;
             let height = if touches {
                 function.distance.max(0.0)
@@ -98,10 +98,10 @@ pub fn first_root<const N: usize>(
     }
     let lowest = gap.min(0.0) - 2.0 * ROOT;
     let sample = (8.0 * MISSED_DEPTH * TOUCHING / curvature).sqrt();
-    let (mut time, mut before, mut here) = (0.0, 0.0, start);
+    let (mut time, mut before, mut current) = (0.0, 0.0, start);
     let mut leaving = true;
     for _ in 0..MOST_ADVANCES {
-        let (gap, rate) = here.gap_and_rate();
+        let (gap, rate) = current.gap_and_rate();
         leaving = leaving && gap <= TOUCHING;
         if leaving && gap < lowest {
             // What touched has not come apart, or another corner has come down beside it.
@@ -111,7 +111,7 @@ pub fn first_root<const N: usize>(
         if gap <= ROOT && !leaving {
             return End::Root { time, rate };
         }
-        let mut advance = here.safe_advance(curvature, leaving);
+        let mut advance = current.safe_advance(curvature, leaving);
         if leaving {
             advance = advance.max(sample);
         } else if advance <= SMALLEST_ADVANCE && gap <= TOUCHING {
@@ -122,7 +122,7 @@ pub fn first_root<const N: usize>(
         if time >= end {
             return End::Free;
         }
-        here = probe(time);
+        current = probe(time);
     }
     End::Root { time, rate: 0.0 }
 }

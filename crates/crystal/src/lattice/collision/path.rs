@@ -93,8 +93,8 @@ impl<'a> Path<'a> {
         let mut refined = time;
         if rate < 0.0 {
             for _ in 0..REFINEMENTS {
-                let there = self.at_third_order(accelerations, refined);
-                refined -= watch.gap_of(self.network, there) / rate;
+                let motion = self.at_third_order(accelerations, refined);
+                refined -= watch.gap_of(self.network, motion) / rate;
             }
         }
         // Where that leads astray the first guess is as good.
@@ -187,7 +187,7 @@ impl<'a> Path<'a> {
         let probe = |time: f64| {
             let (a, b) = bodies(self.network, pair, self.at(time));
             Probe {
-                along: along_axes(&a, &b),
+                functions: along_axes(&a, &b),
                 to_kink: time_to_next_corner(&a, &b),
             }
         };
@@ -205,7 +205,7 @@ impl<'a> Path<'a> {
             + 2.0 * speed * limits.spin
             + ends.length * (limits.spin * limits.spin + limits.spin_change);
         let probe = |time: f64| Probe {
-            along: stop(self.network, rod, end, self.at(time)),
+            functions: stop(self.network, rod, end, self.at(time)),
             to_kink: f64::INFINITY,
         };
         first_root(probe, curvature, self.length)

@@ -93,12 +93,12 @@ pub fn first_contact(
     let begin = state.time;
     for index in 1_u64.. {
         let goal = (begin + index as f64 * step).min(until);
-        let left = goal - state.time;
-        if left <= REACHED * step {
+        let remaining_time = goal - state.time;
+        if remaining_time <= REACHED * step {
             break;
         }
-        let meeting = detector.first_meeting(dynamics, state, left, &mut positions)?;
-        let length = meeting.map_or(left, |meeting| meeting.time);
+        let meeting = detector.first_meeting(dynamics, state, remaining_time, &mut positions)?;
+        let length = meeting.map_or(remaining_time, |meeting| meeting.time);
         if length > 0.0 {
             dynamics.arrive(state, length, &positions)?;
         }

@@ -103,10 +103,10 @@ pub(crate) fn constrained_response(
         column[3 * p + 1] = n[1] / square.mass;
         column[3 * p + 2] = n[2] / square.inertia;
     }
-    let mut along = vec![0.0; rods.len()];
-    rods.apply(&column, &mut along);
-    rods.solve(&mut along);
-    rods.add_response(&along, -1.0, &mut column);
+    let mut multipliers = vec![0.0; rods.len()];
+    rods.apply(&column, &mut multipliers);
+    rods.solve(&mut multipliers);
+    rods.add_response(&multipliers, -1.0, &mut column);
     column
 }
 

@@ -60,14 +60,14 @@ impl Watch {
     }
 
     /// The separation of moving bodies.
-    pub(super) fn gap_of(&self, network: &Network, at: impl Fn(usize) -> Moving + Copy) -> f64 {
+    pub(super) fn gap_of(&self, network: &Network, motion: impl Fn(usize) -> Moving + Copy) -> f64 {
         match self {
             Self::Pair(pair) => {
-                let (a, b) = bodies(network, pair, at);
+                let (a, b) = bodies(network, pair, motion);
                 separation(&a, &b)
             }
             Self::Stop { rod, end } => {
-                let [x, y] = stop(network, *rod, *end, at);
+                let [x, y] = stop(network, *rod, *end, motion);
                 x.distance.max(y.distance)
             }
         }
@@ -117,17 +117,17 @@ fn name(network: &Network, body: Body) -> String {
     }
 }
 
-/// The two bodies of a pair, moving as `at` says.
+/// The two bodies of a pair, moving as `motion` says.
 pub(super) fn bodies(
     network: &Network,
     pair: &Pair,
-    at: impl Fn(usize) -> Moving + Copy,
+    motion: impl Fn(usize) -> Moving + Copy,
 ) -> (Rectangle, Rectangle) {
     let second = match pair.second {
-        Body::Square(q) => Rectangle::square(network, q, at),
-        Body::Rod(r) => Rectangle::rod(network, r, at),
+        Body::Square(q) => Rectangle::square(network, q, motion),
+        Body::Rod(r) => Rectangle::rod(network, r, motion),
     };
-    let first = Rectangle::square(network, pair.first, at);
+    let first = Rectangle::square(network, pair.first, motion);
     (first, second.moved(pair.shift))
 }
 
@@ -136,23 +136,26 @@ pub(super) fn stop(
     network: &Network,
     rod: usize,
     end: u8,
-    at: impl Fn(usize) -> Moving,
+    motion: impl Fn(usize) -> Moving,
 ) -> [Along; 2] {
     let ends = network.rods[rod];
     let (near, far) = (ends.corner_at(end), ends.corner_at(1 - end));
-    let own = at(near.square);
-    let (here, here_rate) = corner_in_motion(network, near, own);
-    let (there, there_rate) = corner_in_motion(network, far, at(far.square));
+    let near_motion = motion(near.square);
+    let (near_place, near_rate) = corner_in_motion(network, near, near_motion);
+    let (far_place, far_rate) = corner_in_motion(network, far, motion(far.square));
     let sign = if end == 0 { 1.0 } else { -1.0 };
-    let along = plus(minus(there, here), scaled(rod_shift(network, rod), sign));
-    let speed = minus(there_rate, here_rate);
-    let (axis, spin) = (direction(own.0[2]), own.1[2]);
+    let rod_vector = plus(
+        minus(far_place, near_place),
+        scaled(rod_shift(network, rod), sign),
+    );
+    let speed = minus(far_rate, near_rate);
+    let (axis, spin) = (direction(near_motion.0[2]), near_motion.1[2]);
     let [x, y] = near.direction().map(f64::signum);
     [scaled(axis, x), scaled(left_of(axis), y)].map(|normal| {
         // The normal turns with the square.
-        let rate = dot(speed, normal) + spin * cross(normal, along);
+        let rate = dot(speed, normal) + spin * cross(normal, rod_vector);
         Along {
-            distance: dot(along, normal),
+            distance: dot(rod_vector, normal),
             rate,
             worst_rate: rate,
         }
@@ -204,9 +207,9 @@ fn add_corners_on_rod(
     let (height, _) = line.height_and_share(minus(layout.centre(square), shift));
     let left = height > 0.0;
     for striker in corners_of(square) {
-        let (across, share) = line.height_and_share(minus(layout.place(striker), shift));
+        let (distance, share) = line.height_and_share(minus(layout.place(striker), shift));
         // Where only an end of the rod touches, corners may lie beyond its prolongation.
-        if INSIDE.contains(&share) && across.abs() <= TOUCHING {
+        if INSIDE.contains(&share) && distance.abs() <= TOUCHING {
             out.push(Contact::RodCorner {
                 striker,
                 rod,
@@ -226,11 +229,11 @@ struct RodLine {
 
 impl RodLine {
     fn new([begin, end]: [Vector; 2]) -> Self {
-        let along = minus(end, begin);
-        let length = norm(along);
+        let rod_vector = minus(end, begin);
+        let length = norm(rod_vector);
         Self {
             begin,
-            unit: [along[0] / length, along[1] / length],
+            unit: [rod_vector[0] / length, rod_vector[1] / length],
             length,
         }
     }

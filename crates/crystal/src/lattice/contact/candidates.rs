@@ -86,8 +86,8 @@ impl Candidates {
             .zip(self.reference.chunks_exact(3));
         for (s, r) in moving {
             let away = [s[0] - r[0], s[1] - r[1]];
-            let moved = dot(away, away).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
-            if moved.is_nan() || moved > allowed {
+            let displacement = dot(away, away).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
+            if displacement.is_nan() || displacement > allowed {
                 return false;
             }
         }
@@ -108,16 +108,16 @@ impl Candidates {
         let squares = network.squares.len();
         let largest = largest_of(&self.radii[..squares]) + largest_of(&self.radii);
         let grid = Grid::new(&self.middles, largest + self.skin, network.cell);
-        let (mut near, mut found) = (Vec::new(), Vec::new());
+        let (mut near, mut pairs) = (Vec::new(), Vec::new());
         self.pairs.clear();
         for first in 0..squares {
             grid.near(self.middles[first], &mut near);
-            found.clear();
+            pairs.clear();
             for image in &near {
-                found.extend(self.pair(network, first, *image));
+                pairs.extend(self.pair(network, first, *image));
             }
-            found.sort_by(in_order);
-            self.pairs.extend_from_slice(&found);
+            pairs.sort_by(in_order);
+            self.pairs.extend_from_slice(&pairs);
         }
     }
 

@@ -59,12 +59,12 @@ impl<'a> Grid<'a> {
     }
 
     fn column(&self, place: f64, axis: usize) -> usize {
-        let at = ((place - self.low[axis]) / self.width[axis]).floor();
+        let index = ((place - self.low[axis]) / self.width[axis]).floor();
         let count = self.counts[axis];
         if self.periodic.is_some() {
-            at.rem_euclid(count as f64) as usize % count
+            index.rem_euclid(count as f64) as usize % count
         } else {
-            at.clamp(0.0, (count - 1) as f64) as usize
+            index.clamp(0.0, (count - 1) as f64) as usize
         }
     }
 
@@ -103,9 +103,9 @@ impl<'a> Grid<'a> {
             out.push((point, [0.0; 2]));
             return;
         };
-        let there = self.places[point];
-        for right in self.images_within(there[0] - place[0], edges[0]) {
-            for up in self.images_within(there[1] - place[1], edges[1]) {
+        let point_place = self.places[point];
+        for right in self.images_within(point_place[0] - place[0], edges[0]) {
+            for up in self.images_within(point_place[1] - place[1], edges[1]) {
                 out.push((point, [right as f64 * edges[0], up as f64 * edges[1]]));
             }
         }

@@ -143,8 +143,8 @@ impl Contact {
             } => {
                 let place = layout.place(striker);
                 let from_target = layout.seen_from_centre(target.square, shift, place);
-                let (rho, own) = (layout.arm(target), layout.arm(striker));
-                dot(minus(from_target, rho), unit(minus(rho, own)))
+                let (rho, striker_arm) = (layout.arm(target), layout.arm(striker));
+                dot(minus(from_target, rho), unit(minus(rho, striker_arm)))
             }
             Self::RodCorner {
                 striker,
@@ -184,9 +184,9 @@ impl Contact {
             Self::VertexVertex {
                 striker, target, ..
             } => {
-                let (rho, own) = (layout.arm(target), layout.arm(striker));
-                let normal = unit(minus(rho, own));
-                Row::along([striker.square, target.square], normal, [own, rho])
+                let (rho, striker_arm) = (layout.arm(target), layout.arm(striker));
+                let normal = unit(minus(rho, striker_arm));
+                Row::along([striker.square, target.square], normal, [striker_arm, rho])
             }
             Self::RodCorner {
                 striker,
@@ -235,18 +235,18 @@ fn nearest_side(layout: &Layout, square: usize, from_centre: Vector) -> u8 {
 }
 
 /// The unit normal of a rod on its left or right, seen along it.
-fn rod_normal(along: Vector, left: bool) -> Vector {
-    let u = unit(along);
+fn rod_normal(rod_vector: Vector, left: bool) -> Vector {
+    let u = unit(rod_vector);
     if left { left_of(u) } else { [u[1], -u[0]] }
 }
 
 /// The impulse on a rod goes to its ends in the shares of the lever rule.
 fn rod_corner_row(layout: &Layout, striker: Corner, rod: usize, left: bool, shift: Vector) -> Row {
     let [begin, end] = layout.rod_ends(rod);
-    let along = minus(end, begin);
-    let normal = rod_normal(along, left);
+    let rod_vector = minus(end, begin);
+    let normal = rod_normal(rod_vector, left);
     let point = minus(layout.place(striker), shift);
-    let share = dot(minus(point, begin), along) / dot(along, along);
+    let share = dot(minus(point, begin), rod_vector) / dot(rod_vector, rod_vector);
     let ends = layout.network.rods[rod];
     let mut row = Row::default();
     row.push(striker.square, 1.0, normal, layout.arm(striker));
@@ -270,11 +270,14 @@ fn rod_stop_row(layout: &Layout, rod: usize, end: u8, side: u8) -> Row {
 
 /// Leaves every touch in a list once.
 pub fn without_repetitions(contacts: &[Contact]) -> Vec<Contact> {
-    let mut kept: Vec<Contact> = Vec::with_capacity(contacts.len());
+    let mut distinct_contacts: Vec<Contact> = Vec::with_capacity(contacts.len());
     for contact in contacts {
-        if !kept.iter().any(|other| other.is_same_touch(contact)) {
-            kept.push(*contact);
+        if !distinct_contacts
+            .iter()
+            .any(|other| other.is_same_touch(contact))
+        {
+            distinct_contacts.push(*contact);
         }
     }
-    kept
+    distinct_contacts
 }

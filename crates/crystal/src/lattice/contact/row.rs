@@ -24,9 +24,9 @@ impl Row {
     pub(crate) fn push(&mut self, square: usize, weight: f64, normal: Vector, arm: Vector) {
         let torque = cross(arm, normal);
         let entry = [weight * normal[0], weight * normal[1], weight * torque];
-        let known = &self.squares[..self.count];
+        let squares = &self.squares[..self.count];
         // A square may meet its own periodic image.
-        if let Some(place) = known.iter().position(|other| *other == square) {
+        if let Some(place) = squares.iter().position(|other| *other == square) {
             for (sum, x) in self.entries[place].iter_mut().zip(entry) {
                 *sum += x;
             }

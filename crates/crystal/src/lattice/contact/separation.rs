@@ -68,9 +68,9 @@ pub(crate) fn corner_in_motion(
 }
 
 impl Rectangle {
-    /// A square, moving as `at` says.
-    pub fn square(network: &Network, square: usize, at: impl Fn(usize) -> Moving) -> Self {
-        let (s, v) = at(square);
+    /// A square, moving as `motion` says.
+    pub fn square(network: &Network, square: usize, motion: impl Fn(usize) -> Moving) -> Self {
+        let (s, v) = motion(square);
         Self {
             centre: [s[0], s[1]],
             half: [network.squares[square].half_diagonal * FRAC_1_SQRT_2; 2],
@@ -80,16 +80,16 @@ impl Rectangle {
         }
     }
 
-    /// A rod, its first axis from its first to its second end, its squares moving as `at` says.
-    pub fn rod(network: &Network, rod: usize, at: impl Fn(usize) -> Moving) -> Self {
+    /// A rod, its first axis from its first to its second end, its squares moving as `motion` says.
+    pub fn rod(network: &Network, rod: usize, motion: impl Fn(usize) -> Moving) -> Self {
         let (ends, shift) = (network.rods[rod], rod_shift(network, rod));
-        let (a, va) = corner_in_motion(network, ends.from, at(ends.from.square));
-        let (b, vb) = corner_in_motion(network, ends.to, at(ends.to.square));
-        let along = minus(plus(b, shift), a);
-        let length = norm(along);
-        let u = [along[0] / length, along[1] / length];
+        let (a, va) = corner_in_motion(network, ends.from, motion(ends.from.square));
+        let (b, vb) = corner_in_motion(network, ends.to, motion(ends.to.square));
+        let rod_vector = minus(plus(b, shift), a);
+        let length = norm(rod_vector);
+        let u = [rod_vector[0] / length, rod_vector[1] / length];
         Self {
-            centre: [a[0] + 0.5 * along[0], a[1] + 0.5 * along[1]],
+            centre: [a[0] + 0.5 * rod_vector[0], a[1] + 0.5 * rod_vector[1]],
             half: [0.5 * length, 0.0],
             axis: u,
             velocity: [0.5 * (va[0] + vb[0]), 0.5 * (va[1] + vb[1])],
@@ -112,8 +112,8 @@ impl Rectangle {
 /// The separation: the greatest along the four axes.
 pub fn separation(a: &Rectangle, b: &Rectangle) -> f64 {
     let mut most = f64::NEG_INFINITY;
-    for along in along_axes(a, b) {
-        most = most.max(along.distance);
+    for projection in along_axes(a, b) {
+        most = most.max(projection.distance);
     }
     most
 }
@@ -154,10 +154,17 @@ impl Relative {
         ]
     }
 
-    /// The separation along an axis that turns at `spin`, where the bodies reach `own` and `other`
-    /// along it.
+    /// The separation along an axis that turns at `spin`, where the bodies reach `half_extent` and
+    /// `other` along it.
     #[inline(always)]
-    fn along(&self, axis: Vector, spin: f64, own: f64, other: [f64; 2], longest: f64) -> Along {
+    fn along(
+        &self,
+        axis: Vector,
+        spin: f64,
+        half_extent: f64,
+        other: [f64; 2],
+        longest: f64,
+    ) -> Along {
         let (d, v) = (self.d, self.v);
         let height = dot(d, axis);
         // The axis turns: de/dt = spin × e.
@@ -167,7 +174,7 @@ impl Relative {
         let [reach, reach_rate] = other;
         let rate = sign * height_rate - reach_rate;
         Along {
-            distance: height.abs() - own - reach,
+            distance: height.abs() - half_extent - reach,
             rate,
             worst_rate: rate - 2.0 * longest * self.turning.abs(),
         }
@@ -196,10 +203,10 @@ pub fn time_to_next_corner(a: &Rectangle, b: &Rectangle) -> f64 {
     }
     let (cosine, sine) = (dot(a.axis, b.axis), cross(a.axis, b.axis));
     let angle = sine.atan2(cosine).rem_euclid(FRAC_PI_2);
-    let left = if turning > 0.0 {
+    let remaining_angle = if turning > 0.0 {
         FRAC_PI_2 - angle
     } else {
         angle
     };
-    left / turning.abs()
+    remaining_angle / turning.abs()
 }

@@ -130,9 +130,9 @@ impl<'a> Ansatz<'a> {
         let forces = DVector::from_column_slice(self.accelerations);
         let mut right = -(&self.gradient * forces);
         for (index, rod) in self.rods.iter().enumerate() {
-            let moved = rod.moved(time);
+            let displacement = rod.moved(time);
             for axis in 0..2 {
-                let curved = moved[axis] - rod.rate[axis] * time;
+                let curved = displacement[axis] - rod.rate[axis] * time;
                 right[2 * index + axis] += 2.0 / (time * time) * curved + rod.centripetal[axis];
             }
         }
@@ -159,10 +159,10 @@ impl<'a> Ansatz<'a> {
 /// Writes the two rows of D of a rod.
 fn add_gradient(gradient: &mut DMatrix<f64>, index: usize, rod: &Rod, layout: &Layout) {
     for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {
-        let (across, p) = (left_of(layout.arm(corner)), 3 * corner.square);
+        let (tangent, p) = (left_of(layout.arm(corner)), 3 * corner.square);
         for axis in 0..2 {
             gradient[(2 * index + axis, p + axis)] += sign;
-            gradient[(2 * index + axis, p + 2)] += sign * across[axis];
+            gradient[(2 * index + axis, p + 2)] += sign * tangent[axis];
         }
     }
 }
@@ -174,13 +174,13 @@ impl RodMotion {
         let mut centripetal = [0.0; 2];
         for (corner, sign) in [(rod.from, 1.0), (rod.to, -1.0)] {
             let (rho, p) = (layout.arm(corner), 3 * corner.square);
-            let across = left_of(rho);
+            let tangent = left_of(rho);
             let omega = velocities[p + 2];
             for axis in 0..2 {
                 delta[axis] += sign * (layout.positions[p + axis] + rho[axis]);
-                rate[axis] += sign * (velocities[p + axis] + omega * across[axis]);
+                rate[axis] += sign * (velocities[p + axis] + omega * tangent[axis]);
                 change[axis] += sign
-                    * (total[p + axis] + total[p + 2] * across[axis] - omega * omega * rho[axis]);
+                    * (total[p + axis] + total[p + 2] * tangent[axis] - omega * omega * rho[axis]);
                 centripetal[axis] += sign * omega * omega * rho[axis];
             }
         }

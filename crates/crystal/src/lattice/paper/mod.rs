@@ -221,18 +221,18 @@ impl PaperEngine {
         if hits.is_empty() {
             return Ok(Vec::new());
         }
-        let found = if self.settings.ansatz {
+        let hit_times = if self.settings.ansatz {
             self.times_by_ansatz(network, state, step, hits)?
         } else {
             self.times_by_sub_steps(network, state, step, hits)?
         };
         let mut times = Vec::new();
-        for (hit, found) in hits.iter().zip(found) {
+        for (hit, hit_time) in hits.iter().zip(hit_times) {
             let time = if height(network, &state.positions, hit) < 0.0 {
                 // Inside at the start as well.
                 (hit.rate(network, state) < 0.0).then_some(0.0)
             } else {
-                found
+                hit_time
             };
             if let Some(time) = time {
                 times.push((*hit, time));

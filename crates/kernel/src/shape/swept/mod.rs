@@ -107,8 +107,8 @@ struct Shared<'a> {
     bodies: [&'a Swept; 2],
     /// A point inside both bodies.
     inside: Vec3,
-    along: Vec3,
-    across: [Vec3; 2],
+    axis: Vec3,
+    transverse: [Vec3; 2],
     /// A length longer than any length across.
     reach: f64,
 }
@@ -120,30 +120,30 @@ impl<'a> Shared<'a> {
         if !bodies.iter().all(|body| body.holds(&inside)) {
             return None;
         }
-        let along = (bodies[1].centre - bodies[0].centre)
+        let axis = (bodies[1].centre - bodies[0].centre)
             .try_normalize(0.0)
             .unwrap_or(Vec3::x());
         let x = match bodies[0].dimension {
-            2 => Vec3::z().cross(&along),
-            _ => along.cross(&Vec3::ith(along.iamin(), 1.0)).normalize(),
+            2 => Vec3::z().cross(&axis),
+            _ => axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize(),
         };
         let longest = |corner: &Vec3| (corner - inside).norm();
         let reach = bodies[0].corners.iter().map(longest).fold(0.0, f64::max);
         Some(Self {
             bodies,
             inside,
-            along,
-            across: [x, along.cross(&x)],
+            axis,
+            transverse: [x, axis.cross(&x)],
             reach: reach + bodies[0].pieces.radius(),
         })
     }
 
     /// The length of the part of a line inside both bodies; negative if there is none.
-    fn length(&self, across: &Vec3) -> f64 {
-        let origin = self.inside + across;
+    fn length(&self, offset: &Vec3) -> f64 {
+        let origin = self.inside + offset;
         let intervals = self
             .bodies
-            .map(|body| body.pieces.interval(&origin, &self.along));
+            .map(|body| body.pieces.interval(&origin, &self.axis));
         match intervals {
             [Some(a), Some(b)] => a[1].min(b[1]) - a[0].max(b[0]),
             _ => -1.0,
@@ -176,14 +176,17 @@ impl<'a> Shared<'a> {
     }
 
     fn area(&self) -> f64 {
-        let x = self.across[0];
+        let x = self.transverse[0];
         self.on_ray(&x, 0) + self.on_ray(&-x, 0)
     }
 
     fn volume(&self) -> f64 {
         let ray = |angle: f64| {
             let (sine, cosine) = angle.sin_cos();
-            self.on_ray(&(cosine * self.across[0] + sine * self.across[1]), 1)
+            self.on_ray(
+                &(cosine * self.transverse[0] + sine * self.transverse[1]),
+                1,
+            )
         };
         let bounds = |sector: usize| 2.0 * PI * sector as f64 / SECTORS as f64;
         let sectors: Vec<f64> = (0..=SECTORS).map(bounds).collect();

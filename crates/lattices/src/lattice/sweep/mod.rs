@@ -184,7 +184,7 @@ fn collect(
     let mut series = Vec::with_capacity(by_condition.len());
     for condition in by_condition {
         conditions.push(ConditionRow::new(
-            condition.at,
+            condition.parameters,
             &condition.runs,
             condition.failed,
             &condition.series,
@@ -203,7 +203,7 @@ fn collect(
 /// The runs of one r0 and κ.
 struct Condition {
     /// Values of r0 and κ.
-    at: [f64; 2],
+    parameters: [f64; 2],
     /// Rows of the runs that were completed.
     runs: Vec<RunRow>,
     /// Number of runs that were not completed.
@@ -214,7 +214,7 @@ struct Condition {
 impl Condition {
     fn new(task: &Task) -> Result<Self> {
         Ok(Self {
-            at: [task.settings.r0, task.settings.kappa],
+            parameters: [task.settings.r0, task.settings.kappa],
             runs: Vec::new(),
             failed: 0,
             series: Series::empty(task)?,

@@ -108,10 +108,14 @@ impl RunRow {
         let of_rotation = MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction));
         let of_total =
             MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction_of_total));
-        let speeds = series.crossings.iter().flatten().map(|at| at.rate.abs());
+        let speeds = series
+            .crossings
+            .iter()
+            .flatten()
+            .map(|crossing| crossing.rate.abs());
         let crossings = MeanAndDeviation::of(speeds);
         let (exponent, exponent_error) = match &outcome.exponent {
-            Some(found) => (found.exponent, found.standard_error),
+            Some(estimate) => (estimate.exponent, estimate.standard_error),
             None => (None, None),
         };
         let (largest_spread, largest_spread_time) = first_maximum_of_spread(rows);
@@ -285,7 +289,7 @@ impl ConditionRow {
         failed_runs: usize,
         series: &Series,
     ) -> Result<Self> {
-        let of = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
+        let estimate = |value: fn(&RunRow) -> f64| Estimate::of(runs.iter().map(value));
         let blocks = BLOCKS * runs.len();
         let ratio = poisson_ratio(&series.strains, blocks).unwrap_or(UNKNOWN_RATIO);
         let [pooled_synchronisation, pooled_partial_synchronisation] =
@@ -295,11 +299,11 @@ impl ConditionRow {
             kappa,
             runs: runs.len(),
             failed_runs,
-            collision_rate: of(|run| run.collision_rate),
-            checkerboard_deviation: of(|run| run.checkerboard_deviation),
-            checkerboard_fraction: of(|run| run.checkerboard_fraction),
-            largest_spread: of(|run| run.largest_spread),
-            largest_spread_time: of(|run| run.largest_spread_time),
+            collision_rate: estimate(|run| run.collision_rate),
+            checkerboard_deviation: estimate(|run| run.checkerboard_deviation),
+            checkerboard_fraction: estimate(|run| run.checkerboard_fraction),
+            largest_spread: estimate(|run| run.largest_spread),
+            largest_spread_time: estimate(|run| run.largest_spread_time),
             poisson_ratio_xy: Estimate {
                 mean: ratio.xy,
                 error: ratio.xy_error,
@@ -312,19 +316,19 @@ impl ConditionRow {
                 mean: ratio.r_squared,
                 error: f64::NAN,
             },
-            synchronisation: of(|run| run.synchronisation),
-            partial_synchronisation: of(|run| run.partial_synchronisation),
+            synchronisation: estimate(|run| run.synchronisation),
+            partial_synchronisation: estimate(|run| run.partial_synchronisation),
             pooled_synchronisation,
             pooled_partial_synchronisation,
             energy_error: runs
                 .iter()
                 .map(|run| run.energy_error)
                 .fold(f64::NAN, f64::max),
-            checkerboard_deviation_of_total: of(|run| run.checkerboard_deviation_of_total),
-            checkerboard_fraction_of_total: of(|run| run.checkerboard_fraction_of_total),
-            crossing_rate: of(|run| run.crossing_rate),
-            crossing_speed: of(|run| run.crossing_speed),
-            lyapunov_exponent: of(|run| run.lyapunov_exponent),
+            checkerboard_deviation_of_total: estimate(|run| run.checkerboard_deviation_of_total),
+            checkerboard_fraction_of_total: estimate(|run| run.checkerboard_fraction_of_total),
+            crossing_rate: estimate(|run| run.crossing_rate),
+            crossing_speed: estimate(|run| run.crossing_speed),
+            lyapunov_exponent: estimate(|run| run.lyapunov_exponent),
         })
     }
 }

@@ -150,8 +150,8 @@ impl Cells {
         if !serves && half_edge_angstrom > LEAST_HALF_EDGE_ANGSTROM {
             return Content::Divided(Box::default());
         }
-        let value = |at| {
-            let place = centre + half_edge_angstrom * Vec3::from(at);
+        let value = |coordinates| {
+            let place = centre + half_edge_angstrom * Vec3::from(coordinates);
             self.potential_of(&around.far, &place)
         };
         let values: Vec<f64> = self.interpolation.points().map(value).collect();
@@ -286,13 +286,14 @@ impl Cells {
     /// The potential at a place in a cell, and the sum of magnitudes of the charges near it, kT/e.
     #[inline(always)]
     fn potential_in<const FUSED: bool>(&self, cell: &Cell, x: &Vec3) -> (f64, f64) {
-        let at = (x - cell.centre) / cell.half_edge_angstrom;
+        let coordinates = (x - cell.centre) / cell.half_edge_angstrom;
         let (mut lanes, mut magnitudes) = ([0.0; LANES], [0.0; LANES]);
         for group in &cell.near {
             let group = &self.charges.groups()[*group as usize];
             self.add_group(group, x, &mut lanes, &mut magnitudes);
         }
-        let potential = value::<FUSED>(&cell.series, at.into()) + lanes.iter().sum::<f64>();
+        let potential =
+            value::<FUSED>(&cell.series, coordinates.into()) + lanes.iter().sum::<f64>();
         (potential, magnitudes.iter().sum())
     }
 }

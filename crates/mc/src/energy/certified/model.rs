@@ -56,7 +56,7 @@ struct Known {
 
 /// One energy in a decision: of a pair after the move, or before it with the opposite sign.
 struct Summand {
-    known: Arc<Known>,
+    energies: Arc<Known>,
     sign: f64,
     level: usize,
     interval: Interval,
@@ -123,7 +123,7 @@ impl Certified {
     ) -> Option<Arc<Known>> {
         let (types, images) = (pair.type_indices(), images.collect::<SmallVec<_>>());
         let far_kt = |image: &RelativePose| self.far.at(types, image.translation.norm());
-        let known = Known {
+        let energies = Known {
             bodies: (pair.first, pair.second),
             types,
             far_kt: images.iter().map(far_kt).sum(),
@@ -131,18 +131,18 @@ impl Certified {
             in_cells: OnceLock::new(),
             direct_kt: OnceLock::new(),
         };
-        (!known.images.is_empty()).then(|| Arc::new(known))
+        (!energies.images.is_empty()).then(|| Arc::new(energies))
     }
 
     /// The energy of a pair at one level; the error names a pair whose energy is not finite.
-    fn interval(&self, known: &Known, level: usize) -> Result<Interval> {
+    fn interval(&self, energies: &Known, level: usize) -> Result<Interval> {
         let (energy_kt, error_kt) = match level {
-            FAR => (0.0, known.far_kt),
-            CELLS => match self.in_cells(known) {
+            FAR => (0.0, energies.far_kt),
+            CELLS => match self.in_cells(energies) {
                 Some(interval) => return Ok(interval),
-                None => return self.interval(known, DIRECT),
+                None => return self.interval(energies, DIRECT),
             },
-            _ => (self.direct_kt(known)?, 0.0),
+            _ => (self.direct_kt(energies)?, 0.0),
         };
         Ok(Interval {
             energy_kt,
@@ -152,8 +152,8 @@ impl Certified {
 
     /// The sum over the images, each with the charges of the second body in the cells of the first;
     /// `None` if one lies beyond them.
-    fn in_cells(&self, known: &Known) -> Option<Interval> {
-        let (first, second) = known.types;
+    fn in_cells(&self, energies: &Known) -> Option<Interval> {
+        let (first, second) = energies.types;
         let (cells, charges) = (&self.cells[first], self.cells[second].charges());
         let add = |sum: Interval, image| {
             let image = cells.energy_with(charges, image)?;
@@ -162,38 +162,41 @@ impl Certified {
                 error_kt: sum.error_kt + image.error_kt,
             })
         };
-        let sum = || known.images.iter().try_fold(Interval::default(), add);
-        *known.in_cells.get_or_init(sum)
+        let sum = || energies.images.iter().try_fold(Interval::default(), add);
+        *energies.in_cells.get_or_init(sum)
     }
 
-    fn direct_kt(&self, known: &Known) -> Result<f64> {
-        let (first, second) = known.types;
+    fn direct_kt(&self, energies: &Known) -> Result<f64> {
+        let (first, second) = energies.types;
         let charges = [first, second].map(|index| self.cells[index].charges());
         let energy = |image| pair_energy_kt(&self.potential, charges[0], charges[1], image);
-        let sum = || known.images.iter().map(energy).sum();
-        let (first, second) = known.bodies;
-        finite(first, second, *known.direct_kt.get_or_init(sum))
+        let sum = || energies.images.iter().map(energy).sum();
+        let (first, second) = energies.bodies;
+        finite(first, second, *energies.direct_kt.get_or_init(sum))
     }
 
     /// Whether the energy rises by less than the threshold, for every value in the intervals.
     fn rises_less(&mut self, mut summands: Vec<Summand>, threshold_kt: f64) -> Result<bool> {
         loop {
             let rise: f64 = summands.iter().map(Summand::signed_kt).sum();
-            let error: f64 = summands.iter().map(|of| of.interval.error_kt).sum();
+            let error: f64 = summands
+                .iter()
+                .map(|summand| summand.interval.error_kt)
+                .sum();
             let is_settled = (rise - threshold_kt).abs() > error;
-            let open = summands.iter_mut().filter(|of| of.level < DIRECT);
+            let open = summands.iter_mut().filter(|summand| summand.level < DIRECT);
             let widest = open.max_by(|a, b| a.interval.error_kt.total_cmp(&b.interval.error_kt));
             let Some(widest) = widest.filter(|_| !is_settled) else {
                 self.count(&summands);
                 return Ok(rise < threshold_kt);
             };
             widest.level += 1;
-            widest.interval = self.interval(&widest.known, widest.level)?;
+            widest.interval = self.interval(&widest.energies, widest.level)?;
         }
     }
 
     fn count(&mut self, summands: &[Summand]) {
-        let levels = summands.iter().map(|of| of.level);
+        let levels = summands.iter().map(|summand| summand.level);
         match levels.max().unwrap_or(FAR) {
             FAR => self.decided.far += 1,
             CELLS => self.decided.cells += 1,
@@ -203,31 +206,31 @@ impl Certified {
 
     /// The energy with a partner after the move, if they interact there; it is proposed.
     fn after(&mut self, trial: &Trial<'_>, partner: usize) -> Option<Summand> {
-        let known = self.known(&trial.pair(partner))?;
-        self.proposed.push(Arc::clone(&known));
-        Some(Summand::new(known, 1.0))
+        let energies = self.known(&trial.pair(partner))?;
+        self.proposed.push(Arc::clone(&energies));
+        Some(Summand::new(energies, 1.0))
     }
 
     /// Reported energy: a function of the pose alone. Not a number where the direct sum is none,
     /// which every decision with this pair has refused.
-    fn reported(&self, known: &Known) -> Interval {
+    fn reported(&self, energies: &Known) -> Interval {
         let unknown = Interval {
             energy_kt: f64::NAN,
             error_kt: f64::INFINITY,
         };
-        self.interval(known, CELLS).unwrap_or(unknown)
+        self.interval(energies, CELLS).unwrap_or(unknown)
     }
 }
 
 impl Summand {
     /// A summand known from the distance alone.
-    fn new(known: Arc<Known>, sign: f64) -> Self {
+    fn new(energies: Arc<Known>, sign: f64) -> Self {
         let interval = Interval {
             energy_kt: 0.0,
-            error_kt: known.far_kt,
+            error_kt: energies.far_kt,
         };
         Self {
-            known,
+            energies,
             sign,
             level: FAR,
             interval,
@@ -235,8 +238,8 @@ impl Summand {
     }
 
     /// Summand of a pair before the move.
-    fn before(known: &Arc<Known>) -> Self {
-        Self::new(Arc::clone(known), -1.0)
+    fn before(energies: &Arc<Known>) -> Self {
+        Self::new(Arc::clone(energies), -1.0)
     }
 
     fn signed_kt(&self) -> f64 {
@@ -261,19 +264,19 @@ impl EnergyModel for Certified {
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
         self.energies = all_pairs(system, |pair| {
-            let Some(known) = self.known(pair) else {
+            let Some(energies) = self.known(pair) else {
                 return Ok(None);
             };
-            self.interval(&known, CELLS)?;
-            Ok(Some(known))
+            self.interval(&energies, CELLS)?;
+            Ok(Some(energies))
         })?;
         Ok(())
     }
 
     fn pairs(&self, _: &System) -> Vec<PairEnergy> {
-        let reported = |(first, second, known): (usize, usize, Arc<Known>)| {
-            let energy_kt = self.reported(&known).energy_kt;
-            PairEnergy::found_at(first, second, energy_kt, known.images.iter().copied())
+        let reported = |(first, second, energies): (usize, usize, Arc<Known>)| {
+            let energy_kt = self.reported(&energies).energy_kt;
+            PairEnergy::found_at(first, second, energy_kt, energies.images.iter().copied())
         };
         self.energies.pairs().map(reported).collect()
     }
@@ -284,8 +287,8 @@ impl EnergyModel for Certified {
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
-            if let Some(known) = self.known_at(&pair, saved.images(&pair)) {
-                self.energies.set(saved.first, saved.second, known);
+            if let Some(energies) = self.known_at(&pair, saved.images(&pair)) {
+                self.energies.set(saved.first, saved.second, energies);
             }
         }
         Ok(())
@@ -293,7 +296,8 @@ impl EnergyModel for Certified {
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
         let row = self.energies.row(trial.body);
-        let mut summands: Vec<Summand> = row.map(|(_, known)| Summand::before(known)).collect();
+        let mut summands: Vec<Summand> =
+            row.map(|(_, energies)| Summand::before(energies)).collect();
         for &partner in partners {
             summands.extend(self.after(trial, partner));
         }
@@ -307,12 +311,12 @@ impl EnergyModel for Certified {
         Ok(!self.rises_less(summands, threshold_kt)?)
     }
 
-    fn commit(&mut self, moved: &[usize]) {
-        let proposed = self.proposed.drain(..).map(|known| {
-            let (first, second) = known.bodies;
-            (first, second, known)
+    fn commit(&mut self, bodies: &[usize]) {
+        let proposed = self.proposed.drain(..).map(|energies| {
+            let (first, second) = energies.bodies;
+            (first, second, energies)
         });
-        self.energies.take_over(moved, proposed);
+        self.energies.take_over(bodies, proposed);
     }
 
     fn reject(&mut self) {
@@ -321,17 +325,22 @@ impl EnergyModel for Certified {
 
     fn error_bound_kt(&self, _: &System) -> f64 {
         let pairs = self.energies.pairs();
-        let errors = pairs.map(|(_, _, known)| self.reported(&known).error_kt);
+        let errors = pairs.map(|(_, _, energies)| self.reported(&energies).error_kt);
         errors.fold(0.0, f64::max)
     }
 
     /// Quick energies are those of cells.
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+    fn energy_elsewhere_kt(
+        &self,
+        system: &System,
+        pairs: Pairs<'_>,
+        effort: Effort,
+    ) -> Result<f64> {
         let reach_of_all = Reach::new(system, &self.potential);
-        sum_of_pairs(system, of, |pair| match effort {
+        sum_of_pairs(system, pairs, |pair| match effort {
             Effort::Quick => {
-                let known = self.known(pair);
-                let energy = known.map(|known| self.interval(&known, CELLS));
+                let energies = self.known(pair);
+                let energy = energies.map(|energies| self.interval(&energies, CELLS));
                 Ok(energy.transpose()?.map(|interval| interval.energy_kt))
             }
             Effort::Full => direct_energy_kt(&self.potential, &reach_of_all, pair),

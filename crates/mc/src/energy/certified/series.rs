@@ -68,7 +68,7 @@ impl Interpolation {
     pub fn points(&self) -> impl Iterator<Item = [f64; 3]> {
         let point = |i: usize| self.chebyshev.points[i % POINTS];
         let numbers = (0..POINTS.pow(3)).map(|n| [n, n / POINTS, n / (POINTS * POINTS)]);
-        numbers.map(move |at| at.map(point))
+        numbers.map(move |indices| indices.map(point))
     }
 
     /// The series through values at the points, with the largest error of what is stored.
@@ -79,8 +79,8 @@ impl Interpolation {
 
 /// The value of a series at a place in the cube, coordinates from -1 to 1.
 #[inline(always)]
-pub(super) fn value<const FUSED: bool>(Series(rows): &Series, at: [f64; 3]) -> f64 {
-    let [of_x, of_y, of_z] = at.map(polynomials);
+pub(super) fn value<const FUSED: bool>(Series(rows): &Series, coordinates: [f64; 3]) -> f64 {
+    let [of_x, of_y, of_z] = coordinates.map(polynomials);
     let (mut lanes, mut first) = ([0.0; POINTS], 0);
     for k in 0..POINTS {
         let mut in_plane = [0.0; POINTS];
@@ -105,12 +105,12 @@ pub(super) fn value<const FUSED: bool>(Series(rows): &Series, at: [f64; 3]) -> f
 /// T_0 to T_7 at t.
 #[inline(always)]
 fn polynomials(t: f64) -> [f64; POINTS] {
-    let mut of = [1.0; POINTS];
-    of[1] = t;
+    let mut values = [1.0; POINTS];
+    values[1] = t;
     for order in 2..POINTS {
-        of[order] = 2.0 * t * of[order - 1] - of[order - 2];
+        values[order] = 2.0 * t * values[order - 1] - values[order - 2];
     }
-    of
+    values
 }
 
 #[cfg(test)]

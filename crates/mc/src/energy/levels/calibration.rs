@@ -178,34 +178,41 @@ impl Errors {
     fn compare(&mut self, potential: &Yukawa, first: &Table, second: &Table, rng: &mut CounterRng) {
         for pose in 0..POSES {
             let gap = random_gap(pose, rng);
-            let here = apart(first, second, gap, rng);
-            let there = match pose % 4 {
-                3 => moved(&here, STEP_PER_GAP * gap, LARGE_STEP_RADIAN, rng),
-                _ => moved(&here, STEP_ANGSTROM, STEP_RADIAN, rng),
+            let present_pose = apart(first, second, gap, rng);
+            let trial_pose = match pose % 4 {
+                3 => moved(&present_pose, STEP_PER_GAP * gap, LARGE_STEP_RADIAN, rng),
+                _ => moved(&present_pose, STEP_ANGSTROM, STEP_RADIAN, rng),
             };
             // A pair has drifted some way from where its list was made.
             let drift_angstrom = f64::from(SKIN_ANGSTROM.max(PART_OF_DISTANCE * gap as f32));
-            let before = moved(&here, drift_angstrom, DRIFT_RADIAN, rng);
-            let [before, here, there] = [before, here, there].map(|pose| relative(&pose));
+            let before = moved(&present_pose, drift_angstrom, DRIFT_RADIAN, rng);
+            let [before, present_pose, trial_pose] =
+                [before, present_pose, trial_pose].map(|pose| relative(&pose));
             let mut list = List::new(first, second, &before, COARSE_OPENING);
-            if !(list.serves(&here) && list.serves(&there)) {
-                list = List::new(first, second, &here, COARSE_OPENING);
+            if !(list.serves(&present_pose) && list.serves(&trial_pose)) {
+                list = List::new(first, second, &present_pose, COARSE_OPENING);
             }
-            let compared = [&here, &there].map(|pose| Compared::new(first, second, &list, pose));
-            let [Some(at_here), Some(at_there)] = compared else {
+            let compared =
+                [&present_pose, &trial_pose].map(|pose| Compared::new(first, second, &list, pose));
+            let [Some(at_present), Some(at_trial)] = compared else {
                 continue;
             };
             let errors = match list.is_contact {
                 true => &mut self.contact,
                 false => &mut self.distant,
             };
-            errors.add_energies(&list, &at_here);
-            if list.serves(&there) {
-                errors.add_changes(&list, [&at_here, &at_there], [&here, &there]);
+            errors.add_energies(&list, &at_present);
+            if list.serves(&trial_pose) {
+                errors.add_changes(
+                    &list,
+                    [&at_present, &at_trial],
+                    [&present_pose, &trial_pose],
+                );
             }
             if pose < DIRECT_POSES {
-                let direct_kt = pair_energy_kt(potential, &first.charges, &second.charges, &here);
-                let estimates = fine_estimates(first, second, at_here.fine, &here);
+                let direct_kt =
+                    pair_energy_kt(potential, &first.charges, &second.charges, &present_pose);
+                let estimates = fine_estimates(first, second, at_present.fine, &present_pose);
                 for (ratios, fine) in errors.fine.iter_mut().zip(estimates) {
                     let error_kt = (fine.energy_kt - direct_kt).abs();
                     ratios.push(error_kt / fine_deviation(fine.variance));
@@ -256,35 +263,35 @@ fn fine_estimates(
 }
 
 impl ListErrors {
-    fn add_energies(&mut self, list: &List, here: &Compared) {
+    fn add_energies(&mut self, list: &List, present: &Compared) {
         self.coarse.push(ListError {
-            error_kt: here.coarse_error_kt(),
+            error_kt: present.coarse_error_kt(),
             points_variance: list.variance,
             expansion_variance: 0.0,
         });
         self.expanded.push(ListError {
-            error_kt: here.expanded_error_kt(),
+            error_kt: present.expanded_error_kt(),
             points_variance: list.variance,
-            expansion_variance: here.list.expansion_variance,
+            expansion_variance: present.list.expansion_variance,
         });
     }
 
     fn add_changes(
         &mut self,
         list: &List,
-        [here, there]: [&Compared; 2],
+        [present, trial]: [&Compared; 2],
         [from, to]: [&RelativePose; 2],
     ) {
         let points_variance = list.change_variance(from, to);
-        let variances = [here, there].map(|at| at.list.expansion_variance);
+        let variances = [present, trial].map(|compared| compared.list.expansion_variance);
         let shift = list.expansion_shift(from, to);
         self.coarse_changes.push(ListError {
-            error_kt: there.coarse_error_kt() - here.coarse_error_kt(),
+            error_kt: trial.coarse_error_kt() - present.coarse_error_kt(),
             points_variance,
             expansion_variance: 0.0,
         });
         self.expanded_changes.push(ListError {
-            error_kt: there.expanded_error_kt() - here.expanded_error_kt(),
+            error_kt: trial.expanded_error_kt() - present.expanded_error_kt(),
             points_variance,
             expansion_variance: variances[0].max(variances[1]) * shift.powi(2),
         });
@@ -375,12 +382,12 @@ fn random_gap(pose: u32, rng: &mut CounterRng) -> f64 {
 fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Pose {
     let rotation = rng.rotation();
     let direction = rng.unit_vector();
-    let at = |distance: f64| Pose {
+    let second_pose = |distance: f64| Pose {
         position: direction * distance,
         rotation,
     };
     let gap = |distance: f64| {
-        let pose = at(distance);
+        let pose = second_pose(distance);
         let gap = |(x, _): (Vec3, f64)| first.distance_bound(&pose.transform_point(&x));
         second.charges.iter().map(gap).fold(f64::INFINITY, f64::min)
     };
@@ -396,5 +403,5 @@ fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Po
             high = middle
         }
     }
-    at(high)
+    second_pose(high)
 }

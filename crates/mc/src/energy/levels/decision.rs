@@ -42,7 +42,7 @@ pub(super) struct Change {
 /// Basis of a decision: pairs with what is known of them, and a bound for the others.
 #[derive(Default)]
 pub(super) struct Changes {
-    pub known: Vec<Change>,
+    pub pairs: Vec<Change>,
     pub far: FarImages,
 }
 
@@ -50,9 +50,10 @@ impl Levels {
     /// The change of the energy of a pair at one level, kT, with its standard deviation.
     fn change(&self, trial: &Trial<'_>, change: &Change, level: usize) -> Result<(f64, f64)> {
         let (new, old) = (change.new.as_deref(), change.old.as_deref());
-        let of =
-            |known: Option<&Known>| known.map_or((0.0, 0.0), |known| self.energy(known, level));
-        let ((new_kt, new_variance), (old_kt, old_variance)) = (of(new), of(old));
+        let energy = |energies: Option<&Known>| {
+            energies.map_or((0.0, 0.0), |energies| self.energy(energies, level))
+        };
+        let ((new_kt, new_variance), (old_kt, old_variance)) = (energy(new), energy(old));
         let variance = match (level, new, old) {
             (EXPANDED | COARSE, Some(new), Some(old)) => self.change_variance(new, old, level),
             _ => new_variance + old_variance,
@@ -87,15 +88,17 @@ impl Levels {
         let present = trial.system.pair(trial.body, partner);
         let mut old = self.energies.get(trial.body, partner);
         // Rounding may move an image across the border where bodies moved as a group.
-        if old.as_ref().map_or(0, |known| known.images.len()) != self.far.near_images(&present) {
+        if old.as_ref().map_or(0, |energies| energies.images.len())
+            != self.far.near_images(&present)
+        {
             old = self.known(&present, Images::Near);
         }
         let poses = self.image_poses(&trial.pair(partner), Images::Near);
         // Within a tolerance energies are functions of the poses alone.
         let mut lists = Lists::new();
-        if let Some(known) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
-            lists = known.lists_at(&poses);
-            if known.is_due(&poses, &lists) {
+        if let Some(energies) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
+            lists = energies.lists_at(&poses);
+            if energies.is_due(&poses, &lists) {
                 // New lists for where the pair is now.
                 old = self.known(&present, Images::Near);
                 if let Some(fresh) = &old {
@@ -111,7 +114,7 @@ impl Levels {
     fn far_change(&mut self, trial: &Trial<'_>, partner: usize) -> Result<Option<Change>> {
         let old = self.known(&trial.system.pair(trial.body, partner), Images::Far);
         let poses = self.image_poses(&trial.pair(partner), Images::Far);
-        let lists = old.as_deref().map(|known| known.lists_at(&poses));
+        let lists = old.as_deref().map(|energies| energies.lists_at(&poses));
         let lists = lists.unwrap_or_default();
         self.change_to(trial, partner, (old, poses, lists), Images::Far)
     }
@@ -155,16 +158,16 @@ impl Levels {
         threshold_kt: f64,
     ) -> Result<bool> {
         if self.tolerance_kt.is_some() {
-            return Ok(self.rises_less_within(&mut changes.known, threshold_kt));
+            return Ok(self.rises_less_within(&mut changes.pairs, threshold_kt));
         }
         loop {
-            let known = &changes.known;
-            let rise: f64 = known.iter().map(|change| change.change_kt).sum();
-            let squares = known.iter().map(|change| change.deviation_kt.powi(2));
+            let pairs = &changes.pairs;
+            let rise: f64 = pairs.iter().map(|change| change.change_kt).sum();
+            let squares = pairs.iter().map(|change| change.deviation_kt.powi(2));
             let error = MULTIPLE * squares.sum::<f64>().sqrt();
             let is_open = (rise - threshold_kt).abs() <= error + changes.far.bound_kt();
             if !(is_open && self.refine(trial, changes, error)?) {
-                self.count(&changes.known);
+                self.count(&changes.pairs);
                 return Ok(rise < threshold_kt);
             }
         }
@@ -177,11 +180,11 @@ impl Levels {
         if changes.far.bound_kt() >= error_kt
             && let Some(partner) = changes.far.take_widest()
         {
-            changes.known.extend(self.far_change(trial, partner)?);
+            changes.pairs.extend(self.far_change(trial, partner)?);
             return Ok(true);
         }
         let open = |change: &&mut Change| change.level < DIRECT;
-        let widest = changes.known.iter_mut().filter(open);
+        let widest = changes.pairs.iter_mut().filter(open);
         let widest = widest.max_by(|a, b| a.deviation_kt.total_cmp(&b.deviation_kt));
         let Some(widest) = widest else {
             return Ok(false);
@@ -197,9 +200,9 @@ impl Levels {
     fn rises_less_within(&mut self, changes: &mut [Change], threshold_kt: f64) -> bool {
         let mut rise = 0.0;
         for change in changes.iter_mut() {
-            for (known, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
-                if let Some(known) = known {
-                    let (energy_kt, level, _) = self.reported(known, Images::Near);
+            for (energies, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
+                if let Some(energies) = energies {
+                    let (energy_kt, level, _) = self.reported(energies, Images::Near);
                     rise += sign * energy_kt;
                     change.level = change.level.max(level);
                 }
@@ -226,13 +229,13 @@ impl Levels {
     /// Proposes the new energies of the pairs; nothing is kept of images far away.
     pub(super) fn propose(&mut self, trial: &Trial<'_>, changes: Changes) {
         let near = |change: &Change| change.images == Images::Near;
-        for change in changes.known.into_iter().filter(near) {
+        for change in changes.pairs.into_iter().filter(near) {
             let (first, second) = (
                 trial.body.min(change.partner),
                 trial.body.max(change.partner),
             );
             self.proposed
-                .extend(change.new.map(|known| (first, second, known)));
+                .extend(change.new.map(|energies| (first, second, energies)));
         }
     }
 }

@@ -43,8 +43,8 @@ impl Field {
         for point in 0..BLOCK {
             let cell = spots.cell[point] as usize;
             let (series, head) = (self.coarse.get(cell)?, self.heads.get(cell)?);
-            let (at, edge) = (spots.place(point), spots.edge[point]);
-            derivatives[point] = assemble(&lanes[point], series, head, at, edge);
+            let (place, edge) = (spots.place(point), spots.edge[point]);
+            derivatives[point] = assemble(&lanes[point], series, head, place, edge);
         }
         Some(derivatives)
     }
@@ -111,14 +111,18 @@ fn assemble(
     [of_0, of_1, of_2]: &ByOrder,
     series: &Packed,
     head: &Head,
-    at: [f32; 3],
+    place: [f32; 3],
     edge: f32,
 ) -> Derivatives {
     let mut value = of_0[0];
     let mut gradient = [of_1[0], of_0[1], of_0[3]];
     let mut second = [of_2[0], of_0[2], of_0[5], of_1[1], of_1[3], of_0[4]];
     for (axis, coefficient) in series.fourth().into_iter().enumerate() {
-        let (coefficient, t, square) = (f32::from(coefficient), at[axis], at[axis] * at[axis]);
+        let (coefficient, t, square) = (
+            f32::from(coefficient),
+            place[axis],
+            place[axis] * place[axis],
+        );
         value += coefficient * (8.0 * square * (square - 1.0) + 1.0);
         gradient[axis] += coefficient * t * (32.0 * square - 16.0);
         second[axis] += coefficient * (96.0 * square - 16.0);
@@ -180,15 +184,23 @@ impl Functions {
         let mut values = [[0.0; LANES]; COARSE];
         for n in 0..COARSE {
             for lane in 0..LANES {
-                let of = |power: usize| self.0[n][power][lane];
+                let coefficient = |power: usize| self.0[n][power][lane];
                 // T_n has no higher power than t^n.
                 values[n][lane] = match n {
-                    0 => of(0),
-                    1 => add::<FUSED>(of(1), t, of(0)),
-                    2 => add::<FUSED>(add::<FUSED>(of(2), t, of(1)), t, of(0)),
+                    0 => coefficient(0),
+                    1 => add::<FUSED>(coefficient(1), t, coefficient(0)),
+                    2 => add::<FUSED>(
+                        add::<FUSED>(coefficient(2), t, coefficient(1)),
+                        t,
+                        coefficient(0),
+                    ),
                     _ => {
-                        let high = add::<FUSED>(add::<FUSED>(of(3), t, of(2)), t, of(1));
-                        add::<FUSED>(high, t, of(0))
+                        let high = add::<FUSED>(
+                            add::<FUSED>(coefficient(3), t, coefficient(2)),
+                            t,
+                            coefficient(1),
+                        );
+                        add::<FUSED>(high, t, coefficient(0))
                     }
                 };
             }

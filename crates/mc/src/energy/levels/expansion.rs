@@ -132,9 +132,9 @@ impl Expansion {
         let of_linear = 1.5 * of_quadratic.powi(2);
         for axis in AXES {
             let step = axis.map(|x| TEST_ANGSTROM * x);
-            let moved = reference.displacement(self.centre, step, axis, 0.0);
-            let turned = reference.displacement(self.centre, [0.0; 3], axis, TEST_RADIAN);
-            for motion in [moved, turned] {
+            let translation = reference.displacement(self.centre, step, axis, 0.0);
+            let rotation = reference.displacement(self.centre, [0.0; 3], axis, TEST_RADIAN);
+            for motion in [translation, rotation] {
                 let elements = motion.elements(self.centre);
                 squares += f64::from(of_quadratic * self.quadratic_kt(&elements)).powi(2)
                     + f64::from(of_linear * self.linear_kt(&elements)).powi(2);
@@ -179,9 +179,9 @@ impl Expansion {
 
     /// A displacement in units of the test motions.
     fn extent(&self, displacement: &Motion) -> f64 {
-        let moved = length(displacement.apply(self.centre)) / TEST_ANGSTROM;
-        let turned = displacement.turn() / TEST_RADIAN;
-        f64::from((moved * moved + turned * turned).sqrt())
+        let translation = length(displacement.apply(self.centre)) / TEST_ANGSTROM;
+        let rotation = displacement.turn() / TEST_RADIAN;
+        f64::from((translation * translation + rotation * rotation).sqrt())
     }
 
     #[inline(always)]

@@ -74,7 +74,7 @@ struct Shell {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spots {
     pub cell: [u32; BLOCK],
-    pub at: [[f32; BLOCK]; 3],
+    pub coordinates: [[f32; BLOCK]; 3],
     /// Edges of the cells, Å.
     pub edge: [f32; BLOCK],
 }
@@ -83,7 +83,11 @@ impl Spots {
     /// The coordinates of one point in its cell.
     #[inline(always)]
     pub fn place(&self, lane: usize) -> [f32; 3] {
-        [self.at[0][lane], self.at[1][lane], self.at[2][lane]]
+        [
+            self.coordinates[0][lane],
+            self.coordinates[1][lane],
+            self.coordinates[2][lane],
+        ]
     }
 }
 
@@ -288,10 +292,10 @@ impl Field {
         }
         let mut cell = [0_u32; BLOCK];
         for lane in 0..BLOCK {
-            let found = self.index.get(place[lane] as usize);
-            cell[lane] = found.copied().unwrap_or(COVERED);
+            let entry = self.index.get(place[lane] as usize);
+            cell[lane] = entry.copied().unwrap_or(COVERED);
         }
-        let (mut at, mut edge) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
+        let (mut coordinates, mut edge) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
         for lane in 0..BLOCK {
             let larger = cell[lane] >> CELL_BITS;
             cell[lane] &= (1 << CELL_BITS) - 1;
@@ -300,10 +304,14 @@ impl Field {
                 // Rounding must not decide which larger cell stands for a smaller one: that one does.
                 let corner = (below[axis][lane] >> larger) as f32;
                 let scaled = u[axis][lane] * power_of_two(-(larger as i32));
-                at[axis][lane] = 2.0 * (scaled - corner) - 1.0;
+                coordinates[axis][lane] = 2.0 * (scaled - corner) - 1.0;
             }
         }
-        Some(Spots { cell, at, edge })
+        Some(Spots {
+            cell,
+            coordinates,
+            edge,
+        })
     }
 
     /// Asks for the coarse series of these spots, which are far from the processor.
@@ -340,21 +348,23 @@ impl Field {
         let u = [0, 1, 2].map(|axis: usize| (x[axis] - self.centre[axis]) * scale);
         let below = u.map(|u| u.floor() as i32);
         let [px, py, pz] = [0, 1, 2].map(|axis: usize| below[axis] * shell.strides[axis]);
-        let found = *self.index.get((shell.origin + px + py + pz) as usize)?;
-        let (cell, larger) = (found & ((1 << CELL_BITS) - 1), found >> CELL_BITS);
-        let at = |axis: usize| {
+        let entry = *self.index.get((shell.origin + px + py + pz) as usize)?;
+        let (cell, larger) = (entry & ((1 << CELL_BITS) - 1), entry >> CELL_BITS);
+        let coordinate = |axis: usize| {
             let corner = (below[axis] >> larger) as f32;
             2.0 * (u[axis] * power_of_two(-(larger as i32)) - corner) - 1.0
         };
         let edge = self.edge * power_of_two((number + larger) as i32);
-        Some((cell as usize, edge, [0, 1, 2].map(at)))
+        Some((cell as usize, edge, [0, 1, 2].map(coordinate)))
     }
 
     /// A lower bound on the distance of a point from the nearest charge, Å.
     #[inline(always)]
     pub fn distance_bound(&self, x: [f32; 3]) -> f32 {
         match self.cell_at(x) {
-            Some((cell, edge, at)) => self.distance[cell] - 0.5 * edge * length(at),
+            Some((cell, edge, coordinates)) => {
+                self.distance[cell] - 0.5 * edge * length(coordinates)
+            }
             None => {
                 let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
                 outside(0).max(outside(1)).max(outside(2))
@@ -365,8 +375,9 @@ impl Field {
     /// Variance of the energy of these charges from the coarse series, kT².
     #[inline(always)]
     pub fn coarse_variance(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f32 {
-        let of = |(cell, charge): (&u32, &f32)| charge * charge * self.errors[*cell as usize][0];
-        spots.cell.iter().zip(charge).map(of).sum()
+        let variance =
+            |(cell, charge): (&u32, &f32)| charge * charge * self.errors[*cell as usize][0];
+        spots.cell.iter().zip(charge).map(variance).sum()
     }
 
     /// Variance of the energy of these charges from the fine series, kT².
@@ -485,15 +496,15 @@ pub(super) mod tests {
             let x = [0, 1, 2].map(|axis| std::array::from_fn(|lane| sixteen[lane][axis]));
             let spots = field.locate(&x).unwrap();
             for (lane, place) in sixteen.iter().enumerate() {
-                let (cell, _, at) = field.cell_at(*place).unwrap();
+                let (cell, _, coordinates) = field.cell_at(*place).unwrap();
                 assert_eq!(spots.cell[lane] as usize, cell);
                 for axis in 0..3 {
-                    assert!((spots.at[axis][lane] - at[axis]).abs() < 1e-4);
-                    assert!(at[axis].abs() < 1.0001);
+                    assert!((spots.coordinates[axis][lane] - coordinates[axis]).abs() < 1e-4);
+                    assert!(coordinates[axis].abs() < 1.0001);
                 }
             }
         }
-        let is_larger = |found: &u32| *found != COVERED && found >> CELL_BITS > 0;
+        let is_larger = |entry: &u32| *entry != COVERED && entry >> CELL_BITS > 0;
         assert!(field.index.iter().any(is_larger));
     }
 
@@ -508,11 +519,11 @@ pub(super) mod tests {
             let spots = field.locate(&x).unwrap();
             let mut charge = [0.0; BLOCK];
             charge[3] = 1.0;
-            let there = Vec3::from(place.map(f64::from));
+            let point = Vec3::from(place.map(f64::from));
             let sum: f64 = charges
                 .iter()
                 .map(|(site, charge)| {
-                    let square = (site - there).norm_squared();
+                    let square = (site - point).norm_squared();
                     charge * f64::from(split.smooth_f32::<false>(square as f32))
                 })
                 .sum();

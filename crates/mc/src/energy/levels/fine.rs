@@ -32,9 +32,17 @@ pub(super) struct Fine {
 impl Fine {
     /// The fine series from all 6³ coefficients; x runs fastest, then y, then z.
     pub fn new(series: &[f64]) -> Self {
-        let at = |[i, j]: [usize; 2], k: usize| series[i + FINE * (j + FINE * k)] as f32;
-        let low = |k: usize| PRODUCTS[..LOW].iter().map(move |product| at(*product, k));
-        let high = |k: usize| PRODUCTS[LOW..].iter().map(move |product| at(*product, k));
+        let coefficient = |[i, j]: [usize; 2], k: usize| series[i + FINE * (j + FINE * k)] as f32;
+        let low = |k: usize| {
+            PRODUCTS[..LOW]
+                .iter()
+                .map(move |product| coefficient(*product, k))
+        };
+        let high = |k: usize| {
+            PRODUCTS[LOW..]
+                .iter()
+                .map(move |product| coefficient(*product, k))
+        };
         let others = (3..FINE)
             .flat_map(low)
             .chain((0..HIGH_ORDERS).flat_map(high));

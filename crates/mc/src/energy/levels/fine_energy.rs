@@ -100,8 +100,8 @@ impl Table {
             let spots = self.field.locate(&places)?;
             energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
             for lane in 0..BLOCK {
-                let at = [places[0][lane], places[1][lane], places[2][lane]];
-                energy_kt += f64::from(block[3][lane] * self.near_potential::<FUSED>(at));
+                let place = [places[0][lane], places[1][lane], places[2][lane]];
+                energy_kt += f64::from(block[3][lane] * self.near_potential::<FUSED>(place));
             }
         }
         Some(energy_kt)
@@ -147,7 +147,9 @@ pub(super) mod tests {
         let mut rng = CounterRng::new(72, 0, 0);
         for debye in [3.04, 9.6, 30.0] {
             let yukawa = Yukawa::uncut(7.0, 1.0 / debye).unwrap();
-            let [first, second] = clouds.each_ref().map(|of| Table::new(of, &yukawa, 120.0));
+            let [first, second] = clouds
+                .each_ref()
+                .map(|charge_cloud| Table::new(charge_cloud, &yukawa, 120.0));
             for case in 0..60 {
                 let distance = 27.5 + 1e-4 * f64::from(case).powi(3) * 2.9;
                 let position = rng.unit_vector() * distance;

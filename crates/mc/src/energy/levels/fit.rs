@@ -127,11 +127,11 @@ impl<'a> Problem<'a> {
     }
 
     fn residual(&self, charges: &[(Vec3, f64)]) -> DVector<f64> {
-        let found = self
+        let values = self
             .points
             .iter()
             .map(|(x, weight)| weight * field(charges, x, self.potential));
-        DVector::from_iterator(self.points.len(), found) - &self.wanted
+        DVector::from_iterator(self.points.len(), values) - &self.wanted
     }
 
     fn slopes(&self, charges: &[(Vec3, f64)]) -> Slopes {
@@ -167,11 +167,11 @@ impl<'a> Problem<'a> {
             normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * scale;
         }
         let change = normal.cholesky()?.solve(&slopes.gradient);
-        let moved = charges.iter().enumerate().map(|(k, (y, charge))| {
+        let shifted_charges = charges.iter().enumerate().map(|(k, (y, charge))| {
             let shift = Vec3::new(change[4 * k + 1], change[4 * k + 2], change[4 * k + 3]);
             (self.inside(y - shift), charge - change[4 * k])
         });
-        Some(moved.collect())
+        Some(shifted_charges.collect())
     }
 
     fn inside(&self, x: Vec3) -> Vec3 {
@@ -185,8 +185,8 @@ impl<'a> Problem<'a> {
 }
 
 fn field(charges: &[(Vec3, f64)], x: &Vec3, potential: &Yukawa) -> f64 {
-    let at = |(y, q): &(Vec3, f64)| q * potential.at_square((x - y).norm_squared());
-    charges.iter().map(at).sum()
+    let contribution = |(y, q): &(Vec3, f64)| q * potential.at_square((x - y).norm_squared());
+    charges.iter().map(contribution).sum()
 }
 
 /// Points spread evenly over a sphere about the origin, along a spiral.
@@ -194,10 +194,10 @@ fn sphere(count: usize, radius: f64, weight: f64) -> impl Iterator<Item = (Vec3,
     let golden = PI * (3.0 - 5.0_f64.sqrt());
     (0..count).map(move |i| {
         let z = 1.0 - (2 * i + 1) as f64 / count as f64;
-        let across = (1.0 - z * z).sqrt();
+        let ring_radius = (1.0 - z * z).sqrt();
         let angle = golden * i as f64;
         (
-            Vec3::new(across * angle.cos(), across * angle.sin(), z) * radius,
+            Vec3::new(ring_radius * angle.cos(), ring_radius * angle.sin(), z) * radius,
             weight,
         )
     })

@@ -63,10 +63,10 @@ impl Image {
     /// The list, if it serves at this pose, and its slack there, Å. Most moves are shorter than the
     /// slack that was left, and the parts need not be looked at.
     fn list_at(&self, pose: &RelativePose) -> Option<(Arc<List>, f32)> {
-        let moved = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
-        let left = self.slack_angstrom - moved;
-        let slack = match left >= 0.0 {
-            true => left,
+        let distance = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
+        let remaining_slack = self.slack_angstrom - distance;
+        let slack = match remaining_slack >= 0.0 {
+            true => remaining_slack,
             false => self.list.slack_angstrom(pose),
         };
         (slack >= 0.0).then(|| (Arc::clone(&self.list), slack))

@@ -78,12 +78,12 @@ impl Parts {
     pub fn new(parts: &[Part]) -> Vec<Self> {
         let lanes = |parts: &[Part]| {
             let part = |lane: usize| parts[lane.min(parts.len() - 1)];
-            let of = |value: fn(&Part) -> f32| std::array::from_fn(|lane| value(&part(lane)));
+            let values = |value: fn(&Part) -> f32| std::array::from_fn(|lane| value(&part(lane)));
             Self {
                 centre: [0, 1, 2].map(|axis| std::array::from_fn(|lane| part(lane).centre[axis])),
-                radius: of(|part| part.radius),
-                limit: of(|part| part.limit),
-                length: of(|part| part.length),
+                radius: values(|part| part.radius),
+                limit: values(|part| part.limit),
+                length: values(|part| part.length),
             }
         };
         parts.chunks(BLOCK).map(lanes).collect()
@@ -171,9 +171,9 @@ impl List {
             // Parts that are all far away have similar lengths, and need not be looked at.
             false => motion.distance([0.0; 3], self.radius) / self.least_length,
         };
-        let moved = f64::from((ERRORS_PER_RADIAN * motion.turn()).max(farthest));
+        let extent = f64::from((ERRORS_PER_RADIAN * motion.turn()).max(farthest));
         // In proportion to small moves, points cross into cells with other errors.
-        (moved * (moved + CROSSINGS)).sqrt()
+        (extent * (extent + CROSSINGS)).sqrt()
     }
 
     vectorised! {

@@ -131,9 +131,9 @@ impl Maker<'_> {
         let screened = potential.at_square_f32::<false>(distance * distance)
             / potential.at_square_f32::<false>(fitted_at * fitted_at);
         let decay = (fitted_at / distance).powi(3) * screened;
-        let seen = &self.first.tree;
-        let random = seen.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
-        let together = seen.net_charge * (distance / (distance + seen.radius)).powi(3);
+        let tree = &self.first.tree;
+        let random = tree.density * distance.min(SEEN_ANGSTROM).powi(3) / 16.0;
+        let together = tree.net_charge * (distance / (distance + tree.radius)).powi(3);
         let squares = 0.12 + random + together * together;
         (node.error * decay).powi(2) * squares
     }
@@ -141,11 +141,11 @@ impl Maker<'_> {
     #[inline(always)]
     fn list_neighbours(&mut self, point: [f32; 4]) {
         let [x, y, z, _] = point;
-        let at = self.motion.apply([x, y, z]);
+        let place = self.motion.apply([x, y, z]);
         let reach_square = self.reach * self.reach;
         let mut is_near = false;
-        for block in self.first.neighbours.of(at) {
-            let squares = squares(block, at);
+        for block in self.first.neighbours.of(place) {
+            let squares = squares(block, place);
             for lane in 0..BLOCK {
                 if squares[lane] < reach_square {
                     let site = [0, 1, 2, 3].map(|row: usize| block[row][lane]);

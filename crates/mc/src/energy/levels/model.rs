@@ -100,9 +100,11 @@ impl Levels {
     /// Asks for what is known of a body's pairs. In a large system it is far from the processor, in
     /// three steps from pointer to pointer; those of all pairs are taken at once.
     fn prefetch(&self, body: usize) {
-        let known = self.energies.row(body).map(|(_, known)| known);
-        known.clone().for_each(|known| prefetch(known.as_ref()));
-        let images = known.flat_map(|known| &known.images);
+        let energies = self.energies.row(body).map(|(_, energies)| energies);
+        energies
+            .clone()
+            .for_each(|energies| prefetch(energies.as_ref()));
+        let images = energies.flat_map(|energies| &energies.images);
         let lists = images.map(|image| image.list.as_ref());
         lists.clone().for_each(prefetch);
         lists.for_each(List::prefetch);
@@ -118,10 +120,10 @@ impl Levels {
             let far = self.known(&system.pair(first, second), Images::Far);
             let of_near = near
                 .as_deref()
-                .map(|known| self.reported(known, Images::Near));
+                .map(|energies| self.reported(energies, Images::Near));
             let of_far = far
                 .as_deref()
-                .map(|known| self.reported(known, Images::Far));
+                .map(|energies| self.reported(energies, Images::Far));
             let both = of_near.into_iter().chain(of_far);
             let sum = both.fold((0.0, 0.0), |sum, (energy_kt, _, error_kt)| {
                 (sum.0 + energy_kt, sum.1 + error_kt)
@@ -138,9 +140,9 @@ impl Levels {
 }
 
 /// Returns what is known of a pair, if its energy is finite.
-fn checked(pair: &Pair<'_>, known: Arc<Known>) -> Result<Arc<Known>> {
-    finite(pair.first, pair.second, known.expanded_kt)?;
-    Ok(known)
+fn checked(pair: &Pair<'_>, energies: Arc<Known>) -> Result<Arc<Known>> {
+    finite(pair.first, pair.second, energies.expanded_kt)?;
+    Ok(energies)
 }
 
 /// The energy of a pair as it is reported.
@@ -175,8 +177,8 @@ impl EnergyModel for Levels {
     fn reset(&mut self, system: &System) -> Result<()> {
         self.prepare(system);
         self.energies = all_pairs(system, |pair| {
-            let known = self.known(pair, Images::Near);
-            known.map(|known| checked(pair, known)).transpose()
+            let energies = self.known(pair, Images::Near);
+            energies.map(|energies| checked(pair, energies)).transpose()
         })?;
         Ok(())
     }
@@ -203,9 +205,9 @@ impl EnergyModel for Levels {
                 None => self.image_poses(&pair, Images::Near),
             };
             if !poses.is_empty() {
-                let known = self.known_at(&pair, poses, Lists::new());
-                let known = checked(&pair, known)?;
-                self.energies.set(saved.first, saved.second, known);
+                let energies = self.known_at(&pair, poses, Lists::new());
+                let energies = checked(&pair, energies)?;
+                self.energies.set(saved.first, saved.second, energies);
             }
         }
         Ok(())
@@ -226,7 +228,7 @@ impl EnergyModel for Levels {
         near.sort_unstable();
         near.dedup();
         for partner in near {
-            changes.known.extend(self.first_change(trial, partner)?);
+            changes.pairs.extend(self.first_change(trial, partner)?);
         }
         let accepted = self.rises_less(trial, &mut changes, budget_kt)?;
         self.propose(trial, changes);
@@ -236,14 +238,14 @@ impl EnergyModel for Levels {
     fn exceeds(&mut self, trial: &Trial<'_>, partner: usize, threshold_kt: f64) -> Result<bool> {
         let mut changes = Changes::default();
         self.add_far(&mut changes, trial, partner, &trial.pair(partner));
-        changes.known.extend(self.first_change(trial, partner)?);
+        changes.pairs.extend(self.first_change(trial, partner)?);
         let exceeds = !self.rises_less(trial, &mut changes, threshold_kt)?;
         self.propose(trial, changes);
         Ok(exceeds)
     }
 
-    fn commit(&mut self, moved: &[usize]) {
-        self.energies.take_over(moved, self.proposed.drain(..));
+    fn commit(&mut self, bodies: &[usize]) {
+        self.energies.take_over(bodies, self.proposed.drain(..));
     }
 
     fn reject(&mut self) {
@@ -256,9 +258,14 @@ impl EnergyModel for Levels {
     }
 
     /// Quick energies are those of fine tables.
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
+    fn energy_elsewhere_kt(
+        &self,
+        system: &System,
+        pairs: Pairs<'_>,
+        effort: Effort,
+    ) -> Result<f64> {
         let reach_of_all = Reach::new(system, &self.potential);
-        sum_of_pairs(system, of, |pair| match effort {
+        sum_of_pairs(system, pairs, |pair| match effort {
             Effort::Quick => self.energy_alone_kt(pair).map(Some),
             Effort::Full => direct_energy_kt(&self.potential, &reach_of_all, pair),
         })

@@ -51,19 +51,19 @@ impl Motion {
     #[inline(always)]
     pub fn apply(&self, x: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = self.r;
-        let along = |row: [f32; 3], t: f32| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + t;
+        let coordinate = |row: [f32; 3], t: f32| row[0] * x[0] + row[1] * x[1] + row[2] * x[2] + t;
         [
-            along(a, self.t[0]),
-            along(b, self.t[1]),
-            along(c, self.t[2]),
+            coordinate(a, self.t[0]),
+            coordinate(b, self.t[1]),
+            coordinate(c, self.t[2]),
         ]
     }
 
     /// Each row of the rotation, and after it that of where a point goes.
     #[inline(always)]
     pub fn elements(&self, point: [f32; 3]) -> [[f32; 4]; 3] {
-        let at = self.apply(point);
-        [0, 1, 2].map(|a: usize| [self.r[a][0], self.r[a][1], self.r[a][2], at[a]])
+        let image = self.apply(point);
+        [0, 1, 2].map(|a: usize| [self.r[a][0], self.r[a][1], self.r[a][2], image[a]])
     }
 
     /// The displacement of a body that turns by a small `angle` (rad) about an axis through its
@@ -80,11 +80,11 @@ impl Motion {
             t: [0.0; 3],
         };
         for column in 0..3 {
-            let turned = cross(axis, [0, 1, 2].map(|row: usize| self.r[row][column]));
-            (0..3).for_each(|row| displacement.r[row][column] = angle * turned[row]);
+            let tangent = cross(axis, [0, 1, 2].map(|row: usize| self.r[row][column]));
+            (0..3).for_each(|row| displacement.r[row][column] = angle * tangent[row]);
         }
-        let turned = displacement.apply(centre);
-        (0..3).for_each(|row| displacement.t[row] = step[row] - turned[row]);
+        let shift = displacement.apply(centre);
+        (0..3).for_each(|row| displacement.t[row] = step[row] - shift[row]);
         displacement
     }
 
@@ -109,17 +109,17 @@ impl Motion {
 /// One coordinate of sixteen moved points.
 #[inline(always)]
 fn along_lanes([a, b, c]: [f32; 3], t: f32, [x, y, z]: [&[f32; BLOCK]; 3]) -> [f32; BLOCK] {
-    let mut moved = [t; BLOCK];
+    let mut coordinates = [t; BLOCK];
     for lane in 0..BLOCK {
-        moved[lane] += a * x[lane];
+        coordinates[lane] += a * x[lane];
     }
     for lane in 0..BLOCK {
-        moved[lane] += b * y[lane];
+        coordinates[lane] += b * y[lane];
     }
     for lane in 0..BLOCK {
-        moved[lane] += c * z[lane];
+        coordinates[lane] += c * z[lane];
     }
-    moved
+    coordinates
 }
 
 /// The length of a vector.

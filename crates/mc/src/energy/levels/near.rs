@@ -155,12 +155,12 @@ impl NearPairs {
             let [x, y, z, sx, sy, sz, product] = block;
             for lane in 0..BLOCK {
                 let (x, y, z) = (f64::from(x[lane]), f64::from(y[lane]), f64::from(z[lane]));
-                let along =
+                let coordinate =
                     |axis: usize| r[(axis, 0)] * x + r[(axis, 1)] * y + r[(axis, 2)] * z + t[axis];
                 let (dx, dy, dz) = (
-                    along(0) - f64::from(sx[lane]),
-                    along(1) - f64::from(sy[lane]),
-                    along(2) - f64::from(sz[lane]),
+                    coordinate(0) - f64::from(sx[lane]),
+                    coordinate(1) - f64::from(sy[lane]),
+                    coordinate(2) - f64::from(sz[lane]),
                 );
                 let near = split.near(dx * dx + dy * dy + dz * dz);
                 sum[lane] += f64::from(product[lane]) * near;

@@ -74,8 +74,8 @@ impl Levels {
         let (first, second) = self.tables_of(pair.type_indices());
         let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
-            let kept = lists.get_mut(number).and_then(Option::take);
-            let (list, slack_angstrom, energy) = match kept {
+            let reusable_list = lists.get_mut(number).and_then(Option::take);
+            let (list, slack_angstrom, energy) = match reusable_list {
                 Some((list, slack)) => {
                     let energy = list.energy(first, &relative);
                     (list, slack, energy)
@@ -98,7 +98,7 @@ impl Levels {
                 ranking: OnceLock::new(),
             });
         }
-        let mut known = Known {
+        let mut energies = Known {
             types: pair.type_indices(),
             images,
             expanded_kt: 0.0,
@@ -107,71 +107,71 @@ impl Levels {
             direct_kt: OnceLock::new(),
         };
         // Where the tables end, the direct sum is all there is.
-        known.expanded_kt = expanded_kt.unwrap_or_else(|| self.direct_kt(&known));
-        Arc::new(known)
+        energies.expanded_kt = expanded_kt.unwrap_or_else(|| self.direct_kt(&energies));
+        Arc::new(energies)
     }
 
     /// The energy of a pair at one level, kT, and its variance.
-    pub(super) fn energy(&self, known: &Known, level: usize) -> (f64, f64) {
+    pub(super) fn energy(&self, energies: &Known, level: usize) -> (f64, f64) {
         match level {
             EXPANDED | COARSE => {
-                let images = known.images.iter();
+                let images = energies.images.iter();
                 let variances = images.map(|image| self.variance(image, level));
                 let energy_kt = match level {
-                    EXPANDED => known.expanded_kt,
-                    _ => *known.coarse_kt.get_or_init(|| self.coarse_kt(known)),
+                    EXPANDED => energies.expanded_kt,
+                    _ => *energies.coarse_kt.get_or_init(|| self.coarse_kt(energies)),
                 };
                 (energy_kt, variances.sum())
             }
             FINE..DIRECT => {
-                let estimate = self.fine_estimate(known, level - FINE);
+                let estimate = self.fine_estimate(energies, level - FINE);
                 (estimate.energy_kt, estimate.variance)
             }
-            _ => (self.direct_kt(known), 0.0),
+            _ => (self.direct_kt(energies), 0.0),
         }
     }
 
     /// The energy of a pair that is reported: a function of its pose alone. With the level and the
     /// error it is likely within, kT.
-    pub(super) fn reported(&self, known: &Known, images: Images) -> (f64, usize, f64) {
+    pub(super) fn reported(&self, energies: &Known, images: Images) -> (f64, usize, f64) {
         let first = match (images, self.tolerance_kt) {
             (Images::Near, None) => FINE,
             _ => COARSE,
         };
         let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
         for level in first..DIRECT {
-            let (energy_kt, variance) = self.energy(known, level);
+            let (energy_kt, variance) = self.energy(energies, level);
             let error_kt = MULTIPLE * variance.sqrt();
             if error_kt <= tolerance_kt {
                 return (energy_kt, level, error_kt);
             }
         }
-        (self.direct_kt(known), DIRECT, 0.0)
+        (self.direct_kt(energies), DIRECT, 0.0)
     }
 
     /// The sum over the images, each with all points of its list.
-    fn coarse_kt(&self, known: &Known) -> f64 {
-        let first = self.tables_of(known.types).0;
+    fn coarse_kt(&self, energies: &Known) -> f64 {
+        let first = self.tables_of(energies.types).0;
         let energy = |image: &Image| {
             let far_kt = image.list.far_energy(first, &image.relative)?;
             Some(image.close_kt + far_kt)
         };
-        let sum: Option<f64> = known.images.iter().map(energy).sum();
+        let sum: Option<f64> = energies.images.iter().map(energy).sum();
         let sum = sum.filter(|sum| sum.is_finite());
-        sum.unwrap_or_else(|| self.direct_kt(known))
+        sum.unwrap_or_else(|| self.direct_kt(energies))
     }
 
     /// The energy from the fine tables after so many steps of sharpening; the direct sum where they
     /// end before.
-    fn fine_estimate(&self, known: &Known, steps: usize) -> Estimate {
-        let fine = known.fine.get_or_init(Box::default);
+    fn fine_estimate(&self, energies: &Known, steps: usize) -> Estimate {
+        let fine = energies.fine.get_or_init(Box::default);
         *fine[steps].get_or_init(|| {
             let estimate = match steps.checked_sub(1) {
-                None => self.in_fine_tables(known),
-                Some(step) => self.sharpened(known, step),
+                None => self.in_fine_tables(energies),
+                Some(step) => self.sharpened(energies, step),
             };
             estimate.unwrap_or_else(|| Estimate {
-                energy_kt: self.direct_kt(known),
+                energy_kt: self.direct_kt(energies),
                 variance: 0.0,
             })
         })
@@ -179,10 +179,10 @@ impl Levels {
 
     /// The sum over the images, each with the charges of the second body in the fine table of the
     /// first.
-    fn in_fine_tables(&self, known: &Known) -> Option<Estimate> {
-        let (first, second) = self.tables_of(known.types);
+    fn in_fine_tables(&self, energies: &Known) -> Option<Estimate> {
+        let (first, second) = self.tables_of(energies.types);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
-        for image in &known.images {
+        for image in &energies.images {
             let fine = first.fine_energy(second, &image.list, &image.relative)?;
             energy_kt += fine.energy_kt;
             variance += self.fine_variance(image, 0, fine.variance);
@@ -194,10 +194,10 @@ impl Levels {
     }
 
     /// The estimate before this step of sharpening, with what the step adds.
-    fn sharpened(&self, known: &Known, step: usize) -> Option<Estimate> {
-        let (first, second) = self.tables_of(known.types);
-        let (mut energy_kt, mut variance) = (self.fine_estimate(known, step).energy_kt, 0.0);
-        for image in &known.images {
+    fn sharpened(&self, energies: &Known, step: usize) -> Option<Estimate> {
+        let (first, second) = self.tables_of(energies.types);
+        let (mut energy_kt, mut variance) = (self.fine_estimate(energies, step).energy_kt, 0.0);
+        for image in &energies.images {
             let pose = &image.relative;
             let make = || first.ranking(second, pose).map(Box::new);
             let ranking = image.ranking.get_or_init(make);
@@ -218,9 +218,9 @@ impl Levels {
         (scale * fine_deviation(modelled)).powi(2)
     }
 
-    fn direct_kt(&self, known: &Known) -> f64 {
-        *known.direct_kt.get_or_init(|| {
-            let (first, second) = self.tables_of(known.types);
+    fn direct_kt(&self, energies: &Known) -> f64 {
+        *energies.direct_kt.get_or_init(|| {
+            let (first, second) = self.tables_of(energies.types);
             let energy = |image: &Image| {
                 pair_energy_kt(
                     &self.potential,
@@ -229,7 +229,7 @@ impl Levels {
                     &image.relative,
                 )
             };
-            known.images.iter().map(energy).sum()
+            energies.images.iter().map(energy).sum()
         })
     }
 

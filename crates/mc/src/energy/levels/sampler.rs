@@ -30,7 +30,7 @@ struct Sixteen {
 impl Sixteen {
     fn new(charges: Block) -> Self {
         let [x, y, z, _] = &charges;
-        let centre = [x, y, z].map(|of| of.iter().sum::<f32>() / BLOCK as f32);
+        let centre = [x, y, z].map(|coordinates| coordinates.iter().sum::<f32>() / BLOCK as f32);
         let distance = |lane: usize| apart(centre, [x[lane], y[lane], z[lane]]);
         Self {
             centre,
@@ -75,7 +75,8 @@ impl Sites {
         centre: [f64; 3],
         edge: f64,
     ) -> (Vec<f64>, f64) {
-        let at = |axis: usize, i: usize| (centre[axis] + 0.5 * edge * chebyshev.points[i]) as f32;
+        let coordinate =
+            |axis: usize, i: usize| (centre[axis] + 0.5 * edge * chebyshev.points[i]) as f32;
         let middle = centre.map(|x| x as f32);
         // Beyond the near part's range from all of the cell, the smooth part is the potential itself.
         let range = split.radius_angstrom as f32 + 0.5 * edge as f32 * 3.0_f32.sqrt() + ROUNDING;
@@ -84,7 +85,7 @@ impl Sites {
         let mut values = Vec::with_capacity(FINE * FINE * FINE);
         for place in 0..FINE * FINE * FINE {
             let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
-            let place = [at(0, i), at(1, j), at(2, k)];
+            let place = [coordinate(0, i), coordinate(1, j), coordinate(2, k)];
             values.push(f64::from(split.potential_of(&near, &far, place)));
         }
         (values, self.nearest(middle))

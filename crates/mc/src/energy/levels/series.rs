@@ -24,7 +24,7 @@ impl Field {
             let cell = spots.cell[point] as usize;
             let (series, head) = (&self.coarse[cell], &self.heads[cell]);
             let Packed(rows) = series;
-            let [x, y, z] = [0, 1, 2].map(|axis| spots.at[axis][point]);
+            let [x, y, z] = [0, 1, 2].map(|axis| spots.coordinates[axis][point]);
             (first[point], unit[point]) = (head.first, head.unit);
             let [of_x, of_y, of_z] = series.fourth();
             (fourth[0][point], fourth[1][point], fourth[2][point]) = (of_x, of_y, of_z);
@@ -45,9 +45,9 @@ impl Field {
             }
         }
         let mut of_fourth = [0.0; BLOCK];
-        for (fourth, at) in fourth.iter().zip(&spots.at) {
+        for (fourth, coordinates) in fourth.iter().zip(&spots.coordinates) {
             for lane in 0..BLOCK {
-                let second = add::<FUSED>(2.0 * at[lane], at[lane], -1.0);
+                let second = add::<FUSED>(2.0 * coordinates[lane], coordinates[lane], -1.0);
                 let t4 = add::<FUSED>(2.0 * second, second, -1.0);
                 of_fourth[lane] = add::<FUSED>(f32::from(fourth[lane]), t4, of_fourth[lane]);
             }
@@ -63,8 +63,8 @@ impl Field {
     pub fn fine<const FUSED: bool>(&self, spots: &Spots, charge: &[f32; BLOCK]) -> f64 {
         let mut sum = [0.0; BLOCK];
         for point in 0..BLOCK {
-            let at = [0, 1, 2].map(|axis| spots.at[axis][point]);
-            self.fine[spots.cell[point] as usize].add::<FUSED>(at, charge[point], &mut sum);
+            let place = [0, 1, 2].map(|axis| spots.coordinates[axis][point]);
+            self.fine[spots.cell[point] as usize].add::<FUSED>(place, charge[point], &mut sum);
         }
         sum.iter().map(|lane| f64::from(*lane)).sum()
     }
@@ -84,22 +84,26 @@ const SLOPE_Y: [f32; BLOCK] = along_y(SLOPE);
 const SHIFT_Y: [f32; BLOCK] = along_y(SHIFT);
 
 /// Lane 4 j + i has the value of i.
-const fn along_x(of: [f32; 4]) -> [f32; BLOCK] {
+const fn along_x(values: [f32; 4]) -> [f32; BLOCK] {
     let mut lanes = [0.0; BLOCK];
     let mut lane = 0;
     while lane < BLOCK {
-        lanes[lane] = of[lane % COARSE];
+        lanes[lane] = values[lane % COARSE];
         lane += 1;
     }
     lanes
 }
 
 /// Lane 4 j + i has the value of j; the last one zero, since no product is there.
-const fn along_y(of: [f32; 4]) -> [f32; BLOCK] {
+const fn along_y(values: [f32; 4]) -> [f32; BLOCK] {
     let mut lanes = [0.0; BLOCK];
     let mut lane = 0;
     while lane < BLOCK {
-        lanes[lane] = if lane == LAST { 0.0 } else { of[lane / COARSE] };
+        lanes[lane] = if lane == LAST {
+            0.0
+        } else {
+            values[lane / COARSE]
+        };
         lane += 1;
     }
     lanes

@@ -27,13 +27,13 @@ pub(super) struct Ranking {
     /// End of each step among the places.
     ends: [usize; STEPS],
     /// Variance of the charges in the table after each step, kT².
-    left: [f64; STEPS],
+    remaining_variances: [f64; STEPS],
 }
 
 impl Ranking {
     /// Variance of the energy after a step, kT².
     pub fn variance(&self, step: usize) -> f64 {
-        self.left[step]
+        self.remaining_variances[step]
     }
 
     /// The charges that leave the table at a step.
@@ -46,19 +46,30 @@ impl Ranking {
     fn new(variances: &[[f32; BLOCK]], charges: usize) -> Self {
         let variances = variances.as_flattened();
         let mut places: Vec<u32> = (0..variances.len() as u32).collect();
-        let of = |place: &u32| variances[*place as usize];
+        let variance = |place: &u32| variances[*place as usize];
         let ends = SUMMED.map(|part| (part * charges as f64).ceil() as usize);
         // From the last step to the first, so that each looks only at the charges of the one after it.
         let mut taken = places.as_mut_slice();
         for end in ends.into_iter().rev() {
             if end < taken.len() {
-                taken.select_nth_unstable_by(end, |a, b| of(b).total_cmp(&of(a)).then(a.cmp(b)));
+                taken.select_nth_unstable_by(end, |a, b| {
+                    variance(b).total_cmp(&variance(a)).then(a.cmp(b))
+                });
             }
             taken = &mut taken[..end];
         }
-        let sum = |places: &[u32]| places.iter().map(|place| f64::from(of(place))).sum::<f64>();
-        let left = ends.map(|end| sum(&places[end..]));
-        Self { places, ends, left }
+        let sum = |places: &[u32]| {
+            places
+                .iter()
+                .map(|place| f64::from(variance(place)))
+                .sum::<f64>()
+        };
+        let remaining_variances = ends.map(|end| sum(&places[end..]));
+        Self {
+            places,
+            ends,
+            remaining_variances,
+        }
     }
 }
 
@@ -109,11 +120,11 @@ impl Table {
         pose: &RelativePose,
     ) -> Option<Vec<[f32; BLOCK]>> {
         let motion = Motion::new(pose);
-        let of = |block: &Block| {
+        let block_variances = |block: &Block| {
             let spots = self.field.locate(&motion.apply_block(block))?;
             Some(self.field.fine_variances(&spots, &block[3]))
         };
-        blocks.iter().map(of).collect()
+        blocks.iter().map(block_variances).collect()
     }
 
     vectorised! {
@@ -131,13 +142,13 @@ impl Table {
     fn smooth_sum<const FUSED: bool>(&self, charges: &[(Vec3, f64)]) -> f64 {
         let mut sum = [0.0; LANES];
         for group in self.charges.groups() {
-            for (at, charge) in charges {
+            for (place, charge) in charges {
                 let (mut squares, mut potential) = ([0.0_f32; LANES], [0.0_f32; LANES]);
                 for lane in 0..LANES {
                     let (dx, dy, dz) = (
-                        at.x - group.x[lane],
-                        at.y - group.y[lane],
-                        at.z - group.z[lane],
+                        place.x - group.x[lane],
+                        place.y - group.y[lane],
+                        place.z - group.z[lane],
                     );
                     squares[lane] = (dx * dx + dy * dy + dz * dz) as f32;
                 }

@@ -149,7 +149,10 @@ impl Calibration {
 /// The numbers of [`ListScales`], in the order in which [`scales_from`] reads them.
 fn numbers_of(scales: &ListScales) -> Vec<f64> {
     let both = [scales.coarse, scales.expansion];
-    let mut numbers: Vec<f64> = both.iter().flat_map(|of| [of.energy, of.change]).collect();
+    let mut numbers: Vec<f64> = both
+        .iter()
+        .flat_map(|scale| [scale.energy, scale.change])
+        .collect();
     numbers.extend(scales.fine);
     numbers
 }
@@ -173,8 +176,8 @@ fn scales_from(number: &mut impl FnMut() -> std::io::Result<f64>) -> std::io::Re
     })
 }
 
-fn unusable(what: &str) -> McError {
-    McError::UnusableTable(what.to_owned())
+fn unusable(reason: &str) -> McError {
+    McError::UnusableTable(reason.to_owned())
 }
 
 fn failed(error: std::io::Error) -> McError {

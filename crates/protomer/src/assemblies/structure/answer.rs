@@ -93,15 +93,16 @@ impl StructureAssembly {
 
     fn large_displacements(&self) -> Option<String> {
         let places = self.moved_angstrom.iter().zip(&self.placed);
-        let moved = places.filter(|(moved, _)| **moved > LARGE_DISPLACEMENT_ANGSTROM);
-        let moved: Vec<String> = moved
-            .map(|(moved, name)| format!("{name} {moved:.1} Å"))
+        let displacements =
+            places.filter(|(displacement, _)| **displacement > LARGE_DISPLACEMENT_ANGSTROM);
+        let bodies: Vec<String> = displacements
+            .map(|(displacement, name)| format!("{name} {displacement:.1} Å"))
             .collect();
-        (!moved.is_empty()).then(|| {
+        (!bodies.is_empty()).then(|| {
             format!(
                 "warning: bodies moved far enough to open contacts of the structure ({}); bodies that \
                  interlock are better made one with --body",
-                moved.join(", ")
+                bodies.join(", ")
             )
         })
     }
@@ -110,15 +111,20 @@ impl StructureAssembly {
     fn own_shapes_in_words(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for body in &self.bodies {
-            let own = self.own_shapes.iter();
-            let own: Vec<&OwnShape> = own.filter(|own| body.chains.contains(&own.copy)).collect();
-            let Some(first) = own.first() else {
+            let shapes = self.own_shapes.iter();
+            let shapes: Vec<&OwnShape> = shapes
+                .filter(|shape| body.chains.contains(&shape.copy))
+                .collect();
+            let Some(first) = shapes.first() else {
                 continue;
             };
-            let copies: Vec<String> = own.iter().map(|own| own.copy.clone()).collect();
-            let others: BTreeSet<&String> = own.iter().flat_map(|own| &own.would_overlap).collect();
+            let copies: Vec<String> = shapes.iter().map(|shape| shape.copy.clone()).collect();
+            let others: BTreeSet<&String> = shapes
+                .iter()
+                .flat_map(|shape| &shape.would_overlap)
+                .collect();
             let others: Vec<String> = others.into_iter().cloned().collect();
-            let lost: usize = own.iter().map(|own| own.would_lose_contacts).sum();
+            let lost: usize = shapes.iter().map(|shape| shape.would_lose_contacts).sum();
             let otherwise = match others.len() {
                 0 => format!("lose {lost} native residue contacts"),
                 _ => format!("overlap {}", shortened(&others)),
@@ -138,11 +144,11 @@ impl StructureAssembly {
     }
 
     fn overlaps_in_words(&self) -> String {
-        let moved = self.moved_angstrom.iter().copied().fold(0.0, f64::max);
+        let displacement = self.moved_angstrom.iter().copied().fold(0.0, f64::max);
         let contacts = match self.native_contacts_kept {
-            Some(kept) => format!(
+            Some(share) => format!(
                 "{:.1} % of {} native residue contacts left",
-                100.0 * kept,
+                100.0 * share,
                 self.native_contacts
             ),
             None => "no residues of different bodies in contact".into(),
@@ -150,7 +156,7 @@ impl StructureAssembly {
         match self.overlaps.len() {
             0 => format!("no overlaps; {contacts}"),
             pairs => format!(
-                "{pairs} pairs of bodies overlapped; moved apart by at most {moved:.2} Å; {contacts}"
+                "{pairs} pairs of bodies overlapped; moved apart by at most {displacement:.2} Å; {contacts}"
             ),
         }
     }

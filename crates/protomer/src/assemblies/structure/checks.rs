@@ -77,7 +77,7 @@ pub(super) fn apart(units: &[Unit], contacts: &ResidueContacts) -> Vec<String> {
         return Vec::new();
     };
     let names: Vec<String> = alone.iter().map(|unit| units[*unit].name.clone()).collect();
-    let own = positions(&units[first]);
+    let coordinates = positions(&units[first]);
     let others = (0..units.len()).filter(|unit| *unit != first);
     let others: Vec<Vec3> = others.flat_map(|unit| positions(&units[unit])).collect();
     vec![format!(
@@ -86,25 +86,25 @@ pub(super) fn apart(units: &[Unit], contacts: &ResidueContacts) -> Vec<String> {
          for the biological assembly with --assembly 1",
         shortened(&names),
         units[first].name,
-        least_distance_angstrom(&own, &others)
+        least_distance_angstrom(&coordinates, &others)
     )]
 }
 
 /// A warning where residues at an interface lack atoms.
 pub(super) fn gaps_in_interfaces(files: &[File], units: &[NamedUnit]) -> Vec<String> {
     let mut listed = Vec::new();
-    for (number, of) in units.iter().enumerate() {
-        let incomplete = &files[of.file].selection.report.incomplete;
+    for (number, named_unit) in units.iter().enumerate() {
+        let incomplete = &files[named_unit.file].selection.report.incomplete;
         let keys: BTreeSet<_> = incomplete.iter().map(|residue| &residue.residue).collect();
-        let residues = of.unit.residues.iter();
+        let residues = named_unit.unit.residues.iter();
         for residue in residues.filter(|residue| keys.contains(&residue.key)) {
-            let own: Vec<Vec3> = residue.atoms.iter().map(|atom| atom.position).collect();
+            let coordinates: Vec<Vec3> = residue.atoms.iter().map(|atom| atom.position).collect();
             let others = units
                 .iter()
                 .enumerate()
                 .filter(|(other, _)| *other != number);
             let mut others = others.map(|(_, other)| positions(&other.unit));
-            if others.any(|other| count_within(&own, &other, INTERFACE_ANGSTROM) > 0) {
+            if others.any(|other| count_within(&coordinates, &other, INTERFACE_ANGSTROM) > 0) {
                 listed.push(format!("{} {}", residue.name, residue.key));
             }
         }

@@ -90,7 +90,10 @@ pub fn assemble_structure(
     ResultKind::VoxelSet.refuse_in(folder)?;
     let files = files::read(inputs, &settings.body.selection)?;
     let named = files::units(&files, &settings.joined)?;
-    let units: Vec<Unit> = named.iter().map(|of| of.unit.clone()).collect();
+    let units: Vec<Unit> = named
+        .iter()
+        .map(|named_unit| named_unit.unit.clone())
+        .collect();
     checks::require_one_frame(&units)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
@@ -161,13 +164,13 @@ fn described(placed: &Placed) -> Vec<StructureBody> {
 fn provenance(files: &[File], names: &[String], apart: &Separation) -> serde_json::Value {
     let sources: Vec<&str> = files.iter().map(|file| &*file.name).collect();
     let hashes: Vec<&str> = files.iter().map(|file| &*file.sha256).collect();
-    let moved = &apart.moved_angstrom;
+    let displacements = &apart.moved_angstrom;
     match (&sources[..], &hashes[..]) {
         ([source], [sha256]) => serde_json::json!({
-            "source": source, "source_sha256": sha256, "chains": names, "moved_angstrom": moved,
+            "source": source, "source_sha256": sha256, "chains": names, "moved_angstrom": displacements,
         }),
         _ => serde_json::json!({
-            "sources": sources, "sources_sha256": hashes, "chains": names, "moved_angstrom": moved,
+            "sources": sources, "sources_sha256": hashes, "chains": names, "moved_angstrom": displacements,
         }),
     }
 }

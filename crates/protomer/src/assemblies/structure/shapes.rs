@@ -113,41 +113,44 @@ fn overlapping(
     for of_type in types {
         copies.extend(of_type.copies.iter().map(|copy| (of_type, copy)));
     }
-    let mut found: BTreeMap<usize, OwnShape> = BTreeMap::new();
+    let mut own_shapes: BTreeMap<usize, OwnShape> = BTreeMap::new();
     for (a, b) in overlaps {
         for (one, other) in [(*a, *b), (*b, *a)] {
             let (of_type, copy) = copies[one];
             if copy.rmsd_angstrom < SAME_SHAPE_ANGSTROM {
                 continue;
             }
-            let own_shape = found
+            let own_shape = own_shapes
                 .entry(copy.unit)
                 .or_insert_with(|| OwnShape::of(of_type, copy));
             let name = units[copies[other].1.unit].name.clone();
             own_shape.would_overlap.push(name);
         }
     }
-    found
+    own_shapes
 }
 
 /// The copies that differ from their reference and keep few of their contacts, by the number of their unit.
-fn losing_contacts(types: &[BodyType], kept: &[(usize, usize)]) -> BTreeMap<usize, OwnShape> {
-    let mut found = BTreeMap::new();
+fn losing_contacts(
+    types: &[BodyType],
+    contact_counts: &[(usize, usize)],
+) -> BTreeMap<usize, OwnShape> {
+    let mut own_shapes = BTreeMap::new();
     for of_type in types {
         for copy in &of_type.copies {
-            let (contacts, left) = kept[copy.unit];
-            let is_enough = left as f64 >= LEAST_CONTACTS_KEPT * contacts as f64;
+            let (contacts, retained_contacts) = contact_counts[copy.unit];
+            let is_enough = retained_contacts as f64 >= LEAST_CONTACTS_KEPT * contacts as f64;
             if is_enough || copy.rmsd_angstrom < SAME_SHAPE_ANGSTROM {
                 continue;
             }
             let own_shape = OwnShape {
-                would_lose_contacts: contacts - left,
+                would_lose_contacts: contacts - retained_contacts,
                 ..OwnShape::of(of_type, copy)
             };
-            found.insert(copy.unit, own_shape);
+            own_shapes.insert(copy.unit, own_shape);
         }
     }
-    found
+    own_shapes
 }
 
 impl OwnShape {

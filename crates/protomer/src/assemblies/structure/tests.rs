@@ -262,7 +262,7 @@ fn a_disulfide_bond_is_a_proposal_with_its_flag() {
         bonded
             .moved_angstrom
             .iter()
-            .all(|moved| *moved > 0.1 && *moved < 0.6)
+            .all(|displacement| *displacement > 0.1 && *displacement < 0.6)
     );
     let strict = StructureSettings {
         relax: false,
@@ -288,11 +288,11 @@ fn a_copy_keeps_its_own_shape_where_the_shared_one_would_overlap() {
     let text =
         arch('A', 3.0, 0.0) + &arch('B', 0.0, 20.0) + &atom("C", "ALA", 'C', 1, [3.0, 20.0, 3.5]);
     let (fitting, _) = made(std::slice::from_ref(&text), &settings()).unwrap();
-    let [own] = &fitting.own_shapes[..] else {
+    let [shape] = &fitting.own_shapes[..] else {
         panic!("{:?}", fitting.own_shapes);
     };
     assert_eq!(
-        (&*own.copy, &own.would_overlap[..]),
+        (&*shape.copy, &shape.would_overlap[..]),
         ("B", &["C".to_owned()][..])
     );
     assert!(
@@ -301,7 +301,12 @@ fn a_copy_keeps_its_own_shape_where_the_shared_one_would_overlap() {
             .contains("B keeps its own shape: with that of A")
     );
     assert_eq!(fitting.bodies.len(), 3);
-    assert!(fitting.moved_angstrom.iter().all(|moved| *moved == 0.0));
+    assert!(
+        fitting
+            .moved_angstrom
+            .iter()
+            .all(|displacement| *displacement == 0.0)
+    );
     let shared = StructureSettings {
         shapes: CopyShapes::Shared,
         relax: false,
@@ -325,10 +330,10 @@ fn a_copy_keeps_its_own_shape_where_the_shared_one_would_lose_contacts() {
         bent('A', 0.0, 0.0) + &bent('B', 3.0, 20.0) + &atom("C", "ALA", 'C', 1, [3.0, 20.0, 7.0]);
     let (fitting, _) = made(std::slice::from_ref(&text), &settings()).unwrap();
     assert_eq!(fitting.native_contacts_kept, Some(1.0));
-    let [own] = &fitting.own_shapes[..] else {
+    let [shape] = &fitting.own_shapes[..] else {
         panic!("{:?}", fitting.own_shapes);
     };
-    assert_eq!((&*own.copy, own.would_lose_contacts), ("B", 1));
+    assert_eq!((&*shape.copy, shape.would_lose_contacts), ("B", 1));
     let shared = StructureSettings {
         shapes: CopyShapes::Shared,
         ..settings()

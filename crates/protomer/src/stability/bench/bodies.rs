@@ -46,10 +46,13 @@ impl Barrel {
     /// Distance of the surface from the middle along a unit vector, Å: (ρ⁴/a⁴ + z⁴/c⁴)^(-1/4) for
     /// the barrel, and h (1 - (1 - cos θ)/w)² for each bump nearer than its reach w.
     fn radius_angstrom(&self, direction: &Vec3) -> f64 {
-        let across =
+        let equatorial_term =
             (direction.x * direction.x + direction.y * direction.y) / HALF_WIDTH_ANGSTROM.powi(2);
-        let along = direction.z * direction.z / HALF_HEIGHT_ANGSTROM.powi(2);
-        let barrel = (across * across + along * along).sqrt().sqrt().recip();
+        let axial_term = direction.z * direction.z / HALF_HEIGHT_ANGSTROM.powi(2);
+        let barrel = (equatorial_term * equatorial_term + axial_term * axial_term)
+            .sqrt()
+            .sqrt()
+            .recip();
         let bump = |(middle, height): &(Vec3, f64)| {
             let nearness = 1.0 - (1.0 - middle.dot(direction)) / BUMP_REACH;
             height * nearness.max(0.0).powi(2)
@@ -168,9 +171,17 @@ mod tests {
             (1, 0, 0)
         );
         let extent = |axis: usize| {
-            let of = |vertex: &Vec3| vertex[axis];
-            let high = mesh.vertices.iter().map(of).fold(f64::MIN, f64::max);
-            high - mesh.vertices.iter().map(of).fold(f64::MAX, f64::min)
+            let coordinate = |vertex: &Vec3| vertex[axis];
+            let high = mesh
+                .vertices
+                .iter()
+                .map(coordinate)
+                .fold(f64::MIN, f64::max);
+            high - mesh
+                .vertices
+                .iter()
+                .map(coordinate)
+                .fold(f64::MAX, f64::min)
         };
         assert!(
             (23.0..30.0).contains(&extent(0)) && (23.0..30.0).contains(&extent(1)),

@@ -129,16 +129,21 @@ impl EnergyModel for Metered {
         self.watched(|inner| inner.exceeds(trial, partner, threshold_kt))
     }
 
-    fn commit(&mut self, moved: &[usize]) {
-        self.kept(|inner| inner.commit(moved));
+    fn commit(&mut self, bodies: &[usize]) {
+        self.kept(|inner| inner.commit(bodies));
     }
 
     fn reject(&mut self) {
         self.kept(Levels::reject);
     }
 
-    fn energy_elsewhere_kt(&self, system: &System, of: Pairs<'_>, effort: Effort) -> Result<f64> {
-        self.inner.energy_elsewhere_kt(system, of, effort)
+    fn energy_elsewhere_kt(
+        &self,
+        system: &System,
+        pairs: Pairs<'_>,
+        effort: Effort,
+    ) -> Result<f64> {
+        self.inner.energy_elsewhere_kt(system, pairs, effort)
     }
 
     fn pairs(&self, system: &System) -> Vec<PairEnergy> {

@@ -66,16 +66,17 @@ fn way_in(
     rng: &mut CounterRng,
 ) -> Pose {
     let (direction, rotation) = (rng.unit_vector(), rng.rotation());
-    let at = |distance: f64| Pose {
+    let pose = |distance: f64| Pose {
         position: direction * distance,
         rotation,
     };
-    let free = |distance: f64| is_free(types, &Boundary::Open, bodies.iter(), kind, &at(distance));
+    let free =
+        |distance: f64| is_free(types, &Boundary::Open, bodies.iter(), kind, &pose(distance));
     let mut distance = FROM_ANGSTROM;
     while distance > 0.0 && free((distance - STEP_ANGSTROM).max(0.0)) {
         distance = (distance - STEP_ANGSTROM).max(0.0);
     }
-    at(distance)
+    pose(distance)
 }
 
 /// Lets every body try one small move (of at most `step` Å, and in proportion rad), which it takes

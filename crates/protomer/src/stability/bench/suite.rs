@@ -117,13 +117,13 @@ const VOLUME_FRACTION: f64 = 0.15;
 
 /// Rows of all tables together.
 fn rows(settings: &SuiteSettings) -> usize {
-    let of = |part: &Part| match part {
+    let row_count = |part: &Part| match part {
         Part::Charges => settings.charges.len() * MODES.len(),
         Part::Parts => settings.charges.len(),
         Part::Bodies => settings.bodies.len() * CHEAP_MODES.len(),
         Part::Threads => settings.threads.len() * CHEAP_MODES.len(),
     };
-    settings.parts.iter().map(of).sum()
+    settings.parts.iter().map(row_count).sum()
 }
 
 /// Runs the parts. An interrupt ends the work within about a run of moves; the result then holds
@@ -184,10 +184,10 @@ struct Suite<'a> {
 
 impl Suite<'_> {
     /// Says what is measured next, unless it is time to stop.
-    fn goes_on(&self, what: &str) -> bool {
+    fn goes_on(&self, measurement: &str) -> bool {
         let goes_on = !self.execution.interrupt.is_requested();
         if goes_on {
-            self.execution.progress.describe(what);
+            self.execution.progress.describe(measurement);
         }
         goes_on
     }

@@ -60,17 +60,17 @@ impl Binding {
             "log10 K_D integrated (M)",
             "fast interaction (kT)",
         ])];
-        for of in &self.conditions {
+        for condition in &self.conditions {
             rows.push(vec![
-                format!("{:.4}", of.salt_molar),
-                ph_in_words(of.ph),
-                format!("{:.1}", of.poisson_boltzmann_kt),
-                format!("{:.1}", of.error_kt),
-                format!("{:+.2}", of.salt_effect_kt),
-                format!("{:.2}", of.salt_effect_error_kt),
-                format!("{:.1}", of.delta_g_kcal_per_mol),
-                integrated_in_words(of),
-                terms_in_words(of),
+                format!("{:.4}", condition.salt_molar),
+                ph_in_words(condition.ph),
+                format!("{:.1}", condition.poisson_boltzmann_kt),
+                format!("{:.1}", condition.error_kt),
+                format!("{:+.2}", condition.salt_effect_kt),
+                format!("{:.2}", condition.salt_effect_error_kt),
+                format!("{:.1}", condition.delta_g_kcal_per_mol),
+                integrated_in_words(condition),
+                terms_in_words(condition),
             ]);
         }
         columns(&rows)
@@ -86,14 +86,14 @@ impl Binding {
 
     fn slopes_in_words(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        for of in &self.slopes {
-            let (Some(slope), Some(error)) = (of.d_ln_k_d_ln_salt, of.d_ln_k_d_ln_salt_error)
+        for fit in &self.slopes {
+            let (Some(slope), Some(error)) = (fit.d_ln_k_d_ln_salt, fit.d_ln_k_d_ln_salt_error)
             else {
                 continue;
             };
             let at_ph = match self.slopes.len() {
                 1 => String::new(),
-                _ => format!(" at pH {}", ph_in_words(of.ph)),
+                _ => format!(" at pH {}", ph_in_words(fit.ph)),
             };
             lines.push(format!(
                 "d ln K / d ln c = {slope:+.2} (error {error:.2}){at_ph}; K is the association constant, and \
@@ -108,20 +108,20 @@ fn ph_in_words(ph: Option<f64>) -> String {
     ph.map_or("-".into(), |ph| format!("{ph:.2}"))
 }
 
-fn integrated_in_words(of: &BindingCondition) -> String {
-    match (of.log10_kd_molar, of.log10_kd_error) {
+fn integrated_in_words(condition: &BindingCondition) -> String {
+    match (condition.log10_kd_molar, condition.log10_kd_error) {
         (Some(value), Some(error)) => format!("{value:.1} ± {error:.1}"),
         _ => "-".into(),
     }
 }
 
 /// The energy of the fast interaction; with its terms where there are several.
-fn terms_in_words(of: &BindingCondition) -> String {
-    let total = format!("{:.2}", of.energy_kt);
-    if of.terms_kt.len() < 2 {
+fn terms_in_words(condition: &BindingCondition) -> String {
+    let total = format!("{:.2}", condition.energy_kt);
+    if condition.terms_kt.len() < 2 {
         return total;
     }
-    let terms = of.terms_kt.iter();
+    let terms = condition.terms_kt.iter();
     let terms: Vec<String> = terms.map(|(name, kt)| format!("{name} {kt:.2}")).collect();
     format!("{total} ({})", terms.join(", "))
 }

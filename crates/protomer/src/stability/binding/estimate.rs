@@ -51,11 +51,12 @@ impl Estimate {
     ) -> Result<Self> {
         let salts = salts_to_solve(settings);
         let reference = salts.iter().copied().position(is_reference);
-        let found = reference.and_then(|index| energy.at_salts.get(index));
+        let reference_energy = reference.and_then(|index| energy.at_salts.get(index));
         Ok(Self {
             contacts,
             ph_effect_kt: ph_effect_kt(inputs, partners, ph, settings)?,
-            reference_effect_kt: found.map_or(0.0, |found| found.salt_effect_kt),
+            reference_effect_kt: reference_energy
+                .map_or(0.0, |salt_energy| salt_energy.salt_effect_kt),
             kcal_per_mol_per_kt: kilojoule_per_mol_per_kt(settings.temperature_kelvin)
                 / KILOJOULES_PER_KILOCALORIE,
         })

@@ -29,14 +29,14 @@ pub(super) struct InterfaceCharge {
 
 /// The residues at the interface that carry a charge or can.
 pub(super) fn at_interface(partners: &Partners, interface: &Interface) -> Vec<InterfaceCharge> {
-    let mut found = Vec::new();
+    let mut charges = Vec::new();
     for (part, body) in partners.bodies.iter().enumerate() {
         for index in &interface.near[part] {
             let residue = *index as usize;
             let one_charge = one_charge(body, residue);
             let changes = exchanges_of(body, residue);
             if is_titratable(body, residue) && !one_charge.is_empty() && !changes.is_empty() {
-                found.push(InterfaceCharge {
+                charges.push(InterfaceCharge {
                     part,
                     name: ResidueName::of(body, residue),
                     changes,
@@ -45,7 +45,7 @@ pub(super) fn at_interface(partners: &Partners, interface: &Interface) -> Vec<In
             }
         }
     }
-    found
+    charges
 }
 
 fn is_titratable(body: &Body, residue: usize) -> bool {

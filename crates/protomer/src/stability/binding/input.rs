@@ -247,12 +247,12 @@ fn groups(
         );
     }
     let groups = stated_groups(stated, &chains)?;
-    let left: Vec<String> = ungrouped(&groups, &chains)
+    let ungrouped_chains: Vec<String> = ungrouped(&groups, &chains)
         .into_iter()
         .map(|(_, chain)| chain)
         .collect();
-    if !left.is_empty() {
-        warnings.push(match &*left {
+    if !ungrouped_chains.is_empty() {
+        warnings.push(match &*ungrouped_chains {
             [chain] => format!("warning: chain {chain} belongs to no body and is left out"),
             chains => format!(
                 "warning: chains {} belong to no body and are left out",

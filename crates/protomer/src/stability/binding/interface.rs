@@ -49,7 +49,7 @@ impl Interface {
     /// For bodies that are far from each other or within each other.
     pub fn of(partners: &Partners) -> Result<Self> {
         let [first, second] = partners.bodies.each_ref().map(|body| heavy_atoms(body));
-        let mut found = Self {
+        let mut interface = Self {
             closest_angstrom: f64::INFINITY,
             nearest_angstrom: BTreeMap::new(),
             near: [BTreeSet::new(), BTreeSet::new()],
@@ -59,15 +59,15 @@ impl Interface {
         for (i, a) in first.iter().enumerate() {
             for (j, b) in second.iter().enumerate() {
                 let distance = (a.place - b.place).norm();
-                found.closest_angstrom = found.closest_angstrom.min(distance);
+                interface.closest_angstrom = interface.closest_angstrom.min(distance);
                 if distance < NEAR_ANGSTROM {
-                    found.near[0].extend(a.residue);
-                    found.near[1].extend(b.residue);
+                    interface.near[0].extend(a.residue);
+                    interface.near[1].extend(b.residue);
                 }
                 if let (true, Some(a), Some(b)) =
                     (distance < FARTHEST_CONTACT_ANGSTROM, a.residue, b.residue)
                 {
-                    let nearest = found.nearest_angstrom.entry((a, b)).or_insert(distance);
+                    let nearest = interface.nearest_angstrom.entry((a, b)).or_insert(distance);
                     *nearest = nearest.min(distance);
                 }
                 if distance < CONFLICT_ANGSTROM {
@@ -80,11 +80,11 @@ impl Interface {
             in_conflict[0].len() as f64 / first.len().max(1) as f64,
             in_conflict[1].len() as f64 / second.len().max(1) as f64,
         ];
-        found.require_one_frame(partners, shares)?;
-        found.warn_of_place(in_conflict[0].len().max(in_conflict[1].len()));
-        found.warn_of_missing_atoms(partners);
-        found.warn_of_residues_without_scale(partners);
-        Ok(found)
+        interface.require_one_frame(partners, shares)?;
+        interface.warn_of_place(in_conflict[0].len().max(in_conflict[1].len()));
+        interface.warn_of_missing_atoms(partners);
+        interface.warn_of_residues_without_scale(partners);
+        Ok(interface)
     }
 
     /// Pairs of residues in contact.

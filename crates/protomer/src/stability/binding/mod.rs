@@ -63,7 +63,7 @@ use protomer_results::{End, Execution};
 pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<Binding>> {
     let electrolytes = settings.electrolytes()?;
     let inputs = Inputs::read(settings)?;
-    let mut found = Binding::new(settings, &inputs);
+    let mut result = Binding::new(settings, &inputs);
     for (number, ph) in inputs.ph.iter().enumerate() {
         let partners = inputs.at(*ph)?;
         let interface = Interface::of(&partners)?;
@@ -76,7 +76,7 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
             let solves = BoundPair::solves(electrolytes.len(), charges.len());
             let total = solves * inputs.ph.len();
             execution.progress.begin(total as u64, "solves");
-            found.describe(&partners, &interface, &fast)?;
+            result.describe(&partners, &interface, &fast)?;
         }
         let solved = solve(&partners, settings, &electrolytes, &charges, execution)?;
         let End::Finished(energy) = solved else {
@@ -84,14 +84,14 @@ pub fn binding(settings: &BindingSettings, execution: &Execution) -> Result<End<
         };
         let contacts = interface.affinity(&partners);
         let estimate = Estimate::new(&inputs, &partners, contacts, *ph, settings, &energy)?;
-        found.add(*ph, settings, &energy, &fast, &estimate, execution)?;
+        result.add(*ph, settings, &energy, &fast, &estimate, execution)?;
         if execution.interrupt.is_requested() {
             return Ok(End::Stopped);
         }
-        found.add_exchanges(*ph, &charges, &energy);
+        result.add_exchanges(*ph, &charges, &energy);
     }
-    found.finish();
-    Ok(End::Finished(found))
+    result.finish();
+    Ok(End::Finished(result))
 }
 
 /// Reasons for an early end of the solves.

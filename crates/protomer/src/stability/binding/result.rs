@@ -215,7 +215,7 @@ impl Binding {
         let medium = settings.medium();
         let before = self.conditions.len();
         let mut sampled: Option<Sampled> = None;
-        for (number, found) in energy
+        for (number, energies) in energy
             .at_salts
             .iter()
             .take(settings.salt_molar.len())
@@ -244,14 +244,14 @@ impl Binding {
             self.conditions.push(BindingCondition {
                 salt_molar: *salt_molar,
                 ph,
-                poisson_boltzmann_kt: found.energy_kt,
-                error_kt: found.error_kt,
-                salt_effect_kt: found.salt_effect_kt,
-                salt_effect_error_kt: found.salt_effect_error_kt,
-                delta_g_kcal_per_mol: estimate.delta_g_kcal_per_mol(found.salt_effect_kt),
+                poisson_boltzmann_kt: energies.energy_kt,
+                error_kt: energies.error_kt,
+                salt_effect_kt: energies.salt_effect_kt,
+                salt_effect_error_kt: energies.salt_effect_error_kt,
+                delta_g_kcal_per_mol: estimate.delta_g_kcal_per_mol(energies.salt_effect_kt),
                 delta_g_error_kcal_per_mol: ERROR_KCAL_PER_MOL,
-                log10_kd_molar: weighted.as_ref().map(|found| found.log10_kd_molar),
-                log10_kd_error: weighted.as_ref().map(|found| found.log10_kd_error),
+                log10_kd_molar: weighted.as_ref().map(|average| average.log10_kd_molar),
+                log10_kd_error: weighted.as_ref().map(|average| average.log10_kd_error),
                 energy_kt: of_pose.total_kt(),
                 terms_kt: of_pose.terms_kt,
             });
@@ -259,8 +259,9 @@ impl Binding {
         let at_ph = &self.conditions[before..];
         self.slopes.push(SlopeAtPh {
             ph,
-            d_ln_k_d_ln_salt: slope(at_ph, |of| of.salt_effect_kt),
-            d_ln_k_d_ln_salt_error: slope(at_ph, |of| of.salt_effect_error_kt).map(f64::abs),
+            d_ln_k_d_ln_salt: slope(at_ph, |condition| condition.salt_effect_kt),
+            d_ln_k_d_ln_salt_error: slope(at_ph, |condition| condition.salt_effect_error_kt)
+                .map(f64::abs),
         });
         self.grid = Some(energy.grids[1]);
         Ok(())
@@ -283,9 +284,9 @@ impl Binding {
             self.d_ln_k_d_ln_salt = first.d_ln_k_d_ln_salt;
             self.d_ln_k_d_ln_salt_error = first.d_ln_k_d_ln_salt_error;
         }
-        let is_unresolved = |of: &&BindingCondition| {
-            let allowed = RESOLVED_KT.max(RESOLVED_PART * of.salt_effect_kt.abs());
-            of.salt_effect_error_kt > allowed
+        let is_unresolved = |condition: &&BindingCondition| {
+            let allowed = RESOLVED_KT.max(RESOLVED_PART * condition.salt_effect_kt.abs());
+            condition.salt_effect_error_kt > allowed
         };
         if let Some(worst) = self.conditions.iter().find(is_unresolved) {
             self.warnings.push(format!(
@@ -300,8 +301,12 @@ impl Binding {
 ///
 /// With the values of the binding free energy over kT this is d ln K / d ln c of the association constant.
 fn slope(conditions: &[BindingCondition], value: fn(&BindingCondition) -> f64) -> Option<f64> {
-    let salted = conditions.iter().filter(|of| of.salt_molar > 0.0);
-    let points: Vec<(f64, f64)> = salted.map(|of| (of.salt_molar.ln(), value(of))).collect();
+    let salted = conditions
+        .iter()
+        .filter(|condition| condition.salt_molar > 0.0);
+    let points: Vec<(f64, f64)> = salted
+        .map(|condition| (condition.salt_molar.ln(), value(condition)))
+        .collect();
     let count = points.len() as f64;
     let mean_x = points.iter().map(|(x, _)| x).sum::<f64>() / count;
     let mean_y = points.iter().map(|(_, y)| y).sum::<f64>() / count;
@@ -339,15 +344,15 @@ mod tests {
     #[test]
     fn the_slope_is_that_of_the_association_constant() {
         let at = |salt: f64| condition(salt, 2.0 * salt.ln());
-        let found = slope(&[at(0.05), at(0.15), at(1.0)], |of| of.salt_effect_kt);
-        assert!((found.unwrap() + 2.0).abs() < 1e-12);
+        let exponent = slope(&[at(0.05), at(0.15), at(1.0)], |row| row.salt_effect_kt);
+        assert!((exponent.unwrap() + 2.0).abs() < 1e-12);
         for too_few in [
             &[][..],
             &[at(0.1)],
             &[at(0.1), at(0.1)],
             &[condition(0.0, 0.0), at(0.1)],
         ] {
-            assert_eq!(slope(too_few, |of| of.salt_effect_kt), None);
+            assert_eq!(slope(too_few, |row| row.salt_effect_kt), None);
         }
     }
 }

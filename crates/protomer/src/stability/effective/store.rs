@@ -96,8 +96,8 @@ impl EffectiveStore {
         if let Some(charges) = made.get(&key) {
             return Ok(Arc::clone(charges));
         }
-        let known = self.disk.as_ref().and_then(|disk| disk.load(&key));
-        let charges = match known {
+        let stored_charges = self.disk.as_ref().and_then(|disk| disk.load(&key));
+        let charges = match stored_charges {
             Some(charges) => charges,
             None => self.fit(&key, &problem)?,
         };
@@ -156,15 +156,15 @@ impl Disk {
     }
 }
 
-fn to_bytes(key: &str, of: &EffectiveCharges) -> Vec<u8> {
+fn to_bytes(key: &str, effective_charges: &EffectiveCharges) -> Vec<u8> {
     let mut numbers = vec![
-        of.net_charge_e,
-        of.net_effective_charge_e,
-        of.relative_residual,
-        of.condition,
-        of.charges.len() as f64,
+        effective_charges.net_charge_e,
+        effective_charges.net_effective_charge_e,
+        effective_charges.relative_residual,
+        effective_charges.condition,
+        effective_charges.charges.len() as f64,
     ];
-    for (place, charge) in &of.charges {
+    for (place, charge) in &effective_charges.charges {
         numbers.extend([place.x, place.y, place.z, *charge]);
     }
     let mut bytes = [FIRST_LINE, key.as_bytes()].concat();
@@ -177,16 +177,16 @@ fn to_bytes(key: &str, of: &EffectiveCharges) -> Vec<u8> {
 fn from_bytes(key: &str, bytes: &[u8]) -> Result<EffectiveCharges, &'static str> {
     const ENDED: &str = "they end too early";
     let (content, sum) = bytes.split_last_chunk::<DIGITS>().ok_or(ENDED)?;
-    let rest = content
+    let remainder = content
         .strip_prefix(FIRST_LINE)
         .ok_or("they are of another kind or version")?;
     if sha256_hex(content).as_bytes() != sum {
         return Err("their checksum is wrong");
     }
-    let rest = rest
+    let remainder = remainder
         .strip_prefix(key.as_bytes())
         .ok_or("they are of another body or medium")?;
-    let (numbers, []) = rest.as_chunks::<NUMBER>() else {
+    let (numbers, []) = remainder.as_chunks::<NUMBER>() else {
         return Err(ENDED);
     };
     let numbers: Vec<f64> = numbers.iter().copied().map(f64::from_le_bytes).collect();
@@ -244,10 +244,10 @@ mod tests {
         for length in 0..bytes.len() {
             assert!(from_bytes(&key, &bytes[..length]).is_err(), "{length}");
         }
-        for at in 0..bytes.len() {
+        for position in 0..bytes.len() {
             let mut changed = bytes.clone();
-            changed[at] ^= 1;
-            assert!(from_bytes(&key, &changed).is_err(), "{at}");
+            changed[position] ^= 1;
+            assert!(from_bytes(&key, &changed).is_err(), "{position}");
         }
         let other = sha256_hex(b"another body");
         let refusal = from_bytes(&other, &bytes).unwrap_err();

@@ -30,23 +30,27 @@ struct Found {
 /// If no frame counts: says at which salt to look.
 pub fn analyse(
     settings: &ResiduesSettings,
-    at: &AtSalt,
+    ensemble: &AtSalt,
     scan: Option<&Scan>,
     with_averages: bool,
     progress: &dyn Progress,
 ) -> Result<(Averages, Option<ScannedSalt>)> {
-    let shared_out = contributions(settings, at, at.plain.as_ref().unwrap_or(&at.engine))?;
-    let contributions = contributions(settings, at, &at.engine)?;
-    let start = at.engine.system()?;
+    let shared_out = contributions(
+        settings,
+        ensemble,
+        ensemble.plain.as_ref().unwrap_or(&ensemble.engine),
+    )?;
+    let contributions = contributions(settings, ensemble, &ensemble.engine)?;
+    let start = ensemble.engine.system()?;
     let mut averages = Averages::new(&shared_out, &start);
-    let mut scanned = scan.map(|scan| scan.at(at, &contributions));
+    let mut scanned = scan.map(|scan| scan.at(ensemble, &contributions));
     let of_frame = |poses: &Vec<Pose>| -> Result<Found> {
-        let system = at.engine.system_at(poses)?;
+        let system = ensemble.engine.system_at(poses)?;
         let responses = match scan {
             Some(scan) => contributions.responses(&system, scan.sites())?,
             None => Vec::new(),
         };
-        let counts = at.counts(&system);
+        let counts = ensemble.counts(&system);
         let state = (with_averages && counts).then(|| shared_out.of(&system));
         progress.advance(1);
         Ok(Found {
@@ -56,16 +60,17 @@ pub fn analyse(
             responses,
         })
     };
-    for (block, frames) in at.blocks.iter().enumerate() {
+    for (block, frames) in ensemble.blocks.iter().enumerate() {
         for together in frames.chunks(TOGETHER) {
-            let found: Vec<Found> = together.par_iter().map(of_frame).collect::<Result<_>>()?;
-            for frame in found {
+            let observations: Vec<Found> =
+                together.par_iter().map(of_frame).collect::<Result<_>>()?;
+            for frame in observations {
                 if let Some(state) = &frame.state {
                     averages.push(state, &frame.system);
                 }
                 if let (Some(scan), Some(scanned)) = (scan, &mut scanned) {
-                    let left = scan.contacts_left(&frame.system);
-                    scanned.push(block, frame.counts, left, frame.responses);
+                    let contacts_left = scan.contacts_left(&frame.system);
+                    scanned.push(block, frame.counts, contacts_left, frame.responses);
                 }
             }
         }
@@ -75,8 +80,8 @@ pub fn analyse(
         bail!(
             "in none of the {} frames at {} does the assembly hold (more than half of its contacts), and \
              only such frames count where runs disagree; choose another salt with --salt, or run longer",
-            at.frames_read(),
-            at.salt_in_words()
+            ensemble.frames_read(),
+            ensemble.salt_in_words()
         );
     }
     Ok((averages, scanned))
@@ -85,17 +90,17 @@ pub fn analyse(
 /// Contributions of residues with the charges of these bodies, and the terms of the medium.
 fn contributions(
     settings: &ResiduesSettings,
-    at: &AtSalt,
+    ensemble: &AtSalt,
     charges: &Engine,
 ) -> Result<Contributions> {
     let system = charges.system()?;
     let mut kinds = Vec::new();
-    for (body, kind) in at.engine.assembly().bodies.iter().zip(system.types()) {
+    for (body, kind) in ensemble.engine.assembly().bodies.iter().zip(system.types()) {
         let of_kind = ResiduesOfKind::new(body, kind);
         kinds.push(of_kind.with_context(|| format!("body '{}' has no residues", body.name))?);
     }
-    let yukawa = at.interaction.yukawa()?;
-    let terms = at.engine.terms().cloned();
+    let yukawa = ensemble.interaction.yukawa()?;
+    let terms = ensemble.engine.terms().cloned();
     let touching = settings.touching_angstrom;
     Ok(Contributions::new(&system, kinds, yukawa, terms, touching))
 }

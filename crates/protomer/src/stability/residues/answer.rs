@@ -154,7 +154,7 @@ impl ResiduesResult {
         for pair in &self.pairs {
             let is_first = pair.first == row.name;
             let size = |pair: &PairRow| sign * pair.energy_kt.mean;
-            let is_larger = most.is_none_or(|(of, _)| size(pair) > size(of));
+            let is_larger = most.is_none_or(|(partner, _)| size(pair) > size(partner));
             if (is_first || pair.second == row.name) && is_larger {
                 most = Some((pair, is_first));
             }
@@ -326,9 +326,9 @@ fn rounded(number: f64) -> String {
     }
 }
 
-fn counted(number: usize, what: &str) -> String {
+fn counted(number: usize, noun: &str) -> String {
     match number {
-        1 => format!("one {what}"),
-        _ => format!("{number} {what}s"),
+        1 => format!("one {noun}"),
+        _ => format!("{number} {noun}s"),
     }
 }

@@ -50,7 +50,7 @@ pub fn write(
     result: &mut ResiduesResult,
     settings: &ResiduesSettings,
     run: &Run,
-    at: &AtSalt,
+    ensemble: &AtSalt,
 ) -> Result<()> {
     let Some(folder) = folder(settings, run) else {
         return Ok(());
@@ -85,7 +85,7 @@ pub fn write(
             written.push(path.with_extension("png"));
         }
     }
-    written.extend(structure(result, settings, run, at, &folder)?);
+    written.extend(structure(result, settings, run, ensemble, &folder)?);
     written.push(folder.join("residues.json"));
     result.files = written;
     let json = serde_json::to_string_pretty(result).context("the result cannot be serialised")?;
@@ -104,12 +104,12 @@ fn structure(
     result: &ResiduesResult,
     settings: &ResiduesSettings,
     run: &Run,
-    at: &AtSalt,
+    ensemble: &AtSalt,
     folder: &Path,
 ) -> Result<Vec<PathBuf>> {
     let assembly = run.assembly();
     let all_have_atoms = assembly.bodies.iter().all(|body| has_atoms(body));
-    let (Some(poses), true) = (at.last_of_first(), all_have_atoms) else {
+    let (Some(poses), true) = (ensemble.last_of_first(), all_have_atoms) else {
         return Ok(Vec::new());
     };
     let mut poses = poses.clone();

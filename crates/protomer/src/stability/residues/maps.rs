@@ -64,8 +64,8 @@ fn map(
     let mut values = Vec::with_capacity(rows.len() * columns.len());
     for row in &rows {
         for column in &columns {
-            let found = ends.iter().find(|(a, b, _)| a == row && b == column);
-            values.push(Some(found.map_or(0.0, |(_, _, pair)| value(pair))));
+            let entry = ends.iter().find(|(a, b, _)| a == row && b == column);
+            values.push(Some(entry.map_or(0.0, |(_, _, pair)| value(pair))));
         }
     }
     Some(ColourMap {
@@ -103,7 +103,7 @@ fn most_between(pairs: &[PairRow], weight: impl Fn(&PairRow) -> f64) -> Option<(
     let mut sums: Vec<((&str, &str), f64)> = Vec::new();
     for pair in pairs {
         let bodies = (pair.first.body.as_str(), pair.second.body.as_str());
-        match sums.iter_mut().find(|(of, _)| *of == bodies) {
+        match sums.iter_mut().find(|(key, _)| *key == bodies) {
             Some((_, sum)) => *sum += weight(pair),
             None => sums.push((bodies, weight(pair))),
         }
@@ -117,7 +117,7 @@ fn most_between(pairs: &[PairRow], weight: impl Fn(&PairRow) -> f64) -> Option<(
 fn strongest<'a>(weights: impl Iterator<Item = (&'a ResidueName, f64)>) -> Vec<&'a ResidueName> {
     let mut sums: Vec<(&ResidueName, f64)> = Vec::new();
     for (name, weight) in weights {
-        match sums.iter_mut().find(|(of, _)| *of == name) {
+        match sums.iter_mut().find(|(key, _)| *key == name) {
             Some((_, sum)) => *sum += weight,
             None => sums.push((name, weight)),
         }

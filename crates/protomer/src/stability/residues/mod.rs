@@ -74,7 +74,7 @@ pub fn residues(
     progress.begin(0, "frames");
     let scan = settings.mutations.then(|| mutations::Scan::of(&run));
     let scan = scan.transpose()?;
-    let mut found = None;
+    let mut shown_analysis = None;
     let mut scanned = Vec::new();
     for salt_molar in salts {
         let at_salt = run.at(settings, salt_molar)?;
@@ -83,10 +83,10 @@ pub fn residues(
             analysis::analyse(settings, &at_salt, scan.as_ref(), is_shown, progress)?;
         scanned.extend(of_scan);
         if is_shown {
-            found = Some((at_salt, averages));
+            shown_analysis = Some((at_salt, averages));
         }
     }
-    let Some((at_salt, averages)) = found else {
+    let Some((at_salt, averages)) = shown_analysis else {
         anyhow::bail!("no salt concentration was chosen; give --salt 100mM");
     };
     let mut result = ResiduesResult::new(settings, &run, &shown, &at_salt, &averages);

@@ -110,9 +110,9 @@ impl Scan {
     }
 
     /// A scan of one salt concentration, without frames yet.
-    pub fn at(&self, at: &AtSalt, contributions: &Contributions) -> ScannedSalt {
-        let bodies = &at.engine.assembly().bodies;
-        let is_effective = at.engine.effective_bodies().is_some();
+    pub fn at(&self, ensemble: &AtSalt, contributions: &Contributions) -> ScannedSalt {
+        let bodies = &ensemble.engine.assembly().bodies;
+        let is_effective = ensemble.engine.effective_bodies().is_some();
         let mut effective_per_charge = Vec::new();
         for (body, kind) in bodies.iter().zip(contributions.kinds()) {
             effective_per_charge.push(match is_effective {
@@ -121,7 +121,7 @@ impl Scan {
             });
         }
         ScannedSalt {
-            salt_molar: at.interaction.electrolyte.salt_molar().unwrap_or(0.0),
+            salt_molar: ensemble.interaction.electrolyte.salt_molar().unwrap_or(0.0),
             effective_per_charge,
             frames: Vec::new(),
         }
@@ -146,16 +146,16 @@ impl Scan {
             let at_shown = shown.map(|salt| self.weighted(salt, Some(exchange), None));
             let effective_frames = match &changed {
                 Some(half) => half.effective_frames,
-                None => at_shown.map_or(0.0, |of| of.effective_frames),
+                None => at_shown.map_or(0.0, |average| average.effective_frames),
             };
-            let known = changed.filter(|half| {
+            let resolved_half = changed.filter(|half| {
                 sweep.is_equilibrated && half.effective_frames >= FEWEST_EFFECTIVE_FRAMES
             });
             let energy_change_kt =
                 shown.map_or(NOT_KNOWN, |salt| self.energy_change(salt, exchange));
             let makes_up = rise_kt.filter(|rise_kt| *rise_kt > 0.0);
             let first_order = sweep.half_salt_molar.zip(makes_up);
-            let shift = match (&known, &unchanged) {
+            let shift = match (&resolved_half, &unchanged) {
                 (Some(changed), Some(unchanged)) => Some(Mean {
                     mean: changed.salt_molar - unchanged.salt_molar,
                     error: self.error_of_shift(scanned, exchange),
@@ -173,7 +173,7 @@ impl Scan {
                 recommended: touching <= MOST_TOUCHING,
                 energy_change_kt,
                 effective_frames,
-                half_salt_molar: known.map(|half| half.salt_molar),
+                half_salt_molar: resolved_half.map(|half| half.salt_molar),
                 half_salt_shift_molar: shift,
                 first_order_half_salt_molar: first_order
                     .map(|(half, rise_kt)| half * (-energy_change_kt.mean / rise_kt).exp()),
@@ -219,10 +219,12 @@ impl Scan {
         exchange: Option<&Exchange>,
         without: Option<usize>,
     ) -> protomer_mc::contributions::Reweighted {
-        let kept = salt.frames.iter();
-        let kept = kept.filter(|frame| Some(frame.block) != without);
-        reweighted(kept.map(|frame| {
-            let change_kt = exchange.map_or(0.0, |of| self.change_kt(salt, frame, of));
+        let frames = salt.frames.iter();
+        let frames = frames.filter(|frame| Some(frame.block) != without);
+        reweighted(frames.map(|frame| {
+            let change_kt = exchange.map_or(0.0, |substitution| {
+                self.change_kt(salt, frame, substitution)
+            });
             (frame.contacts_left, change_kt)
         }))
     }
@@ -251,11 +253,11 @@ impl Scan {
         let mut points = Vec::with_capacity(scanned.len());
         let mut effective = Vec::with_capacity(scanned.len());
         for salt in scanned {
-            let of = self.weighted(salt, exchange, without);
-            effective.push((salt.salt_molar, of.effective_frames));
+            let average = self.weighted(salt, exchange, without);
+            effective.push((salt.salt_molar, average.effective_frames));
             points.push(FractionAt {
                 salt_molar: salt.salt_molar,
-                fraction: of.mean,
+                fraction: average.mean,
                 error: 0.0,
             });
         }
@@ -362,8 +364,8 @@ pub(crate) fn exchanges_of(body: &Body, residue: usize) -> Vec<(Change, AminoAci
         ],
         _ => [(Change::Positive, positive), (Change::Negative, negative)],
     };
-    let of = |(change, to): (Change, AminoAcid)| (change, to, charge_e(to) - charge_e(from));
-    to.map(of).to_vec()
+    let exchange = |(change, to): (Change, AminoAcid)| (change, to, charge_e(to) - charge_e(from));
+    to.map(exchange).to_vec()
 }
 
 fn charges_of_residues(body: &Body) -> Vec<f64> {
@@ -381,7 +383,10 @@ fn charges_of_residues(body: &Body) -> Vec<f64> {
 
 /// Effective charge of one elementary charge of a body: least squares through the origin.
 fn slope(charges_e: &[f64], effective_e: &[f64]) -> f64 {
-    let products = charges_e.iter().zip(effective_e).map(|(q, of)| q * of);
+    let products = charges_e
+        .iter()
+        .zip(effective_e)
+        .map(|(q, effective_charge)| q * effective_charge);
     let squares = charges_e.iter().map(|q| q * q);
     let slope = products.sum::<f64>() / squares.sum::<f64>();
     if slope.is_finite() { slope } else { 1.0 }
@@ -393,9 +398,9 @@ mod tests {
 
     #[test]
     fn leaving_out_gives_the_error_of_a_mean() {
-        let of: [f64; 4] = [1.0, 2.0, 4.0, 9.0];
-        let without: Vec<f64> = of.iter().map(|value| (16.0 - value) / 3.0).collect();
-        let error = mean_of_blocks(&of).error.unwrap();
+        let values: [f64; 4] = [1.0, 2.0, 4.0, 9.0];
+        let without: Vec<f64> = values.iter().map(|value| (16.0 - value) / 3.0).collect();
+        let error = mean_of_blocks(&values).error.unwrap();
         assert!((jackknife(&without).unwrap() - error).abs() < 1e-14);
         assert_eq!(jackknife(&[1.0]), None);
         assert_eq!(jackknife(&[1.0, f64::NAN]), None);

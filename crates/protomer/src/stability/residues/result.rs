@@ -251,7 +251,7 @@ impl ResiduesResult {
         settings: &ResiduesSettings,
         run: &Run,
         shown: &ShownSalt,
-        at: &AtSalt,
+        ensemble: &AtSalt,
         averages: &Averages,
     ) -> Self {
         let bodies = &run.assembly().bodies;
@@ -260,17 +260,17 @@ impl ResiduesResult {
         for (kind, body) in bodies.iter().enumerate() {
             let areas = surface::areas_angstrom2(body);
             for (residue, area) in areas.into_iter().enumerate() {
-                let found = averages.residue(kind, residue);
+                let means = averages.residue(kind, residue);
                 residues.push(ResidueRow {
                     name: name(kind, residue),
-                    energy_kt: found.energy_kt,
+                    energy_kt: means.energy_kt,
                     parts: TermMeans {
-                        charges_kt: found.parts.charges_kt,
-                        contacts_kt: found.parts.contacts_kt,
-                        desolvation_kt: found.parts.desolvation_kt,
-                        solvent_response_kt: found.parts.solvent_response_kt,
+                        charges_kt: means.parts.charges_kt,
+                        contacts_kt: means.parts.contacts_kt,
+                        desolvation_kt: means.parts.desolvation_kt,
+                        solvent_response_kt: means.parts.solvent_response_kt,
                     },
-                    touching: found.touching,
+                    touching: means.touching,
                     surface_angstrom2: area,
                     buried: surface::is_buried(area),
                 });
@@ -280,18 +280,18 @@ impl ResiduesResult {
         for (index, (first, second)) in averages.pairs_of_kinds().into_iter().enumerate() {
             for a in 0..averages.residues(first) {
                 for b in 0..averages.residues(second) {
-                    let found = averages.pair(index, a, b);
-                    if found.energy_kt.mean.abs() < LEAST_KT && found.touching == 0.0 {
+                    let means = averages.pair(index, a, b);
+                    if means.energy_kt.mean.abs() < LEAST_KT && means.touching == 0.0 {
                         continue;
                     }
                     pairs.push(PairRow {
                         first: name(first, a),
                         second: name(second, b),
-                        energy_kt: found.energy_kt,
-                        charges_kt: found.parts.charges_kt,
-                        contacts_kt: found.parts.contacts_kt,
-                        touching: found.touching,
-                        contacts: found.parts.touching,
+                        energy_kt: means.energy_kt,
+                        charges_kt: means.parts.charges_kt,
+                        contacts_kt: means.parts.contacts_kt,
+                        touching: means.touching,
+                        contacts: means.parts.touching,
                     });
                 }
             }
@@ -304,19 +304,19 @@ impl ResiduesResult {
             input: settings.input.clone(),
             identity: run.identity.clone(),
             salt_chosen: shown.why,
-            interaction: at.interaction,
+            interaction: ensemble.interaction,
             bodies: run.assembly().len(),
             frames: averages.frames(),
-            frames_read: at.frames_read(),
-            bound_frames_only: at.counts_bound_only(),
+            frames_read: ensemble.frames_read(),
+            bound_frames_only: ensemble.counts_bound_only(),
             blocks: averages.blocks(),
-            replicas: at.replicas,
+            replicas: ensemble.replicas,
             touching_angstrom: settings.touching_angstrom,
-            shared_by: match at.plain {
+            shared_by: match ensemble.plain {
                 Some(_) => SharedBy::PlainCharges,
                 None => SharedBy::Charges,
             },
-            charges_note: match (&at.plain, solvent_response_kt.mean) {
+            charges_note: match (&ensemble.plain, solvent_response_kt.mean) {
                 (Some(_), _) => Some(EFFECTIVE),
                 (None, response_kt) => (response_kt != 0.0).then_some(RESPONSE),
             },

@@ -136,8 +136,8 @@ impl ReweightingResult {
                 table.push(vec![
                     Cell::from(curve.concentration_molar),
                     point.salt_molar.into(),
-                    Cell::from(point.contacts_left.map(|left| left.mean)),
-                    Cell::from(point.contacts_left.and_then(|left| left.error)),
+                    Cell::from(point.contacts_left.map(|estimate| estimate.mean)),
+                    Cell::from(point.contacts_left.and_then(|estimate| estimate.error)),
                     point.bound_fraction.mean.into(),
                     Cell::from(point.bound_fraction.error),
                     point.effective_frames.into(),
@@ -163,12 +163,12 @@ impl ReweightingResult {
             |curve| curve.half_bound_salt,
         )];
         if self.has_contacts() {
-            let left = panel(
+            let contacts_panel = panel(
                 "contacts left",
                 |point| point.contacts_left,
                 |curve| curve.half_salt,
             );
-            panels.insert(0, left);
+            panels.insert(0, contacts_panel);
         }
         Figure {
             title: "Stability against salt, from all frames".into(),
@@ -305,23 +305,23 @@ impl ConcentrationCurve {
     }
 
     fn halves(&self) -> Vec<String> {
-        let mut of = vec![("half of the bodies touch another", self.half_bound_salt)];
+        let mut crossings = vec![("half of the bodies touch another", self.half_bound_salt)];
         if self
             .points
             .iter()
             .any(|point| point.contacts_left.is_some())
         {
-            of.insert(0, ("half of the contacts are left", self.half_salt));
+            crossings.insert(0, ("half of the contacts are left", self.half_salt));
         }
-        let in_words = |(what, half): (&str, Option<HalfSaltEstimate>)| match half {
+        let in_words = |(event, half): (&str, Option<HalfSaltEstimate>)| match half {
             Some(half) => {
                 let interval = half.interval_molar.map(|ends| ends.map(Some));
                 let salt = with_interval(half.salt_molar, interval.unwrap_or([None, None]));
-                format!("{what} at {salt}")
+                format!("{event} at {salt}")
             }
-            None => format!("{what} at no salt of the sweep, or on too few frames to say where"),
+            None => format!("{event} at no salt of the sweep, or on too few frames to say where"),
         };
-        of.into_iter().map(in_words).collect()
+        crossings.into_iter().map(in_words).collect()
     }
 }
 

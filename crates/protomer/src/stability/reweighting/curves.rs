@@ -25,7 +25,7 @@ pub(super) struct Target {
 /// The frames without those of one block, weighted.
 struct Weighted<'a> {
     samples: &'a Samples,
-    kept: Vec<usize>,
+    frame_numbers: Vec<usize>,
     mixture: Mixture,
 }
 
@@ -38,12 +38,12 @@ struct Averages {
 impl<'a> Weighted<'a> {
     fn new(samples: &'a Samples, without: Option<usize>) -> Result<Self> {
         let is_kept = |number: &usize| Some(samples.frames[*number].block) != without;
-        let kept: Vec<usize> = (0..samples.frames.len()).filter(is_kept).collect();
+        let frame_numbers: Vec<usize> = (0..samples.frames.len()).filter(is_kept).collect();
         let (mut energies_kt, mut counts) = (Vec::new(), Vec::new());
         for (salt, salt_molar) in samples.simulated_molar.iter().enumerate() {
             let all = samples.energies_kt(*salt_molar);
-            energies_kt.push(kept.iter().map(|number| all[*number]).collect());
-            let of_salt = kept
+            energies_kt.push(frame_numbers.iter().map(|number| all[*number]).collect());
+            let of_salt = frame_numbers
                 .iter()
                 .filter(|number| samples.frames[**number].salt == salt);
             counts.push(of_salt.count());
@@ -52,27 +52,30 @@ impl<'a> Weighted<'a> {
             .context("the frames of the sweep cannot be weighted")?;
         Ok(Self {
             samples,
-            kept,
+            frame_numbers,
             mixture,
         })
     }
 
     fn averages(&self, salts: &[f64], target: Target) -> Averages {
         let (mut contacts_left, mut bound_fraction) = (Vec::new(), Vec::new());
-        let values = |of: fn(&Frame) -> f64| -> Vec<f64> {
-            let frames = self.kept.iter().map(|number| &self.samples.frames[*number]);
-            frames.map(of).collect()
+        let values = |value: fn(&Frame) -> f64| -> Vec<f64> {
+            let frames = self
+                .frame_numbers
+                .iter()
+                .map(|number| &self.samples.frames[*number]);
+            frames.map(value).collect()
         };
-        let left = values(|frame| frame.contacts_left);
+        let contacts = values(|frame| frame.contacts_left);
         let bound = values(|frame| frame.bound_fraction);
         let clusters = values(|frame| frame.clusters as f64);
         for salt_molar in salts {
             let all = self.samples.energies_kt(*salt_molar);
-            let energies_kt = self.kept.iter().zip(&clusters);
+            let energies_kt = self.frame_numbers.iter().zip(&clusters);
             let energies_kt: Vec<f64> = energies_kt
                 .map(|(number, clusters)| all[*number] - clusters * target.ln_dilution)
                 .collect();
-            contacts_left.push(self.mixture.average(&energies_kt, &left));
+            contacts_left.push(self.mixture.average(&energies_kt, &contacts));
             bound_fraction.push(self.mixture.average(&energies_kt, &bound));
         }
         Averages {
@@ -107,16 +110,19 @@ impl<'a> Curves<'a> {
     pub(super) fn at(&self, salts: &[f64], target: Target) -> ConcentrationCurve {
         let averages = self.all.averages(salts, target);
         let without = self.without_a_block.iter();
-        let left_out: Vec<Averages> = without.map(|of| of.averages(salts, target)).collect();
+        let left_out: Vec<Averages> = without
+            .map(|weighted| weighted.averages(salts, target))
+            .collect();
         let mut points = Vec::with_capacity(salts.len());
         for (place, salt_molar) in salts.iter().enumerate() {
-            let estimate = |of: Quantity| Estimate {
-                mean: of(&averages)[place].mean,
-                error: jackknife(&mean_at(&left_out, of, place)),
+            let estimate = |quantity: Quantity| Estimate {
+                mean: quantity(&averages)[place].mean,
+                error: jackknife(&mean_at(&left_out, quantity, place)),
             };
             points.push(CurvePoint {
                 salt_molar: *salt_molar,
-                contacts_left: Some(estimate(CONTACTS)).filter(|left| left.mean.is_finite()),
+                contacts_left: Some(estimate(CONTACTS))
+                    .filter(|contacts| contacts.mean.is_finite()),
                 bound_fraction: estimate(BOUND),
                 effective_frames: averages.bound_fraction[place].effective_frames,
             });
@@ -132,11 +138,13 @@ impl<'a> Curves<'a> {
 
 /// One of the averages along a curve.
 type Quantity = fn(&Averages) -> &[Reweighted];
-const CONTACTS: Quantity = |of| &of.contacts_left;
-const BOUND: Quantity = |of| &of.bound_fraction;
+const CONTACTS: Quantity = |averages| &averages.contacts_left;
+const BOUND: Quantity = |averages| &averages.bound_fraction;
 
-fn mean_at(left_out: &[Averages], of: Quantity, place: usize) -> Vec<f64> {
-    let means = left_out.iter().map(|averages| of(averages)[place].mean);
+fn mean_at(left_out: &[Averages], quantity: Quantity, place: usize) -> Vec<f64> {
+    let means = left_out
+        .iter()
+        .map(|averages| quantity(averages)[place].mean);
     means.collect()
 }
 
@@ -145,10 +153,10 @@ fn half_salt(
     salts: &[f64],
     averages: &Averages,
     left_out: &[Averages],
-    of: Quantity,
+    quantity: Quantity,
 ) -> Option<HalfSaltEstimate> {
     let crossing = |averages: &Averages| {
-        let points = salts.iter().zip(of(averages));
+        let points = salts.iter().zip(quantity(averages));
         let points: Vec<FractionAt> = points
             .map(|(salt_molar, average)| FractionAt {
                 salt_molar: *salt_molar,
@@ -160,7 +168,7 @@ fn half_salt(
     };
     let salt_molar = crossing(averages)?;
     let above = salts.iter().position(|salt| *salt >= salt_molar)?;
-    let neighbours = &of(averages)[above.saturating_sub(1)..=above];
+    let neighbours = &quantity(averages)[above.saturating_sub(1)..=above];
     let fewest = neighbours.iter().map(|average| average.effective_frames);
     let effective_frames = fewest.fold(f64::INFINITY, f64::min);
     if effective_frames < FEWEST_EFFECTIVE_FRAMES {

@@ -116,9 +116,9 @@ pub fn reweighting(
     let curves = Curves::new(&samples)?;
     let mut concentrations = vec![simulated_molar];
     concentrations.extend(&settings.concentration_molar);
-    let mut found = Vec::new();
+    let mut concentration_curves = Vec::new();
     for concentration_molar in concentrations {
-        if !(concentration_molar > 0.0 || found.is_empty()) {
+        if !(concentration_molar > 0.0 || concentration_curves.is_empty()) {
             bail!("a concentration of bodies is zero; give a positive one, such as 10uM");
         }
         let ln_dilution = match concentration_molar == simulated_molar {
@@ -129,12 +129,17 @@ pub fn reweighting(
             concentration_molar,
             ln_dilution,
         };
-        found.push(curves.at(&salts, target));
+        concentration_curves.push(curves.at(&salts, target));
     }
     let bodies = source.assembly.len();
     let free_energies_kt = curves.free_energies_kt();
-    let result =
-        ReweightingResult::new(&settings.input, &samples, free_energies_kt, found, bodies)?;
+    let result = ReweightingResult::new(
+        &settings.input,
+        &samples,
+        free_energies_kt,
+        concentration_curves,
+        bodies,
+    )?;
     if let Some(directory) = &settings.output {
         write(&result, &samples, directory, settings.force)?;
     }

@@ -103,9 +103,9 @@ impl Samples {
 
     /// The energies of all frames at a salt, kT.
     pub(super) fn energies_kt(&self, salt_molar: f64) -> &[f64] {
-        let is_meant = |of: &&(f64, Vec<f64>)| salt_label(of.0) == salt_label(salt_molar);
-        let found = self.energies_kt.iter().find(is_meant);
-        found.map_or(&[], |(_, energies)| energies)
+        let is_meant = |row: &&(f64, Vec<f64>)| salt_label(row.0) == salt_label(salt_molar);
+        let matching_row = self.energies_kt.iter().find(is_meant);
+        matching_row.map_or(&[], |(_, energies)| energies)
     }
 
     /// The mean size of the energy of a body in frames in which no two touch, kT, at the salt where it
@@ -149,7 +149,7 @@ impl Samples {
                 self.simulated_molar[frame.salt].into(),
                 frame.replica.into(),
                 frame.block.into(),
-                Cell::from(Some(frame.contacts_left).filter(|left| left.is_finite())),
+                Cell::from(Some(frame.contacts_left).filter(|contacts| contacts.is_finite())),
                 frame.bound_fraction.into(),
                 frame.clusters.into(),
             ];

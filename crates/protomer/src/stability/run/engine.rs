@@ -126,8 +126,8 @@ impl Engine {
                 .map(|(body, kind)| (body.as_ref(), *kind, &kind.charges))
                 .collect();
             let prepared = further.prepare(&charged, interaction)?;
-            let of = |first, second| Ok::<_, McError>(prepared.of(&kinds, first, second));
-            self.terms = Some(TermsByType::new(kinds.len(), of)?);
+            let pair_terms = |first, second| Ok::<_, McError>(prepared.of(&kinds, first, second));
+            self.terms = Some(TermsByType::new(kinds.len(), pair_terms)?);
         }
         Ok(self)
     }

@@ -53,7 +53,7 @@ impl Row for LogRow {
     fn from_cells(cells: &[String]) -> Option<Self> {
         // Logs of earlier versions have the first six columns.
         let (earlier, later) = cells.split_at_checked(6)?;
-        let [sweep, r_g, native, largest, energy, moved] = earlier else {
+        let [sweep, r_g, native, largest, energy, cluster_size] = earlier else {
             return None;
         };
         let (contacts, bound) = match later {
@@ -67,7 +67,7 @@ impl Row for LogRow {
             native_contacts: native.parse().ok()?,
             largest_cluster: largest.parse().ok()?,
             energy_kt: energy.parse().ok()?,
-            cluster_moved: moved.parse().ok()?,
+            cluster_moved: cluster_size.parse().ok()?,
             contacts,
             bound_fraction: bound,
         })

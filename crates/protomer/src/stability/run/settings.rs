@@ -321,14 +321,14 @@ impl RunSettings {
                 .into();
         }
         let attractions = attractions.join(" and ");
-        let rest = match &self.contacts {
+        let limitation = match &self.contacts {
             None => {
                 "a complex held by hydrophobic contacts, hydrogen bonds or metal ions falls apart in \
                  it; --contacts adds an attraction between residues"
             }
             Some(_) => "hydrogen bonds, metal ions and changes of shape are not in it",
         };
-        format!("nothing attracts in this model but {attractions}: {rest}")
+        format!("nothing attracts in this model but {attractions}: {limitation}")
     }
 
     /// Whether every replica starts from the assembly.

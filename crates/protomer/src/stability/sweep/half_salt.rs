@@ -74,13 +74,13 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
         drawn.push(crossing(&points, &fractions, anywhere));
     }
     drawn.sort_by(|a, b| a.order().total_cmp(&b.order()));
-    let at = |part: f64| {
+    let quantile = |part: f64| {
         let index = (part * (drawn.len() - 1) as f64).round() as usize;
         drawn.get(index).and_then(|crossing| crossing.salt_molar())
     };
     Some(HalfSalt {
         salt_molar,
-        interval_molar: [at(TAIL), at(1.0 - TAIL)],
+        interval_molar: [quantile(TAIL), quantile(1.0 - TAIL)],
     })
 }
 

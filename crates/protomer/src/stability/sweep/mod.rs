@@ -234,8 +234,8 @@ pub fn resolved(
     settings.check()?;
     engine.require_space_for(settings)?;
     let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
-    let kept = begun.filter(|_| !execution.start_anew);
-    engine.resolved(settings, kept.and_then(|begun| begun.energy))
+    let previous_settings = begun.filter(|_| !execution.start_anew);
+    engine.resolved(settings, previous_settings.and_then(|begun| begun.energy))
 }
 
 /// Task of a sweep that runs by itself.

@@ -192,11 +192,11 @@ fn ends(points: &[FractionAt]) -> Option<[f64; 2]> {
 fn points(
     settings: &RunSettings,
     replicas: &[Vec<ReplicaResult>],
-    of: impl Fn(&ReplicaResult) -> Option<Summary>,
+    summary: impl Fn(&ReplicaResult) -> Option<Summary>,
 ) -> Vec<FractionAt> {
     let mut points = Vec::with_capacity(replicas.len());
     for (salt_molar, replicas) in settings.salt_molar.iter().zip(replicas) {
-        let summaries: Vec<Summary> = replicas.iter().filter_map(&of).collect();
+        let summaries: Vec<Summary> = replicas.iter().filter_map(&summary).collect();
         if summaries.is_empty() {
             continue;
         }
@@ -222,15 +222,15 @@ fn average(summaries: &[Summary]) -> (f64, f64) {
         1 => 0.0,
         _ => deviations.sum::<f64>() / (number - 1.0) / number,
     };
-    let own = summaries.iter().map(|summary| summary.standard_error);
-    let own = own.filter(|error| error.is_finite());
-    let own = own.map(|error| error.powi(2)).sum::<f64>() / number.powi(2);
-    (mean, spread.max(own).sqrt())
+    let errors = summaries.iter().map(|summary| summary.standard_error);
+    let errors = errors.filter(|error| error.is_finite());
+    let variance = errors.map(|error| error.powi(2)).sum::<f64>() / number.powi(2);
+    (mean, spread.max(variance).sqrt())
 }
 
 /// Observable in which runs from both starts must agree.
 struct Observable {
-    of: fn(&ReplicaResult) -> Option<Summary>,
+    summary: fn(&ReplicaResult) -> Option<Summary>,
     /// Smallest difference that matters.
     least: f64,
     /// Function that states both means in words.
@@ -242,7 +242,7 @@ struct Observable {
 fn observables(native: usize) -> [Observable; 4] {
     [
         Observable {
-            of: |replica| replica.bound_fraction,
+            summary: |replica| replica.bound_fraction,
             least: LEAST_FRACTION,
             words: |assembly, fluid| {
                 format!(
@@ -252,7 +252,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            of: |replica| replica.contacts,
+            summary: |replica| replica.contacts,
             least: LEAST_FRACTION * native.max(1) as f64,
             words: |assembly, fluid| {
                 format!(
@@ -262,7 +262,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            of: |replica| Some(replica.largest_cluster),
+            summary: |replica| Some(replica.largest_cluster),
             least: LEAST_BODIES,
             words: |assembly, fluid| {
                 format!(
@@ -272,7 +272,7 @@ fn observables(native: usize) -> [Observable; 4] {
             },
         },
         Observable {
-            of: |replica| Some(replica.energy_kt),
+            summary: |replica| Some(replica.energy_kt),
             least: LEAST_KT,
             words: |assembly, fluid| {
                 format!(
@@ -317,7 +317,7 @@ fn equilibration(
             let [assembly, fluid] = [assembly, fluid].map(|replicas| {
                 let summaries = replicas
                     .iter()
-                    .filter_map(|replica| (observable.of)(replica));
+                    .filter_map(|replica| (observable.summary)(replica));
                 summaries.collect::<Vec<Summary>>()
             });
             let difference = disagreement(&assembly, &fluid, observable.least)?;

@@ -59,7 +59,9 @@ pub fn differences(
     let differences = between(trained, present);
     if let Some(Difference {
         trained_on, set, ..
-    }) = differences.iter().find(|found| found.setting == "spacing")
+    }) = differences
+        .iter()
+        .find(|difference| difference.setting == "spacing")
     {
         let with_unit = |value: &Value| {
             format!(
@@ -80,7 +82,7 @@ pub fn differences(
 }
 
 fn between(trained: &Map<String, Value>, present: &Map<String, Value>) -> Vec<Difference> {
-    let of = |map: &Map<String, Value>, key: &str| map.get(key).cloned().unwrap_or_default();
+    let value = |map: &Map<String, Value>, key: &str| map.get(key).cloned().unwrap_or_default();
     let mut keys: Vec<&String> = trained.keys().chain(present.keys()).collect();
     keys.sort();
     keys.dedup();
@@ -89,8 +91,8 @@ fn between(trained: &Map<String, Value>, present: &Map<String, Value>) -> Vec<Di
     };
     let of_key = |key: &String| Difference {
         setting: key.clone(),
-        trained_on: of(trained, key),
-        set: of(present, key),
+        trained_on: value(trained, key),
+        set: value(present, key),
     };
     keys.into_iter().filter(differ).map(of_key).collect()
 }

@@ -123,13 +123,13 @@ impl PredictReport {
         let mut samples = Vec::with_capacity(predictions.samples.len());
         let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
         for (sample, p) in predictions.samples.iter().zip(probabilities) {
-            let Some(known) = set.descriptions().get(*sample) else {
+            let Some(description) = set.descriptions().get(*sample) else {
                 bail!("there is no sample {sample}");
             };
             samples.push(SamplePrediction {
-                name: known.name.clone(),
+                name: description.name.clone(),
                 file: set.files().get(*sample).cloned().unwrap_or_default(),
-                label: known.label.clone(),
+                label: description.label.clone(),
                 class: truth.classes.get(*sample).copied().flatten().map(class),
                 part: truth.parts.get(*sample).copied().flatten(),
                 unscored: truth.unscored.get(*sample).copied().flatten(),
@@ -294,7 +294,7 @@ fn scores(
     if labels.is_empty() {
         return Ok(None);
     }
-    let of = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
+    let score = |p: &[f64]| Scores::of(p, &labels, count, Some(&weights));
     let prior: Vec<f64> = card.log_prior.iter().map(|log| log.exp()).collect();
     let numbers = match &card.number_classes {
         Some(classes) => {
@@ -310,16 +310,16 @@ fn scores(
         }
         None => None,
     };
-    let (own, prior) = (of(&probabilities)?, of(&prior.repeat(labels.len()))?);
+    let (network, prior) = (score(&probabilities)?, score(&prior.repeat(labels.len()))?);
     Ok(Some(SetScores {
         samples: labels.len(),
-        accuracy: own.accuracy,
+        accuracy: network.accuracy,
         majority_accuracy: prior.accuracy,
-        balanced_accuracy: own.balanced_accuracy,
+        balanced_accuracy: network.balanced_accuracy,
         majority_balanced_accuracy: prior.balanced_accuracy,
-        log_loss_nats: own.log_loss_nats,
+        log_loss_nats: network.log_loss_nats,
         prior_log_loss_nats: prior.log_loss_nats,
-        nats_gained_over_prior: own.nats_gained_over(&prior),
+        nats_gained_over_prior: network.nats_gained_over(&prior),
         numbers,
     }))
 }

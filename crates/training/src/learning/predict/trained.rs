@@ -15,7 +15,7 @@ pub struct Trained {
     pub model: Model,
     /// The structures that the network has seen; `None` if it was trained by an earlier version,
     /// which did not record them.
-    pub seen: Option<TrainedOn>,
+    pub training_structures: Option<TrainedOn>,
 }
 
 impl Trained {
@@ -74,7 +74,7 @@ impl Trained {
         Ok(Self {
             settings,
             model,
-            seen: TrainedOn::read(directory)?,
+            training_structures: TrainedOn::read(directory)?,
         })
     }
 }
@@ -113,5 +113,5 @@ fn training_below(directory: &Path, levels: usize) -> Option<PathBuf> {
         return None;
     }
     let mut below = folders.iter().map(|path| training_below(path, levels - 1));
-    below.find_map(|found| found)
+    below.find_map(|training| training)
 }

@@ -104,8 +104,8 @@ impl Truth {
         }
         // Prepared samples are those with a class, found by their unique names.
         let mut place_of = BTreeMap::new();
-        for (place, known) in prepared.descriptions.iter().enumerate() {
-            place_of.insert(known.name.as_str(), place);
+        for (place, description) in prepared.descriptions.iter().enumerate() {
+            place_of.insert(description.name.as_str(), place);
         }
         let (mut classes, mut parts) = (Vec::new(), Vec::new());
         for sample in set.descriptions() {
@@ -125,16 +125,16 @@ impl Truth {
     /// Keeps the labels that are classes under the target of the training. Samples seen in
     /// training are not scored.
     fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
-        let seen = trained.seen.as_ref().map(seen);
+        let training_samples = trained.training_structures.as_ref().map(seen);
         let (mut classes, mut unscored) = (Vec::new(), Vec::new());
-        for (sample, known) in set.descriptions().iter().enumerate() {
-            let class = trained.class_of(&known.label);
+        for (sample, description) in set.descriptions().iter().enumerate() {
+            let class = trained.class_of(&description.label);
             classes.push(class);
-            unscored.push(match (class, &seen) {
+            unscored.push(match (class, &training_samples) {
                 (None, _) => Some(Unscored::NoClass),
                 (_, None) => Some(Unscored::TrainingUnknown),
-                (_, Some(seen)) => seen
-                    .familiar(set.file_sha256(sample), &known.cluster)
+                (_, Some(samples)) => samples
+                    .familiar(set.file_sha256(sample), &description.cluster)
                     .map(Unscored::from),
             });
         }
@@ -171,11 +171,11 @@ impl From<Familiar> for Unscored {
 
 /// The samples of a training.
 fn seen(trained_on: &TrainedOn) -> Seen {
-    let mut seen = Seen::default();
+    let mut training_samples = Seen::default();
     for sample in trained_on.samples() {
-        seen.add(&sample.sha256, &sample.cluster);
+        training_samples.add(&sample.sha256, &sample.cluster);
     }
-    seen
+    training_samples
 }
 
 /// A set that has been moved is still the same set.

@@ -19,9 +19,9 @@ pub fn learning_curve(
         name: name.into(),
         points: curve
             .iter()
-            .map(|at| Point {
-                x: at.epoch as f64,
-                y: value(at),
+            .map(|record| Point {
+                x: record.epoch as f64,
+                y: value(record),
                 error: None,
             })
             .collect(),
@@ -31,9 +31,9 @@ pub fn learning_curve(
     let loss = Panel {
         y: Axis::linear("cross entropy (nats)"),
         series: vec![
-            line("training", &|at| at.training_loss_nats),
-            line("validation", &|at| {
-                at.validation_loss_nats.unwrap_or(f64::NAN)
+            line("training", &|record| record.training_loss_nats),
+            line("validation", &|record| {
+                record.validation_loss_nats.unwrap_or(f64::NAN)
             }),
             line("prior", &|_| prior_nats),
         ],
@@ -41,8 +41,8 @@ pub fn learning_curve(
     let accuracy = Panel {
         y: Axis::linear("balanced accuracy").with_range(0.0, 1.05),
         series: vec![
-            line("validation", &|at| {
-                at.validation_balanced_accuracy.unwrap_or(f64::NAN)
+            line("validation", &|record| {
+                record.validation_balanced_accuracy.unwrap_or(f64::NAN)
             }),
             line("guessing", &|_| 1.0 / classes.max(1) as f64),
         ],

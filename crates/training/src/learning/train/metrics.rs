@@ -175,8 +175,8 @@ impl NumberMetrics {
 pub(super) fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String> {
     let first = ["majority", "prior", "size"];
     let place = |name: &&String| {
-        let known = first.iter().position(|known| known == name);
-        known.unwrap_or(first.len())
+        let rank = first.iter().position(|baseline| baseline == name);
+        rank.unwrap_or(first.len())
     };
     let mut names: Vec<&String> = baselines.keys().collect();
     names.sort_by_key(place);
@@ -243,7 +243,7 @@ impl Predictions<'_> {
             evaluation.baseline("prior")?.log_loss_nats,
         );
         let Evaluation {
-            scores: own,
+            scores: network_scores,
             baselines,
             intervals,
             permutation,
@@ -263,20 +263,20 @@ impl Predictions<'_> {
                 test: self.split.test.len(),
                 test_clusters,
             },
-            accuracy: own.accuracy,
+            accuracy: network_scores.accuracy,
             majority_accuracy: majority,
-            balanced_accuracy: own.balanced_accuracy,
-            macro_f1: own.macro_f1,
-            top3_accuracy: own.top3_accuracy,
-            matthews_correlation: own.matthews,
-            log_loss_nats: own.log_loss_nats,
+            balanced_accuracy: network_scores.balanced_accuracy,
+            macro_f1: network_scores.macro_f1,
+            top3_accuracy: network_scores.top3_accuracy,
+            matthews_correlation: network_scores.matthews,
+            log_loss_nats: network_scores.log_loss_nats,
             prior_log_loss_nats: prior,
-            nats_gained_over_prior: prior - own.log_loss_nats,
-            brier: own.brier,
-            expected_calibration_error: own.expected_calibration_error,
+            nats_gained_over_prior: prior - network_scores.log_loss_nats,
+            brier: network_scores.brier,
+            expected_calibration_error: network_scores.expected_calibration_error,
             temperature: self.temperature,
-            confusion_matrix: own.confusion,
-            reliability: own.reliability,
+            confusion_matrix: network_scores.confusion,
+            reliability: network_scores.reliability,
             bootstrap_95: intervals,
             baselines: scores_of_baselines,
             permutation_p: permutation.p_value,
@@ -314,7 +314,9 @@ impl Predictions<'_> {
         Ok(NumberMetrics {
             classes: numbers.classes.clone(),
             scores,
-            baselines: baselines.map(|(name, of)| (name.to_owned(), of)).collect(),
+            baselines: baselines
+                .map(|(name, baseline)| (name.to_owned(), baseline))
+                .collect(),
             bootstrap_95: intervals,
         })
     }
@@ -339,15 +341,15 @@ impl Predictions<'_> {
             .iter()
             .zip(self.probabilities.chunks(self.classes.len().max(1)))
         {
-            let (Some(known), Some(label)) =
+            let (Some(description), Some(label)) =
                 (self.descriptions.get(*sample), self.labels.get(*sample))
             else {
                 continue;
             };
             let best = name(most_probable(p)).into();
             let mut cells: Vec<Cell> = vec![
-                known.name.as_str().into(),
-                known.cluster.as_str().into(),
+                description.name.as_str().into(),
+                description.cluster.as_str().into(),
                 name(*label).into(),
                 best,
             ];

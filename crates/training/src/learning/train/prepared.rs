@@ -110,8 +110,8 @@ impl<'a> Prepared<'a> {
         }
         let other_labels = classes.joined(&labels);
         let mut descriptions = view.descriptions().to_vec();
-        for (known, class) in descriptions.iter_mut().zip(&classes.labels) {
-            known.label.clone_from(&classes.names[*class]);
+        for (sample, class) in descriptions.iter_mut().zip(&classes.labels) {
+            sample.label.clone_from(&classes.names[*class]);
         }
         let single_cluster_classes = match settings.split_by {
             SplitBy::Cluster => labels_in_one_cluster(&descriptions),

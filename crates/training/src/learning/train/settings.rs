@@ -52,7 +52,7 @@ impl PartialEq for Source {
             Self::Set { .. } => None,
         };
         match (self, other) {
-            (Self::Set { digest: own, .. }, Self::Set { digest: other, .. }) => own == other,
+            (Self::Set { digest, .. }, Self::Set { digest: other, .. }) => digest == other,
             _ => control(self).is_some() && control(self) == control(other),
         }
     }

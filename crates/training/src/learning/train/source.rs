@@ -21,8 +21,8 @@ pub fn samples_of(source: &Source) -> Result<Box<dyn SampleSource>> {
             seed,
         } => Ok(Box::new(name.samples(*variant, *samples, *size, *seed))),
         Source::Set { path, digest } => {
-            let (found, set) = open_set(path)?;
-            match found {
+            let (stored_source, set) = open_set(path)?;
+            match stored_source {
                 Source::Set {
                     digest: present, ..
                 } if present == *digest => Ok(Box::new(set)),
@@ -52,14 +52,15 @@ pub fn open_set(path: &Path) -> Result<(Source, VoxelSet)> {
     let voxels: Vec<usize> = (0..reader.len())
         .map(|sample| reader.voxels(sample))
         .collect();
-    let known = (
+    let description = (
         reader.size(),
         reader.channels(),
         reader.attributes(),
         set.descriptions(),
         voxels,
     );
-    let digest = sha256_hex(&serde_json::to_vec(&known).context("the set cannot be described")?);
+    let digest =
+        sha256_hex(&serde_json::to_vec(&description).context("the set cannot be described")?);
     let path = path
         .canonicalize()
         .with_context(|| format!("cannot read {}", path.display()))?;

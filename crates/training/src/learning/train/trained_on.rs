@@ -37,16 +37,16 @@ impl TrainedOn {
     /// The samples of a training.
     pub fn of(prepared: &Prepared) -> Self {
         let part = |samples: &[usize]| {
-            let mut seen = Vec::with_capacity(samples.len());
+            let mut entries = Vec::with_capacity(samples.len());
             for sample in samples {
-                let known = &prepared.descriptions[*sample];
-                seen.push(Seen {
-                    name: known.name.clone(),
-                    cluster: known.cluster.clone(),
+                let description = &prepared.descriptions[*sample];
+                entries.push(Seen {
+                    name: description.name.clone(),
+                    cluster: description.cluster.clone(),
                     sha256: prepared.view.file_sha256(*sample).to_owned(),
                 });
             }
-            seen
+            entries
         };
         Self {
             training: part(&prepared.split.training),

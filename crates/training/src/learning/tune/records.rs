@@ -97,14 +97,14 @@ impl Records {
         let plan = settings.halving()?;
         let standing = plan.standing(|number, rung| self.of(&trials[number], rung))?;
         let trials_of = |numbers: Vec<(usize, Reached)>| {
-            let mut found = Vec::with_capacity(numbers.len());
+            let mut selected_trials = Vec::with_capacity(numbers.len());
             for (number, reached) in numbers {
-                found.push(Trial {
+                selected_trials.push(Trial {
                     reached,
                     ..trials[number].clone()
                 });
             }
-            found
+            selected_trials
         };
         Ok(Standing {
             running: trials_of(standing.running),
