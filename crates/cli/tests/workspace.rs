@@ -600,6 +600,17 @@ fn scripts_build_the_crate_with_the_binary() {
     assert!(builds > 2);
 }
 
+/// Files of the libraries, without their tests, benchmarks and examples.
+fn library_sources() -> Vec<PathBuf> {
+    let folders = rows()
+        .into_iter()
+        .flat_map(|row| ["src", "rust"].map(|name| row.folder.join(name)));
+    folders
+        .filter(|folder| folder.is_dir())
+        .flat_map(|folder| sources(&folder))
+        .collect()
+}
+
 /// First words of doc comments that do not say what they are about. Rustdoc and Python show each comment alone.
 const HEADLESS: &[&str] = &[
     "Also", "As", "Both", "How", "If", "It", "Its", "None", "Not", "Nothing", "Of", "So", "Such",
@@ -609,34 +620,83 @@ const HEADLESS: &[&str] = &[
 #[test]
 fn doc_comments_begin_with_a_noun_or_a_verb() {
     let mut headless = Vec::new();
-    for row in rows() {
-        let folders = ["src", "rust"].map(|name| row.folder.join(name));
-        for path in folders
-            .iter()
-            .filter(|folder| folder.is_dir())
-            .flat_map(|folder| sources(folder))
-        {
-            let text = std::fs::read_to_string(&path).unwrap();
-            let mut goes_on = false;
-            for (number, line) in text.lines().enumerate() {
-                let comment = line.trim_start().strip_prefix("///");
-                let first = comment.and_then(|words| words.split_whitespace().next());
-                let first = first.map(|word| word.trim_matches(['.', ',', ':', ';']));
-                if !goes_on && first.is_some_and(|word| HEADLESS.contains(&word)) {
-                    headless.push(format!(
-                        "{}:{}: {}",
-                        path.display(),
-                        number + 1,
-                        line.trim()
-                    ));
-                }
-                goes_on = comment.is_some();
+    for path in library_sources() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut goes_on = false;
+        for (number, line) in text.lines().enumerate() {
+            let comment = line.trim_start().strip_prefix("///");
+            let first = comment.and_then(|words| words.split_whitespace().next());
+            let first = first.map(|word| word.trim_matches(['.', ',', ':', ';']));
+            if !goes_on && first.is_some_and(|word| HEADLESS.contains(&word)) {
+                headless.push(format!(
+                    "{}:{}: {}",
+                    path.display(),
+                    number + 1,
+                    line.trim()
+                ));
             }
+            goes_on = comment.is_some();
         }
     }
     assert!(
         headless.is_empty(),
         "begin these comments with what they describe:\n{}",
         headless.join("\n")
+    );
+}
+
+/// Prepositions, adverbs and participles that say nothing of what a variable, a parameter or a field holds.
+const NOT_NOUNS: &[&str] = &[
+    "across", "along", "at", "by", "found", "here", "kept", "known", "left", "moved", "of", "own",
+    "rest", "seen", "there", "turned", "what",
+];
+/// Most such names in 1000 lines of code; keys of files and `left` next to `right` are among them.
+const MOST_PER_THOUSAND_LINES: f64 = 3.0;
+
+/// Number of such names that a line of code binds: after `let` and `for`, between bars, and before a colon.
+fn bindings_without_noun(line: &str) -> usize {
+    let is_separator = |character: char| !character.is_ascii_alphanumeric() && character != '_';
+    let (mut number, mut end) = (0, 0);
+    for piece in line.split_inclusive(is_separator) {
+        let word = piece.trim_end_matches(is_separator);
+        let before = &line[..end];
+        end += piece.len();
+        if !NOT_NOUNS.contains(&word) {
+            continue;
+        }
+        let after = &line[before.len() + word.len()..];
+        let is_in_closure = before.matches('|').count() % 2 == 1 && after.contains('|');
+        let is_declared = ["let ", "let mut ", "for "]
+            .iter()
+            .any(|keyword| before.ends_with(keyword));
+        let is_before_colon =
+            after.starts_with(": ") && (before.is_empty() || before.ends_with(['(', ' ']));
+        number += usize::from(is_in_closure || is_declared || is_before_colon);
+    }
+    number
+}
+
+#[test]
+fn bindings_are_named_by_what_they_hold() {
+    assert_eq!(bindings_without_noun("let at = rows.map(|of| of.left);"), 2);
+    assert_eq!(
+        bindings_without_noun("for (index, row) in rows_of(left) {"),
+        0
+    );
+    let (mut lines, mut number) = (0, 0);
+    for path in library_sources() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.lines().map(str::trim);
+        for line in code.filter(|line| !line.is_empty() && !line.starts_with("//")) {
+            // Text in quotation marks is for users.
+            let unquoted: String = line.split('"').step_by(2).collect();
+            lines += 1;
+            number += bindings_without_noun(&unquoted);
+        }
+    }
+    let per_thousand = 1000.0 * number as f64 / f64::from(lines);
+    assert!(
+        per_thousand < MOST_PER_THOUSAND_LINES,
+        "{per_thousand:.2} names of 1000 lines are prepositions, adverbs or participles; name what is held"
     );
 }
