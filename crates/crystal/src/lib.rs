@@ -15,6 +15,5 @@ mod error;
 pub mod framework;
 pub mod lattice;
 mod plane;
-mod random;
 
 pub use error::{CrystalError, Result};

@@ -18,7 +18,7 @@
 
 use crate::crystal::{Bond, Crystal};
 use crate::field::Field;
-use crate::symmetry::{Symmetry, normal};
+use crate::symmetry::Symmetry;
 use crate::system::{System, Trial};
 use protomer_kernel::Rotation;
 use protomer_kernel::random::CounterRng;
@@ -237,7 +237,7 @@ impl<const D: usize> EinsteinCrystal<'_, D> {
         for wanted in &self.crystal.rotations {
             let mut displacement = [0.0; D];
             for axis in 0..D {
-                displacement[axis] = width * normal(rng);
+                displacement[axis] = width * rng.normal();
                 mean[axis] += displacement[axis] / bodies as f64;
             }
             displacements.push(displacement);

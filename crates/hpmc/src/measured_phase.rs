@@ -16,7 +16,6 @@
 use crate::error::{Error, Result};
 use crate::jet::Jet;
 use crate::polynomial::{Measured, Polynomial};
-use crate::symmetry::normal;
 use protomer_kernel::random::CounterRng;
 
 /// Smallest number of packing fractions for a branch.
@@ -143,7 +142,7 @@ impl MeasuredPhase {
     /// The phase with values drawn within their errors.
     fn drawn(&self, rng: &mut CounterRng) -> Self {
         let mut draw = |estimate: Estimated| Estimated {
-            value: estimate.value + estimate.standard_error * normal(rng),
+            value: estimate.value + estimate.standard_error * rng.normal(),
             ..estimate
         };
         let states = self.states.iter().map(|state| State {

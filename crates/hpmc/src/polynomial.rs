@@ -174,14 +174,13 @@ impl Polynomial {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::symmetry::normal;
     use protomer_kernel::random::CounterRng;
 
     fn measured(rng: &mut CounterRng, standard_error: f64) -> Vec<Measured> {
         let x = (1..=12).map(|n| 0.05 * f64::from(n));
         x.map(|x| Measured {
             x,
-            value: 2.0 - x + 3.0 * x.powi(3) + standard_error * normal(rng),
+            value: 2.0 - x + 3.0 * x.powi(3) + standard_error * rng.normal(),
             standard_error,
         })
         .collect()

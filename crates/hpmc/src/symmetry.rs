@@ -158,7 +158,7 @@ impl Symmetry {
         loop {
             let mut sines = Vec3::zeros();
             for axis in if self.dimension == 2 { 2..3 } else { 0..3 } {
-                sines[axis] = width * normal(rng);
+                sines[axis] = width * rng.normal();
             }
             let squared = sines.norm_squared();
             let is_inside = squared < most;
@@ -169,12 +169,6 @@ impl Symmetry {
             }
         }
     }
-}
-
-/// A normal number of variance one (Box and Muller, Ann. Math. Stat. 29, 610 (1958)).
-pub(crate) fn normal(rng: &mut CounterRng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
-    radius * (2.0 * PI * rng.uniform()).cos()
 }
 
 fn vector<const D: usize>(coordinates: &[f64; D]) -> Vec3 {

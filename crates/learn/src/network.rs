@@ -10,7 +10,6 @@ use crate::operations::{global_average_pool, global_maximum_pool};
 use candle_core::{Device, Tensor, Var};
 use protomer_kernel::random::CounterRng;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Reduction of a grid to one or two numbers per channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -172,7 +171,7 @@ impl Network {
         let mut random = CounterRng::new(seed, 0, self.parameters.len() as u64);
         let mut values = vec![0.0; shape.iter().product()];
         for value in &mut values {
-            *value = (variance.sqrt() * normal(&mut random)) as f32;
+            *value = (variance.sqrt() * random.normal()) as f32;
         }
         self.add(name, shape, values)
     }
@@ -301,11 +300,4 @@ impl Network {
         }
         self.set_parameter("head.bias", &Tensor::new(log_prior, &self.device)?)
     }
-}
-
-/// A number of the standard normal distribution (Box and Muller, Ann. Math. Statist. 29 (1958),
-/// 610).
-fn normal(random: &mut CounterRng) -> f64 {
-    let radius = (-2.0 * (1.0 - random.uniform()).ln()).sqrt();
-    radius * (TAU * random.uniform()).cos()
 }

@@ -19,7 +19,6 @@ use crate::state::{Bodies, State};
 use crate::{Error, Result};
 use protomer_kernel::Vec3;
 use protomer_kernel::random::{CounterRng, Purpose};
-use std::f64::consts::TAU;
 
 /// Ensembles, with the bath that keeps the temperature, if any. Temperatures are kT in units of ε.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,17 +108,11 @@ pub(crate) fn noise_of(seed: u64, step: u64) -> CounterRng {
     CounterRng::for_purpose(seed, 0, step, Purpose::ContactBath)
 }
 
-/// A normal random number.
-pub(crate) fn normal(rng: &mut CounterRng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
-    radius * (TAU * rng.uniform()).cos()
-}
-
 /// A vector of normal random numbers; in a plane the third is zero.
 pub(crate) fn normal_vector(rng: &mut CounterRng, dimension: usize) -> Vec3 {
     let mut vector = Vec3::zeros();
     for axis in 0..dimension {
-        vector[axis] = normal(rng);
+        vector[axis] = rng.normal();
     }
     vector
 }
@@ -128,7 +121,7 @@ pub(crate) fn normal_vector(rng: &mut CounterRng, dimension: usize) -> Vec3 {
 pub(crate) fn normal_turns(rng: &mut CounterRng, turns: usize) -> Vec3 {
     match turns {
         0 => Vec3::zeros(),
-        1 => Vec3::new(0.0, 0.0, normal(rng)),
+        1 => Vec3::new(0.0, 0.0, rng.normal()),
         _ => normal_vector(rng, 3),
     }
 }
@@ -137,12 +130,12 @@ pub(crate) fn normal_turns(rng: &mut CounterRng, turns: usize) -> Vec3 {
 /// ACM Trans. Math. Softw. 26, 363 (2000)).
 fn sum_of_squares(rng: &mut CounterRng, count: usize) -> f64 {
     if count < 3 {
-        return (0..count).map(|_| normal(rng).powi(2)).sum();
+        return (0..count).map(|_| rng.normal().powi(2)).sum();
     }
     let d = 0.5 * count as f64 - 1.0 / 3.0;
     let c = 1.0 / (9.0 * d).sqrt();
     loop {
-        let x = normal(rng);
+        let x = rng.normal();
         let cube = (1.0 + c * x).powi(3);
         let u = 1.0 - rng.uniform();
         if cube > 0.0 && u.ln() < 0.5 * x * x + d - d * cube + d * cube.ln() {
@@ -166,7 +159,7 @@ pub(crate) fn rescale(
     }
     let decay = (-part).exp();
     let share = (1.0 - decay) * 0.5 * temperature / kinetic;
-    let first = normal(rng);
+    let first = rng.normal();
     let squares = first * first + sum_of_squares(rng, freedoms - 1);
     let factor = decay + share * squares + 2.0 * first * (decay * share).sqrt();
     let root = factor.sqrt();

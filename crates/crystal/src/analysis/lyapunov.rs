@@ -21,7 +21,6 @@
 
 use crate::error::{CrystalError, Result, require, require_positive};
 use crate::lattice::{Dynamics, Engine, Mover, Network, Projector, State};
-use crate::random::normal;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::{block_standard_error, summarize};
 use serde::{Deserialize, Serialize};
@@ -289,7 +288,7 @@ impl<'a, F: Flow, G: Flow> Neighbours<'a, F, G> {
         let mut rng = CounterRng::for_purpose(settings.seed, 0, 0, Purpose::LyapunovDirection);
         for numbers in [&mut neighbour.positions, &mut neighbour.velocities] {
             for (number, weight) in numbers.iter_mut().zip(&weights) {
-                *number += settings.separation * normal(&mut rng) / weight.sqrt();
+                *number += settings.separation * rng.normal() / weight.sqrt();
             }
         }
         neighbour_flow.project(&mut neighbour)?;

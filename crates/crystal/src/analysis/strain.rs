@@ -250,7 +250,6 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Edges, Square, State};
-    use crate::random::normal_pair;
     use protomer_kernel::random::CounterRng;
     use std::f64::consts::FRAC_PI_4;
 
@@ -350,7 +349,7 @@ mod tests {
         let rest = (1.0 - correlation * correlation).sqrt();
         let mut strains = Vec::with_capacity(samples);
         for _ in 0..samples {
-            let ([x, y], [dx, dy]) = (normal_pair(&mut rng), deviations);
+            let ([x, y], [dx, dy]) = (rng.normal_pair(), deviations);
             strains.push([dx * x, dy * (correlation * x + rest * y)]);
         }
         strains

@@ -16,7 +16,6 @@ use super::state::{State, angles, from_middle};
 use super::thermostat::Langevin;
 use crate::error::{CrystalError, Result, require_finite, require_not_negative, require_positive};
 use crate::plane::largest_magnitude;
-use crate::random::normal;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_4;
@@ -252,7 +251,7 @@ impl Start {
         let mut rng = CounterRng::for_purpose(self.seed, replica, 0, Purpose::LatticeAngles);
         let mut turns = vec![0.0; 3 * network.squares.len()];
         for turn in turns.chunks_exact_mut(3) {
-            turn[2] = self.angle_spread * normal(&mut rng);
+            turn[2] = self.angle_spread * rng.normal();
         }
         turns
     }
@@ -284,7 +283,7 @@ impl Start {
                     coherent_velocities(network, rate, state);
                 }
                 for velocity in state.velocities.chunks_exact_mut(3) {
-                    velocity[2] += spread * normal(&mut rng);
+                    velocity[2] += spread * rng.normal();
                 }
             }
         }

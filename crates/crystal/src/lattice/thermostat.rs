@@ -32,7 +32,6 @@
 use super::dynamics::Dynamics;
 use super::state::State;
 use crate::error::{Result, require_not_negative};
-use crate::random::normal_pair;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 
@@ -172,7 +171,7 @@ impl Langevin {
         {
             // Always four uniform numbers per square, so that its noise has a fixed place in the
             // stream.
-            let ([x, y], [angle, _]) = (normal_pair(&mut rng), normal_pair(&mut rng));
+            let ([x, y], [angle, _]) = (rng.normal_pair(), rng.normal_pair());
             let per_mass = amplitude / square.mass.sqrt();
             velocity[0] = decay * velocity[0] + per_mass * x;
             velocity[1] = decay * velocity[1] + per_mass * y;

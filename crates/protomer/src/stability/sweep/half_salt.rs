@@ -67,7 +67,7 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
     let mut drawn = Vec::with_capacity(CURVES as usize);
     for curve in 0..CURVES {
         let mut rng = CounterRng::for_purpose(seed, 0, curve, Purpose::Bootstrap);
-        let fraction = |point: &FractionAt| point.fraction + point.error * normal(&mut rng);
+        let fraction = |point: &FractionAt| point.fraction + point.error * rng.normal();
         let fractions: Vec<f64> = points.iter().map(fraction).collect();
         let uniform = rng.uniform();
         let anywhere = |part: f64, fall: f64| part + (uniform - part) * fall.min(1.0);
@@ -142,12 +142,6 @@ fn falling(values: &[f64]) -> Vec<f64> {
         .into_iter()
         .flat_map(|(mean, count)| std::iter::repeat_n(mean, count));
     values.collect()
-}
-
-/// A number from the normal distribution (Box and Muller).
-fn normal(rng: &mut CounterRng) -> f64 {
-    let radius = (-2.0 * (1.0 - rng.uniform()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * rng.uniform()).cos()
 }
 
 #[cfg(test)]
