@@ -144,7 +144,7 @@ pub fn build_body_of_selection(
     Draft::of_selection(name, source, selection, settings)?.build()
 }
 
-/// Makes a body from bare points that have charges and radii of their own. Points with a radius of
+/// Makes a body from bare points that have their own charges and radii. Points with a radius of
 /// zero carry charge only.
 ///
 /// ```
@@ -232,7 +232,7 @@ impl Draft {
         })
     }
 
-    /// Bare points that have charges and radii of their own. Atoms without a position and repeated
+    /// Bare points that have their own charges and radii. Atoms without a position and repeated
     /// atoms are left out, with a warning.
     ///
     /// # Errors
@@ -287,7 +287,7 @@ impl Draft {
         &self.name
     }
 
-    /// The sites, about an origin of their own.
+    /// The sites, about their own origin.
     pub fn sites(&self) -> &ChargedSites {
         &self.sites
     }

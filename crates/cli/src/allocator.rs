@@ -1,7 +1,7 @@
 //! How the memory allocator of the system treats memory that is freed.
 //!
 //! Structures come one after the other, and each needs grids of a few megabytes. glibc gives such memory
-//! back to the system every time it is freed, and the system clears it every time it is asked for: 8 % of
+//! back to the system every time it is freed, and the system clears it at every allocation: 8 % of
 //! the CPU time of `voxelize`.
 
 /// Keeps freed memory for the next structure, unless `GLIBC_TUNABLES` is set: then the user decides.
@@ -22,7 +22,7 @@ mod glibc {
 
     pub fn keep_freed_memory() {
         // SAFETY: mallopt only stores numbers in the allocator's settings, and refuses a value out of
-        // range. It must not run beside other threads: `main` calls this before there are any.
+        // range. It must not run while other threads do: `main` calls this before there are any.
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE_BLOCK_BYTES);
             libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT_BYTES);

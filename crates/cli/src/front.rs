@@ -152,7 +152,7 @@ fn listen_for_signals(interrupt: &Interrupt, notice: &'static str) -> Result<()>
         }
         note(&format!("{notice} (repeat to stop immediately)"));
         on_signal.request();
-        // The signal handler has a thread of its own, which must be free for a second signal.
+        // The signal handler has its own thread, which must be free for a second signal.
         let watched = on_signal.clone();
         std::thread::spawn(move || {
             let mut silence = Silence::from(Instant::now());

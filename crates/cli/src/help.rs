@@ -411,7 +411,7 @@ fn minus_is_no_flag(arg: Arg) -> Arg {
 }
 
 /// The error without the advice to write a value that starts with a minus behind `--`: that makes
-/// it an argument of its own.
+/// it a separate argument.
 pub fn without_double_dash(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::StyledStrs(tips)) = error.remove(ContextKind::Suggested) else {
         return error;

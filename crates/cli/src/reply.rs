@@ -183,6 +183,8 @@ impl Reply {
         for note in &self.notes {
             match note {
                 Note::Remark(line)
+                    // Others are remarks; each warning once,
+                    // as Python would show it again and again.
                     if line.starts_with("warning: ") && !warnings.contains(&&**line) =>
                 {
                     warnings.push(line.as_str());
@@ -203,9 +205,11 @@ impl Reply {
 
     /// Prints the reply and returns the exit code.
     pub(crate) fn print(self, flags: &Global) -> Result<u8> {
+        // Data before notes: whoever reads both in one terminal sees the answer first.
         if let Some(text) = self.printed(flags)? {
             let mut stdout = std::io::stdout().lock();
             writeln!(stdout, "{text}")?;
+            // Flushed here: an error of writing must become the exit code, not be lost at the end.
             stdout.flush()?;
         }
         for line in &self.notes {
@@ -216,6 +220,7 @@ impl Reply {
                 Note::Remark(_) | Note::Repeated(_) | Note::Summary(_) => {}
             }
         }
+        // After printing: an answer may be good although something failed besides.
         match self.failure {
             Some(error) => Err(error),
             None => Ok(match self.outcome {
@@ -230,6 +235,7 @@ impl Reply {
         if let (Some(answer), true) = (&self.answer, flags.json) {
             return Ok(Some(answer.json()?));
         }
+        // Quiet leaves out summaries, never data.
         if flags.quiet && !self.is_data {
             return Ok(None);
         }

@@ -1,4 +1,4 @@
-//! Lines for a person, beside the data on stdout.
+//! Lines for a person on stderr, next to the data on stdout.
 
 use protomer_kernel::name::{REPLACEMENT, is_forbidden, replaced};
 use std::io::Write;

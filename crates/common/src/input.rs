@@ -21,8 +21,10 @@ pub fn path_from(file: &Path, directory: &Path) -> Option<PathBuf> {
         .or_else(|_| std::path::absolute(directory))
         .ok()?;
     let both = file.components().zip(from.components());
+    // The folders that both share are left out; up from the rest, then down to the file.
     let common = both.take_while(|(a, b)| a == b).count();
     let up = from.components().skip(common).map(|_| Component::ParentDir);
+    // Nothing in common, as on two drives: no relative path exists.
     (common > 0).then(|| up.chain(file.components().skip(common)).collect())
 }
 
@@ -52,6 +54,7 @@ impl InputFile {
     /// Names the file and what is wrong with it.
     pub fn read(path: &Path) -> Result<Self> {
         let name = path.display().to_string();
+        // Hashed as stored: the digest is the one that `sha256sum` shows.
         let raw = stored_bytes(path)?;
         let sha256 = sha256_hex(&raw);
         let bytes = if raw.starts_with(&[0x1f, 0x8b]) {
@@ -83,6 +86,7 @@ fn stored_bytes(path: &Path) -> Result<Vec<u8>> {
     }
     let mut raw = Vec::new();
     protomer_io::input::open(path)
+        // One byte more than allowed tells a file that just fits from a larger one.
         .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
         .with_context(|| format!("cannot read {name}"))?;
     if raw.len() as u64 > LARGEST_INPUT_BYTES {

@@ -23,6 +23,7 @@ pub fn salt_molar(text: &str) -> Result<f64> {
     const UNITS: [(&str, i32); 5] = [("uM", -6), ("µM", -6), ("mM", -3), ("M", 0), ("", 0)];
     let salt = parse(text, "a salt concentration", &UNITS, "100mM or 0.1M")?;
     let number = text.trim();
+    // Every unit of concentration ends in M.
     if salt != 0.0 && !number.ends_with('M') {
         // A number below one is likely meant in mol/L.
         let unit = if salt < 1.0 { "M" } else { "mM" };
@@ -88,6 +89,7 @@ pub fn temperature_kelvin(text: &str) -> Result<f64> {
 pub fn memory_bytes(text: &str) -> Result<u64> {
     const UNITS: [(&str, i32); 5] = [("TB", 12), ("GB", 9), ("MB", 6), ("kB", 3), ("", 0)];
     let bytes = parse(text, "an amount of memory", &UNITS, "500MB or 2GB")?;
+    // f64 holds whole numbers exactly to 9·10¹⁵ only, but no machine has an exabyte.
     if !(0.0..1e18).contains(&bytes) {
         bail!(
             "the amount of memory '{text}' is not a positive number of bytes; give zero or more, such as 2GB"
@@ -141,8 +143,10 @@ fn salt_range(item: &str, first: &str, remainder: &str) -> Result<Vec<f64>> {
     }
     let fraction = |i: usize| i as f64 / (count - 1) as f64;
     let value = |i: usize| match i {
+        // The ends as they were written: powers and products would change their last digit.
         0 => low,
         i if i == count - 1 => high,
+        // From zero the steps are even; a logarithmic axis has no zero.
         i if low == 0.0 => round_to_micromolar(high * fraction(i)),
         i => round_to_micromolar(low * (high / low).powf(fraction(i))),
     };
@@ -162,6 +166,7 @@ fn round_to_micromolar(salt_molar: f64) -> f64 {
 /// exact, so dividing by them keeps 150mM exactly 0.15.
 fn parse(text: &str, quantity: &str, units: &[(&str, i32)], example: &str) -> Result<f64> {
     let text = text.trim();
+    // Longer suffixes first, or `mM` would be read as a number `100m` with the unit M.
     for (suffix, power) in units {
         let Some(number) = text.strip_suffix(suffix) else {
             continue;
@@ -169,6 +174,7 @@ fn parse(text: &str, quantity: &str, units: &[(&str, i32)], example: &str) -> Re
         if let Ok(value) = number.trim().parse::<f64>()
             && value.is_finite()
         {
+            // Dividing by 1000 rounds once; multiplying by 0.001 would round twice.
             return Ok(if *power < 0 {
                 value / 10f64.powi(-power)
             } else {

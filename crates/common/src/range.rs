@@ -108,6 +108,7 @@ impl Range {
 
     /// Whether a number is in the range.
     pub fn holds(&self, value: f64) -> bool {
+        // NaN is in no range.
         (self.least..=self.most).contains(&value) || self.has_zero && value == 0.0
     }
 
@@ -130,6 +131,7 @@ impl Range {
     /// assert_eq!(read("nan").unwrap_err().to_string(), "give 0 to 1");
     /// ```
     pub fn number(self) -> impl Fn(&str) -> Result<f64> + Clone + Send + Sync + 'static {
+        // Blanks around a number come with quoted flags.
         self.read(|text| match text.trim().parse() {
             Ok(value) => Ok(value),
             Err(_) => bail!("write a number"),
@@ -217,6 +219,7 @@ impl Count {
         self,
     ) -> impl Fn(&str) -> Result<T> + Clone + Send + Sync + 'static {
         move |text| {
+            // As 64 bits first: the range decides, not the type that is asked for.
             let value = text.trim().parse().ok();
             let value = value.filter(|value| (self.least..=self.most).contains(value));
             match value.map(T::try_from) {
@@ -243,6 +246,8 @@ struct Plain(f64);
 impl fmt::Display for Plain {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = format!("{:?}", self.0);
+        // `{:?}` gives the shortest form that reads back,
+        // exponent included, and `.0` for whole numbers.
         formatter.write_str(text.strip_suffix(".0").unwrap_or(&text))
     }
 }

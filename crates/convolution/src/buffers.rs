@@ -31,7 +31,9 @@ impl Buffer {
 
 /// The smallest waiting buffer that is large enough, else the largest.
 fn take_waiting(length: usize) -> Option<Vec<f32>> {
+    // A panic elsewhere leaves the list usable: it holds only memory.
     let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);
+    // The tightest fit first; without any, the largest, which grows least when it is enlarged.
     let best = (0..waiting.len()).min_by_key(|i| {
         let capacity = waiting[*i].capacity();
         if capacity >= length {
@@ -46,6 +48,8 @@ fn take_waiting(length: usize) -> Option<Vec<f32>> {
 impl Drop for Buffer {
     fn drop(&mut self) {
         let mut waiting = WAITING.lock().unwrap_or_else(PoisonError::into_inner);
+        // Beyond this number memory goes back to the system,
+        // so an odd shape does not hold it for ever.
         if waiting.len() < KEPT && self.0.capacity() > 0 {
             waiting.push(std::mem::take(&mut self.0));
         }

@@ -77,10 +77,12 @@ impl DenseWeights<'_> {
         for z in 0..depth {
             for o in 0..geometry.outputs {
                 let from = &gradient[o * depth * plane + z * plane..][..plane];
+                // Channels next to each other, voxel by voxel, as vectors across outputs want them.
                 for (to, from) in scratch[o..].iter_mut().step_by(stride).zip(from) {
                     *to = *from;
                 }
             }
+            // Tap row by tap row: the plane of gradients stays in the cache for all k² of them.
             for row in 0..K * K {
                 // SAFETY: lengths are checked above.
                 unsafe { add_tap_row::<S, K>(geometry, input, z, row, scratch, weights) };
@@ -175,6 +177,7 @@ unsafe fn tile<S: Lanes, const J: usize, const V: usize, const K: usize>(
     let (plane, stride) = (geometry.padded_voxels(), geometry.padded_outputs());
     // SAFETY: the caller's promise.
     unsafe {
+        // Sums over a whole plane in registers; weights are touched once per tile and plane.
         let mut sums: Sums<S, J, V, K> = [[[S::zero(); V]; K]; J];
         for y in 0..height {
             let number = first / padded_width + y;

@@ -85,6 +85,7 @@ impl Forward<'_> {
             && self.bias.is_none_or(|bias| bias.len() == outputs);
         assert!(sound, "buffers do not fit a convolution of {geometry:?}");
         let (rows, tail) = self.scratch.split_at_mut(4 * geometry.edges[2] * stride);
+        // Biases padded with zeros, so that whole vectors may be added.
         let shift = &mut tail[..stride];
         shift.fill(0.0);
         if let Some(bias) = self.bias {
@@ -95,6 +96,7 @@ impl Forward<'_> {
             input: self.input,
             weights: self.weights,
         };
+        // Taken before `finish` is moved.
         let relu = matches!(self.finish, Finish::Relu(_));
         // SAFETY: lengths are checked above.
         unsafe {
@@ -117,7 +119,7 @@ struct Rows<'a> {
 }
 
 impl Rows<'_> {
-    /// All rows, with the bias added and the ReLU taken if asked for.
+    /// All rows, with the bias added and the ReLU taken if requested.
     ///
     /// # Safety
     /// As for [`Rows::convolve`]; `scratch` holds a row or more.
@@ -135,6 +137,7 @@ impl Rows<'_> {
         for row in 0..depth * height {
             // SAFETY: the caller's promise.
             unsafe { self.convolve::<S, K>(row / height, row % height, scratch) };
+            // Out of the vectors across channels into rows of each channel.
             for (o, shift) in shift.iter().enumerate().take(self.geometry.outputs) {
                 let to = &mut out[(o * depth * height + row) * width..][..width];
                 for (to, from) in to.iter_mut().zip(scratch[o..].iter().step_by(stride)) {
@@ -160,14 +163,18 @@ impl Rows<'_> {
         let (outputs, stride) = (self.geometry.outputs, self.geometry.padded_outputs());
         let length = self.geometry.edges[2] * stride;
         let [depth, height, width] = self.geometry.edges.map(|edge| edge / 2);
+        // Corners for all channels, in the order of the row; sorted by channel afterwards.
         let mut chosen = vec![0u8; width * stride];
         for row in 0..depth * height {
             let (z, y) = (2 * (row / height), 2 * (row % height));
             let mut any = false;
+            // The four rows of outputs that a row of windows
+            // covers, in scratch that stays in the cache.
             for (corner, to) in scratch.chunks_exact_mut(length).enumerate() {
                 // SAFETY: the caller's promise.
                 any |= unsafe { self.convolve::<S, K>(z + corner / 2, y + corner % 2, to) };
             }
+            // Rows without any input are left to the bias.
             if any {
                 pool_rows(scratch, length, stride, shift, &mut chosen);
             }
@@ -212,10 +219,13 @@ fn pool_rows(rows: &mut [f32], length: usize, stride: usize, shift: &[f32], code
             let mut best = lanes_at(rows, first);
             let mut code = [0u32; LANES];
             for corner in 1..8 {
+                // Corner = 4 z + 2 y + x: z and y choose one of four rows, x the voxel.
                 let place = corner / 2 * length + first + corner % 2 * stride;
                 let value = lanes_at(rows, place);
                 for i in 0..LANES {
                     // NaN wins, and then loses to nothing.
+                    // Strictly better, so the first of equals
+                    // wins; NaN beats numbers once and stays.
                     let better = (value[i] > best[i]) | value[i].is_nan();
                     best[i] = if better { value[i] } else { best[i] };
                     code[i] = if better { corner as u32 } else { code[i] };
@@ -228,6 +238,8 @@ fn pool_rows(rows: &mut [f32], length: usize, stride: usize, shift: &[f32], code
                 best[i] = positive(value);
             }
             let to = w * stride + block * LANES;
+            // The results overwrite the front of the first
+            // row, of which later windows need nothing.
             rows[to..to + LANES].copy_from_slice(&best);
         }
     }
@@ -266,14 +278,17 @@ impl Rows<'_> {
         if let Some(occupied) = &self.input.occupied {
             let [_, _, width] = self.geometry.edges;
             let [_, _, padded_width] = self.geometry.padded_edges();
+            // An upper limit: several voxels may share a bit.
             let mut count = 0;
             for tap in taps {
                 count += occupied.count(tap.input / padded_width);
             }
+            // Nothing to sum: the row is zeros.
             if count == 0 {
                 out.fill(0.0);
                 return false;
             }
+            // Few voxels: their products are added one by one, which skips the zeros.
             if SCATTER_BELOW * count < K * K * width {
                 // SAFETY: the caller's promise.
                 unsafe { self.scatter::<S, K>(taps, occupied, out) };
@@ -293,6 +308,8 @@ impl Rows<'_> {
         let mut taps = [TapRow::default(); 25];
         for (row, tap) in taps.iter_mut().enumerate().take(K * K) {
             *tap = TapRow {
+                // Input and weights of a tap row, for the first
+                // channel; others follow at fixed strides.
                 input: (z * height + y) * width + self.geometry.tap_row_offset(row),
                 weights: row * K * self.geometry.padded_outputs(),
             };
@@ -317,6 +334,7 @@ impl Rows<'_> {
         let [_, _, padded_width] = geometry.padded_edges();
         let stride = geometry.padded_outputs();
         let vectors = stride / S::WIDTH;
+        // At most 25 rows of taps; those that see only zeros are left out for this tile.
         let mut active = [TapRow::default(); 25];
         let mut vector = 0;
         macro_rules! sweep {
@@ -356,6 +374,7 @@ impl Rows<'_> {
         }
         while vector < vectors {
             let remaining_vectors = vectors - vector;
+            // Wide tiles first; what is left of a row takes smaller ones.
             if S::MANY && remaining_vectors >= 4 && width < 8 {
                 sweep!(4: 4 2 1);
             } else if S::MANY && remaining_vectors >= 2 {
@@ -386,6 +405,7 @@ impl Rows<'_> {
         out.fill(0.0);
         for tap in taps {
             for column in occupied.of_row(tap.input / padded_width, padded_width) {
+                // Voxel `column` is seen by output x through tap k if x + k = column.
                 for k in 0..K.min(column + 1) {
                     let x = column - k;
                     if x < width {
@@ -464,11 +484,13 @@ unsafe fn tile<S: Lanes, const P: usize, const V: usize, const K: usize>(
 ) {
     // SAFETY: the caller's promise.
     unsafe {
+        // P V sums in registers, P + V loads per step for P V multiply-adds.
         let mut sums = [[S::zero(); V]; P];
         for channel in 0..channels {
             let input = input.add(channel * plane);
             let weights = weights.add(channel * K * K * K * stride);
             for tap in taps {
+                // Channels outside, taps, then the step along the row: weights are read in order.
                 let input = input.add(tap.input);
                 let weights = weights.add(tap.weights);
                 for k in 0..K {

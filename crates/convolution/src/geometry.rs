@@ -105,6 +105,7 @@ impl Geometry {
 
     /// The weights (O, C, taps) as (C, taps, padded O), zeros behind the last output.
     pub fn pack(&self, weights: &[f32]) -> Vec<f32> {
+        // (O, C k³) to (C k³, O): outputs become the innermost index, where vectors lie.
         let (rows, stride) = (self.channels * self.taps(), self.padded_outputs());
         let mut packed = vec![0.0; rows * stride];
         for (output, row) in weights.chunks_exact(rows).enumerate().take(self.outputs) {
@@ -122,6 +123,8 @@ impl Geometry {
         for (i, kernel) in weights.chunks_exact(taps).enumerate() {
             let (output, channel) = (i / self.channels, i % self.channels);
             for (tap, value) in kernel.iter().enumerate() {
+                // The kernel turned round: tap t becomes k³ -
+                // 1 - t, outputs and channels change places.
                 packed[(output * taps + taps - 1 - tap) * stride + channel] = *value;
             }
         }

@@ -250,7 +250,7 @@ impl Level {
                 Self::Portable => {}
             }
         }
-        // SAFETY: the portable kernels need no instructions of their own.
+        // SAFETY: the portable kernels need no special instructions.
         unsafe { work.run::<Portable>() }
     }
 }

@@ -24,8 +24,10 @@ pub struct Occupied {
 impl Occupied {
     fn of(geometry: &Geometry, numbers: &[f32]) -> Self {
         let [depth, height, width] = geometry.padded_edges();
+        // One bit stands for so many voxels that a row fits into 128.
         let grain = width.div_ceil(u128::BITS as usize);
         let mut rows = vec![0; depth * height];
+        // Rows of all channels; masks of the same row are united.
         for (i, row) in numbers.chunks_exact(width).enumerate() {
             let mask = &mut rows[i % (depth * height)];
             for (block, part) in row.chunks(LANES * grain).enumerate() {
@@ -42,6 +44,7 @@ impl Occupied {
         let bits = std::iter::from_fn(move || {
             (bits != 0).then(|| {
                 let first = bits.trailing_zeros() as usize;
+                // Clears the lowest bit.
                 bits &= bits - 1;
                 first
             })
@@ -59,6 +62,7 @@ impl Occupied {
     #[inline(always)]
     pub fn any(&self, row: usize, first: usize, count: usize) -> bool {
         let (low, high) = (first / self.grain, (first + count - 1) / self.grain);
+        // Bits up to `high`; a shift by 128 would overflow, hence the bound.
         let upto_high = u128::MAX >> (u128::BITS as usize - 1 - high.min(u128::BITS as usize - 1));
         self.mask(row) & upto_high & (u128::MAX << low) != 0
     }
@@ -78,12 +82,14 @@ impl Occupied {
         let (padded_height, kernel) = (geometry.padded_edges()[1], geometry.kernel);
         let mut masks = Vec::with_capacity(depth * height);
         for row in 0..depth * height {
+            // The first tap row of this row of outputs in the padded grid.
             let first = row / height * padded_height + row % height;
             let mut below = 0;
             for tap in 0..kernel * kernel {
                 below |= self.mask(first + tap / kernel * padded_height + tap % kernel);
             }
             let mut sees = 0;
+            // Output x sees columns x to x + k - 1: shifted masks, united.
             for k in 0..kernel {
                 sees |= below >> k;
             }
@@ -99,6 +105,7 @@ fn bits(part: &[f32], grain: usize) -> u32 {
     // Mostly there is nothing; the sign of a zero does not count.
     let mut any = 0;
     for value in part {
+        // Shifting left drops the sign bit, so -0 counts as nothing.
         any |= value.to_bits() << 1;
     }
     if any == 0 {
@@ -132,6 +139,7 @@ impl Padded {
             let source = if inside { rows.next() } else { None };
             match source {
                 Some(source) => {
+                    // Stale memory: every number is written here, so it need not be cleared first.
                     row[..radius].fill(0.0);
                     row[radius..radius + width].copy_from_slice(source);
                     row[radius + width..].fill(0.0);
@@ -150,6 +158,7 @@ fn is_sparse(sample: &[f32], share: f64) -> bool {
     let most = (share * sample.len() as f64) as usize;
     let mut filled = 0;
     sample.chunks(PART).all(|part| {
+        // Ends with the first part that makes it too full.
         filled += count_nonzero(part);
         filled <= most
     })
@@ -211,6 +220,7 @@ fn copy_occupied(
 ) {
     let (radius, width, channels) = (geometry.radius(), geometry.edges[2], geometry.channels);
     let padded_width = geometry.padded_edges()[2];
+    // `first` is where the padded row begins; x counts from there.
     let first = first_of_row(geometry, row) - radius;
     for x in occupied.of_row(first / padded_width, padded_width) {
         if !(radius..radius + width).contains(&x) {

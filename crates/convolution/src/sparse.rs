@@ -44,14 +44,17 @@ impl Entries {
     ) -> Self {
         let [depth, height, width] = geometry.edges.map(|edge| edge / 2);
         let [_, padded_height, padded_width] = geometry.padded_edges();
+        // Offsets of the eight corners of a window: 4 z + 2 y + x, as in the codes.
         let corners: [u32; 8] =
             array::from_fn(|i| ((i / 4 * padded_height + i / 2 % 2) * padded_width + i % 2) as u32);
         let mut entries = Lister::new(geometry, depth * height, gradient.len());
         let rows = gradient.chunks_exact(width).zip(codes.chunks_exact(width));
         for (i, (gradient, codes)) in rows.enumerate() {
             entries.begin_row();
+            // Rows of pooled outputs: channel, plane, row; windows begin at even places.
             let (z, y) = (2 * (i % (depth * height) / height), 2 * (i % height));
             let below = masks.map(|masks| rows_below(geometry, masks, z, y));
+            // No output of these rows sees anything: their gradients change no weight.
             if below == Some([0; 4]) {
                 continue;
             }
@@ -61,6 +64,7 @@ impl Entries {
                     continue;
                 }
                 let voxel = first + 2 * x as u32 + corners[usize::from(code & 7)];
+                // `&`, not `&&`: both are computed, and no branch is mispredicted.
                 entries.push_if((*code != DEAD) & (*value != 0.0), voxel, *value);
             }
         }
@@ -90,6 +94,8 @@ impl Entries {
         for (output, gradient) in gradient.chunks_exact_mut(geometry.voxels()).enumerate() {
             for entry in self.of_output(output) {
                 let voxel = entry.voxel as usize;
+                // From the padded voxel of the first tap to
+                // the output: both count from the same corner.
                 let (z, y) = (
                     voxel / padded_width / padded_height,
                     voxel / padded_width % padded_height,
@@ -114,6 +120,7 @@ impl Entries {
     fn of_rows(&self, first: usize, end: usize) -> &[Entry] {
         match (self.starts.get(first), self.starts.get(end)) {
             (Some(first), Some(end)) => self.list.get(*first..*end).unwrap_or_default(),
+            // A row that was never begun has no entries.
             _ => &[],
         }
     }
@@ -125,6 +132,7 @@ impl Entries {
 fn rows_below(geometry: &Geometry, masks: &[u128], z: usize, y: usize) -> [u128; 4] {
     array::from_fn(|i| {
         let row = (z + i / 2) * geometry.edges[1] + y + i % 2;
+        // Without a mask, everything counts as seen.
         masks.get(row).copied().unwrap_or(u128::MAX)
     })
 }
@@ -147,6 +155,7 @@ impl Lister {
     fn new(geometry: &Geometry, rows: usize, most: usize) -> Self {
         Self {
             entries: Entries {
+                // One more than can count: the last entry that does not count is written, too.
                 list: vec![Entry::default(); most + 1],
                 starts: Vec::with_capacity(geometry.outputs * rows + 1),
                 rows,
@@ -206,6 +215,7 @@ fn each_weight(geometry: &Geometry, mut pair: impl FnMut(usize, usize)) {
     for output in 0..geometry.outputs {
         for channel in 0..channels {
             for tap in 0..taps {
+                // Tap row of the weights: k taps along the width lie together, channel by channel.
                 let run = (output * kernel * kernel + tap / kernel) * run_length(geometry);
                 pair(
                     (output * channels + channel) * taps + tap,
@@ -246,6 +256,7 @@ pub struct SparseInput<'a> {
 fn fits(geometry: &Geometry, input: usize, entries: &Entries, weights: usize) -> bool {
     let [depth, height, width] = geometry.edges;
     let [_, padded_height, padded_width] = geometry.padded_edges();
+    // The voxel of the last output; larger ones would lead runs out of the grid.
     let last = ((depth - 1) * padded_height + height - 1) * padded_width + width - 1;
     input == channel_last_length(geometry)
         && weights == weights_length(geometry)
@@ -309,6 +320,7 @@ impl Work for SparseWeights<'_> {
                     }
                 };
             }
+            // As many sums as there are registers, less those for the value and a load.
             match (S::MANY, kernel, vectors) {
                 (true, 3, 1..=3) => sweep!(9: 3 2 1),
                 (true, 3, _) => sweep!(3: 8 6 3 2 1),
@@ -342,6 +354,7 @@ unsafe fn gather<S: Lanes, const R: usize, const V: usize>(
     }
     // SAFETY: the caller's promise.
     unsafe {
+        // Sums stay in registers over all entries; weights are written once at the end.
         let mut sums = [[S::zero(); V]; R];
         for entry in list {
             let value = S::splat(&raw const entry.value);
@@ -386,6 +399,7 @@ impl Work for SparseInput<'_> {
             fits(geometry, input.len(), entries, weights.len()),
             "buffers do not fit a convolution of {geometry:?}"
         );
+        // 25 rows at most, for a kernel of edge five.
         let mut offsets = [0; 25];
         for (row, offset) in offsets.iter_mut().enumerate().take(geometry.tap_rows()) {
             *offset = geometry.tap_row_offset(row) * geometry.channels;
@@ -425,6 +439,7 @@ unsafe fn spread<S: Lanes>(
     // SAFETY: the caller's promise.
     unsafe {
         let value = S::splat(&raw const entry.value);
+        // Runs of weights and of the input have the same order, so vectors match.
         for (i, offset) in offsets.iter().enumerate() {
             let to = to.as_mut_ptr().add(*offset);
             let from = weights.as_ptr().add(i * length);

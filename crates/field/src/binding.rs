@@ -163,6 +163,7 @@ impl BoundPair<'_> {
         };
         let complex = [self.parts[0], self.parts[1]].concat();
         let settings = self.settings_of_grids(electrolytes);
+        // Both grids around the complex: parts are solved on its points, so that errors cancel.
         let grids = [
             grid_around(&complex, &settings[0])?,
             grid_around(&complex, &settings[1])?,
@@ -184,6 +185,7 @@ impl BoundPair<'_> {
             solve(self.parts[0], &|added| added.part == 0)?,
             solve(self.parts[1], &|added| added.part != 0)?,
         ];
+        // The same in all electrolytes, as the inner permittivity has no salt.
         let coulomb_kt = self.coulomb_kt(&dielectric);
         let energies = |grid: usize, salt: usize| {
             let [first, second] = of_parts.each_ref().map(|part| part.energies_kt[salt][grid]);
@@ -206,6 +208,7 @@ impl BoundPair<'_> {
     fn settings_of_grids(&self, electrolytes: &[Electrolyte]) -> [SolveSettings; 2] {
         let lengths = electrolytes.iter().map(Electrolyte::debye_length_angstrom);
         let [least, most] = FURTHER_ANGSTROM;
+        // Wide enough that the potential on the coarse faces has decayed even at the lowest salt.
         let further = (DEBYE_LENGTHS * lengths.fold(0.0, f64::max)).clamp(least, most);
         let fine = *self.settings;
         let coarse = SolveSettings {
@@ -234,6 +237,8 @@ impl BoundPair<'_> {
         parts: &[Solved; 2],
         dielectric: &DielectricModel,
     ) -> Vec<ChargeResponse> {
+        // Added charges of each part are solved in their
+        // order; a counter per part finds them again.
         let mut next_in_part = [0; 2];
         let mut responses = Vec::with_capacity(added.len());
         for (of_complex, added) in complex.added.iter().zip(added) {
@@ -266,6 +271,7 @@ fn coulomb_at(place: &Vec3, charges: &[ChargedSphere], dielectric: &DielectricMo
 /// Extrapolates the energies on the coarse and on the fine grid in each electrolyte, kT, given the
 /// ratio of the spacings.
 fn extrapolated(on_grids: &[[f64; 2]], ratio: f64) -> Vec<BindingEnergyAtSalt> {
+    // Richardson for an error in h²: 1/(s² - 1).
     let per_difference = 1.0 / (ratio * ratio - 1.0);
     let first = on_grids.first().copied().unwrap_or_default();
     let at_salt = |[coarse, fine]: &[f64; 2]| {
@@ -273,6 +279,8 @@ fn extrapolated(on_grids: &[[f64; 2]], ratio: f64) -> Vec<BindingEnergyAtSalt> {
         let correction = (effects[1] - effects[0]) * per_difference;
         let salt_effect_kt = effects[1] + correction;
         BindingEnergyAtSalt {
+            // The energy itself is not extrapolated: how the
+            // grid cuts the surface does not fall smoothly.
             energy_kt: first[1] + salt_effect_kt,
             error_kt: ((fine - coarse) * per_difference).abs(),
             salt_effect_kt,
@@ -323,6 +331,7 @@ impl Work<'_> {
         let mut in_reaction_kt = Vec::new();
         for electrolyte in self.electrolytes {
             let [coarse, fine] = charged.solve(electrolyte, self.settings)?;
+            // In the first electrolyte only, to which the responses refer.
             if energies_kt.is_empty() {
                 in_reaction_kt = added
                     .iter()
@@ -332,12 +341,14 @@ impl Work<'_> {
             energies_kt.push([coarse, fine].map(|potential| potential.solvation_energy_kt));
             solved()?;
         }
+        // Its sources are as large as the grid; they go before those of the added charges are made.
         drop(charged);
         let mut added_energies = Vec::with_capacity(added.len());
         for (addition, in_reaction_kt) in added.iter().zip(in_reaction_kt) {
             let alone = OnGrids::new(&solutes, &addition.charges)?;
             let [_, fine] = alone.solve(&self.dielectric.electrolyte, self.settings)?;
             added_energies.push(AddedInSolute {
+                // The mean of both directions, which the energy of all charges would hold.
                 mutual_kt: 0.5 * (in_reaction_kt + in_reaction(self.spheres, &fine)),
                 own_kt: fine.solvation_energy_kt,
             });
@@ -454,7 +465,7 @@ mod tests {
         }
     }
 
-    /// The slow twin: everything anew with the changed charges.
+    /// The slow twin: everything computed again with the changed charges.
     #[test]
     fn the_response_to_added_charges_is_that_of_solving_again() {
         let salts = [water(0.1)];

@@ -66,6 +66,7 @@ impl Superposition {
         let bjerrum = dielectric.electrolyte.bjerrum_length_angstrom();
         let mut sources = Vec::new();
         for sphere in spheres {
+            // A sphere without charge has no potential, only a volume, which this sum ignores.
             if sphere.charge_e != 0.0 {
                 let b = reach(sphere) + dielectric.ion_radius_angstrom;
                 sources.push(Source {
@@ -85,6 +86,7 @@ impl Superposition {
     /// The sum at the places of a box between two corners, with far atoms in clusters and the error
     /// of `charge_tree`.
     pub(crate) fn seen_from(&self, low: &Vec3, high: &Vec3) -> ScreenedSum {
+        // The finer clusters: potentials on faces are small because many charges cancel.
         let sources = self.tree.seen_from(low, high, FARTHER);
         ScreenedSum::new(&sources, 0.5 * (low + high), self.kappa)
     }
@@ -94,6 +96,7 @@ impl Superposition {
     pub(crate) fn distance_from_plane(&self, axis: usize, place: f64) -> f64 {
         let places = self.tree.sources().iter().map(|source| &source.place);
         let (low, high) = bounds(places);
+        // Charges on both sides make both terms negative: the nearest may be in the plane itself.
         (low[axis] - place).max(place - high[axis]).max(0.0)
     }
 

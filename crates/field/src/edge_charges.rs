@@ -95,6 +95,7 @@ impl EdgeCharges {
     fn at_any(&self, edge: &EdgePlace) -> AtEdge {
         let length = edge.length as f32;
         let [exact, near] = [EXACT_IN_EDGES as f32, NEAR_IN_EDGES as f32];
+        // Squared, as distances are compared without their roots.
         let [exact, near] = [exact, near].map(|edges| (edges * length).powi(2));
         let middle = edge.middle - self.origin;
         let axes @ [third, first, second] = edge.axes();
@@ -103,6 +104,7 @@ impl EdgeCharges {
         let mut of_near = AtEdge::default();
         for (number, group) in self.groups.iter().enumerate() {
             let [z, x, y] = [third, first, second].map(|axis| &group.places[axis]);
+            // Offsets and squares of a group are found once and used by all three ways of summing.
             let mut offsets = [[0.0; LANES]; 3];
             let mut squares = [0.0; LANES];
             let (mut exact_lanes, mut near_lanes) = (0, 0);
@@ -115,9 +117,11 @@ impl EdgeCharges {
                 let square = dx * dx + dy * dy + dz * dz;
                 [offsets[0][lane], offsets[1][lane], offsets[2][lane]] = [dz, dx, dy];
                 squares[lane] = square;
+                // Counted without a branch; the rarer ways run only if a lane needs them.
                 exact_lanes += i32::from(square <= exact);
                 near_lanes += i32::from(square <= near);
             }
+            // Always, as nearly all charges are far.
             group.add_far(&offsets, &squares, exact, &mut of_far);
             if exact_lanes > 0 {
                 group.add_exact(&offsets, &squares, near..exact, edge, &mut of_exact);
@@ -157,11 +161,14 @@ impl Group {
         sums: &mut [[f32; LANES]; 5],
     ) {
         for lane in 0..LANES {
+            // A lane that is not far gets no strength and a
+            // harmless distance: no branch, no division by zero.
             let is_far = squares[lane] > exact;
             let strength = if is_far { self.strength[lane] } else { 0.0 };
             let inverse = 1.0 / if is_far { squares[lane] } else { exact };
             let value = strength * inverse.sqrt();
             // The derivatives of 1/r along z, with c = z/r: Legendre polynomials.
+            // d^n (1/r)/dz^n = (-1)^n n! P_n(c)/r^{n+1}: P_1 to P_4 follow.
             let (slope, second) = (dz[lane] * inverse, dz[lane] * dz[lane] * inverse);
             let per_square = value * inverse;
             sums[0][lane] += value;
@@ -185,6 +192,7 @@ impl Group {
     ) {
         let (offset, length) = (edge.offset as f32, edge.length as f32);
         for lane in 0..LANES {
+            // `&`, not `&&`: the compiler keeps it free of branches.
             let is_between = (squares[lane] > between.start) & (squares[lane] <= between.end);
             let strength = if is_between { self.strength[lane] } else { 0.0 };
             let square = if is_between {
@@ -192,6 +200,7 @@ impl Group {
             } else {
                 between.end
             };
+            // Potential and slope at the place itself; the flux is that through the middle.
             let axial_offset = dz[lane] + offset;
             let radial_square = dx[lane] * dx[lane] + dy[lane] * dy[lane];
             let to_place = radial_square + axial_offset * axial_offset;
@@ -231,6 +240,7 @@ impl EdgePlace {
         let [value, slope, second, third, fourth] = derivatives;
         let (d, h) = (self.offset, self.length);
         AtEdge {
+            // Taylor's series by Horner's rule.
             value: value + d * (slope + d / 2.0 * (second + d / 3.0 * (third + d / 4.0 * fourth))),
             slope: slope + d * (second + d / 2.0 * (third + d / 3.0 * fourth)),
             flux: -h * h * (slope - h * h / 24.0 * third),
@@ -244,6 +254,7 @@ impl EdgePlace {
         let radial_square = x * x + y * y;
         let (distance, axial_offset) = ((radial_square + z * z).sqrt(), z + self.offset);
         let to_place = (radial_square + axial_offset * axial_offset).sqrt();
+        // A place at a charge has the potential at its least distance.
         let inverse = 1.0 / to_place.max(source.least_distance_angstrom);
         sum.value += source.strength * inverse;
         sum.slope -= source.strength * axial_offset * inverse.powi(3);
@@ -261,6 +272,7 @@ impl EdgePlace {
 /// numbers.
 fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
     let half = 0.5 * edge;
+    // A corner as a complex number whose argument is ± atan(x y/(|z| r)).
     let corner = |right: f64, up: f64| {
         let (x, y) = (x + half * right, y + half * up);
         let distance = (x * x + y * y + z * z).sqrt();
@@ -272,8 +284,9 @@ fn solid_angle([z, x, y]: [f64; 3], edge: f64) -> f64 {
         product(corner(-1.0, 1.0), corner(1.0, -1.0)),
     );
     let argument = imaginary.atan2(real);
-    // The argument is the angle up to a multiple of 2π. The angle itself lies between 0 and π beside the
-    // square and, up to ten edges away, between 0.01 and 2π in front of it, give or take rounding.
+    // The argument is the angle up to a multiple of 2π. The angle itself lies between 0 and π next
+    // to the square and, up to ten edges away, between 0.01 and 2π in front of it, give or
+    // take rounding.
     let is_in_front = x.abs().max(y.abs()) <= half;
     let least = if is_in_front { 0.01 } else { -1.0 };
     let angle = if argument < least {
@@ -296,6 +309,7 @@ fn expanded_solid_angle<T: Real>([z, x, y]: [T; 3], inverse_distance: T, edge: T
     let [xx, yy, zz] = [x, y, z].map(|coordinate| coordinate * coordinate * inverse);
     let area = edge * edge;
     let small = area * inverse;
+    // Derivatives of z/r³ over z/r³, times powers of r².
     let second = number(15.0) * zz - number(9.0);
     let fourth = (number(945.0) * zz - number(1050.0)) * zz + number(225.0);
     let lateral = number(15.0) - number(105.0) * (xx + yy) + number(945.0) * xx * yy;

@@ -22,7 +22,7 @@ use protomer_kernel::vectorised;
 const DEGREE: usize = 6;
 /// Powers of a coordinate.
 const POWERS: usize = DEGREE + 1;
-/// Charges in a group: the longer, the less its loops cost beside what they do.
+/// Charges in a group: the longer, the less its loops cost compared with what they do.
 const LANES: usize = 32;
 /// Charges at least this many radii of a ball from its middle are far.
 pub(crate) const FAR_IN_RADII: f64 = 4.3;
@@ -55,6 +55,7 @@ impl FarCharges {
     pub fn new(sources: &[Source], middle: Vec3) -> Self {
         let mut groups = Vec::with_capacity(sources.len().div_ceil(LANES));
         for sources in sources.chunks(LANES) {
+            // Unused lanes stand at (1, 1, 1): the loops divide by the distance.
             let mut group = Group {
                 offsets: [[1.0; LANES]; 3],
                 strength: [0.0; LANES],
@@ -70,6 +71,7 @@ impl FarCharges {
         }
         let mut coefficients = [[[0.0; POWERS]; POWERS]; POWERS];
         let first_two = Groups(groups).first_two();
+        // i + j + k up to the degree; of k only 0 and 1, the others follow.
         for i in 0..POWERS {
             for j in 0..POWERS - i {
                 for k in 0..2.min(POWERS - i - j) {
@@ -81,6 +83,7 @@ impl FarCharges {
         for k in 2..POWERS {
             for i in 0..POWERS - k {
                 for j in 0..POWERS - k - i {
+                    // From Σ over axes of (n + 2)(n + 1) b = 0, solved for the power k of z.
                     let twice = |n: usize| ((n + 2) * (n + 1)) as f64;
                     let transverse = twice(i) * coefficients[i + 2][j][k - 2]
                         + twice(j) * coefficients[i][j + 2][k - 2];
@@ -103,6 +106,8 @@ impl FarCharges {
         // The powers of the coordinate along the edge, highest first, by Horner's rule for the others;
         // and from them the derivatives over n!.
         let mut derivatives = [0.0; 5];
+        // Powers along the edge from the highest down; `derivatives` holds the
+        // polynomial and its derivatives over n!, all by one Horner scheme.
         for n in (0..POWERS).rev() {
             let mut sum = 0.0;
             for a in (0..POWERS - n).rev() {
@@ -113,11 +118,13 @@ impl FarCharges {
                 }
                 sum = sum * x + row;
             }
+            // From the highest order down, as each needs the old value of the one below.
             for order in (1..derivatives.len()).rev() {
                 derivatives[order] = derivatives[order] * offset[axis] + derivatives[order - 1];
             }
             derivatives[0] = derivatives[0] * offset[axis] + sum;
         }
+        // Times n!, as the derivatives were divided by it.
         let [value, slope, second, third, fourth] = derivatives;
         edge.with_derivatives([value, slope, 2.0 * second, 6.0 * third, 24.0 * fourth])
     }
@@ -143,9 +150,11 @@ impl Groups {
                 let square = x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane];
                 inverse[lane] = 1.0 / square;
                 of_group[0][0][0][lane] = group.strength[lane] * inverse[lane].sqrt();
+                // b_0 = s/r starts the recursion.
                 sums[0][0][0][lane] += of_group[0][0][0][lane];
             }
             for degree in 1..POWERS {
+                // The factors of the recursion over |k| d²: 1/d² is applied per lane below.
                 let one = -((2 * degree - 1) as f32) / degree as f32;
                 let two = -((degree - 1) as f32) / degree as f32;
                 for k in 0..2 {
@@ -172,6 +181,7 @@ impl Groups {
                             }
                         };
                         if i > 1 {
+                            // b_{k - 2e_i}; for z it would need k = 2, which is not kept.
                             add(&of_group[k][i - 2][j]);
                         }
                         if j > 1 {
@@ -188,6 +198,7 @@ impl Groups {
             }
         }
         sums.map(|plane| {
+            // Summed over lanes in double precision, at the very end.
             plane.map(|row| row.map(|lanes| lanes.iter().map(|sum| f64::from(*sum)).sum()))
         })
     }

@@ -57,6 +57,7 @@ impl Grid {
         let mut shape = [0; 3];
         let mut origin_angstrom = [0.0; 3];
         for axis in 0..3 {
+            // Rounding must not add a whole multiple of cells to a box that fits exactly.
             let needed = (extent[axis] / spacing_angstrom - 1e-9).ceil().max(1.0) as usize;
             let cells = needed.div_ceil(multiple) * multiple;
             shape[axis] = cells + 1;
@@ -162,6 +163,7 @@ impl Grid {
             if t.is_nan() || t < 0.0 || t > last as f64 {
                 return None;
             }
+            // A place on the last point belongs to the last cell, with part 1.
             cell[axis] = (t as usize).min(last - 1);
             part[axis] = t - cell[axis] as f64;
         }
@@ -183,6 +185,7 @@ impl Grid {
     /// where the cell lies at the edge of the grid.
     pub(crate) fn tricubic(&self, cell: [usize; 3], part: [f64; 3]) -> Option<Stencil<64>> {
         for (axis, first) in cell.iter().enumerate() {
+            // A cubic needs one point more on either side.
             if *first == 0 || first + 2 >= self.shape[axis] {
                 return None;
             }
@@ -200,6 +203,7 @@ impl Grid {
         let [i, j, k] = first;
         let mut points = [0; N];
         let mut weights = [0.0; N];
+        // n = di + M (dj + M dk), x fastest as in the values.
         for n in 0..N {
             let (di, dj, dk) = (n % M, n / M % M, n / (M * M));
             points[n] = self.index(i + di, j + dj, k + dk);
@@ -270,6 +274,7 @@ impl<const N: usize> Stencil<N> {
     pub(crate) fn interpolate(&self, value_at: impl Fn(usize) -> f64) -> f64 {
         let mut sum = 0.0;
         for (point, weight) in self.points.iter().zip(self.weights) {
+            // A weight of zero may stand at a point outside, where values have no meaning.
             if weight != 0.0 {
                 sum += weight * value_at(*point);
             }
@@ -286,6 +291,7 @@ pub(crate) fn set_points<T: Send>(
     set: impl Fn([usize; 3], &mut T) + Sync,
 ) {
     let [nx, ny, _] = shape;
+    // A plane per task: large enough to pay, many enough to spread.
     let set_plane = |(k, plane): (usize, &mut [T])| {
         for (j, row) in plane.chunks_mut(nx).enumerate() {
             for (i, value) in row.iter_mut().enumerate() {

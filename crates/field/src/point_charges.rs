@@ -85,6 +85,8 @@ impl PointCharges {
     fn coulomb_any(&self, place: &Vec3) -> f64 {
         let mut sums = [0.0; LANES];
         for group in &self.groups {
+            // Lanes inside, groups outside: each sum runs over
+            // every eighth charge, in one order everywhere.
             for (lane, sum) in sums.iter_mut().enumerate() {
                 *sum += group.strength[lane] / group.distance(lane, place);
             }

@@ -42,6 +42,7 @@ impl ScreenedSum {
     pub fn new(sources: &[Source], middle: Vec3, kappa: f64) -> Self {
         let mut groups = Vec::with_capacity(sources.len().div_ceil(LANES));
         for sources in sources.chunks(LANES) {
+            // Unused lanes: no strength, and a distance that is not zero.
             let mut group = Group {
                 offsets: [[1.0; LANES]; 3],
                 least: [1.0; LANES],
@@ -55,6 +56,7 @@ impl ScreenedSum {
                 }
                 let least = source.least_distance_angstrom;
                 // Rounded first, since the exponents have the rounded number.
+                // The same rounded number in both factors, so that its rounding cancels.
                 let from_middle = offset.norm().max(least) as f32;
                 group.least[lane] = least as f32;
                 group.from_middle[lane] = from_middle;
@@ -84,8 +86,10 @@ impl ScreenedSum {
             for (lane, sum) in sums.iter_mut().enumerate() {
                 let (dx, dy, dz) = (x - xs[lane], y - ys[lane], z - zs[lane]);
                 let (distance, least) = ((dx * dx + dy * dy + dz * dz).sqrt(), group.least[lane]);
+                // Written as selections: maxima that compile into vectors.
                 let distance = if distance > least { distance } else { least };
                 let farther = self.kappa * (distance - group.from_middle[lane]);
+                // exp of more than 80 would overflow; it would take a place far outside the box.
                 let farther = if farther > LEAST { farther } else { LEAST };
                 *sum += group.strength[lane] * exp_of_minus_f32::<false>(farther) / distance;
             }

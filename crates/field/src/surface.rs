@@ -96,6 +96,7 @@ impl SphereUnion {
             high = high.sup(&centre.add_scalar(*radius));
         }
         Ok(Self {
+            // As wide as the largest sphere and the exact reach: no sphere that matters is missed.
             cells: CellList::new(&Boundary::Open, largest + REACH_ANGSTROM, &centres),
             bounds: (low, high),
             centres,
@@ -134,6 +135,7 @@ impl ImplicitSolid for SphereUnion {
             return (*point, Vec3::x());
         };
         let centre = self.centres[sphere];
+        // At a centre all directions are alike.
         let normal = (point - centre)
             .try_normalize(1e-12)
             .unwrap_or_else(Vec3::x);

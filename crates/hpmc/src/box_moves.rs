@@ -52,8 +52,9 @@ use serde::{Deserialize, Serialize};
 const ACCEPTANCE: f64 = 0.3;
 /// Smallest number of changes for tuning; fewer say little about their acceptance.
 const ENOUGH: u64 = 40;
-/// The first largest step, and the largest at all.
+/// The largest step at first.
 const FIRST_STEP: f64 = 0.01;
+/// The largest step that tuning may reach.
 const LARGEST_STEP: f64 = 1.0;
 /// A length of the box at equal volume stays within this factor of the first.
 const WIDEST: f64 = 2.0;
@@ -118,6 +119,7 @@ impl Default for BoxStep {
 impl BoxStep {
     fn tune(&mut self) {
         if self.counts.trials >= ENOUGH {
+            // Within a factor, so that a short count cannot throw the step far off.
             let factor = (self.counts.acceptance() / ACCEPTANCE).clamp(0.5, 1.5);
             self.largest = (self.largest * factor).min(LARGEST_STEP);
             self.counts = Counts::default();
@@ -191,6 +193,7 @@ impl BoxMoves {
     ) -> Result<()> {
         let change = self.propose::<D>(pressure.freedom, number, rng);
         let deformation = change.deformation::<D>();
+        // The weight first: it is cheap, and a refused change need not touch the bodies.
         let is_likely = rng.uniform() < change.weight(system, pressure).exp();
         let step = match change {
             Change::Volume(_) | Change::Length(..) => &mut self.volume,
@@ -199,6 +202,8 @@ impl BoxMoves {
         };
         let is_allowed = match change {
             Change::Stretch(..) | Change::Length(..) => {
+                // Bounds are for the new box; volume and shear
+                // leave the lengths' ratios as they are.
                 is_within(&self.first_shape, &system.space().deformed(&deformation))
             }
             Change::Volume(_) | Change::Shear(..) => true,
@@ -209,6 +214,7 @@ impl BoxMoves {
         };
         step.counts.note(end == Deformation::Done);
         match end {
+            // Refused for size alone: going on would measure the smallest box, not the pressure.
             Deformation::TooSmall => Err(Error::BoxShrinks {
                 edge: system.space().deformed(&deformation).smallest_length(),
                 least: least_edge(system.body(), &[]),
@@ -226,6 +232,7 @@ impl BoxMoves {
         number: u64,
         rng: &mut CounterRng,
     ) -> Change {
+        // One number is drawn whatever the change, so that the stream does not depend on it.
         let part = rng.uniform_in(-1.0, 1.0);
         let (growth, stretch) = (self.volume.largest * part, self.stretch.largest * part);
         match (freedom, number % 8) {
@@ -254,6 +261,7 @@ fn fewest_bodies<const D: usize>(
 ) -> usize {
     let shortest = first_shape.iter().copied().fold(f64::INFINITY, f64::min);
     let shortest = match freedom {
+        // Shapes may become as flat as their bounds allow.
         Freedom::Volume => shortest,
         Freedom::Lengths | Freedom::Shape => shortest / WIDEST,
     };
@@ -301,6 +309,7 @@ impl Change {
     fn weight<const D: usize>(&self, system: &System<D>, pressure: &Pressure) -> f64 {
         match *self {
             Self::Volume(growth) | Self::Length(_, growth) => {
+                // V' - V = V (e^g - 1).
                 let change = system.volume() * (growth.exp() - 1.0);
                 (system.len() as f64 + 1.0) * growth - pressure.kt_per_volume * change
             }

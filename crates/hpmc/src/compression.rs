@@ -20,6 +20,7 @@ pub(crate) const BINS: usize = 32;
 const RANGE: f64 = 0.8;
 /// The largest contraction at low density.
 const LARGEST: f64 = 0.2;
+/// The least value of the largest contraction.
 const SMALLEST: f64 = 1e-5;
 
 /// Measures compressibility factors by compressing up to a largest contraction.
@@ -39,6 +40,7 @@ impl Compression {
             .min(room)
             .max(SMALLEST);
         let mut weights = weights();
+        // The weights see the density of pairs times (1 - x)^(d+1), which is nearly a cubic.
         for (bin, weight) in weights.iter_mut().enumerate() {
             let middle = largest * (bin as f64 + 0.5) / BINS as f64;
             *weight *= (1.0 - middle).powi(D as i32 + 1);
@@ -64,12 +66,14 @@ impl Compression {
     /// -1 if it is expanded.
     fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize, f64)) {
         let outer = 2.0 * system.body.outer_radius;
+        // Pairs that touch after the largest contraction are farther apart before it.
         let range = outer / (1.0 - self.largest);
         let grid = Grid::new(&system.space, range, &system.positions);
         let is_convex = system.body.pieces().is_none();
         for body in 0..system.len() {
             let pose = system.where_it_is(body);
             let but = body as u32;
+            // Each pair once.
             grid.any_near(&pose.position, range * range, but, |near| {
                 if near.body <= but {
                     return false;
@@ -79,11 +83,13 @@ impl Compression {
                         let part = bins as f64 / BINS as f64;
                         system.is_overlap(&pose, &near, 1.0 - part * self.largest)
                     };
+                    // Once overlapping, always: only pairs that overlap at the end are bisected.
                     if overlaps_within(BINS) {
                         visit(first(overlaps_within) - 1, 1.0);
                     }
                     return false;
                 }
+                // Bodies with several pieces may meet either way.
                 for sign in [-1.0, 1.0] {
                     if let Some(change) = system.first_contact(&pose, &near, sign, self.largest) {
                         let bin = (change / self.largest * BINS as f64) as usize;
@@ -99,6 +105,7 @@ impl Compression {
 /// The least number, from 1 to `BINS`, for which a statement holds that holds for `BINS` and, with
 /// any number, for all larger ones.
 fn first(holds: impl Fn(usize) -> bool) -> usize {
+    // Invariant: no overlap at `fails`, overlap at `works`; BINS is a power of two.
     let (mut fails, mut works) = (0, BINS);
     while works - fails > 1 {
         let middle = usize::midpoint(fails, works);
@@ -120,10 +127,12 @@ pub(crate) fn weights() -> [f64; BINS] {
         (high.powi(order) - low.powi(order)) / f64::from(order)
     };
     let row = |bin: usize| Vector4::from_fn(|power, _| mean_of_power(bin, power));
+    // Normal equations of a cubic whose means over the bins are fitted.
     let mut normal = Matrix4::zeros();
     for bin in 0..BINS {
         normal += row(bin) * row(bin).transpose();
     }
+    // The value at zero is the coefficient of the power zero.
     let at_zero = normal
         .lu()
         .solve(&Vector4::x())

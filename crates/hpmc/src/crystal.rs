@@ -98,6 +98,7 @@ impl<const D: usize> UnitCell<D> {
         for number in 0..self.sites.len() {
             let mut bonds = Vec::new();
             for other in 0..self.sites.len() {
+                // The 27 images around: nearest sites may be in the next cell.
                 for image in 0..27 {
                     let shift = [image % 3, image / 3 % 3, image / 9].map(|x| f64::from(x) - 1.0);
                     let parts = std::array::from_fn(|axis| {
@@ -111,6 +112,7 @@ impl<const D: usize> UnitCell<D> {
                     }
                 }
             }
+            // The four shortest vectors are the bonds of a diamond.
             bonds.sort_by(|a, b| a.norm().total_cmp(&b.norm()));
             bonds.truncate(4);
             self.sites[number].rotation = faces_along(&bonds);
@@ -120,6 +122,7 @@ impl<const D: usize> UnitCell<D> {
     /// The same cell with every body turned first, in its own frame.
     pub fn with_bodies_turned(mut self, rotation: &Rotation) -> Self {
         for site in &mut self.sites {
+            // Turned in its own frame: the orientation on the site comes after.
             site.rotation *= rotation;
         }
         self
@@ -219,12 +222,14 @@ fn faces_along(directions: &[Vec3]) -> Rotation {
         face(-1.0, 1.0, -1.0),
         face(-1.0, -1.0, 1.0),
     ];
+    // Two faces fix the orientation; the others check it.
     let from = frame(&faces[0], &faces[1]);
     for first in directions {
         for second in directions {
             if (first - second).norm() < SAME {
                 continue;
             }
+            // Any pair of bonds may stand for the first two faces.
             let matrix = frame(first, second) * from.transpose();
             let looks_along = |face: &Vec3| {
                 let normal = matrix * face;
@@ -315,6 +320,7 @@ impl<const D: usize> Crystal<D> {
         let cells = bodies / sites;
         let (scaled, repeats) = cells_of_crystal(cell, bodies, body.volume / packing_fraction);
         let (mut positions, mut rotations) = (Vec::new(), Vec::new());
+        // Cells in order, x fastest, then their sites.
         for number in 0..cells {
             let (mut index, mut corner) = (number, [0.0; D]);
             for axis in 0..D {
@@ -373,6 +379,7 @@ impl<const D: usize> Crystal<D> {
             return Ok(system);
         }
         // Convex bodies that are apart stay so in a wider box.
+        // A bracket: overlapping at `tight`, free at `wide`.
         let (mut tight, mut wide) = (1.0, 2.0);
         while at_scale(wide)?.has_overlaps() {
             wide *= 2.0;
@@ -385,6 +392,7 @@ impl<const D: usize> Crystal<D> {
                 wide = middle;
             }
         }
+        // 30 halvings: nine digits of the scale, more than an error message shows.
         let wanted = system.packing_fraction();
         Err(Error::Dense {
             wanted,
@@ -408,6 +416,7 @@ impl<const D: usize> Crystal<D> {
             for second in first..places.len() {
                 let apart = std::array::from_fn(|axis| places[second][axis] - places[first][axis]);
                 let overlaps = |offset: [f64; D]| {
+                    // A body may meet its own image, but not itself.
                     (first != second || norm(&offset) > 0.0)
                         && body.overlaps_at(&corners[first], &corners[second], &offset)
                 };
@@ -430,6 +439,7 @@ impl<const D: usize> Crystal<D> {
             if !self.cell.is_translation(site, symmetry) {
                 continue;
             }
+            // Neighbouring cells, 3^D of them, by digits in base three.
             for image in 0..3_usize.pow(D as u32) {
                 let mut quotient = image;
                 let translation = cell.at(&std::array::from_fn(|axis| {
@@ -438,6 +448,7 @@ impl<const D: usize> Crystal<D> {
                     site.place[axis] - first.place[axis] + shift
                 }));
                 let length = norm(&translation);
+                // Up to the longest edge: longer translations are sums of these.
                 if length > SAME * longest && length <= longest {
                     translations.push(translation);
                 }
@@ -465,6 +476,7 @@ impl<const D: usize> Crystal<D> {
             if slips.is_empty() {
                 continue;
             }
+            // A translation takes each site to another of the same crystal, or it is none.
             let site_at = |place: &[f64; D]| {
                 let is_near = |other: &[f64; D]| {
                     let apart =
@@ -532,6 +544,7 @@ fn fewest_bodies<const D: usize>(
 fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
     let (mut best, mut shortest) = ([1; D], f64::INFINITY);
     let divisors: Vec<usize> = (1..=cells).filter(|n| cells.is_multiple_of(*n)).collect();
+    // Every choice of divisors for all axes but the last, which takes what is left.
     for first in 0..divisors.len().pow(D as u32 - 1) {
         let (mut quotient, mut remaining_cells, mut repeats) = (first, cells, [1; D]);
         for repeat in repeats.iter_mut().take(D - 1) {
@@ -549,6 +562,7 @@ fn repeats<const D: usize>(edges: &[f64; D], cells: usize) -> [usize; D] {
         repeats[D - 1] = remaining_cells;
         let lengths = (0..D).map(|axis| edges[axis] * repeats[axis] as f64);
         let longest = lengths.fold(0.0, f64::max);
+        // Clearly shorter only: rounding must not choose between equal shapes.
         if longest < shortest * (1.0 - 1e-9) {
             (best, shortest) = (repeats, longest);
         }

@@ -51,8 +51,10 @@ impl<const D: usize> System<D> {
     ) -> bool {
         let old = self.where_it_is(trial.body);
         let step = self.nearest_image(&old.position, &trial.position);
+        // Taken out, as the test borrows the system.
         let mut near = std::mem::take(&mut self.near);
         let is_allowed = self.depletants.iter().all(|kind| {
+            // One kind that forbids the move is enough.
             kind.fugacity == 0.0 || self.allows(kind, &old, trial, &step, &mut near, rng, counting)
         });
         self.near = near;
@@ -79,6 +81,8 @@ impl<const D: usize> System<D> {
             Counting::Lost => (old, new),
             Counting::Covered => (new, old),
         };
+        // Balls of the inner radius about both centres are in O and N alike;
+        // around one centre the ball that both share is smaller by the step.
         let shell = Shell::new::<D>(
             (self.body.inner_radius + radius - length).max(0.0),
             self.body.outer_radius + radius,
@@ -89,12 +93,14 @@ impl<const D: usize> System<D> {
             Counting::Covered => step.map(|x| -x),
         };
         let expected = kind.fugacity * shell.volume;
+        // Arrivals of a Poisson process: points are drawn only until one forbids the move.
         let mut arrived = exponential(rng);
         let mut is_gathered = false;
         while arrived < expected {
             arrived += exponential(rng);
             let point = shell.point(rng);
             let beyond = minus(&point, &apart);
+            // The cheaper test first: outside of the widened body at the other end of the move.
             if self
                 .body
                 .covers(self.corners_of_trial(outside), &beyond, radius)
@@ -104,6 +110,7 @@ impl<const D: usize> System<D> {
             {
                 continue;
             }
+            // Others are looked up only for the first point that needs them; most moves need none.
             if !is_gathered {
                 self.gather(inside, radius, near);
                 is_gathered = true;
@@ -113,6 +120,7 @@ impl<const D: usize> System<D> {
                 self.body
                     .covers(self.corners_of(other.body as usize), &from_other, radius)
             });
+            // Lost: covered by others. Covered: by none. Either way this point forbids the move.
             if is_covered == (counting == Counting::Lost) {
                 return false;
             }
@@ -135,6 +143,7 @@ impl<const D: usize> System<D> {
     /// The free volume of depletants of this radius, as a part of the box: random points, one in each
     /// of about `points` equal cells.
     pub fn free_volume(&self, radius: f64, points: usize, rng: &mut CounterRng) -> f64 {
+        // One point per cell: stratified, with less noise than points drawn in the whole box.
         let width = (self.volume() / points.max(1) as f64).powf(1.0 / D as f64);
         let lengths = self.space.lengths();
         let cells = lengths.map(|length| (length / width - 1e-9).ceil().max(1.0) as usize);
@@ -148,6 +157,7 @@ impl<const D: usize> System<D> {
                 straight[axis] = place * lengths[axis] / cells[axis] as f64;
                 quotient /= cells[axis];
             }
+            // Parts of a sheared box are equal in volume.
             let point = self.space.sheared(&straight);
             let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
                 let from_body = near.offset.map(|x| -x);
@@ -179,6 +189,7 @@ impl Shell {
     }
 
     fn point<const D: usize>(&self, rng: &mut CounterRng) -> [f64; D] {
+        // Uniform in r^D is uniform in the volume.
         let power = rng.uniform_in(self.inner_power, self.outer_power);
         let mut point = [0.0; D];
         if D == 1 {

@@ -42,7 +42,7 @@ pub struct Springs<const D: usize> {
     squares: f64,
     potentials: Vec<f64>,
     potential: f64,
-    /// Step of the move whose change was asked for last.
+    /// Step of the move whose change was requested last.
     step: [f64; D],
     new_potential: f64,
 }
@@ -54,6 +54,8 @@ impl<const D: usize> Springs<D> {
         let bonds = crystal.bonds(symmetry);
         let mut short_squared = f64::INFINITY;
         for slip in bonds.iter().flat_map(|bond| &bond.slips) {
+            // Half a translation, squared: no shorter
+            // displacement can be more than half way along it.
             short_squared = short_squared.min(0.25 * dot(slip, slip));
         }
         Self {
@@ -94,7 +96,7 @@ impl<const D: usize> Springs<D> {
         self.displacements = displacements.to_vec();
     }
 
-    /// Computes all sums anew, with displacements about the centre of mass.
+    /// Computes all sums again, with displacements about the centre of mass.
     pub(crate) fn refresh(&mut self, rotations: &[Rotation]) {
         let bodies = self.displacements.len() as f64;
         let mut mean = [0.0; D];
@@ -104,6 +106,7 @@ impl<const D: usize> Springs<D> {
             }
         }
         (self.sum, self.squares, self.potential) = ([0.0; D], 0.0, 0.0);
+        // About the centre of mass: the sum is zero again, and rounding does not add up over a run.
         for displacement in &mut self.displacements {
             for axis in 0..D {
                 displacement[axis] -= mean[axis];
@@ -124,7 +127,9 @@ impl<const D: usize> Springs<D> {
             let displacement = &self.displacements[body];
             let apart: [f64; D] =
                 std::array::from_fn(|axis| displacement[axis] + step[axis] - other[axis]);
+            // |d·s| > s²/2: past the middle between two sites of the row.
             let is_too_long = |slip: &[f64; D]| 2.0 * dot(&apart, slip).abs() > dot(slip, slip);
+            // The cheap bound first; nearly all steps end with it.
             dot(&apart, &apart) > self.short_squared && bond.slips.iter().any(is_too_long)
         })
     }
@@ -146,11 +151,13 @@ impl<const D: usize> Field<D> for Springs<D> {
             return self.strength * self.turning * (self.new_potential - self.potentials[body]);
         }
         self.step = system.nearest_image(&system.positions[body], &trial.position);
+        // Infinite energy: refused whatever the number drawn.
         if self.slips(body, &self.step) {
             return f64::INFINITY;
         }
         let bodies = self.displacements.len() as f64;
         let squared = dot(&self.step, &self.step);
+        // Change of the squares of all about a centre of mass that moves with the step.
         let body_term = 2.0 * dot(&self.displacements[body], &self.step) + squared;
         let all = (2.0 * dot(&self.sum, &self.step) + squared) / bodies;
         self.strength * (body_term - all)
@@ -164,6 +171,7 @@ impl<const D: usize> Field<D> for Springs<D> {
             return;
         }
         let squared = dot(&self.step, &self.step);
+        // The same change, now kept.
         self.squares += 2.0 * dot(&self.displacements[body], &self.step) + squared;
         for axis in 0..D {
             self.displacements[body][axis] += self.step[axis];
@@ -230,6 +238,7 @@ impl<const D: usize> EinsteinCrystal<'_, D> {
 
     /// A state: displacements that sum to zero, and orientations.
     pub(crate) fn sample(&self, rng: &mut CounterRng) -> (Vec<[f64; D]>, Vec<Rotation>) {
+        // exp(-λ d²) is normal with the variance 1/(2λ).
         let width = (2.0 * self.strength).recip().sqrt();
         let bodies = self.crystal.positions.len();
         let (mut displacements, mut rotations) = (Vec::new(), Vec::new());
@@ -244,6 +253,7 @@ impl<const D: usize> EinsteinCrystal<'_, D> {
             let strength = self.strength * self.turning;
             rotations.push(self.symmetry.sample(wanted, strength, rng));
         }
+        // Without the centre of mass, which the free energy counts separately.
         for displacement in &mut displacements {
             for axis in 0..D {
                 displacement[axis] -= mean[axis];

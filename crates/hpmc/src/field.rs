@@ -9,7 +9,7 @@ pub(crate) trait Field<const D: usize> {
     /// Change of the energy by a move, kT.
     fn change_kt(&mut self, system: &System<D>, trial: &Trial<D>) -> f64;
 
-    /// Notes that a move has been accepted: the one whose change was asked for last.
+    /// Notes that a move has been accepted: the one whose change was requested last.
     fn moved(&mut self, _trial: &Trial<D>) {}
 
     /// Whether the move is accepted (Metropolis, J. Chem. Phys. 21, 1087 (1953)).

@@ -50,11 +50,13 @@ impl<const D: usize> Grid<D> {
     pub fn new(space: &PeriodicBox<D>, range: f64, positions: &[[f64; D]]) -> Self {
         // More cells than bodies would only be empty.
         let volume = space.volume();
+        // About half a body per cell.
         let width = (volume / (2 * positions.len()).max(1) as f64).powf(1.0 / D as f64);
         let (lengths, heights) = (space.lengths(), space.heights());
         let mut cells = [1; D];
         for axis in 0..D {
             let most = (lengths[axis] / width).ceil();
+            // By the heights, not the lengths: cells of a tilted box are thinner than their edges.
             let number = (heights[axis] / range * ROUNDED).floor().min(most) as usize;
             if number >= FEWEST {
                 cells[axis] = number;
@@ -64,6 +66,7 @@ impl<const D: usize> Grid<D> {
             space: *space,
             cells,
             cells_per_length: std::array::from_fn(|axis| cells[axis] as f64 / lengths[axis]),
+            // One cell holds everything: room for all from the start.
             room: if cells == [1; D] {
                 positions.len()
             } else {
@@ -79,6 +82,7 @@ impl<const D: usize> Grid<D> {
 
     fn fill(&mut self, positions: &[[f64; D]]) {
         let cells = self.cells.iter().product();
+        // Until all bodies find room; a crowded cell doubles the room of all.
         loop {
             self.filled.clear();
             self.filled.resize(cells, 0);
@@ -91,6 +95,7 @@ impl<const D: usize> Grid<D> {
             self.homes.clear();
             let mut body = 0;
             while body < positions.len() {
+                // Cells in a flat list, x fastest: cell · room is where their entries begin.
                 let cell = self.cell(&positions[body]);
                 if self.filled[cell] as usize == self.room {
                     break;
@@ -129,6 +134,7 @@ impl<const D: usize> Grid<D> {
     fn cell(&self, position: &[f64; D]) -> usize {
         let straight = self.straight(position);
         let mut cell = 0;
+        // From the last axis down: ((z) n_y + y) n_x + x.
         for axis in (0..D).rev() {
             cell = cell * self.cells[axis] + self.coordinate(axis, straight[axis]);
         }
@@ -144,11 +150,13 @@ impl<const D: usize> Grid<D> {
             self.entries[old * self.room + place as usize].position = positions[body];
             return;
         }
+        // No room: the cells are made again, which is rare.
         if self.filled[cell] as usize == self.room {
             self.room *= 2;
             self.fill(positions);
             return;
         }
+        // The last entry fills the gap, so entries of a cell stay together.
         self.filled[old] -= 1;
         let last = self.entries[old * self.room + self.filled[old] as usize];
         self.entries[old * self.room + place as usize] = last;
@@ -166,6 +174,8 @@ impl<const D: usize> Grid<D> {
         but: u32,
         mut visit: impl FnMut(Near<D>) -> bool,
     ) -> bool {
+        // One cell along an edge: the same cell would be
+        // its own neighbour, and images need a search.
         if self.cells.contains(&1) {
             return self.any_image(place, squared_range, but, visit);
         }
@@ -177,18 +187,22 @@ impl<const D: usize> Grid<D> {
         for axis in 0..D {
             let n = self.cells[axis];
             let home = self.coordinate(axis, straight[axis]);
+            // The cell below, at home and above, by steps that stay positive.
             for (number, step) in [n - 1, 0, 1].into_iter().enumerate() {
                 let cell = home + step;
                 let beyond = cell >= n;
                 cells[axis][number] = stride * if beyond { cell - n } else { cell };
                 let is_below = number == 0 && home == 0;
                 let is_above = number == 2 && beyond;
+                // Periodic images: an edge is subtracted below the box and added above it.
                 times[axis][number] = f64::from(u8::from(is_above)) - f64::from(u8::from(is_below));
+                // The place is subtracted here, once per cell and not once per body.
                 shifts[axis][number] =
                     times[axis][number] * self.space.lengths()[axis] - place[axis];
             }
             stride *= n;
         }
+        // All neighbours but those along x, which lie side by side in memory.
         let rows = 3_usize.pow(D as u32 - 1);
         for row in 0..rows {
             let (mut base, mut shift, mut quotient) = (0, [0.0; D], row);
@@ -197,6 +211,7 @@ impl<const D: usize> Grid<D> {
                 shift[axis] = shifts[axis][quotient % 3];
                 quotient /= 3;
             }
+            // Edges that were passed also overhang along earlier axes.
             if is_tilted {
                 self.add_overhangs(&mut shift, &times, row);
             }
@@ -206,6 +221,7 @@ impl<const D: usize> Grid<D> {
                 shift[0] = sideways + shifts[0][number];
                 let from = cell * self.room;
                 let entries = &self.entries[from..from + self.filled[cell] as usize];
+                // The innermost loop: a sum, a square and a comparison per body.
                 for entry in entries {
                     let (mut offset, mut squared) = ([0.0; D], 0.0);
                     for axis in 0..D {
@@ -257,6 +273,7 @@ impl<const D: usize> Grid<D> {
             for axis in 0..D {
                 let n = self.cells[axis];
                 let home = self.coordinate(axis, straight[axis]);
+                // Three cells along an edge that has several, all images along one that has one.
                 cell += stride * ((home + n - 1 + quotient % steps[axis]) % n);
                 quotient /= steps[axis];
                 stride *= n;

@@ -35,7 +35,9 @@ impl Walls {
         let steepness = pressure * width.powi(D as i32 - 1) + gravity.weight_kt_per_length;
         let area: f64 = edges.iter().take(D - 1).product();
         let pressed = system.len() as f64 * gravity.weight_kt_per_length / area;
+        // Weight of the column over the lower wall: there the gaps fall faster.
         let steepness = steepness + pressed * width.powi(D as i32 - 1);
+        // Not more than a tenth of the height, or both walls would see each other.
         let largest = (GAPS / steepness).min(0.1 * edges[D - 1]);
         let weights = weights();
         let (mut density, mut heights) = ([0.0; 2], 0.0);
@@ -44,6 +46,7 @@ impl Walls {
             heights += pose.position[D - 1];
             let gaps = system.gaps_to_walls(&pose);
             for (density, gap) in density.iter_mut().zip(gaps) {
+                // A negative gap by rounding belongs to the first bin.
                 let bin = gap / largest * BINS as f64;
                 if bin < BINS as f64 {
                     *density += weights[bin.max(0.0) as usize];

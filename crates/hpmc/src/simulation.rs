@@ -23,15 +23,17 @@ const ACCEPTANCE: f64 = 0.3;
 const TUNE_EVERY: u64 = 10;
 /// The part of the new value in the running estimate of the compressibility factor.
 const NEW_PART: f64 = 0.3;
-/// Streams of what is inserted.
+/// Stream of the points that are inserted.
 const POINTS: u32 = 0;
+/// Stream of the bodies that are inserted.
 const BODIES: u32 = 1;
-/// Streams of the changes of the box, beside that of the moves.
+/// Streams of the changes of the box, in addition to that of the moves.
 const BOX: u32 = 1 << 20;
 /// Changes of the box in a sweep, so that their streams do not meet others.
 const MOST_CHANGES: u32 = 10_000;
-/// Pressures and weights whose products with volumes and heights are numbers.
+/// Smallest pressure or weight whose products with volumes and heights are numbers.
 const SMALLEST_FORCE: f64 = 1e-100;
+/// Largest such pressure or weight.
 const LARGEST_FORCE: f64 = 1e100;
 
 /// Settings of a run.
@@ -219,6 +221,7 @@ impl<const D: usize> Simulation<D> {
             kind.check()?;
         }
         settings.check(depletants)?;
+        // Points of a move grow with z times the volume: refused before it hangs.
         for kind in depletants {
             let around = ball_volume(D, body.outer_radius + kind.radius);
             let points = kind.fugacity * around;
@@ -247,6 +250,7 @@ impl<const D: usize> Simulation<D> {
             compression,
         };
         // Two rounds: the first range of contractions may be too wide.
+        // The first factor is a guess, the second is made with a range that fits.
         for _ in 0..2 {
             simulation.rough_factor = simulation.compression.rough_factor(&simulation.system);
             simulation.compression = Compression::new(&simulation.system, simulation.rough_factor);
@@ -265,6 +269,7 @@ impl<const D: usize> Simulation<D> {
         state: &State,
     ) -> Result<Self> {
         let (positions, _) = state.positions.as_chunks::<D>();
+        // NaN for a wrong number of lengths, which the box refuses with its own message.
         let lengths = state.lengths.as_slice().try_into().unwrap_or([f64::NAN; D]);
         let space = PeriodicBox::new(lengths, &state.tilt_factors)?;
         let rotation = |[w, x, y, z]: &[f64; 4]| {
@@ -388,6 +393,7 @@ impl<const D: usize> Simulation<D> {
 
     fn sweep(&mut self) -> Result<()> {
         let equilibrates = self.is_equilibrating();
+        // Two sweeps by one rule, two by the other.
         let number = (self.sweeps / 2 % 2) as usize;
         let mut counting = self.counting;
         if equilibrates && !self.system.depletants().is_empty() {
@@ -395,6 +401,7 @@ impl<const D: usize> Simulation<D> {
         }
         let mut counts = MoveCounts::default();
         let bodies = self.system.len() as u64;
+        // Trials are numbered through the run, so a stop between sweeps changes nothing.
         for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
             let mut rng =
                 CounterRng::for_purpose(self.settings.seed, 0, trial, Purpose::HardBodyMove);
@@ -406,6 +413,7 @@ impl<const D: usize> Simulation<D> {
         }
         if let Some(pressure) = self.settings.pressure {
             let changes = pressure.changes();
+            // Streams of their own; `MOST_CHANGES` keeps them apart from others.
             for number in 0..changes {
                 let (seed, stream) = (self.settings.seed, BOX + number);
                 let mut rng =
@@ -440,6 +448,7 @@ impl<const D: usize> Simulation<D> {
                 false => Counting::Lost,
             };
             // The steps are for the rule that stays.
+            // The other rule's moves say nothing about the steps for this one.
             both = self.tried[usize::from(covered > lost)];
         }
         if !is_last {
@@ -453,6 +462,7 @@ impl<const D: usize> Simulation<D> {
             self.box_moves.tune();
         }
         let rough = self.compression.rough_factor(&self.system);
+        // A running mean: one state alone is too noisy to set a range.
         self.rough_factor += NEW_PART * (rough - self.rough_factor);
         self.compression = Compression::new(&self.system, self.rough_factor);
     }
@@ -490,6 +500,7 @@ impl<const D: usize> Simulation<D> {
         if insertions == 0 {
             return None;
         }
+        // By the sweep: the same state gives the same sample.
         let mut rng = self.inserted(BODIES);
         let mut free = 0;
         for _ in 0..insertions {

@@ -19,11 +19,13 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
 use std::f64::consts::TAU;
 
-/// Streams of the start.
+/// Stream of the orientations at the start.
 const ORIENTATION: u32 = 0;
+/// Stream of the moves of the compression.
 const COMPRESSION: u32 = 1;
-/// The first shrinking of the edge, as a part of it, and the largest.
+/// The first shrinking of the edge, as a part of it.
 const FIRST_SHRINKING: f64 = 0.01;
+/// The largest shrinking.
 const LARGEST_SHRINKING: f64 = 0.02;
 /// Bodies that can be compressed by less than this part have jammed.
 const JAMMED: f64 = 1e-5;
@@ -36,6 +38,7 @@ const REPAIR_SWEEPS: usize = 100;
 const TRIES: usize = 10;
 /// Sweeps between two shrinkings.
 const SWEEPS_BETWEEN: usize = 6;
+/// Acceptance that steps are tuned to.
 const ACCEPTANCE: f64 = 0.3;
 
 /// Start of a run.
@@ -152,9 +155,11 @@ fn random_fluid<const D: usize>(
     seed: u64,
     must_stop: &dyn Fn() -> bool,
 ) -> Result<(System<D>, Steps)> {
+    // A lattice with room for all, filled as evenly as possible.
     let per_edge = sites_per_edge(&edges, bodies);
     let mut scale: f64 = 1.0;
     for (edge, sites) in edges.iter().zip(per_edge) {
+        // Balls of the outer radius must fit; then no orientation overlaps.
         let wide = edge.max(sites as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
         if wide > *edge {
             scale = scale.max(ROOM_AT_FIRST * wide / edge);
@@ -164,6 +169,7 @@ fn random_fluid<const D: usize>(
     let sites: usize = per_edge.iter().product();
     let (mut positions, mut rotations) = (Vec::new(), Vec::new());
     for number in 0..bodies {
+        // Spread over all sites, not the first ones.
         let (mut site, mut position) = (number * sites / bodies, [0.0; D]);
         for axis in 0..D {
             let place = (site % per_edge[axis]) as f64 + 0.5;
@@ -176,6 +182,7 @@ fn random_fluid<const D: usize>(
     let depletants = depletants.to_vec();
     let space = PeriodicBox::rectangular(edges)?;
     let wide = PeriodicBox::rectangular(wide)?;
+    // Without depletants: they would only slow the compression.
     let mut system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
     if has_walls {
         system = system.between_walls()?;
@@ -186,6 +193,7 @@ fn random_fluid<const D: usize>(
         rotations,
         ..
     } = system;
+    // Into the wanted box, now with depletants: the bodies are in their places.
     let mut system = System::new(body.clone(), depletants, space, positions, rotations)?;
     if has_walls {
         system = system.between_walls()?;
@@ -249,13 +257,16 @@ impl<'a, const D: usize> Compressor<'a, D> {
 
     fn to(mut self, edges: &[f64; D]) -> Result<(System<D>, Steps)> {
         let mut shrinking = FIRST_SHRINKING;
+        // All edges shrink alike, so the first one tells.
         while self.system.space.lengths()[0] > edges[0] {
             let before = self.system.clone();
             self.shrink(edges, 1.0 - shrinking)?;
             if self.repair()? {
+                // Faster after success, slower after failure.
                 shrinking = (1.4 * shrinking).min(LARGEST_SHRINKING);
             } else {
                 let reached = before.packing_fraction();
+                // Back to the state before: a failed shrinking leaves overlaps.
                 self.system = before;
                 shrinking *= 0.5;
                 if shrinking < JAMMED {
@@ -271,6 +282,7 @@ impl<'a, const D: usize> Compressor<'a, D> {
     /// Scales all lengths, down to the edges that are wanted.
     fn shrink(&mut self, edges: &[f64; D], scale: f64) -> Result<()> {
         let before = *self.system.space.lengths();
+        // Never below the wanted edges; the last step lands on them exactly.
         let scale = scale.max(edges[0] / before[0]);
         let shrunk = match scale * before[0] <= edges[0] {
             true => *edges,
@@ -301,6 +313,7 @@ impl<'a, const D: usize> Compressor<'a, D> {
         let mut counts = MoveCounts::default();
         for _ in 0..sweeps {
             self.go_on()?;
+            // Old steps say nothing about the new ones.
             if counts.total().trials > 3 * Steps::ENOUGH {
                 counts = MoveCounts::default();
             }

@@ -91,6 +91,7 @@ pub fn static_free_volume(
             packing_fraction: crystal.positions.len() as f64 * body.volume / crystal.space.volume(),
         });
     }
+    // Swept once by the radius of a depletant: a point in them is closed to its centre.
     let bodies = Bodies::of(crystal, shape, radius)?;
     let lengths = crystal.space.lengths();
     let counts = [0, 1].map(|axis: usize| (lengths[axis] * lines_per_length).ceil());
@@ -98,6 +99,7 @@ pub fn static_free_volume(
     let holds = lines <= MOST_LINES;
     require("the number of lines of a grid", lines, "at most 1e9", holds)?;
     let counts = counts.map(|count| count as usize);
+    // Eight shifts of one grid: independent estimates, whose scatter is the error.
     let means: Vec<f64> = (0..GRIDS)
         .map(|grid| bodies.mean_over_lines(&counts, grid))
         .collect();
@@ -130,6 +132,7 @@ impl Bodies {
         let overhang = if space.is_rectangular() { 1 } else { 3 };
         let images = space
             .heights()
+            // Images that can reach the prism, plus those that overhang takes there.
             .map(|height| overhang + (reach / height).floor() as i32);
         let [x, y, z] = images;
         let mut near = Vec::new();
@@ -180,6 +183,7 @@ impl Bodies {
         let height = self.space.lengths()[2];
         let mut covered = Vec::new();
         for body in &self.near {
+            // A quick test by distance before the shape is intersected.
             let apart = body.centre.xy() - origin.xy();
             if apart.norm_squared() < self.reach * self.reach
                 && let Some([from, to]) = body.swept.interval(origin, &Vec3::z())
@@ -189,9 +193,11 @@ impl Bodies {
                 covered.push([from, to]);
             }
         }
+        // By entry, so that one pass merges overlapping intervals.
         covered.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let (mut free, mut reached) = (0.0, 0.0);
         for [from, to] in covered {
+            // Only the part beyond what is covered already is free.
             free += f64::max(from - reached, 0.0);
             reached = f64::max(reached, to);
         }

@@ -26,6 +26,7 @@ const LONGEST_TURN: f64 = 2.0;
 const SLOTS: usize = 32;
 /// A multiplicative hash spreads neighbours over the slots.
 const HASH: u32 = 0x9E37_79B1;
+/// The number that stands for no body.
 const NOBODY: u32 = u32::MAX;
 
 /// Outcome of an attempt to deform the box.
@@ -156,6 +157,7 @@ impl<const D: usize> System<D> {
         let (edge, least) = (space.smallest_length(), least_edge(&body, &depletants));
         if edge < least {
             let from = bodies_in_longer_box::<D>(positions.len(), least / edge);
+            // The guess may be off by one, as roots and powers round.
             let bodies = first_that_works(from, 1, |bodies| {
                 let factor = bodies as f64 / positions.len().max(1) as f64;
                 edge * factor.powf(1.0 / D as f64) >= least
@@ -197,6 +199,7 @@ impl<const D: usize> System<D> {
             direction: [0.0; D],
         };
         self.memory.clear();
+        // Round bodies are decided by their distance; they need no directions.
         if !self.body.is_round() {
             self.memory.resize(SLOTS * self.positions.len(), empty);
         }
@@ -312,9 +315,11 @@ impl<const D: usize> System<D> {
     pub(crate) fn try_deform(&mut self, matrix: &[[f64; D]; D]) -> Deformation {
         let space = self.space.deformed(matrix).reduced();
         let is_too_small = space.smallest_length() < least_edge(&self.body, &self.depletants);
+        // Copied before: a blocked change, which is the usual end, must leave no trace.
         let before = (self.space, self.positions.clone(), self.grid.clone());
         self.space = space;
         for place in &mut self.positions {
+            // The centres move with the space, the bodies keep their shape and orientation.
             let new_place = matrix.map(|row| dot(&row, place));
             *place = space.wrap(&new_place);
         }
@@ -345,6 +350,7 @@ impl<const D: usize> System<D> {
             return false;
         }
         let height = trial.position[D - 1];
+        // Height decides for most bodies; only those near a wall need their corners.
         let nearest = height.min(self.space.lengths()[D - 1] - height);
         if nearest >= self.body.outer_radius || nearest < self.body.inner_radius {
             return nearest < self.body.inner_radius;
@@ -367,6 +373,7 @@ impl<const D: usize> System<D> {
         let mut overlaps = usize::from(self.reaches_into_wall(trial));
         let range = 2.0 * self.body.outer_radius;
         let but = trial.body as u32;
+        // Beyond two outer radii no two bodies meet.
         self.grid
             .any_near(&trial.position, range * range, but, |near| {
                 overlaps += usize::from(counts(near.body) && self.is_overlap(trial, &near, 1.0));
@@ -381,6 +388,7 @@ impl<const D: usize> System<D> {
             self.corners_of_trial(trial),
             self.corners_of(other.body as usize),
         );
+        // Scaling offsets, not bodies: pairs are compared as in a compressed box.
         let offset = other.offset.map(|x| x * scale);
         self.body.overlaps_at(first, second, &offset)
     }
@@ -451,8 +459,11 @@ impl<const D: usize> System<D> {
         if body.is_round() {
             return grid.any_near(&trial.position, outer * outer, trial_body, |_| true);
         }
+        // Inner balls that overlap settle it without a look at the corners.
         let inner = 4.0 * body.inner_radius * body.inner_radius;
         near.clear();
+        // Every neighbour is collected before any is
+        // tested, so that the loop over cells stays short.
         let is_deep = grid.any_near(&trial.position, outer * outer, trial_body, |other| {
             near.push(other);
             other.squared < inner
@@ -467,13 +478,16 @@ impl<const D: usize> System<D> {
         } else {
             &corners[trial.body * blocks..(trial.body + 1) * blocks]
         };
+        // Corners of all bodies lie in one array: `blocks` per body.
         let corners_of = |other: &Near<D>| {
             let number = other.body as usize;
             &corners[number * blocks..(number + 1) * blocks]
         };
         let pair_with =
             |other: &Near<D>| body.pair_of_hulls(first, corners_of(other), &other.offset);
+        // The upper five bits of the product: a number below 32, `SLOTS`.
         let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
+        // First the remembered directions of all: one pass over the corners of each drops most.
         near.retain(|other| {
             let slot = &slots[place(other.body)];
             slot.other != other.body
@@ -484,13 +498,16 @@ impl<const D: usize> System<D> {
         for other in near.iter() {
             let slot = &mut slots[place(other.body)];
             let pair = pair_with(other);
+            // Without memory the search begins with the line of centres.
             let mut direction = other.offset;
             if pair.overlap(&mut direction, || body.exact(&pair)) {
+                // Hulls overlap: of convex bodies that is the answer, others ask their pieces.
                 if body.overlap_as_their_hulls_do(first, corners_of(other), &other.offset) {
                     return true;
                 }
                 continue;
             }
+            // In single precision: it is only a place to begin, and the memory stays small.
             *slot = Slot {
                 other: other.body,
                 direction: direction.map(|x| x as f32),
@@ -506,6 +523,7 @@ impl<const D: usize> System<D> {
         steps: &Steps,
         body: Option<usize>,
     ) -> Trial<D> {
+        // One word serves two questions: the lowest bit for the kind, the others for the body.
         let word = rng.next_u32();
         let any = (u64::from(word >> 1) * self.positions.len() as u64) >> 31;
         let body = body.unwrap_or(any as usize);
@@ -516,10 +534,13 @@ impl<const D: usize> System<D> {
         };
         if is_turned {
             let mut turn = [0.0; 3];
+            // In a plane only the axis across it.
             for axis in if D == 2 { 2..3 } else { 0..3 } {
                 turn[axis] = steps.rotation * symmetric(rng);
             }
             let [x, y, z] = turn;
+            // The vector part is tan of half the angle along
+            // the axis; its opposite is equally likely.
             let turn = UnitQuaternion::new_normalize(Quaternion::new(1.0, x, y, z));
             let quaternion = (turn * trial.rotation).into_inner();
             trial.rotation = UnitQuaternion::new_normalize(quaternion);
@@ -543,6 +564,7 @@ impl<const D: usize> System<D> {
             return;
         }
         let periodic = D - usize::from(self.has_walls);
+        // A step is shorter than an edge, so one edge is enough.
         for (x, edge) in place.iter_mut().zip(self.space.lengths()).take(periodic) {
             if *x < 0.0 {
                 *x += edge;
@@ -558,6 +580,7 @@ impl<const D: usize> System<D> {
         let body = trial.body;
         if trial.is_turned {
             let blocks = self.body.blocks();
+            // Only now: a refused trial leaves the corners of the body untouched.
             self.corners[body * blocks..(body + 1) * blocks].copy_from_slice(&self.trial_corners);
             self.rotations[body] = trial.rotation;
         } else {
@@ -583,6 +606,7 @@ impl<const D: usize> System<D> {
 
 /// The largest distance at which two bodies meet, with depletants between them.
 fn range<const D: usize>(body: &HardBody<D>, depletants: &[Depletant]) -> f64 {
+    // Depletants in contact with both bodies make them meet at larger distances.
     let radii = depletants.iter().map(|kind| kind.radius);
     2.0 * (body.outer_radius + radii.fold(0.0, f64::max))
 }
@@ -601,6 +625,7 @@ pub(crate) fn least_edge<const D: usize>(body: &HardBody<D>, depletants: &[Deple
 pub(crate) fn first_that_works(from: usize, step: usize, works: impl Fn(usize) -> bool) -> usize {
     let mut bodies = from.max(step);
     while bodies < usize::MAX && !works(bodies) {
+        // One by one up to a thousand, then in steps of a thousandth: the search stays short.
         let steps = (bodies / (1000 * step)).max(1);
         bodies = bodies.saturating_add(steps * step);
     }
@@ -615,6 +640,7 @@ pub(crate) fn bodies_in_longer_box<const D: usize>(bodies: usize, factor: f64) -
 
 /// A number in (-1, 1), as likely as its opposite.
 fn symmetric(rng: &mut CounterRng) -> f64 {
+    // The middle of each of 2³² intervals: never zero, and symmetric to the last bit.
     (f64::from(rng.next_u32()) + 0.5) / f64::from(1_u32 << 31) - 1.0
 }
 
@@ -625,6 +651,7 @@ impl Steps {
     /// Changes the steps towards an acceptance, by what they gave.
     pub(crate) fn tune(&mut self, counts: &MoveCounts, wanted: f64, longest: &Self) {
         let change = |step: &mut f64, counts: &Counts, longest: f64| {
+            // Few trials would turn noise into steps.
             if counts.trials >= Self::ENOUGH {
                 let factor = (counts.acceptance() / wanted).clamp(0.5, 1.5);
                 *step = (*step * factor).clamp(1e-9 * longest, longest);

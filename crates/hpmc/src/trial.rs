@@ -16,10 +16,12 @@ impl<const D: usize> System<D> {
         counts: &mut MoveCounts,
     ) -> bool {
         let trial = self.propose(rng, steps, None);
+        // From cheap to expensive: the field, the bodies, the depletants.
         let is_accepted = field.allows(self, &trial, rng)
             && !self.collides(&trial)
             && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
         if is_accepted {
+            // Before the bodies move: the field still sees the old place.
             field.moved(&trial);
             self.accept(&trial);
         }

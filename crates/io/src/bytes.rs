@@ -31,6 +31,7 @@ impl<'a> Cursor<'a> {
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], Ended> {
         let end = self
             .position
+            // A length from a file may be anything: the sum must not wrap round.
             .checked_add(count)
             .filter(|end| *end <= self.bytes.len());
         match end {

@@ -21,9 +21,11 @@ use std::collections::BTreeMap;
 const MAGIC: [u8; 8] = *b"\x89PRTMR\r\n";
 /// Version of the layout that this program writes, and the newest it reads.
 pub const LAYOUT_VERSION: u32 = 1;
+/// Length of the checksum at the end.
 const CHECKSUM_BYTES: usize = 32;
 /// JSON takes many times its length in memory, so large data belong in arrays.
 const LONGEST_HEADER_BYTES: usize = 1 << 26;
+/// Length of what comes before the header.
 const PREFIX_BYTES: usize = 8 + 4 + 8;
 
 /// The content of a container file.
@@ -149,6 +151,7 @@ fn numbers<const SIZE: usize, T>(
     let ended = Ended {
         byte: cursor.position(),
     };
+    // Checked before anything is allocated: a length from the file may be near 2⁶⁴.
     let bytes = cursor.take(count.checked_mul(SIZE).ok_or(ended)?)?;
     let (chunks, _) = bytes.as_chunks::<SIZE>();
     Ok(chunks.iter().copied().map(number).collect())
@@ -199,6 +202,7 @@ impl Array {
     /// # Errors
     /// [`IoError::Unwritable`] unless the shape has as many elements as there are values.
     pub fn new(values: Values, shape: Vec<usize>) -> Result<Self> {
+        // The number of dimensions is written as one byte.
         let is_filled = element_count(&shape) == Some(values.len());
         if !is_filled || shape.len() > usize::from(u8::MAX) {
             let cause = format!("{} values do not fill the shape {shape:?}", values.len());
@@ -275,6 +279,7 @@ impl Container {
         bytes.extend_from_slice(&(header.len() as u64).to_le_bytes());
         bytes.extend_from_slice(&header);
         bytes.extend_from_slice(&(self.arrays.len() as u32).to_le_bytes());
+        // A map in the order of its keys: equal content gives equal bytes.
         for (name, array) in &self.arrays {
             write_name(&mut bytes, name)?;
             bytes.extend_from_slice(&[array.values.code(), array.shape.len() as u8]);
@@ -283,6 +288,7 @@ impl Container {
             }
             array.values.write(&mut bytes);
         }
+        // The checksum counts as part of the file, and the length is covered by it.
         let length = (bytes.len() + CHECKSUM_BYTES) as u64;
         bytes[12..20].copy_from_slice(&length.to_le_bytes());
         let checksum = Sha256::digest(&bytes);
@@ -317,6 +323,7 @@ impl Container {
             Ok(container) => container,
             Err(Unreadable::Error(error)) => return Err(error),
             Err(Unreadable::Ended(ended)) => {
+                // The cursor began after the prefix; a message counts from the start of the file.
                 let byte = ended.byte + PREFIX_BYTES;
                 return Err(corrupt(file, format!("a value is missing at byte {byte}")));
             }
@@ -339,6 +346,7 @@ impl Container {
 /// checksum.
 fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
     let mut cursor = Cursor::new(bytes);
+    // Another kind of file is told apart from a damaged one.
     if cursor.take(MAGIC.len()) != Ok(MAGIC.as_slice()) {
         let remedy = "give a file that protomer wrote, copied in binary mode";
         return Err(IoError::parse(file, 0, "it is not a protomer file", remedy));
@@ -346,6 +354,7 @@ fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
     let (Ok(version), Ok(length)) = (cursor.u32(), cursor.u64()) else {
         return Err(truncated(file, bytes.len(), None));
     };
+    // Before length and checksum: a newer layout may have them elsewhere.
     if version > LAYOUT_VERSION {
         let cause = format!(
             "its version {version} is newer than this program, which reads versions up to {LAYOUT_VERSION}"
@@ -353,6 +362,7 @@ fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
         let remedy = "use a newer protomer, or make the file again with this one";
         return Err(IoError::parse(file, 0, cause, remedy));
     }
+    // Shorter than stated: the transfer broke off, which is worth its own message.
     if length > bytes.len() as u64 {
         return Err(truncated(file, bytes.len(), Some(length)));
     }
@@ -360,6 +370,7 @@ fn check_envelope<'a>(file: &str, bytes: &'a [u8]) -> Result<&'a [u8]> {
         Some(signed) if signed >= PREFIX_BYTES => signed,
         _ => return Err(truncated(file, bytes.len(), None)),
     };
+    // The checksum covers everything before it, magic and length included.
     let checksum = Sha256::digest(&bytes[..signed]);
     if length < bytes.len() as u64 || checksum.as_slice() != &bytes[signed..] {
         let cause = "its checksum differs: the file is damaged";
@@ -387,7 +398,9 @@ impl From<IoError> for Unreadable {
 
 fn read_content(file: &str, cursor: &mut Cursor) -> std::result::Result<Container, Unreadable> {
     let kind = read_name(file, cursor)?;
+    // On 32 bits the length may not fit; the largest one then ends the data.
     let length = usize::try_from(cursor.u64()?).unwrap_or(usize::MAX);
+    // Only if the bytes are there: else the file is truncated, which is said below.
     if length > LONGEST_HEADER_BYTES && length <= cursor.remaining() {
         return Err(corrupt(file, format!("its header has {length} bytes")).into());
     }
@@ -399,6 +412,7 @@ fn read_content(file: &str, cursor: &mut Cursor) -> std::result::Result<Containe
         }
     };
     let mut container = Container::new(kind, header);
+    // The count only controls the loop: every array takes bytes, so a wrong one ends the data.
     for _ in 0..cursor.u32()? {
         let (name, array) = read_array(file, cursor)?;
         container.insert(name, array);

@@ -162,6 +162,7 @@ pub fn line(cells: impl IntoIterator<Item = impl AsRef<str>>) -> Result<String> 
 
 /// The fewest digits that read back exactly, in exponent notation if that is much shorter.
 fn number(value: f64) -> String {
+    // Beyond these bounds a float is written out with all its zeros.
     let is_short = value == 0.0 || (1e-5..1e16).contains(&value.abs());
     if is_short || !value.is_finite() {
         value.to_string()
@@ -184,6 +185,7 @@ fn number(value: f64) -> String {
 /// closing quote.
 pub fn cells(file: &str, line: usize, text: &str) -> Result<Vec<String>> {
     let mut cells = Vec::new();
+    // Lines are cut at `\n`; of `\r\n` the first half is left.
     let mut remainder = text.trim_end_matches('\r');
     loop {
         let column = cells.len() + 1;
@@ -218,6 +220,7 @@ fn quoted_cell<'a>(
             return Err(IoError::parse(file, line, cause, remedy));
         };
         cell.push_str(content);
+        // Two quotes within quotes stand for one.
         if let Some(after) = after.strip_prefix('"') {
             cell.push('"');
             remainder = after;

@@ -31,8 +31,11 @@ impl Destination {
     /// [`IoError::File`] for a folder, a socket, a disk, a pipe that nobody reads, links that lead in a
     /// circle, and a device that cannot be opened.
     pub fn find(path: &Path) -> Result<Self> {
+        // Followed by hand, one link at a time: the file is to be replaced
+        // where it lies, and the last part of the chain may not exist yet.
         let mut file = path.to_owned();
         for _ in 0..MOST_LINKS {
+            // Resolving these would give a path like `pipe:[123]`, or one that was removed.
             if is_of_a_process(&file) {
                 return open(path).map(Self::Stream);
             }
@@ -87,6 +90,7 @@ fn is_stream(_: &fs::Metadata) -> bool {
 
 fn open(path: &Path) -> Result<File> {
     let mut options = OpenOptions::new();
+    // At the end: the shell may have redirected several commands into the same file.
     options.append(true);
     // Opening a pipe waits for a reader. A first opening that does not wait tells whether there is one.
     let _reader_is_there = probe(&options, path)?;
@@ -99,6 +103,7 @@ fn probe(options: &OpenOptions, path: &Path) -> Result<Option<File>> {
     if !fs::metadata(path).is_ok_and(|metadata| metadata.file_type().is_fifo()) {
         return Ok(None);
     }
+    // Without a reader this fails at once instead of waiting for one that may never come.
     let opened = options.clone().custom_flags(libc::O_NONBLOCK).open(path);
     match opened {
         Ok(file) => Ok(Some(file)),

@@ -55,6 +55,7 @@ impl Digest {
 
     /// Reads its hexadecimal form, as it is displayed; `None` for anything else.
     pub fn from_hex(text: &str) -> Option<Self> {
+        // Small letters only, as `Display` writes them: one digest has one form.
         let is_hex = |byte: u8| matches!(byte, b'0'..=b'9' | b'a'..=b'f');
         if text.len() != 64 || !text.bytes().all(is_hex) {
             return None;

@@ -30,6 +30,7 @@ pub fn read_maybe_gzip(path: &Path, limit_bytes: u64) -> Result<Vec<u8>> {
         let is_folder = std::io::Error::new(std::io::ErrorKind::IsADirectory, "it is a folder");
         return Err(IoError::at(path, "read")(is_folder));
     }
+    // The length of a regular file is known before any of it is read.
     if metadata.len() > limit_bytes {
         return Err(too_large(&name, limit_bytes, false));
     }
@@ -52,17 +53,21 @@ pub fn read_maybe_gzip_from(name: &str, reader: impl Read, limit_bytes: u64) -> 
 
 fn read_bounded(path: &Path, mut reader: impl Read, limit_bytes: u64) -> Result<Vec<u8>> {
     let name = path.display().to_string();
+    // The content tells, not the name: files are renamed, and standard input has none.
     let mut start = Vec::with_capacity(GZIP_MAGIC.len());
     (&mut reader)
         .take(GZIP_MAGIC.len() as u64)
         .read_to_end(&mut start)
         .map_err(IoError::at(path, "read"))?;
     let compressed = start == GZIP_MAGIC;
+    // The first two bytes were taken from the reader and go back in front.
     let whole = start.as_slice().chain(reader);
     let mut content = Vec::new();
     // One byte beyond the limit distinguishes a file that just fits from one that does not.
     let bound = limit_bytes.saturating_add(1);
     if compressed {
+        // Several gzip members may follow each other. The
+        // limit is on what comes out: a bomb is small.
         let mut decoder = MultiGzDecoder::new(whole).take(bound);
         if let Err(error) = decoder.read_to_end(&mut content) {
             let cause = format!("the gzip data are damaged or truncated ({error})");

@@ -110,12 +110,15 @@ fn npy(array: &NamedArray) -> Vec<u8> {
     const MAGIC: &[u8] = b"\x93NUMPY\x01\x00";
     let lengths: Vec<String> = array.shape.iter().map(usize::to_string).collect();
     let shape = match lengths.as_slice() {
+        // A tuple of one element needs its comma in Python.
         [length] => format!("({length},)"),
         lengths => format!("({})", lengths.join(", ")),
     };
     let kind = array.values.kind();
     let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+    // Magic and version, then two bytes for the length of the header.
     let before = MAGIC.len() + 2;
+    // The line end counts; NumPy wants the values at a multiple of 64 to map them.
     let padded = (before + header.len() + 1).next_multiple_of(64) - before;
     let mut bytes = MAGIC.to_vec();
     bytes.extend((padded as u16).to_le_bytes());

@@ -46,6 +46,7 @@ pub fn read_xyzr(name: &str, bytes: &[u8]) -> Result<Vec<PointRecord>> {
             radius_angstrom: line.radius(tokens.next())?,
             ..PointRecord::default()
         };
+        // A fifth and sixth column are a flag and a name; `nth(2)` is the third further token.
         if tokens.nth(2).is_some() {
             let remedy = "write x y z radius, optionally followed by a flag and a name";
             return Err(line.error("there are more than six columns", remedy));

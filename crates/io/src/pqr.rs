@@ -58,6 +58,7 @@ pub fn read_pqr_file(name: &str, bytes: &[u8]) -> Result<PqrFile> {
     let mut file = PqrFile::default();
     let mut in_model = false;
     for (index, text) in text.lines().enumerate() {
+        // Only the name is taken off: in long files the serial number is glued to it.
         let after_name = text
             .strip_prefix("ATOM")
             .or_else(|| text.strip_prefix("HETATM"));
@@ -72,6 +73,7 @@ pub fn read_pqr_file(name: &str, bytes: &[u8]) -> Result<PqrFile> {
             refuse_unknown_atom(&line)?;
         } else {
             file.models += usize::from(!in_model);
+            // Atoms after ENDMDL, also without a MODEL line, are those of the next model.
             in_model = true;
             if file.models == 1 {
                 file.atoms.push(read_atom(&line)?);
@@ -109,6 +111,7 @@ fn refuse_unknown_atom(line: &Line) -> Result<()> {
 
 fn read_atom(line: &Line) -> Result<PointRecord> {
     let tokens: Vec<&str> = line.text.split_whitespace().collect();
+    // As it is first: a minus sign within a name is no separator.
     if let Some(record) = read_fields(line, &tokens)? {
         return Ok(record);
     }
@@ -152,6 +155,8 @@ fn split_fields<'a, 'f>(fields: &'f [&'a str]) -> Option<(&'a str, &'a str, &'f 
     const VALUES: usize = 5;
     if let [_, _, _, chain, number, values @ ..] = fields
         && values.len() >= VALUES
+        // With a chain first: without one, x would have to pass
+        // for a residue number, and a value would be missing.
         && split_number(number).is_some()
     {
         return Some((chain, number, values));

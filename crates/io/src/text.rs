@@ -26,6 +26,7 @@ pub(crate) fn decode<'a>(file: &str, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
 /// A token as an error message shows it: in quotes, and shortened if it is long.
 pub(crate) fn shown(token: &str) -> String {
     const LONGEST: usize = 40;
+    // By characters: a cut through one would panic.
     match token.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{:?}...", &token[..end]),
         None => format!("{token:?}"),
@@ -45,6 +46,7 @@ impl<'a> Line<'a> {
     /// line.
     pub fn significant(file: &'a str, text: &'a str) -> impl Iterator<Item = Line<'a>> {
         text.lines().enumerate().filter_map(move |(index, line)| {
+            // Numbered before comments are left out, so that messages name the line of the file.
             let text = line.split('#').next().unwrap_or_default().trim();
             (!text.is_empty()).then_some(Line {
                 file,
@@ -78,6 +80,7 @@ impl<'a> Line<'a> {
     pub fn number(&self, token: Option<&str>, subject: &str) -> Result<f64> {
         let token = self.required(token, subject)?;
         match token.parse::<f64>() {
+            // `inf` and `NaN` parse, but no file means them.
             Ok(value) if value.is_finite() => Ok(value),
             _ => {
                 let cause = format!("{subject} is {}", shown(token));

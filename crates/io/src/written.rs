@@ -31,10 +31,12 @@ const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 /// assert_eq!(csv_cell("a\nb"), "a b");
 /// ```
 pub fn csv_cell(text: &str) -> Cow<'_, str> {
+    // Most cells need no copy.
     let line = match text.contains(is_forbidden) {
         true => Cow::Owned(replaced(text, is_forbidden, ' ')),
         false => Cow::Borrowed(text),
     };
+    // A blank before the sign does not keep spreadsheets from taking it for a formula.
     let is_formula = line.trim_start().starts_with(['=', '+', '-', '@']) && !is_plain_cell(&line);
     match is_formula {
         true => Cow::Owned(format!("'{line}")),
@@ -86,7 +88,9 @@ pub fn json_in_html(json: &str) -> String {
     let mut safe = String::with_capacity(json.len());
     for character in json.chars() {
         match character {
+            // Covers `</script` and `<!--` alike.
             '<' => safe += "\\u003c",
+            // Both end a line in JavaScript, but not in JSON.
             '\u{2028}' => safe += "\\u2028",
             '\u{2029}' => safe += "\\u2029",
             _ => safe.push(character),
@@ -125,10 +129,13 @@ pub fn file_name(text: &str) -> String {
     let name = replaced(text, |character| !is_harmless(character), '_');
     // A leading dot hides a file, and a leading dash makes it a flag.
     let mut name = name.trim_start_matches(['.', ' ', '-']).to_owned();
+    // Whole characters: cutting bytes could leave half of one.
     while name.len() > LONGEST_FILE_NAME_BYTES {
         name.pop();
     }
+    // After the cut, which may have brought a dot or blank to the end; Windows drops these.
     name.truncate(name.trim_end_matches(['.', ' ']).len());
+    // `con.txt` is the console too: what counts is the part before the first dot.
     let stem = name.split('.').next().unwrap_or_default();
     match name.is_empty() || is_device(&stem.to_ascii_lowercase()) {
         true => format!("_{name}"),
@@ -164,6 +171,7 @@ impl FileNames {
         let first = file_name(name);
         let mut unused = first.clone();
         let mut count = 1;
+        // In small letters, as file systems compare; the name itself keeps its capitals.
         while !self.used.insert(unused.to_lowercase()) {
             count += 1;
             unused = format!("{first}_{count}");

@@ -1,5 +1,5 @@
 //! Rates of the overlap kernel in processor time: trial moves of hard bodies, and single queries
-//! beside other methods.
+//! compared with other methods.
 //!
 //! ```text
 //! cargo bench -p protomer-kernel --bench overlap

@@ -90,6 +90,8 @@ impl CellList {
             None => candidates.extend(0..self.count),
             Some(grid) => {
                 grid.collect(position, candidates);
+                // The cells are visited in the order of the grid;
+                // ascending indices hide what moved before.
                 candidates.sort_unstable();
             }
         }
@@ -107,10 +109,12 @@ impl Grid {
     /// A grid without members; `None` where it would not pay or has too few cells.
     fn new(boundary: &Boundary, range: f64) -> Option<Self> {
         if !(range.is_finite() && range > 0.0) {
+            // An infinite range has no cells, and one of zero would divide by zero.
             return None;
         }
         let (cell_lengths, cells_per_edge) = match boundary {
             Boundary::Periodic { lengths_angstrom } => {
+                // Rounded down, so that a cell is at least as wide as the range.
                 let cells = lengths_angstrom.map(|length| (length / range).floor());
                 if cells.min() < FEWEST_CELLS {
                     return None;
@@ -131,6 +135,7 @@ impl Grid {
     }
 
     fn cell(&self, position: &Vec3) -> [i64; 3] {
+        // The position may have left the box by a move; its image inside names the cell.
         let wrapped = self.boundary.wrap(position);
         let [x, y, z] = wrapped.component_div(&self.cell_lengths).into();
         self.periodic([x.floor() as i64, y.floor() as i64, z.floor() as i64])
@@ -155,11 +160,13 @@ impl Grid {
 
     fn relocate(&mut self, index: usize, from: &Vec3, to: &Vec3) {
         let (old, new) = (self.cell(from), self.cell(to));
+        // Most trial moves stay in their cell.
         if old == new {
             return;
         }
         if let Some(members) = self.members.get_mut(&old) {
             members.retain(|member| *member as usize != index);
+            // Empty cells go: unbounded space would otherwise collect every cell ever visited.
             if members.is_empty() {
                 self.members.remove(&old);
             }
@@ -170,6 +177,9 @@ impl Grid {
     /// Adds the members of the 27 cells around a position.
     fn collect(&self, position: &Vec3, candidates: &mut Vec<usize>) {
         let [x, y, z] = self.cell(position);
+        // A cell is at least one range wide: nothing in
+        // range is further than the next cell. With four
+        // cells along an edge and more, the 27 are all different, so no index comes twice.
         for dx in -1..=1 {
             for dy in -1..=1 {
                 for dz in -1..=1 {

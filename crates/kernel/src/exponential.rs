@@ -17,9 +17,11 @@ use crate::fused::add;
 pub fn exp_of_minus(y: f64) -> f64 {
     /// Constant that rounds a number to an integer, held in the low bits, when added to it.
     const ROUNDER: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
-    /// ln 2 in two parts; the first has so few bits that n times it is exact.
+    /// The first part of ln 2: it has so few bits that n times it is exact.
     const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+    /// The rest of ln 2.
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+    /// 1/12! to 1/0!.
     const INVERSE_FACTORIALS: [f64; 13] = [
         1.0 / 479_001_600.0,
         1.0 / 39_916_800.0,
@@ -35,14 +37,20 @@ pub fn exp_of_minus(y: f64) -> f64 {
         1.0,
         1.0,
     ];
+    // A comparison instead of `min`: the compiler makes one vector instruction of it.
     let x = -(if y < 700.0 { y } else { 700.0 });
+    // The sum's unit in the last place is 1, so rounding
+    // to nearest leaves the integer n in the low bits.
     let shifted = x * std::f64::consts::LOG2_E + ROUNDER;
     let n = shifted - ROUNDER;
+    // Two parts of ln 2 (Cody and Waite): n LN_2_HIGH is exact, so f keeps all its digits.
     let f = (x - n * LN_2_HIGH) - n * LN_2_LOW;
     let mut polynomial = INVERSE_FACTORIALS[0];
     for coefficient in &INVERSE_FACTORIALS[1..] {
+        // Not fused, so that every processor finds the same bits.
         polynomial = polynomial * f + coefficient;
     }
+    // The low bits of `shifted` hold n; moved to the exponent and biased by 1023 they are 2ⁿ.
     polynomial * f64::from_bits((shifted.to_bits() << 52).wrapping_add(1023 << 52))
 }
 

@@ -125,8 +125,10 @@ impl<const D: usize> PeriodicBox<D> {
         let gamma = angles_degrees[count - 1];
         let sine = (1.0 - cosine(gamma).powi(2)).sqrt();
         // Directions of the edges, each of length one.
+        // Columns of an upper triangular matrix: x along the first edge, y in the plane of two.
         let mut directions = vec![vec![1.0], vec![cosine(gamma), sine]];
         if let [alpha, beta, _] = angles_degrees {
+            // From the scalar products b·c = cos α, with the known parts along x and y.
             let y = (cosine(*alpha) - cosine(*beta) * cosine(gamma)) / sine;
             let squared = 1.0 - cosine(*beta).powi(2) - y * y;
             let solid = "such that three edges meet in a corner: each angle smaller than the sum of \
@@ -138,6 +140,7 @@ impl<const D: usize> PeriodicBox<D> {
         let (mut lengths, mut tilts) = ([0.0; D], [[0.0; D]; D]);
         for (column, direction) in directions.iter().enumerate() {
             lengths[column] = edges[column] * direction[column];
+            // N is h with its columns divided by the diagonal.
             for row in 0..column {
                 tilts[row][column] = direction[row] / direction[column];
             }
@@ -192,6 +195,7 @@ impl<const D: usize> PeriodicBox<D> {
             for column in 0..D {
                 let mut unit = [0.0; D];
                 unit[column] = 1.0;
+                // Row `axis` of N⁻¹, one column at a time; its length shortens the height.
                 squared += self.unsheared(&unit)[axis].powi(2);
             }
             *height /= squared.sqrt();
@@ -203,6 +207,7 @@ impl<const D: usize> PeriodicBox<D> {
     #[inline]
     pub fn unsheared(&self, place: &[f64; D]) -> [f64; D] {
         let mut straight = *place;
+        // Back substitution: later components are straight already.
         for row in (0..D).rev() {
             let tilts = self.tilts[row].iter().zip(straight).skip(row + 1);
             straight[row] -= tilts.map(|(tilt, component)| tilt * component).sum::<f64>();
@@ -245,8 +250,11 @@ impl<const D: usize> PeriodicBox<D> {
             return std::array::from_fn(|axis| wrapped(place[axis], self.lengths[axis]));
         }
         let mut inside = *place;
+        // From the last axis: edges along later axes shift
+        // the earlier components, not the other way.
         for axis in (0..D).rev() {
             let part = self.unsheared(&inside)[axis] / self.lengths[axis];
+            // Within rounding of a face the place stays, see `ON_FACE`.
             if !(-ON_FACE..=1.0 + ON_FACE).contains(&part) {
                 self.add_edges(&mut inside, axis, -part.floor());
             }
@@ -260,11 +268,14 @@ impl<const D: usize> PeriodicBox<D> {
     pub fn nearest_image(&self, displacement: &[f64; D]) -> [f64; D] {
         let mut nearest = *displacement;
         if self.is_rectangular {
+            // Rectangular boxes, by far the most frequent,
+            // need no dependent steps and are vectorised.
             for (x, length) in nearest.iter_mut().zip(&self.lengths) {
                 *x -= length * (*x / length).round();
             }
             return nearest;
         }
+        // As in `wrap`: a step along a later axis changes the earlier components.
         for axis in (0..D).rev() {
             let times = (nearest[axis] / self.lengths[axis]).round();
             self.add_edges(&mut nearest, axis, -times);
@@ -310,6 +321,7 @@ impl<const D: usize> PeriodicBox<D> {
             return visit(*displacement);
         };
         let (x, length) = (displacement[axis], self.lengths[axis]);
+        // All whole numbers of edges with |x + times · length| ≤ range.
         let mut times = ((-range - x) / length).ceil();
         let last = ((range - x) / length).floor();
         while times <= last {

@@ -18,7 +18,7 @@ const PURPOSE_SHIFT: u32 = 24;
 
 /// Purposes of random numbers.
 ///
-/// Each purpose has streams of its own, so that two uses of one seed never share numbers. The values
+/// Each purpose has its own streams, so that two uses of one seed never share numbers. The values
 /// are part of every seeded result: a new purpose takes a new value, and no value ever changes. The
 /// compiler refuses two equal ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,6 +103,7 @@ pub enum Purpose {
 fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     for _ in 0..ROUNDS {
         let product_0 = u64::from(MULTIPLIERS[0]) * u64::from(counter[0]);
+        // One round: high halves mix with their neighbours and the key, low halves pass on.
         let product_1 = u64::from(MULTIPLIERS[1]) * u64::from(counter[2]);
         counter = [
             (product_1 >> 32) as u32 ^ counter[1] ^ key[0],
@@ -110,6 +111,7 @@ fn philox(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
             (product_0 >> 32) as u32 ^ counter[3] ^ key[1],
             product_0 as u32,
         ];
+        // The key is bumped by a Weyl sequence: every round has another one.
         key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
     }
     counter
@@ -165,6 +167,7 @@ impl CounterRng {
     fn word(&mut self) -> u32 {
         if self.used == self.words.len() {
             self.words = philox(self.counter, self.key);
+            // Word 3 holds the purpose in its upper 8 bits; the count of blocks has the lower 24.
             self.counter[3] = self.counter[3].wrapping_add(1);
             self.used = 0;
         }
@@ -180,6 +183,7 @@ impl CounterRng {
 
     /// A number uniform in [0, 1), a multiple of 2⁻⁵³.
     pub fn uniform(&mut self) -> f64 {
+        // 53 random bits: exactly the multiples of 2⁻⁵³, all of which a double holds.
         (self.two_words() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
@@ -190,6 +194,7 @@ impl CounterRng {
 
     /// An index uniform in 0..count (0 for an empty range); the bias is below count / 2⁶⁴.
     pub fn index(&mut self, count: usize) -> usize {
+        // The high half of the 128-bit product scales without a division and without rejection.
         ((u128::from(self.two_words()) * count as u128) >> 64) as usize
     }
 
@@ -216,8 +221,10 @@ impl CounterRng {
 
     /// A direction uniform on the unit sphere.
     pub fn unit_vector(&mut self) -> Vec3 {
+        // Archimedes: z is uniform on the sphere.
         let z = self.uniform_in(-1.0, 1.0);
         let (sine, cosine) = (TAU * self.uniform()).sin_cos();
+        // Rounding may make 1 - z² negative at the poles.
         let radius = (1.0 - z * z).max(0.0).sqrt();
         Vec3::new(radius * cosine, radius * sine, z)
     }
@@ -225,6 +232,7 @@ impl CounterRng {
     /// A vector uniform in the ball of this radius.
     pub fn vector_in_ball(&mut self, radius: f64) -> Vec3 {
         let direction = self.unit_vector();
+        // The volume within r grows as r³.
         direction * (radius * self.uniform().cbrt())
     }
 
@@ -261,6 +269,7 @@ impl TryRng for CounterRng {
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        // A remainder below four bytes uses up a whole word, so later draws keep their places.
         for chunk in bytes.chunks_mut(4) {
             chunk.copy_from_slice(&self.word().to_le_bytes()[..chunk.len()]);
         }

@@ -1,7 +1,7 @@
 //! Functions compiled for several instruction sets.
 //!
 //! A set of instructions is written down once, in [`instructions!`](crate::instructions): what a
-//! function is compiled for is what the processor is asked for before the function is called.
+//! function is compiled for is what the processor is checked for before the function is called.
 //! Nothing else in the workspace names processor features.
 
 /// The sets of vector instructions: whether this processor has one, and a function compiled for it.
@@ -155,6 +155,8 @@ macro_rules! vectorised {
         [$($set:ident $compiled:ident),+] $any:ident [$($vector:tt)*] [$($portable:tt)*]
     ) => {
         $($front)* fn $name $($generics)* ($($argument: $type),*) $(-> $out)? {
+            // Widest first: each form returns, so the portable
+            // body is reached only if none is available.
             $crate::vectorised!(@call [$($path)*] ($($argument),*) $($set $compiled),+);
             $($path)* $any $($portable)* ($($argument),*)
         }
@@ -169,6 +171,7 @@ macro_rules! vectorised {
     };
     (@call [$($path:tt)*] $arguments:tt $set:ident $compiled:ident) => {
         #[cfg(target_arch = "x86_64")]
+        // The macro keeps the result of the question in an atomic; asking again costs a load.
         if $crate::instructions!($set: detected) {
             // SAFETY: the processor has the set of instructions that the function is compiled for.
             return unsafe { $($path)* $compiled $arguments };

@@ -39,6 +39,7 @@ impl CubeRotation {
             [2, 1, 0],
         ];
         let mut proper = Vec::with_capacity(Self::COUNT);
+        // All 48 signed permutations; half of them, with determinant -1, are reflections.
         for axes in ORDERS {
             for bits in 0..8_u8 {
                 let reversed = [bits & 1 != 0, bits & 2 != 0, bits & 4 != 0];
@@ -69,6 +70,7 @@ impl CubeRotation {
 
     /// Index after the turn of the voxel with the index (z size + y) size + x before it.
     pub fn voxel(&self, size: usize, voxel: usize) -> usize {
+        // Coordinates z, y, x, as the index counts them.
         let before = [voxel / (size * size), voxel / size % size, voxel % size];
         let mut after = 0;
         for (axis, reversed) in self.axes.iter().zip(self.reversed) {
@@ -85,6 +87,7 @@ impl CubeRotation {
     /// The grid turned, its voxels ascending again. The grid must pass [`SparseGrid::check`].
     pub fn sparse(&self, grid: &SparseGrid) -> SparseGrid {
         // Voxels after the turn, with their places before it.
+        // The voxels must ascend again, and every channel is permuted in the same way: sort once.
         let mut order: Vec<(u32, usize)> = Vec::with_capacity(grid.index.len());
         for (place, voxel) in grid.index.iter().enumerate() {
             order.push((self.voxel(grid.size, *voxel as usize) as u32, place));

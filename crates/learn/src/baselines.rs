@@ -141,10 +141,12 @@ fn regression(
     weights: Option<&[f64]>,
     split: &Split,
 ) -> Result<Vec<f64>> {
+    // Weights and labels in the order of the validation part, as the probabilities are.
     let pick = |all: &[f64]| -> Vec<f64> { split.validation.iter().map(|i| all[*i]).collect() };
     let weights_there = weights.map(pick);
     let truth: Vec<usize> = split.validation.iter().map(|i| labels[*i]).collect();
     let fit = |ridge| Logistic::fit(table, &split.training, labels, weights, classes, ridge);
+    // The strongest ridge serves when nothing is there to choose by: it promises least.
     let mut best = fit(RIDGES[0])?;
     if split.validation.is_empty() {
         return best.probabilities(table, &split.test);
@@ -157,6 +159,7 @@ fn regression(
     for ridge in &RIDGES[1..] {
         let other = fit(*ridge)?;
         let loss = loss(&other)?;
+        // Strictly: of equal losses the stronger ridge stays.
         if loss < least {
             (least, best) = (loss, other);
         }
@@ -172,6 +175,7 @@ fn size(description: &Description) -> Vec<f64> {
     ];
     features.extend(description.extents_angstrom);
     for length in &mut features {
+        // Less than one residue or one ångström means that the size is unknown.
         *length = if *length < 1.0 { 0.0 } else { length.ln() };
     }
     features

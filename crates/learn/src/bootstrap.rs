@@ -63,6 +63,7 @@ pub fn bootstrap<C: Ord, const N: usize>(
         ));
     }
     let clusters = Clusters::new(clusters);
+    // Each replicate has its own stream of random numbers, so threads do not matter.
     let draws: Vec<[f64; N]> = (0..replicates)
         .into_par_iter()
         .map(|replicate| statistics(&clusters.draw(seed, replicate as u64)))
@@ -84,6 +85,8 @@ struct Clusters {
 
 impl Clusters {
     fn new<C: Ord>(clusters: &[C]) -> Self {
+        // Sorted, so that the numbers of clusters follow
+        // from the names and not from the order of samples.
         let names: BTreeSet<&C> = clusters.iter().collect();
         let numbers: BTreeMap<&C, usize> = names.into_iter().zip(0..).collect();
         Self {
@@ -96,6 +99,8 @@ impl Clusters {
     fn draw(&self, seed: u64, replicate: u64) -> Vec<f64> {
         let mut random = CounterRng::for_purpose(seed, 0, replicate, Purpose::Bootstrap);
         let mut drawn = vec![0.0; self.count];
+        // As many draws as there are clusters: the number of samples
+        // varies between replicates, as it would between sets.
         for _ in 0..self.count {
             drawn[random.index(self.count)] += 1.0;
         }
@@ -108,6 +113,7 @@ impl Clusters {
 
 /// The interval that holds `level` of the finite values.
 fn interval(estimate: f64, mut values: Vec<f64>, level: f64) -> Result<Interval> {
+    // A replicate may lack a class and have no value of some statistic.
     values.retain(|value| value.is_finite());
     values.sort_unstable_by(f64::total_cmp);
     if values.is_empty() {
@@ -123,6 +129,7 @@ fn interval(estimate: f64, mut values: Vec<f64>, level: f64) -> Result<Interval>
 
 /// The quantile of sorted values, one or more, linear between them.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
+    // Numbers 0 to n - 1 stand for shares 0 to 1; `ceil` of the last stays inside.
     let place = share * (sorted.len() - 1) as f64;
     let (low, high) = (
         sorted[place.floor() as usize],

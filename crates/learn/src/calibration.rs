@@ -6,8 +6,9 @@
 use crate::Result;
 use crate::scores::{SMALLEST_PROBABILITY, check};
 
-/// Smallest and largest temperature tried.
+/// Smallest temperature tried.
 const SMALLEST: f64 = 1e-2;
+/// Largest temperature tried.
 const LARGEST: f64 = 1e2;
 /// Number of halvings after which the bracket of ln T is as narrow as rounding allows.
 const HALVINGS: usize = 80;
@@ -44,8 +45,11 @@ pub fn temperature(
     weights: Option<&[f64]>,
 ) -> Result<f64> {
     check(p, labels, classes, weights)?;
+    // The loss is convex in β = 1 / T: its slope rises, and one sign change is the minimum.
     let slope = |log_beta: f64| slope(p, labels, classes, weights, log_beta.exp());
+    // In ln β: the range covers four decades, and both ends deserve the same relative precision.
     let (mut low, mut high) = ((1.0 / LARGEST).ln(), (1.0 / SMALLEST).ln());
+    // No change of sign: the loss still falls at one end of the range.
     if slope(low) >= 0.0 || slope(high) <= 0.0 {
         return Ok(1.0);
     }
@@ -57,6 +61,7 @@ pub fn temperature(
             high = middle;
         }
     }
+    // T = 1 / β, and the middle of the last bracket.
     Ok((-0.5 * (low + high)).exp())
 }
 
@@ -65,6 +70,7 @@ fn slope(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>, b
     let mut slope = 0.0;
     for (sample, (label, p)) in labels.iter().zip(p.chunks_exact(classes)).enumerate() {
         let mut mean = 0.0;
+        // ⟨z⟩ at β, with z = ln p up to a constant that cancels against z_label.
         for (q, p) in softened(p, beta).iter().zip(p) {
             mean += q * logarithm(*p);
         }
@@ -96,6 +102,7 @@ fn softened(p: &[f64], beta: f64) -> Vec<f64> {
 
 /// Replaces each z_k by exp(z_k) / Σ exp(z_j), safe for any finite z.
 pub(crate) fn softmax(logits: &mut [f64]) {
+    // The largest becomes exp(0) = 1, so the sum is at least 1 and nothing overflows.
     let largest = logits.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     for logit in logits.iter_mut() {
         *logit = (*logit - largest).exp();

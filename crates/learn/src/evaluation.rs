@@ -1,5 +1,5 @@
-//! The evaluation of predictions on a test part: scores beside baselines, intervals over clusters,
-//! and whether it could be chance.
+//! The evaluation of predictions on a test part: scores compared with baselines, intervals over
+//! clusters, and whether it could be chance.
 
 use crate::Result;
 use crate::baselines::{Baseline, baselines};

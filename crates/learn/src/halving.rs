@@ -83,6 +83,7 @@ impl Halving {
     pub fn rungs(&self) -> Vec<usize> {
         let (mut rung, mut trials) = (self.epochs, self.trials);
         let mut rungs = vec![rung];
+        // One rung for each time that the trials can be cut to a third, down to one epoch.
         while trials > 1 && rung > 1 {
             trials = kept(trials);
             rung = (rung / KEPT_ONE_OF).max(1);
@@ -96,6 +97,7 @@ impl Halving {
     pub fn total_epochs(&self) -> u64 {
         let (mut trials, mut before, mut total) = (self.trials, 0, 0);
         for rung in self.rungs() {
+            // Those who go on have done the epochs of the rung before: only the rest counts.
             total += trials * (rung - before);
             (trials, before) = (kept(trials), rung);
         }
@@ -135,6 +137,7 @@ impl Halving {
         let mut before = 0;
         for rung in self.rungs() {
             let mut contenders = Vec::with_capacity(standing.running.len());
+            // Only the rung that is not finished matters; at earlier ones nobody was behind.
             standing.behind.clear();
             for (place, (trial, _)) in standing.running.iter().enumerate() {
                 match reached(*trial, rung)? {
@@ -143,14 +146,18 @@ impl Halving {
                 }
             }
             standing.epochs += (contenders.len() * (rung - before)) as u64;
+            // A rung is judged only when all have reached it, so
+            // the outcome does not depend on which trial was fast.
             if !standing.behind.is_empty() {
                 standing.rung = Some(before..rung);
                 return Ok(standing);
             }
             contenders.sort_by(|(a, at_a), (b, at_b)| {
+                // Diverged trials count as infinite loss and come last; equals keep their order.
                 let by_loss = at_a.loss().total_cmp(&at_b.loss());
                 by_loss.then(a.cmp(b))
             });
+            // Nobody leaves at the last rung: everyone there is a result.
             let is_last = rung == self.epochs;
             let on = if is_last {
                 contenders.len()
@@ -177,6 +184,7 @@ impl Reached {
         };
         for record in history {
             let loss = record.validation_loss_nats.unwrap_or(f64::INFINITY);
+            // Strictly smaller: of equal losses the earlier epoch counts. NaN is never smaller.
             if loss < reached.loss() {
                 reached.validation_loss_nats = Some(loss);
                 reached.validation_balanced_accuracy = record.validation_balanced_accuracy;

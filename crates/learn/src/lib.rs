@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! samples --split by cluster--> training, validation, test
-//!         --scaled, turned--> network --> scores beside baselines
+//!         --scaled, turned--> network --> scores compared with baselines
 //! ```
 //!
 //! | module | one idea |

@@ -136,15 +136,21 @@ impl Adam {
         learning_rate: f64,
         clip_norm: Option<f64>,
     ) -> Result<f64> {
+        // All gradients before anything changes: a missing
+        // one leaves parameters and memory as they were.
         let gradients = self.gradients(gradients)?;
         let norm = norm(&gradients)?;
+        // One infinite gradient would stay in the moments for good.
+        // The step is left out; the caller sees it by the norm and counts it.
         if !norm.is_finite() {
             return Ok(norm);
         }
+        // One factor for all parameters keeps the direction of the step.
         let scale = match clip_norm {
             Some(limit) if norm > limit => limit / norm,
             _ => 1.0,
         };
+        // Before the slots: the correction for the start divides by 1 - β^t, with t = 1 at first.
         self.steps += 1;
         self.counter = Tensor::new(self.steps, &Device::Cpu)?;
         for (slot, gradient) in self.slots.iter_mut().zip(gradients) {
@@ -166,6 +172,7 @@ impl Adam {
                 let name = &slot.name;
                 return refuse(format!("{name} has no gradient: is it part of the loss?"));
             };
+            // Off the graph, or the moments would hold every epoch's graph in memory.
             gradients.push(gradient.detach());
         }
         Ok(gradients)
@@ -196,6 +203,8 @@ impl Adam {
     pub fn load_state(&mut self, state: &[(String, Tensor)]) -> Result<()> {
         let counter = find(state, "step")?.detach().to_device(&Device::Cpu)?;
         let steps = counter.to_scalar::<u32>()?;
+        // All moments are read before the first is replaced: a file
+        // that does not fit must not leave half a memory behind.
         let mut moments = Vec::with_capacity(self.slots.len());
         for slot in &self.slots {
             moments.push((
@@ -228,12 +237,15 @@ impl Slot {
             ..
         } = *settings;
         let steps = f64::from(steps);
+        // Both moments began at zero and so are too small by 1 - β^t.
         let (first_share, second_share) = (1.0 - beta1.powf(steps), 1.0 - beta2.powf(steps));
         self.first = ((&self.first * beta1)? + (gradient * (1.0 - beta1))?)?;
         self.second = ((&self.second * beta2)? + (gradient.sqr()? * (1.0 - beta2))?)?;
         let root = ((&self.second / second_share)?.sqrt()? + epsilon)?;
         let mut change = ((&self.first / first_share)? / root)?;
+        // Detached, or each step would hang on to the graph of the one before.
         let old = self.parameter.as_detached_tensor();
+        // Decay of a bias or of a normalisation's scale would pull the output, not simplify it.
         if weight_decay > 0.0 && old.rank() > 1 {
             change = (change + (&old * weight_decay)?)?;
         }
@@ -261,10 +273,12 @@ fn norm(gradients: &[Tensor]) -> Result<f64> {
     for gradient in gradients {
         square += f64::from(sum_of_squares(gradient)?);
     }
+    // One norm over all parameters: clipping by parameter would turn the step.
     Ok(square.sqrt())
 }
 
 fn sum_of_squares(gradient: &Tensor) -> Result<f32> {
+    // Away from the processor one number comes back, not the whole gradient.
     if !gradient.device().is_cpu() {
         return Ok(gradient.sqr()?.sum_all()?.to_scalar()?);
     }

@@ -71,6 +71,7 @@ pub fn permutation_test(
     seed: u64,
 ) -> Result<PermutationTest> {
     let clusters = Exchangeable::new(predictions.descriptions, predictions.split)?;
+    // Without weights: they belong to the true labels and would have to move with them.
     let loss = |labels: &[usize]| {
         let truth = predictions.of_test(labels)?;
         let scores = Scores::of(predictions.probabilities, &truth, predictions.classes, None)?;
@@ -83,9 +84,12 @@ pub fn permutation_test(
         .collect::<Result<Vec<f64>>>()?;
     let as_good = losses
         .iter()
+        // Counting from just above the observed: an exchange that changes
+        // nothing must count as being as good, whatever the order of its sum.
         .filter(|loss| **loss <= observed * (1.0 + EQUAL))
         .count();
     Ok(PermutationTest {
+        // The observed order is one of the possible ones, so the p-value is never 0.
         p_value: (1 + as_good) as f64 / (1 + exchanges) as f64,
         exchanges,
         movable: clusters.movable(TEST),
@@ -113,11 +117,14 @@ impl Exchangeable {
         }
         let mut groups = BTreeMap::<_, Vec<Vec<usize>>>::new();
         for cluster in clusters(descriptions)? {
+            // A cluster that the split cuts exchanges each part apart: labels must not cross parts.
             for part in 0..parts.len() {
                 let mut members = cluster.clone();
                 members.retain(|sample| part_of[*sample] == Some(part));
                 if !members.is_empty() {
                     groups
+                        // Only clusters of one size can exchange whole
+                        // lists without changing the counts of labels.
                         .entry((part, members.len()))
                         .or_default()
                         .push(members);
@@ -131,6 +138,7 @@ impl Exchangeable {
     fn exchange(&self, labels: &[usize], seed: u64, number: u64) -> Vec<usize> {
         let mut random = CounterRng::for_purpose(seed, 0, number, Purpose::Permutation);
         let mut exchanged = labels.to_vec();
+        // From `labels`, not `exchanged`: every list is read before any is overwritten.
         for group in self.groups.values() {
             let mut order: Vec<usize> = (0..group.len()).collect();
             shuffle(&mut order, &mut random);
@@ -150,6 +158,7 @@ impl Exchangeable {
             if *of_part == part {
                 let samples = size * group.len();
                 all += samples;
+                // A group with a single cluster can only exchange with itself.
                 movable += if group.len() > 1 { samples } else { 0 };
             }
         }

@@ -119,7 +119,7 @@ pub struct Description {
     /// split.
     pub cluster: String,
     /// Family of the sample. Copies of one crystal form share a family and are weighted down
-    /// together. Empty: a family of its own.
+    /// together. Empty: a separate family.
     pub family: String,
     /// Number of residues.
     pub residues: f64,

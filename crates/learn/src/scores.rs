@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 /// Smallest probability in logarithms: smaller ones count as this one. Certainty in error then
 /// costs much, but not everything.
 pub(crate) const SMALLEST_PROBABILITY: f64 = 1e-15;
+/// Bins of the confidence for the reliability.
 const RELIABILITY_BINS: usize = 15;
+/// Most probable classes among which the true one counts for the top-3 accuracy.
 const TOP: usize = 3;
 
 /// Scores of predicted probabilities.
@@ -84,6 +86,7 @@ impl Scores {
             reliability: vec![ReliabilityBin::default(); RELIABILITY_BINS],
             ..Self::default()
         };
+        // Every sum is divided at the end by the weights alone, so their scale does not matter.
         let mut total = 0.0;
         let rows = labels.iter().zip(probabilities.chunks_exact(classes));
         for (sample, (label, p)) in rows.enumerate() {
@@ -101,7 +104,9 @@ impl Scores {
     fn add(&mut self, p: &[f64], label: usize, weight: f64) {
         let predicted = most_probable(p);
         let rank = rank(p, label);
+        // Rank 0 and the most probable class break ties alike, so `hit` agrees with the confusion.
         let hit = if rank == 0 { weight } else { 0.0 };
+        // Row: the true class. Column: the predicted one.
         self.confusion[label][predicted] += weight;
         self.accuracy += hit;
         self.top3_accuracy += if rank < TOP { weight } else { 0.0 };
@@ -114,6 +119,7 @@ impl Scores {
         self.brier += weight * squares;
         let confidence = p[predicted];
         let bin = (confidence * RELIABILITY_BINS as f64) as usize;
+        // A confidence of exactly 1 would fall behind the last bin.
         let bin = &mut self.reliability[bin.min(RELIABILITY_BINS - 1)];
         bin.weight += weight;
         bin.confidence += weight * confidence;
@@ -130,6 +136,7 @@ impl Scores {
             if bin.weight > 0.0 {
                 bin.confidence /= bin.weight;
                 bin.accuracy /= bin.weight;
+                // Inside `if`: an empty bin has no mean, and counts nothing.
                 self.expected_calibration_error +=
                     bin.weight / total * (bin.accuracy - bin.confidence).abs();
             }
@@ -182,6 +189,7 @@ pub(crate) fn check(
     if let Some(label) = labels.iter().find(|label| **label >= classes) {
         return refuse(format!("class {label} of {classes}"));
     }
+    // Room for rounding in a softmax of f32; an error of logic is larger by far.
     let is_probability = |p: &f64| (-1e-9..=1.0 + 1e-9).contains(p);
     if let Some(place) = p.iter().position(|p| !is_probability(p)) {
         return refuse(format!(
@@ -197,6 +205,7 @@ pub(crate) fn check(
     let usable = weights
         .iter()
         .all(|weight| weight.is_finite() && *weight >= 0.0);
+    // Weights all zero would divide by zero.
     if weights.len() != samples || !usable || weights.iter().sum::<f64>() <= 0.0 {
         let given = weights.len();
         return refuse(format!(
@@ -213,11 +222,13 @@ fn recall_and_f1(confusion: &[Vec<f64>]) -> (f64, f64) {
     for (class, row) in confusion.iter().enumerate() {
         let hit = row[class];
         let truth: f64 = row.iter().sum();
+        // A class absent from the truth has no recall.
         if truth > 0.0 {
             recalls += hit / truth;
             present += 1.0;
         }
         // 2 TP + FP + FN = (TP + FN) + (TP + FP)
+        // A class neither present nor predicted has no F1.
         if truth + predicted[class] > 0.0 {
             f1 += 2.0 * hit / (truth + predicted[class]);
             named += 1.0;
@@ -238,6 +249,7 @@ fn matthews(confusion: &[Vec<f64>]) -> f64 {
     for (class, row) in confusion.iter().enumerate() {
         correct += row[class];
     }
+    // Zero when every sample has, or gets, the same class: there is no correlation with a constant.
     let square = (all * all - dot(&predicted, &predicted)) * (all * all - dot(&truth, &truth));
     if square > 0.0 {
         (correct * all - dot(&truth, &predicted)) / square.sqrt()

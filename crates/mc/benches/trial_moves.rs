@@ -3,7 +3,7 @@
 //! `cargo bench -p protomer-mc --bench trial_moves [-- RUNS]`
 //!
 //! The bodies drift apart as they move, and moves become easy; so the benchmark makes many short
-//! runs, each from the saved state with a seed of its own, and counts the processor time of the
+//! runs, each from the saved state with its own seed, and counts the processor time of the
 //! moves alone.
 #![allow(
     clippy::expect_used,

@@ -46,6 +46,7 @@ impl ChargeCloud {
     pub fn new(charges: &[(Vec3, f64)]) -> Self {
         let mut charged: Vec<(Vec3, f64)> = charges
             .iter()
+            // Sites without charge cost time in every pair sum and change nothing.
             .filter(|(_, charge)| *charge != 0.0)
             .copied()
             .collect();
@@ -130,7 +131,9 @@ pub(crate) fn near_neighbours<T>(sites: &mut [(Vec3, T)], take: &mut impl FnMut(
         high = high.sup(position);
     }
     let axis = (high - low).imax();
+    // At a multiple of the lanes: only the last group has empty ones.
     let middle = sites.len().div_ceil(LANES).div_ceil(2) * LANES;
+    // A selection is linear; the order within the halves does not matter.
     sites.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]));
     let (left, right) = sites.split_at_mut(middle);
     near_neighbours(left, take);

@@ -53,16 +53,21 @@ impl HardBodies {
         for &partner in partners {
             let pair = trial.pair(partner);
             if within_bounding_spheres(&pair) {
+                // Asked only for pairs whose spheres meet: the look-up costs more than the test.
                 let remembered_gap = self.known_gap(&pair);
                 if remembered_gap.now_angstrom() <= 0.0 {
+                    // Still apart by an earlier bound: proven, no mesh is touched.
                     suspects.push((remembered_gap.now_angstrom(), partner));
                 }
             }
         }
+        // The least certain first: an overlap ends the search.
+        // Ties by index, for the same answer each time.
         suspects.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let blocked = suspects
             .iter()
             .any(|(_, partner)| self.meshes_overlap(&trial.pair(*partner)));
+        // Given back, so the next trial needs no allocation.
         self.suspects = suspects;
         blocked
     }
@@ -95,12 +100,14 @@ impl HardBodies {
         let (first, second) = pair.types();
         let relative = pair.relative();
         let remembered_gap = self.known_gap(pair);
+        // A tight pair would use up its bound in one step; the plain decision is cheaper.
         if remembered_gap.bound_angstrom < TIGHT_ANGSTROM
             && remembered_gap.moved_angstrom < STALE_ANGSTROM
         {
             return overlaps(&first.shape, &second.shape, &relative);
         }
         match separation_bound(&first.shape, &second.shape, &relative, LOOK_AHEAD_ANGSTROM) {
+            // Nothing is kept of an overlap: the trial is rejected and the old bound still holds.
             None => true,
             Some(bound_angstrom) => {
                 let (first, second) = (&pair.first_pose, &pair.second_pose);

@@ -30,11 +30,13 @@ impl Neighbours {
     pub(crate) fn new(system: &System, ranges: Ranges) -> Self {
         let positions: Vec<Vec3> = system.poses().iter().map(|pose| pose.position).collect();
         let cells = |range: f64| CellList::new(system.boundary(), range, &positions);
+        // One list must serve both questions where ranges are alike.
         let ranges = Ranges {
             interaction_angstrom: ranges.hard_angstrom.max(ranges.interaction_angstrom),
             ..ranges
         };
         let is_longer = ranges.interaction_angstrom > ranges.hard_angstrom;
+        // A second, finer grid pays only where surfaces touch much nearer than charges reach.
         Self {
             cells: cells(ranges.interaction_angstrom),
             touching: is_longer.then(|| cells(ranges.hard_angstrom)),
@@ -63,11 +65,14 @@ impl Neighbours {
         bodies: &mut Vec<usize>,
     ) {
         let reach = self.ranges.reach_angstrom;
+        // Nothing interacts, and no decision needs a partner.
         if reach == 0.0 {
             return bodies.clear();
         }
+        // Every partner of the old place is this near to the new one.
         let of_both = reach + system.boundary().displacement(from, to).norm();
         self.around(to, bodies);
+        // One search for both places, as long as the cells are wide enough for the sum.
         if of_both <= self.ranges.interaction_angstrom {
             return retain_within(system, &[*to], of_both, bodies);
         }

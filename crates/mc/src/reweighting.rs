@@ -16,6 +16,7 @@ use crate::{McError, Result};
 
 /// Largest change of the f at which they count as settled.
 const TOLERANCE: f64 = 1e-10;
+/// Largest number of rounds until they settle.
 const MOST_ROUNDS: usize = 100_000;
 
 /// Frames of several states, of which each has its share in every answer.
@@ -64,12 +65,15 @@ impl Mixture {
             ln_densities: vec![0.0; frames],
         };
         for _ in 0..MOST_ROUNDS {
+            // Densities from the present f, then f from
+            // the densities: one round of the fixed point.
             mixture.ln_densities = mixture.densities(energies_kt, &ln_counts);
             let mut next: Vec<f64> = energies_kt
                 .iter()
                 .map(|of_state| mixture.free_energy_kt(of_state))
                 .collect();
             let first = next[0];
+            // Only differences of free energies count; without this they would drift together.
             next.iter_mut().for_each(|energy| *energy -= first);
             let before = std::mem::replace(&mut mixture.free_energies_kt, next);
             let changes = before.iter().zip(&mixture.free_energies_kt);
@@ -88,6 +92,7 @@ impl Mixture {
     fn densities(&self, energies_kt: &[Vec<f64>], ln_counts: &[f64]) -> Vec<f64> {
         let of_frame = |frame: usize| {
             let states = energies_kt.iter().zip(ln_counts);
+            // ln N_l + f_l - u_l: what state l adds to the density of the mixture at this frame.
             let exponents = states.zip(&self.free_energies_kt);
             ln_sum_exp(
                 exponents.map(|((energies, ln_count), free)| ln_count + free - energies[frame]),
@@ -118,6 +123,7 @@ impl Mixture {
         }
         Reweighted {
             mean,
+            // Kish: (Σw)²/Σw² with weights that add up to one.
             effective_frames: 1.0 / squares,
         }
     }
@@ -131,9 +137,11 @@ impl Mixture {
 /// ln Σ exp(x), relative to the largest x.
 fn ln_sum_exp(exponents: impl Iterator<Item = f64> + Clone) -> f64 {
     let largest = exponents.clone().fold(f64::NEG_INFINITY, f64::max);
+    // All weights are zero: -∞ less -∞ would be no number.
     if largest == f64::NEG_INFINITY {
         return largest;
     }
+    // The largest exponent in front: every exp is at most one.
     largest + exponents.map(|x| (x - largest).exp()).sum::<f64>().ln()
 }
 

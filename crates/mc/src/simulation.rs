@@ -99,6 +99,7 @@ impl Simulation {
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs });
         }
+        // After the test for overlaps: energies of overlapping bodies may be infinite.
         energy.reset(&system)?;
         let steps = StepSizes {
             translation_angstrom: settings.translation_step_angstrom,
@@ -148,9 +149,12 @@ impl Simulation {
         for (body, pose) in checkpoint.poses.iter().enumerate() {
             system.set_pose(body, *pose);
         }
+        // The energies that decided before the interruption,
+        // not new ones, which may differ in the last bits.
         energy.restore(&system, &checkpoint.energies)?;
         Ok(Self {
             neighbours: neighbours(&system, energy.as_ref())?,
+            // Empty: the memory of gaps saves time and never changes a decision.
             hard: HardBodies::new(system.len()),
             near: Vec::new(),
             settings: checkpoint.settings,
@@ -187,6 +191,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::energy_at_kt`].
     pub(crate) fn take_poses(&mut self, poses: &[Pose]) -> Result<()> {
+        // Everything that depends on poses is built again.
         self.system = self.system.with_poses(poses);
         self.neighbours = neighbours(&self.system, self.energy.as_ref())?;
         self.hard = HardBodies::new(self.system.len());
@@ -234,6 +239,7 @@ impl Simulation {
     fn advance(&mut self) -> Result<()> {
         let bodies = self.system.len() as u64;
         let cluster_moves = u64::from(self.settings.cluster_moves_per_sweep);
+        // Steps number the random streams: each sweep owns its range, whatever was accepted.
         let first_step = self.sweep * (bodies + cluster_moves);
         for step in first_step..first_step + bodies {
             self.single_move(step)
@@ -244,12 +250,14 @@ impl Simulation {
                 .map_err(|error| at_step(error, step))?;
         }
         let binding_moves = u64::from(self.settings.binding_moves_per_sweep);
+        // Streams of their own purpose, so their numbers may start at zero again.
         let first_step = self.sweep * binding_moves;
         for step in first_step..first_step + binding_moves {
             self.binding_move(step)
                 .map_err(|error| at_step(error, step))?;
         }
         self.sweep += 1;
+        // What was counted while step sizes were learning is dropped.
         if self.sweep == self.settings.equilibration_sweeps {
             self.statistics = Statistics::new(self.system.types().len());
         }
@@ -275,6 +283,7 @@ impl Simulation {
     /// Makes one trial move and returns whether it was accepted.
     fn single_move(&mut self, step: u64) -> Result<bool> {
         let mut rng = CounterRng::new(self.seed, self.replica, step);
+        // The random number first: the model may stop as soon as the decision is certain.
         let budget_kt = -rng.uniform().ln();
         let body = rng.index(self.system.len());
         let kind = if rng.uniform() < self.settings.rotation_fraction {
@@ -291,6 +300,7 @@ impl Simulation {
         );
         let accepted = self.try_pose(body, proposed, budget_kt)?;
         self.statistics.count(kind, body_type, accepted);
+        // Steps are frozen afterwards: adapting for ever would break detailed balance.
         if self.sweep < self.settings.equilibration_sweeps {
             self.tuners[body_type].learn(kind, accepted, self.settings.target_acceptance);
         }
@@ -299,6 +309,7 @@ impl Simulation {
 
     /// Moves the body if it overlaps nothing and the energy rises by less than the budget.
     fn try_pose(&mut self, body: usize, pose: Pose, budget_kt: f64) -> Result<bool> {
+        // Cheapest first: the wall, then surfaces, then energies.
         if !self.system.boundary().contains(&pose.position) {
             return Ok(false);
         }
@@ -315,6 +326,7 @@ impl Simulation {
             return Ok(false);
         }
         let places = [&self.system.pose(body).position, place];
+        // Partners of the old place and the new one: the change of energy has terms of both.
         self.neighbours
             .find_at_both(&self.system, places, &mut self.near);
         self.near.retain(|partner| *partner != body);
@@ -323,6 +335,7 @@ impl Simulation {
             return Ok(false);
         }
         let pose = trial.pose;
+        // Cells, poses and energies change together: the next move asks all three.
         self.move_bodies(&[(body, pose)]);
         self.energy.commit(&[body]);
         Ok(true)
@@ -379,8 +392,11 @@ impl Simulation {
         let Some(proposal) = binding::propose(kind, &self.system, gap_angstrom, rng) else {
             return Ok(false);
         };
+        // The move's probability ratio enters as an energy that it allows or costs.
         let budget_kt = budget_kt + rule(proposal.allowance_kt);
         match proposal.poses[..] {
+            // One body: the model's own decision with all
+            // its levels. Several: energies from scratch.
             [(body, pose)] => self.try_pose(body, pose, budget_kt),
             _ => self.try_poses(&proposal, budget_kt),
         }
@@ -404,6 +420,7 @@ impl Simulation {
         let rise_kt = |effort| -> Result<f64> {
             let energy_kt = |system| {
                 self.energy
+                    // Pairs with a moved body only; all others cancel.
                     .energy_elsewhere_kt(system, Pairs::With(&bodies), effort)
             };
             Ok(energy_kt(&new)? - energy_kt(&self.system)?)
@@ -412,6 +429,7 @@ impl Simulation {
             return Ok(false);
         }
         self.move_bodies(poses);
+        // The model followed no single move, so it starts again from the new poses.
         self.energy.reset(&self.system)?;
         Ok(true)
     }
@@ -422,6 +440,7 @@ impl Simulation {
             for other in 0..new.len() {
                 let has_moved = bodies.binary_search(&other).is_ok();
                 let is_looked_at = match has_moved {
+                    // A rigid group keeps its inner distances; others are tested once per pair.
                     true => !is_rigid && body < other,
                     false => true,
                 };

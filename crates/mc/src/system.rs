@@ -79,6 +79,7 @@ impl System {
     pub(crate) fn tidy(&self, pose: Pose) -> Pose {
         Pose {
             position: self.boundary.wrap(&pose.position),
+            // Quaternions drift by rounding over millions of products.
             rotation: protomer_kernel::Rotation::new_normalize(pose.rotation.into_inner()),
         }
     }
@@ -187,6 +188,7 @@ impl<'a> Trial<'a> {
     /// The moved body and an unmoved partner, the smaller index first.
     pub fn pair(&self, partner: usize) -> Pair<'a> {
         let system = self.system;
+        // Smaller index first, whichever moves: sums then have one order and one set of bits.
         let moved_first = self.body < partner;
         let (first, second) = if moved_first {
             (self.body, partner)

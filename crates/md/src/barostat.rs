@@ -9,10 +9,10 @@
 //!
 //! The momenta stay. With the global thermostat between trials, whose momenta and positions have the
 //! canonical distribution, volumes and configurations have that of constant pressure, whatever δ is:
-//! δ is drawn anew for every trial, evenly in its logarithm between 10⁻³/√N and 1/√N, the spread of
-//! ln V in an ideal gas. So small and large changes are tried at every density, and nothing needs to
-//! be tuned. A trial moves all centres at once: displacements on times longer than that between
-//! trials are those of the bodies and of the box together.
+//! δ is drawn again for every trial, evenly in its logarithm between 10⁻³/√N and 1/√N, the spread
+//! of ln V in an ideal gas. So small and large changes are tried at every density, and nothing
+//! needs to be tuned. A trial moves all centres at once: displacements on times longer than that
+//! between trials are those of the bodies and of the box together.
 
 use crate::engine::Engine;
 use crate::{Error, Result};
@@ -32,6 +32,7 @@ impl Engine {
         let (count, dimension) = (self.bodies.count() as f64, self.bodies.dimension());
         let width = 10.0_f64.powf(-DECADES * rng.uniform()) / count.sqrt();
         let change = width * (2.0 * rng.uniform() - 1.0);
+        // Drawn before the forces, so the stream does not depend on overlaps.
         let chance = rng.uniform();
         let scale = (change / dimension as f64).exp();
         let before = self.motion.placement();
@@ -43,10 +44,13 @@ impl Engine {
             .refresh(&self.bodies, &self.motion.state)?;
         let accepted = match self.find_forces() {
             Ok(()) => {
+                // ΔU + P ΔV, with ΔV = V (e^x - 1).
                 let work =
                     self.motion.potential_energy - energy + pressure * volume * change.exp_m1();
+                // (N + 1) ln(V'/V): N centres that scale with the box, and evenly drawn ln V.
                 (-work / temperature + (count + 1.0) * change).exp() > chance
             }
+            // A refused trial, not an error: bodies would touch.
             Err(Error::Met { .. } | Error::Diverged) => false,
             Err(error) => return Err(error),
         };
@@ -55,6 +59,7 @@ impl Engine {
             // What the barostat gives is no error of the integrator.
             true => self.motion.heat += self.motion.potential_energy - energy,
             false => {
+                // The list's places shrank with the box; the list itself holds for both sizes.
                 self.motion.neighbours.shrink(1.0 / scale);
                 self.motion.put_back(before);
             }

@@ -129,6 +129,7 @@ pub(crate) fn normal_turns(rng: &mut CounterRng, turns: usize) -> Vec3 {
 /// A sum of `count` squares of normal random numbers: twice a gamma variate (Marsaglia and Tsang,
 /// ACM Trans. Math. Softw. 26, 363 (2000)).
 fn sum_of_squares(rng: &mut CounterRng, count: usize) -> f64 {
+    // The method below is for shapes of one and more; here that is count/2.
     if count < 3 {
         return (0..count).map(|_| rng.normal().powi(2)).sum();
     }
@@ -138,6 +139,7 @@ fn sum_of_squares(rng: &mut CounterRng, count: usize) -> f64 {
         let x = rng.normal();
         let cube = (1.0 + c * x).powi(3);
         let u = 1.0 - rng.uniform();
+        // Acceptance without the squeeze: rarely rejected, and simple.
         if cube > 0.0 && u.ln() < 0.5 * x * x + d - d * cube + d * cube.ln() {
             return 2.0 * d * cube;
         }
@@ -158,9 +160,12 @@ pub(crate) fn rescale(
         return 0.0;
     }
     let decay = (-part).exp();
+    // (1 - c) K̄/(N_f K) per degree of freedom, with K̄ = N_f kT/2.
     let share = (1.0 - decay) * 0.5 * temperature / kinetic;
     let first = rng.normal();
+    // One number is needed by itself, the others only as the sum of their squares.
     let squares = first * first + sum_of_squares(rng, freedoms - 1);
+    // α², by which the kinetic energy changes (Bussi, Donadio and Parrinello, appendix).
     let factor = decay + share * squares + 2.0 * first * (decay * share).sqrt();
     let root = factor.sqrt();
     for body in 0..bodies.count() {
@@ -179,6 +184,7 @@ pub(crate) fn damp(
     rng: &mut CounterRng,
 ) -> f64 {
     let before: f64 = state.kinetic_energies(bodies).iter().sum();
+    // Exact solution of the friction and noise over this time, for any length of it.
     let decay = (-part).exp();
     let added = (temperature * (1.0 - decay * decay)).sqrt();
     for body in 0..bodies.count() {
@@ -186,6 +192,7 @@ pub(crate) fn damp(
         let kick = added / kind.mass.sqrt() * normal_vector(rng, kind.dimension);
         state.velocities[body] = decay * state.velocities[body] + kick;
         let turns = normal_turns(rng, kind.turns());
+        // L = I ω: noise of the angular momentum grows with √I.
         let twist = added * turns.component_mul(&kind.moments.map(f64::sqrt));
         state.spins[body] = decay * state.spins[body] + twist;
     }

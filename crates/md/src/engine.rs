@@ -197,6 +197,7 @@ impl Engine {
                 laws.push(Law::between(first, second, &settings.interaction));
             }
         }
+        // Room for all bodies at once; turned again in every step.
         let geometry = Turned::of((0..count).map(|body| bodies.kind(body)));
         Ok(Self {
             bodies,
@@ -300,6 +301,7 @@ impl Engine {
     /// [`Error::Met`] if bodies overlap, and [`Error::Diverged`]; the state is then no good.
     pub fn step(&mut self, scale: f64) -> Result<()> {
         let time = self.settings.time_step;
+        // Numbers depend on the step alone: a run continues with the same noise.
         let mut noise = noise_of(self.settings.seed, self.motion.steps);
         match self.settings.ensemble {
             Ensemble::Brownian {
@@ -317,6 +319,7 @@ impl Engine {
                 temperature,
                 friction,
             } => {
+                // Half a step of friction on either side keeps the integration symmetric.
                 let part = 0.5 * friction * time;
                 let mut damp = |motion: &mut Motion, bodies: &Bodies| {
                     let state = &mut motion.state;
@@ -328,6 +331,7 @@ impl Engine {
             }
             Ensemble::Nvt {
                 temperature,
+                // Velocities after the second kick are those that the bath acts on.
                 relaxation_time,
             } => {
                 self.move_on(time, scale)?;
@@ -339,6 +343,8 @@ impl Engine {
                 pressure,
             } => {
                 self.move_on(time, scale)?;
+                // Bath first: the trial takes velocities and
+                // positions of the canonical distribution.
                 self.rescale(temperature, relaxation_time, &mut noise);
                 if (self.motion.steps + 1).is_multiple_of(TRIAL_EVERY) {
                     self.try_volume(temperature, pressure, &mut noise)?;
@@ -361,6 +367,7 @@ impl Engine {
 
     /// Integrates Newton's equations over a step.
     fn move_on(&mut self, time: f64, scale: f64) -> Result<()> {
+        // Velocity Verlet: half a kick, the drift, new forces, half a kick.
         self.kick(0.5 * time);
         self.drift(time);
         self.shrink(scale);
@@ -382,6 +389,7 @@ impl Engine {
             if is_flat {
                 state.spins[body].z += time * motion.torques[body].z;
             } else if !kind.is_ball() {
+                // Torques are in space, spins in the frame of the body.
                 let torque = state.rotations[body].inverse() * motion.torques[body];
                 state.spins[body] += time * torque;
             }
@@ -393,6 +401,7 @@ impl Engine {
         for (position, velocity) in state.positions.iter_mut().zip(&state.velocities) {
             *position += time * velocity;
         }
+        // Angles in a plane; in space there are none, and the loop is empty.
         for (body, angle) in state.angles_rad.iter_mut().enumerate() {
             let kind = self.bodies.kind(body);
             *angle += time * state.spins[body].z / kind.moments.z;
@@ -411,6 +420,7 @@ impl Engine {
         let is_flat = self.bodies.dimension() == 2;
         for body in 0..self.bodies.count() {
             let kind = self.bodies.kind(body);
+            // No momenta in this limit.
             state.velocities[body] = Vec3::zeros();
             state.spins[body] = Vec3::zeros();
             let displacement_per_force = time / (friction * kind.mass);
@@ -440,12 +450,14 @@ impl Engine {
         let state = &mut self.motion.state;
         if let Boundary::Periodic { lengths_angstrom } = &mut state.space {
             let flat = self.bodies.dimension() == 2;
+            // A plane has no third length to shrink.
             let third = if flat { 1.0 } else { scale };
             lengths_angstrom.component_mul_assign(&Vec3::new(scale, scale, third));
         }
         for position in &mut state.positions {
             *position *= scale;
         }
+        // The list's reference places shrink too, so that only true motion counts.
         self.motion.neighbours.shrink(scale);
     }
 
@@ -476,6 +488,7 @@ impl Engine {
         };
         let mut sum = Sum::new(&mut motion.forces, &mut motion.torques);
         let pairs = &mut motion.neighbours.pairs;
+        // Few pairs are computed faster than they are shared.
         if self.settings.is_threaded && pairs.len() >= WORTH_THREADS {
             self.felt.resize(pairs.len(), Felt::nothing());
             let shares = pairs.par_chunks_mut(SHARE);
@@ -485,6 +498,8 @@ impl Engine {
                     *felt = view.felt(pair, &view.between(pair));
                 }
             });
+            // Added in the order of the pairs, on one thread:
+            // the same bits for any number of threads.
             for (pair, felt) in pairs.iter().zip(&self.felt) {
                 sum.add(pair, felt, &view.between(pair));
             }
@@ -495,12 +510,14 @@ impl Engine {
                 sum.add(pair, &felt, &between);
             }
         }
+        // Copied, as `sum` borrows the forces.
         let (energy, virial, met) = (sum.energy, sum.virial, sum.met);
         motion.potential_energy = energy;
         motion.virial = virial;
         if let Some([first, second]) = met {
             return Err(Error::Met { first, second });
         }
+        // A NaN anywhere ends in the virial.
         if !virial.is_finite() {
             return Err(Error::Diverged);
         }
@@ -510,8 +527,8 @@ impl Engine {
 
 type Noise = protomer_kernel::random::CounterRng;
 
-/// Fails for an attraction that is none, a central term that only pairs have, and ellipsoids beside
-/// bodies with faces.
+/// Fails for an attraction that is none, a central term that only pairs have, and ellipsoids along
+/// with bodies with faces.
 fn check_interaction(bodies: &Bodies, interaction: &Interaction) -> Result<()> {
     interaction.attraction.check()?;
     if !interaction.attraction.cut_off.is_finite() {
@@ -556,7 +573,9 @@ impl View<'_> {
         let numbers = [0, 1].map(|n| (pair.bodies[n] as usize, pair.parts[n] as usize));
         let [row, column] =
             numbers.map(|(body, part)| self.first_rows[self.bodies.kind_of[body]] + part);
+        // A row and a column per part of each kind.
         let law = &self.laws[row * self.rows + column];
+        // More rows than kinds: some body has several parts.
         let has_unions = self.rows > self.first_rows.len();
         let arms = match has_unions {
             true => numbers.map(|(body, part)| self.geometry.centre(body, part)),
@@ -573,6 +592,7 @@ impl View<'_> {
         });
         let mut felt = felt(first, second, between, law, self.form, &mut pair.hint);
         if has_unions {
+            // Forces act at the parts; their arms add torques about the centres of mass.
             felt.torques[0] += arms[0].cross(&felt.force);
             felt.torques[1] -= arms[1].cross(&felt.force);
         }
@@ -601,11 +621,13 @@ impl<'a> Sum<'a> {
     }
 
     fn add(&mut self, pair: &Pair, felt: &Felt, between: &Vec3) {
+        // Most listed pairs feel nothing.
         if felt.energy == 0.0 && felt.force == Vec3::zeros() {
             return;
         }
         let [first, second] = pair.bodies.map(|body| body as usize);
         if felt.energy == f64::INFINITY {
+            // The first pair that met; others would only say so again.
             self.met.get_or_insert([first, second]);
             return;
         }

@@ -1,6 +1,6 @@
 //! Pairs of bodies that can feel each other before one of them has moved by half of a skin.
 //!
-//! Each pair of their convex parts is an entry of its own; a part reaches as far as its body, however
+//! Each pair of their convex parts is a separate entry; a part reaches as far as its body, however
 //! that is turned.
 
 use crate::near::{Hint, Law};
@@ -77,7 +77,9 @@ impl Neighbours {
     /// # Errors
     /// As [`Neighbours::of`].
     pub fn refresh(&mut self, bodies: &Bodies, state: &State) -> Result<()> {
+        // A box that shrinks by 1 - s brings bodies nearer by (1 - s) times their distance.
         let slack = self.skin - (1.0 - self.scale).abs() * (self.range + self.skin);
+        // Two bodies may come nearer by twice what one moves.
         let half = 0.5 * slack;
         let far =
             |(position, place): (&Vec3, &Vec3)| (position - place).norm_squared() > half * half;
@@ -94,6 +96,7 @@ impl Neighbours {
             Boundary::Periodic { lengths_angstrom } => lengths_angstrom.min(),
             Boundary::Open | Boundary::SphereWall { .. } => f64::INFINITY,
         };
+        // Each body meets one image of another at most.
         if 2.0 * range > smallest {
             return Err(Error::SmallBox {
                 smallest,
@@ -108,9 +111,11 @@ impl Neighbours {
         let mut near = Vec::new();
         for (first, position) in state.positions.iter().enumerate() {
             cells.candidates(position, &mut near);
+            // Each pair once, the lower number first.
             for second in near.iter().copied().filter(|second| *second > first) {
                 let between = state.positions[second] - position;
                 let images = images(&state.space, &between);
+                // By centres: parts reach as far as their body, however it turns.
                 if (between + shift(&state.space, images)).norm_squared() < range * range {
                     let parts = [first, second].map(|body| bodies.kind(body).parts.len());
                     for entry in 0..parts[0] * parts[1] {

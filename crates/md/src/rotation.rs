@@ -16,11 +16,13 @@ pub fn turn(kind: &Kind, rotation: &mut Rotation, spin: &mut Vec3, time: f64) {
     let [first, second, third] = kind.moments.into();
     let (is_spherical, is_symmetric) = kind.symmetry();
     if !is_spherical {
+        // Splitting of H: a symmetric top about L, and corrections about the third and second axes.
         let about_third = 1.0 / third - 1.0 / first;
         let about_second = 1.0 / second - 1.0 / first;
         if is_symmetric {
             turn_about(2, about_third * time, rotation, spin);
         } else {
+            // Five Strang steps with these parts are of fourth order.
             for part in suzuki() {
                 let time = part * time;
                 turn_about(1, 0.5 * about_second * time, rotation, spin);
@@ -30,6 +32,7 @@ pub fn turn(kind: &Kind, rotation: &mut Rotation, spin: &mut Vec3, time: f64) {
         }
     }
     // About L itself, which this leaves as it is.
+    // (L/I₁) t about L: the half angle for the quaternion.
     let half = 0.5 * time / first;
     let size = spin.norm();
     let axis = match size > 0.0 {

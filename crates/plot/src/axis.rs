@@ -18,8 +18,9 @@ pub(crate) const TICK_LENGTH: f64 = 7.0;
 const MINOR_TICK: f64 = 0.55;
 /// Distance between a tick and its label.
 const TICK_GAP: f64 = 6.0;
-/// Approximate distance between the ticks of a linear axis.
+/// Approximate distance between the ticks of a linear y axis.
 const Y_TICK_DISTANCE: f64 = 55.0;
+/// Approximate distance between the ticks of a linear x axis.
 const X_TICK_DISTANCE: f64 = 150.0;
 
 /// Mapping of values to positions between the two ends of an axis.
@@ -50,10 +51,12 @@ impl Scale {
     /// that nothing is drawn outside the frame.
     fn fraction(&self, value: f64) -> f64 {
         let [from, to] = self.range;
+        // ln(v / from) / ln(to / from): one logarithm less to cancel than with differences.
         let fraction = match self.log {
             true => (value / from).ln() / (to / from).ln(),
             false => (value - from) / (to - from),
         };
+        // A range without extent, or a value that is none: the lower end.
         if fraction.is_nan() {
             return 0.0;
         }
@@ -73,15 +76,18 @@ impl Scale {
 fn padded(values: impl Iterator<Item = f64>, log: bool, room: f64) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {
+        // Margins are added where the axis is linear.
         let value = if log { value.ln() } else { value };
         (low, high) = (low.min(value), high.max(value));
     }
     let spread = high - low;
     // A single value gets a range as large as itself around it.
+    // Relative: a spread that is only rounding counts as none.
     let pad = match spread > 1e-12 * low.abs().max(high.abs()) {
         true => spread * room,
         false => (0.1 * high.abs()).max(0.5),
     };
+    // Back from logarithms to values.
     [low - pad, high + pad].map(|end| if log { end.exp() } else { end })
 }
 
@@ -121,6 +127,7 @@ impl Vertical {
     /// The axis of a panel of this height, its label in letters of this size.
     pub fn new(panel: &Panel, height: f64, label_size: f64, least_shrunk: f64) -> Self {
         let scale = Scale::of(&panel.y, y_values(panel), 0.07);
+        // Two ticks at least, or an axis has no scale to read.
         let count = (height / Y_TICK_DISTANCE).round().max(2.0) as usize;
         Self {
             scale,
@@ -129,9 +136,10 @@ impl Vertical {
         }
     }
 
-    /// The room that all y axes of a figure need beside the panels.
+    /// The room that all y axes of a figure need next to the panels.
     pub fn room(axes: &[Self], label_size: f64) -> f64 {
         let lines = axes.iter().map(|axis| axis.label.lines.len()).max();
+        // The first line stands in the room of the letters' own size.
         let further_lines = lines.unwrap_or(1).max(1) - 1;
         let labels = label_size * (1.0 + LINE * further_lines as f64);
         let numbers = axes.iter().map(Self::widest_number).fold(0.0, f64::max);
@@ -156,6 +164,7 @@ pub(crate) fn draw(
 ) {
     let count = (shape.width / X_TICK_DISTANCE).round().max(4.0) as usize;
     let x_ticks = area.x.ticks(count);
+    // The grid first, so that ticks and frame lie over it.
     draw_grid(area, &x_ticks, &vertical.ticks, canvas);
     draw_y_ticks(area, &vertical.ticks, canvas);
     draw_x_ticks(area, &x_ticks, x_label.is_some(), canvas);
@@ -167,6 +176,7 @@ pub(crate) fn draw(
 }
 
 fn draw_grid(area: &Area, x_ticks: &[Tick], y_ticks: &[Tick], canvas: &mut dyn Canvas) {
+    // Minor ticks have no line: a logarithmic grid would turn grey.
     for tick in y_ticks.iter().filter(|tick| tick.label.is_some()) {
         let y = area.y(tick.value);
         canvas.line(&[[area.left, y], [area.right, y]], GRID_WIDTH, GRID);
@@ -212,6 +222,7 @@ fn draw_x_ticks(area: &Area, ticks: &[Tick], with_numbers: bool, canvas: &mut dy
             continue;
         };
         let half = text_width(label, TICK_SIZE) / 2.0;
+        // Room is measured in drawn widths, not in numbers: exponents are wide.
         if x - half >= free_from {
             let baseline = area.bottom + TICK_LENGTH + 5.0 + TICK_SIZE * 0.85;
             canvas.text(label, [x, baseline], style);
@@ -238,9 +249,11 @@ fn draw_frame(area: &Area, canvas: &mut dyn Canvas) {
 fn draw_x_label(area: &Area, label: &Fitted, shape: Shape, canvas: &mut dyn Canvas) {
     let style = TextStyle::new(label.size, INK, Align::Centre);
     let lowest = shape.height - MARGIN + 4.0;
+    // From the lowest line upwards, as its place is fixed by the edge of the figure.
     for (above, line) in label.lines.iter().rev().enumerate() {
         let half = text_width(line, label.size) / 2.0 + MARGIN;
         let centre = (area.left + area.right) / 2.0;
+        // Centred below the panel if that leaves the margin; `max` last, so the left edge wins.
         let middle = centre.min(shape.width - half).max(half);
         let y = lowest - above as f64 * LINE * label.size;
         canvas.text(line, [middle, y], style);

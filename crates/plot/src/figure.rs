@@ -86,7 +86,7 @@ pub struct Axis {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name in the legend; empty for a series that its axis describes.
     pub name: String,
     /// The points, in the order in which a line joins them. Points whose y is NaN are omitted.
     pub points: Vec<Point>,

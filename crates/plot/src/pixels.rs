@@ -42,7 +42,9 @@ impl Canvas for Pixels {
     fn line(&mut self, points: &[[f64; 2]], width: f64, colour: Rgb) {
         let stroke = Stroke {
             width: width as f32,
+            // Butt caps: ends of grid lines must not stick out of the frame.
             line_cap: LineCap::Butt,
+            // Round joins: a sharp corner of a curve would throw a spike.
             line_join: LineJoin::Round,
             ..Stroke::default()
         };
@@ -68,6 +70,7 @@ impl Canvas for Pixels {
         let placed = Transform::from_translate(x as f32, y as f32);
         let frame = match style.direction {
             Direction::Right => placed,
+            // In pixels y points down, so -90° turns text upwards.
             Direction::Up => placed.pre_rotate(-90.0),
         };
         for glyph in &set.glyphs {
@@ -112,6 +115,7 @@ fn outline(glyph: &PlacedGlyph) -> Option<Path> {
             | OutlineCurve::Quad(start, ..)
             | OutlineCurve::Cubic(start, ..) => *start,
         };
+        // A contour closes itself when filled, so the start of the next is all that must be told.
         if end != Some(start) {
             builder.move_to(start.x, start.y);
         }

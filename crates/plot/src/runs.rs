@@ -55,9 +55,11 @@ pub(crate) fn runs(text: &str) -> Vec<Run> {
             '^' => Level::Superscript,
             other => {
                 let other = match other {
+                    // A backslash at the end stands for itself.
                     '\\' => characters.next().unwrap_or(other),
                     _ => other,
                 };
+                // Base text after a subscript begins a run of its own; else it joins the last.
                 match runs.last_mut().filter(|run| run.level == Level::Base) {
                     Some(run) => run.text.push(other),
                     None => runs.push(Run {
@@ -69,8 +71,10 @@ pub(crate) fn runs(text: &str) -> Vec<Run> {
             }
         };
         let text = match characters.next() {
+            // Without a closing brace the group reaches to the end.
             Some('{') => characters.by_ref().take_while(|c| *c != '}').collect(),
             Some(single) => single.into(),
+            // A sign with nothing after it is a sign.
             None => character.into(),
         };
         runs.push(Run { text, level });

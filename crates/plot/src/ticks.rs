@@ -13,10 +13,13 @@ pub(crate) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
     let power = rough.log10().floor();
     let mantissa = [1.0, 2.0, 5.0, 10.0]
         .into_iter()
+        // 0.8 lets a step be a little smaller than asked for, rather than jump to the next.
         .find(|m| m * 10f64.powf(power) >= rough * 0.8)
         .unwrap_or(10.0);
     let step = mantissa * 10f64.powf(power);
+    // The digits that tell one step from the next; the tiny shift keeps 0.1 at one decimal.
     let decimals = (-step.log10() - 1e-9).ceil().max(0.0) as usize;
+    // Multiples as integers: adding steps would let rounding grow along the axis.
     let first = (from / step - 1e-9).ceil() as i64;
     let last = (to / step + 1e-9).floor() as i64;
     let tick = |multiple: i64| {
@@ -31,9 +34,10 @@ pub(crate) fn linear([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
 
 /// Variant of [`linear`] with ticks at whole numbers only.
 pub(crate) fn whole([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
-    // A step is at least one if a tick is asked for per whole number at most.
+    // A step is at least one if at most one tick is requested per whole number.
     let most = (to - from).floor().max(1.0) as usize;
     let mut ticks = linear([from, to], count.min(most));
+    // A step of 2.5 cannot occur, but one of 0.5 can, where the range is short.
     ticks.retain(|tick| tick.value.fract() == 0.0);
     for tick in &mut ticks {
         tick.label = Some(decimal(tick.value, 0));
@@ -45,6 +49,7 @@ pub(crate) fn whole([from, to]: [f64; 2], count: usize) -> Vec<Tick> {
 /// minor ticks at every digit. A range of less than a decade gets the ticks of a linear axis.
 pub(crate) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
     let decades = (to / from).log10();
+    // Within 0.7 decades hardly two of 1, 2, 3, 5 lie in the range.
     if decades < 0.7 {
         return linear([from, to], 6);
     }
@@ -58,6 +63,7 @@ pub(crate) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
     for exponent in first..=last {
         for digit in 1..10 {
             let value = f64::from(digit) * 10f64.powi(exponent);
+            // The ends themselves must not fall out by rounding.
             if value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9) {
                 let label = labelled
                     .contains(&digit)
@@ -70,6 +76,7 @@ pub(crate) fn logarithmic([from, to]: [f64; 2]) -> Vec<Tick> {
 }
 
 fn power_label(digit: i32, exponent: i32) -> String {
+    // Plain numbers from 0.0001 to 900 000; beyond, zeros are hard to count.
     if (-4..6).contains(&exponent) {
         decimal(
             f64::from(digit) * 10f64.powi(exponent),

@@ -11,8 +11,9 @@ use std::path::Path;
 const HEAD_BYTES: u64 = 1 << 16;
 /// First bytes of a container.
 const CONTAINER: &[u8] = b"\x89PRTMR";
-/// Kind of the container of a body, with its length before it; `KIND_AT` is its offset.
+/// Kind of the container of a body, with its length before it.
 const OF_BODY: &[u8] = b"\x04\0body";
+/// Offset of the kind, with its length, in a container.
 const KIND_AT: usize = 20;
 
 /// A kind of file or directory.

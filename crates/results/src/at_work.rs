@@ -35,6 +35,7 @@ impl AtWork {
         write: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
         let mut directories = self.lock();
+        // While the lock is held: `stop` either comes before, or finds the directory gone.
         let written = write();
         directories.remove(directory);
         written
@@ -51,9 +52,12 @@ impl AtWork {
             let Ok(Some(record)) = Record::read(directory) else {
                 continue;
             };
+            // Another end may have been written since, and it is the truer one.
             if record.exit == Exit::Running {
                 let stopped = Record {
                     exit: exit.clone(),
+                    // The checkpoint of this process is newer than
+                    // the record, which is written at its start.
                     done: saved.or(record.done),
                     ..record
                 };

@@ -27,6 +27,7 @@ pub fn each<T: Sync, A: Send, E: Send>(
     interrupt: &Interrupt,
     one: impl Fn(&T) -> Result<End<A>, E> + Sync,
 ) -> Result<End<Vec<A>>, E> {
+    // In the closure of each task, so that the others hear of it at once.
     let one = |task: &T| one(task).inspect_err(|_| interrupt.request_after_failure());
     // All tasks must have ended before the first error is reported.
     let ends: Vec<Result<End<A>, E>> = tasks.par_iter().map(one).collect();
@@ -123,12 +124,14 @@ fn recorded_with<T, E: From<Error> + Display>(
     // Finished work stays finished, even if a later call fails. Work that has been extended is
     // no longer finished.
     let present = Record::read(path)?;
+    // Extended work has new settings on disk, and its old record says done.
     let was_done = !directory.settings_are_new() && present.is_some_and(|record| record.is_done());
     if !was_done {
         at_work.begin(path);
         record(Exit::Running).write(path)?;
     }
     let end = run();
+    // Under the lock of `at_work`: the end of the process must not overwrite this record.
     let write = |exit| at_work.end(path, || record(exit).write(path));
     match &end {
         Ok(End::Finished(_)) => write(Exit::Done)?,
@@ -163,6 +166,7 @@ pub fn conduct_shard<C: Campaign>(
     shard: Shard,
     execution: &Execution,
 ) -> Result<End<usize>, C::Error> {
+    // Whoever wrote the settings is first and writes the record; the others find it.
     if directory.settings_are_new() {
         let running = Record {
             details: campaign.details(),
@@ -172,12 +176,14 @@ pub fn conduct_shard<C: Campaign>(
     }
     let mut ours = Vec::new();
     for (number, task) in campaign.tasks().iter().enumerate() {
+        // By number in a fixed order: all processes divide the tasks alike without talking.
         if shard.has(number) {
             ours.push(task);
         }
     }
     let one = |task: &&C::Task| {
         let path = campaign.directory(task);
+        // The lock file lies in the task's directory, which must exist for it.
         std::fs::create_dir_all(&path).map_err(Error::file("create the directory", &path))?;
         // A process that was presumed lost may still be at work here.
         let _alone = lock(&path, Hold::Alone)?;

@@ -10,6 +10,7 @@ use std::path::Path;
 impl ResultKind {
     /// The kind of results in a directory; `None` if there are none that can be recognised.
     pub fn of(directory: &Path) -> Option<Self> {
+        // What a directory states counts before what its files look like.
         recorded(directory).or_else(|| earlier::kind_of(directory))
     }
 
@@ -28,7 +29,7 @@ impl ResultKind {
         }
     }
 
-    /// Refuses a directory that holds this kind, for files that may lie beside any other result. A
+    /// Refuses a directory that holds this kind, for files that may lie next to any other result. A
     /// voxel set is replaced as a whole, with everything in its directory.
     ///
     /// # Errors
@@ -64,6 +65,7 @@ impl ResultKind {
 /// The kind that a directory states; `None` if the file cannot be read. The error is reported by
 /// the code that needs the file.
 fn recorded(directory: &Path) -> Option<ResultKind> {
+    // A record of an earlier version has no kind; the other file is asked then.
     let record = read(directory, record::FILE).unwrap_or_default();
     let kind = match record.get("kind") {
         Some(kind) => kind.clone(),
@@ -114,6 +116,7 @@ mod earlier {
             }
         }
         for (files, kind) in FILES {
+            // All of them: some names occur in several kinds.
             if files.iter().all(|file| directory.join(file).is_file()) {
                 return Some(kind);
             }

@@ -73,12 +73,15 @@ impl ResultsDirectory {
         identity: &str,
         execution: &Execution,
     ) -> Result<Self> {
+        // Before the lock, which would itself write into a directory of another kind.
         make(path, layout)?;
         if execution.start_anew {
             require_ours::<S>(path, layout)?;
         }
         let lock = lock(path, Hold::Alone)?;
+        // Alone in the directory: what earlier processes left half-written belongs to nobody.
         remove_abandoned(path)?;
+        // Under the lock, so that nothing that is at work is removed.
         if execution.start_anew {
             remove_results(path, layout)?;
         }
@@ -97,6 +100,7 @@ impl ResultsDirectory {
         identity: &str,
         execution: &Execution,
     ) -> Result<Self> {
+        // Others may be at work with the earlier results.
         if execution.start_anew {
             return Err(Error::SharedStart(layout.kind.clone()));
         }
@@ -123,10 +127,12 @@ impl ResultsDirectory {
         identity: &str,
         lock: File,
     ) -> Result<Self> {
+        // Under the lock: nobody else can write settings in between.
         let present = present_settings(path, layout)?;
         if let Some(present) = &present {
             require_same(path, layout, present, settings, identity)?;
         }
+        // Longer settings of the same work are written too: they say how far it is to go.
         let settings_are_new = present.as_ref() != Some(settings);
         if settings_are_new {
             let text = to_toml("the settings", settings)?;
@@ -166,6 +172,7 @@ fn require_same<S: Settings>(
     settings: &S,
     identity: &str,
 ) -> Result<()> {
+    // Essential settings only: what may change when work continues is not compared.
     let (stored, requested) = (present.essential(), settings.essential());
     if stored != requested {
         return Err(Error::OtherSettings {
@@ -177,6 +184,7 @@ fn require_same<S: Settings>(
             differences: differences(&stored, &requested)?,
         });
     }
+    // Settings can be equal and the input another: the identity covers both.
     if let Some(record) = Record::read(path)? {
         record.require(identity, &layout.kind, path)?;
     }
@@ -192,6 +200,7 @@ fn require_same<S: Settings>(
 /// Creates the directory if necessary. Nothing is written into one that holds another kind of
 /// result, not even a lock.
 fn make(path: &Path, layout: &Layout) -> Result<()> {
+    // Nothing was written yet if this is refused.
     if path.is_file() {
         return Err(Error::NotADirectory(path.to_owned()));
     }
@@ -207,6 +216,7 @@ fn require_ours<S: DeserializeOwned>(path: &Path, layout: &Layout) -> Result<()>
         protomer_io::input::read_to_string(&file)
             .map_or(true, |text| from_toml::<S>(&file, &text).is_err())
     } else {
+        // The lock file alone is no content: a start that failed leaves it.
         entries(path)?.iter().any(|entry| !entry.ends_with(LOCK))
     };
     if is_foreign {
@@ -247,6 +257,7 @@ fn remove(path: &Path) -> Result<()> {
     } else {
         std::fs::remove_file(path)
     };
+    // What is not there need not be removed.
     match removed {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
             Err(Error::file("remove", path)(error))

@@ -43,11 +43,13 @@ impl Interrupt {
 
     /// Asks the work to stop at its next step.
     pub fn request(&self) {
+        // Relaxed: the flag orders nothing else, and a step later is soon enough.
         self.requested.store(true, Ordering::Relaxed);
     }
 
     /// Asks the other parts of the work to stop at their next step, because one of them has failed.
     pub fn request_after_failure(&self) {
+        // Before the request, so that whoever hears it finds the reason.
         self.after_failure.store(true, Ordering::Relaxed);
         self.request();
     }
@@ -69,6 +71,7 @@ impl Interrupt {
             || self
                 .deadline
                 .is_some_and(|deadline| Instant::now() >= deadline);
+        // Counted on `yes` only: this is how the watcher sees that work is still on its way out.
         if is_requested {
             self.times_heard.fetch_add(1, Ordering::Relaxed);
         }

@@ -14,6 +14,7 @@ use strsim::levenshtein;
 pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
     serde_json::from_slice(bytes).map_err(|error| {
         let cause = error.to_string();
+        // serde's message ends with a place, which `Error::Parse` states on its own.
         let cause = cause.split(" at line ").next().unwrap_or(&cause);
         let explained = match error.classify() {
             Category::Eof => {
@@ -57,9 +58,11 @@ pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
 /// ```
 pub fn from_toml<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T> {
     toml::from_str(text).map_err(|error| {
+        // The span is in bytes and may lie behind the end.
         let line = error.span().map_or(1, |span| {
             text[..span.start.min(text.len())].matches('\n').count() + 1
         });
+        // Whether the text is TOML at all decides between two kinds of advice.
         let explained = match text.parse::<toml::Table>() {
             Ok(_) => with_hint(error.message()),
             Err(_) => format!("this is not TOML ({}); correct the line", error.message()),
@@ -115,6 +118,7 @@ pub fn to_toml<T: Serialize>(content: &'static str, value: &T) -> Result<String>
 
 /// Adds `did you mean ...?` to serde's message about an unknown field.
 fn with_hint(message: &str) -> String {
+    // serde names the field and then the known ones, each in backticks.
     let mut quoted = message.split('`').skip(1).step_by(2);
     let is_unknown_key = message.starts_with("unknown field");
     let near = match quoted.next() {
@@ -138,6 +142,7 @@ pub fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     let nearest = known
         .into_iter()
         .min_by_key(|word| levenshtein(wrong, word))?;
+    // One letter, and another for every three: more would suggest unrelated words.
     (levenshtein(wrong, nearest) <= 1 + wrong.chars().count() / 3).then_some(nearest)
 }
 

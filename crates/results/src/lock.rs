@@ -40,6 +40,8 @@ pub fn lock(directory: &Path, hold: Hold) -> Result<File> {
 /// As [`lock`].
 pub fn lock_file(file: &Path, hold: Hold) -> Result<File> {
     let directory = file.parent().unwrap_or(file);
+    // Never removed: another process may hold or wait for it,
+    // and a new file under the same name would be another lock.
     let file = File::create(file).map_err(Error::file("write into", directory))?;
     let held = match hold {
         Hold::Alone => file.try_lock(),

@@ -38,7 +38,7 @@ pub trait Run {
     /// The initial state, or that of a checkpoint.
     ///
     /// # Errors
-    /// If the start is invalid, or the files beside the checkpoint do not match it.
+    /// If the start is invalid, or the files next to the checkpoint do not match it.
     fn open(
         &self,
         directory: &Path,
@@ -148,17 +148,21 @@ pub fn drive<R: Run>(
     directory: &Path,
     execution: &Execution,
 ) -> Result<End<R::Answer>, R::Error> {
+    // Work that was killed in the middle of a write; the lock of the directory is held.
     if directory.is_dir() {
         remove_abandoned(directory).map_err(Error::from)?;
     }
     let work = run.work();
+    // Before the checkpoint is read: a record of other work makes anything else meaningless.
     let record = Record::read(directory)?;
     if let Some(record) = &record {
         record.require(&work.identity, &work.kind, directory)?;
     }
     let checkpoint = directory.join(CHECKPOINT);
     let read = || checkpoint::read(&checkpoint, R::CHECKPOINT_KIND, &work.identity);
+    // A finished run answers from its record; its state is not even opened.
     if let Some(answer) = run.finished(directory, record.as_ref())? {
+        // The record may have been copied without its files, or these damaged since.
         if let Some(saved) = read()? {
             run.check(directory, &saved)?;
         }
@@ -177,6 +181,7 @@ pub fn drive<R: Run>(
     let mut state = match opened {
         Ok(state) => state,
         Err(error) => {
+            // Nothing of an earlier attempt is there: the failure is all there is to record.
             if record.is_none() && !checkpoint.exists() {
                 let failed = Record {
                     done: Some(0),
@@ -237,6 +242,8 @@ pub fn extend<T, E: From<Error> + Display>(
         };
         record.write(directory)
     };
+    // Noted before the record says running, so that a stop
+    // of the process in between finds it.
     interrupt.at_work().begin(directory);
     record(Exit::Running)?;
     let end = more();
@@ -256,6 +263,7 @@ fn open<R: Run>(
     directory: &Path,
     saved: Option<R::Checkpoint>,
 ) -> Result<R::State, R::Error> {
+    // The checkpoint's state may come from a longer run of the same identity.
     let state = run.open(directory, saved)?;
     let (done, length) = (run.done(&state), run.length());
     if done > length {
@@ -285,6 +293,8 @@ pub fn proceed<R: Run>(
     let write =
         |saved: &R::Checkpoint| checkpoint::write(file, R::CHECKPOINT_KIND, &identity, saved);
     let save = |state: &mut R::State| -> Result<u64, R::Error> {
+        // Outputs are flushed in `save`, then the checkpoint refers to them: in
+        // this order a crash leaves outputs that are too long and never too short.
         write(&run.save(state)?)?;
         let (done, directory) = (run.done(state), file.parent().unwrap_or(file));
         execution.interrupt.at_work().saved(directory, done);
@@ -296,6 +306,7 @@ pub fn proceed<R: Run>(
     };
     let mut turn = begin_turn();
     let mut saved_at = run.done(state);
+    // Tested between units only: within one a state is not whole.
     while run.done(state) < run.length() && !turn.must_stop() {
         let before = run.done(state);
         if let Err(error) = run.advance(state, &turn) {
@@ -315,6 +326,7 @@ pub fn proceed<R: Run>(
         }
     }
     let is_finished = run.done(state) >= run.length();
+    // At the end always: a finished run keeps a checkpoint from which it can be extended.
     if is_finished || run.done(state) > saved_at {
         save(state)?;
     }
@@ -339,6 +351,7 @@ impl<R: Run> Recorded<'_, R> {
         execution: &Execution,
     ) -> Result<End<R::Answer>, R::Error> {
         let interrupt = &execution.interrupt;
+        // See `extend`: noted before it is written.
         interrupt.at_work().begin(self.directory);
         // The end recorded by an earlier process is no longer valid.
         self.record(state, Exit::Running)?.write(self.directory)?;

@@ -60,6 +60,7 @@ pub trait Settings: Serialize + DeserializeOwned + PartialEq + Clone {
 /// [`Error::Unwritable`] if the settings cannot be represented in TOML.
 pub fn identity(settings: &impl Settings, input_sha256: &str) -> Result<String> {
     let text = to_toml("the settings", &settings.essential())?;
+    // As TOML, whose keys have a fixed order: equal settings give equal text.
     Ok(sha256_hex(format!("{text}{input_sha256}").as_bytes()))
 }
 

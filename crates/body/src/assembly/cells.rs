@@ -29,7 +29,7 @@ const HALF: [[i64; 3]; 14] = [
 ];
 
 impl Cells {
-    /// Sorts points into cubes of this edge, which is the longest distance that can be asked for.
+    /// Sorts points into cubes of this edge, which is the longest distance that can be requested.
     pub(super) fn new(points: Vec<Vec3>, edge: f64) -> Self {
         let mut members: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
         for (number, point) in (0_u32..).zip(&points) {

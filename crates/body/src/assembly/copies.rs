@@ -6,7 +6,7 @@
 //! the most atoms is the reference. Its atoms make the body, in a frame about their centroid. The pose
 //! of each copy is the superposition of the atoms common to both.
 //!
-//! Copies that differ from the reference can be asked to keep a shape of their own. Copies of one
+//! Copies that differ from the reference can be asked to keep their own shape. Copies of one
 //! chain by the operators of a biological assembly are equal, and share it.
 
 use super::superposition::superpose;
@@ -105,13 +105,14 @@ pub fn body_types_of_units(
     Ok(types)
 }
 
-/// A family, and those of its members that keep a shape of their own, each group of equal ones with its
+/// A family, and those of its members that keep their own shape, each group of equal ones with its
 /// reference first.
 fn by_shape(
     chains: &[Chain],
     family: &[usize],
     with_own_shape: &BTreeSet<usize>,
 ) -> Result<Vec<Vec<usize>>> {
+    // Nobody asked: the groups would all share one shape anyway.
     if !family.iter().any(|member| with_own_shape.contains(member)) {
         return Ok(vec![family.to_vec()]);
     }
@@ -119,6 +120,7 @@ fn by_shape(
     for &member in family {
         let mut equal_group = None;
         for (number, group) in groups.iter().enumerate() {
+            // Compared with the first of each group: equal means equal up to the digits of a file.
             if are_equal(&chains[group[0]], &chains[member])? {
                 equal_group = Some(number);
                 break;
@@ -146,6 +148,7 @@ fn by_shape(
 /// Whether two units have the same atoms in the same places, up to a motion.
 fn are_equal(a: &Chain, b: &Chain) -> Result<bool> {
     let common = common_atoms(&shared(a, b));
+    // Another number of atoms: another shape, whatever the distance.
     if common.len() != a.atoms() || common.len() != b.atoms() {
         return Ok(false);
     }
@@ -157,6 +160,7 @@ fn are_equal(a: &Chain, b: &Chain) -> Result<bool> {
 /// reference, the chain with the most atoms.
 fn families(chains: &[Chain]) -> Vec<Vec<usize>> {
     let mut largest_first: Vec<usize> = (0..chains.len()).collect();
+    // Stable, so of equally large chains the first of the structure is the reference.
     largest_first.sort_by_key(|index| std::cmp::Reverse(chains[*index].atoms()));
     let mut families: Vec<Vec<usize>> = Vec::new();
     for index in largest_first {
@@ -251,6 +255,7 @@ fn shared<'a>(a: &Chain<'a>, b: &Chain<'a>) -> Vec<(&'a SelectedResidue, &'a Sel
 fn are_identical(a: &Chain, b: &Chain) -> bool {
     let longer = a.residues.len().max(b.residues.len());
     let shared = shared(a, b);
+    // The cheap conditions first; names only where enough residues are shared.
     a.chains == b.chains
         && shared.len() as f64 >= LEAST_SHARED * longer as f64
         && shared.iter().all(|(a, b)| a.name == b.name)
@@ -290,6 +295,7 @@ fn body_type(
     }
     origin /= reference.atoms().max(1) as f64;
     let mut in_order = family.to_vec();
+    // The reference comes first in the family; copies come in the order of the structure.
     in_order.sort_unstable();
     let mut copies = Vec::with_capacity(in_order.len());
     for index in in_order {
@@ -311,6 +317,7 @@ fn chain_copy(
     let common = common_atoms(&shared(reference, copy));
     let (mut body_points, mut copy_points) = (Vec::new(), Vec::new());
     for (in_reference, in_copy) in &common {
+        // The body's frame has its origin at the centroid, so that a pose's position is its middle.
         body_points.push(in_reference - origin);
         copy_points.push(*in_copy);
     }

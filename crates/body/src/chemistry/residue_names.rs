@@ -105,7 +105,7 @@ const fn neutral(
     titrating(name, added_g_per_mol, parent, &[], description)
 }
 
-/// A residue with groups of its own.
+/// A residue with its own groups.
 const fn titrating(
     name: &'static str,
     added_g_per_mol: f64,

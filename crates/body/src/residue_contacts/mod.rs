@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Residues repel each other by the hard surfaces of their bodies. Both published forms are this
-//! attraction with a core of their own:
+//! attraction, each with its own core:
 //!
 //! | scale | depth d_ij | core |
 //! |---|---|---|

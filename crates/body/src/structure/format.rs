@@ -209,6 +209,7 @@ mod tests {
     /// PQR as PDB2PQR writes it, in the columns of PDB.
     const PQR_COLUMNS: &str =
         "ATOM      1  N   ARG     1      32.231  15.281 -13.143 -0.3000 1.8500\n";
+    /// mmCIF that begins with a comment.
     const MMCIF: &str = "# by hand\ndata_1ABC\nloop_\n_atom_site.id\n1\n";
 
     #[test]

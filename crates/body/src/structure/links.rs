@@ -11,8 +11,9 @@ use std::collections::HashMap;
 /// The longest bond between residues of a chain, Å.
 const BOND_ANGSTROM: f64 = 2.0;
 
-/// Chromophores call the atoms of their peptide bonds C3 and N1.
+/// Names of the atoms of a peptide bond; chromophores call them C3 and N1.
 const PEPTIDE: [[&str; 2]; 2] = [["C", "C3"], ["N", "N1"]];
+/// Names of the atoms of the bond between nucleotides.
 const PHOSPHODIESTER: [[&str; 2]; 2] = [["O3'", "O3*"], ["P", "P"]];
 
 /// The residues of a model in the order of their chains.
@@ -53,6 +54,7 @@ fn in_chain(groups: &[AtomGroup]) -> Vec<bool> {
     bonded_to_next.push(false);
     let mut in_chain = vec![false; groups.len()];
     // From each side: whether a series of bonds connects a group inside to this one.
+    // Two sweeps instead of a search: a series of bonds comes from before or from behind.
     let mut reaches = false;
     for (index, group) in groups.iter().enumerate() {
         in_chain[index] = !group.is_hetero() || reaches;
@@ -93,6 +95,7 @@ fn late_bonds(groups: &[AtomGroup], in_chain: &[bool]) -> (Neighbours, Neighbour
         .zip(in_chain)
         .map(|(group, in_chain)| !in_chain && is_amino_acid(group))
         .collect();
+    // Nearly all files; the cells below are only built where something must be sought.
     if !is_late.contains(&true) {
         return (next, previous);
     }
@@ -142,6 +145,7 @@ const MOST_PER_CELL: usize = 32;
 fn near(cells: &HashMap<[i64; 3], Vec<usize>>, position: &Vec3) -> Vec<usize> {
     let [x, y, z] = cell_of(position);
     let mut near = Vec::new();
+    // A bond is no longer than a cell: the 27 cells around hold all partners.
     for neighbour in 0..27 {
         let cell = [
             x + neighbour / 9 - 1,
@@ -162,6 +166,7 @@ fn hosts(
     previous: &Neighbours,
 ) -> Neighbours {
     let mut host = vec![None; groups.len()];
+    // Both ways along the bonds, outwards from what is surely inside.
     for ways in [previous, next] {
         for (index, inside) in in_chain.iter().enumerate() {
             if !inside || groups[index].is_outside() {
@@ -170,6 +175,7 @@ fn hosts(
             // From each group inside, outwards along the bonds that lead to it.
             let mut current = index;
             while let Some(late) = ways[current].filter(|late| !in_chain[*late]) {
+                // Another series reached it first; going on would run in circles.
                 if host[late].is_some() {
                     break;
                 }

@@ -25,7 +25,7 @@ pub struct SelectionReport {
     /// Atom records left out, by reason. With `atoms` they add up to `records` unless an assembly
     /// is applied.
     pub skipped: BTreeMap<&'static str, usize>,
-    /// Names of the records that are no atoms, or no atoms of their own, by reason.
+    /// Names of the records that are no atoms, or no separate atoms, by reason.
     pub left_out: BTreeMap<&'static str, BTreeMap<String, usize>>,
     /// Names and numbers of chains and residues that were read otherwise than the file says.
     pub corrections: Vec<String>,
@@ -88,7 +88,7 @@ impl SelectionReport {
         (!words.is_empty()).then(|| words.join(", "))
     }
 
-    /// Counts a record that is no atom, or no atom of its own.
+    /// Counts a record that is no atom, or no separate atom.
     pub(crate) fn leave_out(&mut self, why: &'static str, atom: &Atom) {
         self.skip(why, 1);
         let names = self.left_out.entry(why).or_default();

@@ -5,7 +5,7 @@
 //! begin again, unless the next residue is bonded to the last one. A gap in a strand is a chain break,
 //! not an end.
 //!
-//! Each strand is a chain of its own. Where the file gives no name, or the same to several, they are
+//! Each strand is a separate chain. Where the file gives no name, or the same to several, they are
 //! named here: by the segment identifier where there is no chain, by letters where there is neither,
 //! and with a number where a chain begins again with residue numbers that it had before.
 

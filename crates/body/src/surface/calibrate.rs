@@ -125,7 +125,9 @@ impl Facets {
         for normal in &mut normal {
             *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
         }
+        // `area` has the fan's whole area: each triangle counts at all three corners.
         // A fan of six equilateral triangles of edge L has the area 6 (√3/4) L².
+        // From the area, not from edges: it is at hand, and slivers do not spoil it.
         let scale: Vec<f64> = area.iter().map(|area| area / (1.5 * 3f64.sqrt())).collect();
         let farthest: Vec<f64> = scale.iter().map(|l2| FARTHEST * l2.sqrt()).collect();
         let start = mesh.positions.clone();
@@ -150,6 +152,7 @@ impl Facets {
         let (mut middles, mut values) = (Vec::with_capacity(AT_ONCE), Vec::new());
         let edges = (0..mesh.half_edge_bound()).filter(|half_edge| mesh.is_edge(*half_edge));
         let edges: Vec<u32> = edges.collect();
+        // In parts, since the solid answers many points at a time and memory stays small.
         for some in edges.chunks(AT_ONCE) {
             middles.clear();
             for &half_edge in some {
@@ -158,6 +161,7 @@ impl Facets {
             }
             solid.signed_distances(&middles, &mut values);
             for (&half_edge, value) in some.iter().zip(&values) {
+                // Both half-edges: a triangle looks up each side at its own corner.
                 distance[half_edge as usize] = *value;
                 distance[mesh.twin(half_edge) as usize] = *value;
             }
@@ -168,6 +172,7 @@ impl Facets {
             let first = 3 * triangle as usize;
             let middles = [0, 1, 2].map(|side| distance[first + side]);
             self.middles.push(middles);
+            // The rule of the edges' middles has equal weights.
             let mean = middles.iter().sum::<f64>() / 3.0;
             for vertex in mesh.triangle(triangle) {
                 gap[vertex as usize] += size * mean;
@@ -176,6 +181,8 @@ impl Facets {
         }
         for &vertex in &self.vertices {
             let i = vertex as usize;
+            // Outwards is positive: where the triangles lie
+            // inside the surface on average, d > 0 there.
             self.offset[i] = -gap[i] / area[i].max(f64::MIN_POSITIVE);
         }
         self.update();
@@ -199,10 +206,13 @@ impl Facets {
             let lambda = if is_last {
                 0.0
             } else {
+                // Newton's step for both at once: δ changes the area by κ̄
+                // times the volume, and λ (κ - κ̄) leaves the volume as it is.
                 (area_gap - mean * volume_gap) / variance.max(f64::MIN_POSITIVE)
             };
             for &vertex in &self.vertices {
                 let i = vertex as usize;
+                // Explicit diffusion of the offset would swing up beyond this.
                 let largest = LARGEST_STEP * self.scale[i];
                 self.offset[i] +=
                     lambda.clamp(-largest, largest) * (now.curvature[i] - mean) + delta;
@@ -231,6 +241,7 @@ impl Facets {
     fn update(&mut self) {
         for &vertex in &self.vertices {
             let i = vertex as usize;
+            // Beyond this share of an edge triangles begin to fold.
             self.offset[i] = self.offset[i].clamp(-self.farthest[i], self.farthest[i]);
             self.position[i] = self.start[i] + self.normal[i] * self.offset[i];
         }
@@ -238,6 +249,7 @@ impl Facets {
 
     fn measure(&self) -> Measures {
         let count = self.start.len();
+        // Relative to a vertex of the mesh: far from the origin the volume would cancel.
         let origin = match self.vertices.first() {
             Some(&vertex) => self.start[vertex as usize],
             None => Vec3::zeros(),
@@ -256,6 +268,7 @@ impl Facets {
                 let opposite = corners[(i + 2) % 3] - corners[(i + 1) % 3];
                 let vertex = triangle[i] as usize;
                 curvature[vertex] += 0.5 * facing.cross(&opposite).dot(&self.normal[vertex]);
+                // `size` is twice the area, and a third of it belongs to each corner.
                 share[vertex] += size / 6.0;
             }
         }
@@ -277,6 +290,8 @@ impl Facets {
         let squares = squares.map(|(corners, middles)| {
             let [a, b, c] = corners.map(|vertex| self.offset[vertex as usize]);
             let offsets = [a + b, b + c, c + a].map(|sum| 0.5 * sum);
+            // d is 1-Lipschitz and about linear in the normal:
+            // d after is d before plus the displacement.
             let square = |side: usize| (middles[side] + offsets[side]).powi(2);
             (square(0) + square(1) + square(2)) / 3.0
         });
@@ -293,6 +308,7 @@ impl Facets {
             if before.dot(&after) < FOLDED * before.norm_squared() {
                 has_fold = true;
                 for &vertex in triangle {
+                    // The bound only falls, so a fold cannot come back with the next aim.
                     self.farthest[vertex as usize] = 0.5 * self.offset[vertex as usize].abs();
                 }
             }

@@ -15,9 +15,10 @@
 use super::implicit::ImplicitSolid;
 use protomer_kernel::{TriangleMesh, Vec3};
 
-/// The weights of the centroid and of two orbits of three points with this barycentric coordinate
-/// twice.
+/// The weight of the centroid.
 const CENTROID_WEIGHT: f64 = 9.0 / 40.0;
+/// Two orbits of three points: the barycentric coordinate that such a point has twice, and its
+/// weight.
 const ORBITS: [(f64, f64); 2] = [
     // (6 ∓ √15) / 21 and (155 ∓ √15) / 1200.
     (0.101_286_507_323_456_34, 0.125_939_180_544_827_15),
@@ -61,6 +62,7 @@ impl Deviation {
     /// Variant of [`Self::of`] with a guide that is known: an estimate of the mean squared distance
     /// on every triangle, Å².
     pub(crate) fn guided(mesh: &TriangleMesh, solid: &dyn ImplicitSolid, guide: &[f64]) -> Self {
+        // At least so many in the sample, whatever the size of the mesh.
         let every = (mesh.triangles.len() / FEWEST_SAMPLED).max(1);
         sampled(mesh, solid, guide, every)
     }
@@ -87,6 +89,7 @@ fn sampled(
     guide: &[f64],
     every: usize,
 ) -> Deviation {
+    // The guide is a mean square: half the largest root is a quarter of it.
     let large = LARGE * LARGE * guide.iter().copied().fold(0.0, f64::max);
     let is_in_full = |triangle: usize| guide[triangle] > large || triangle.is_multiple_of(every);
     let in_full: Vec<usize> = (0..mesh.triangles.len())
@@ -113,6 +116,7 @@ fn sampled(
             largest = largest.max(largest_here);
             if is_large {
                 of_large += size * mean;
+                // Corners lie farthest from a surface that the triangle straddles.
                 for vertex in mesh.triangles[triangle] {
                     looked_at[vertex as usize] = true;
                 }
@@ -128,6 +132,7 @@ fn sampled(
     for square in squares_at(&vertices, solid) {
         largest = largest.max(square);
     }
+    // The guide may be off by a factor; over the sample it is known which.
     let ratio = if guide_of_sample > 0.0 {
         of_sample / guide_of_sample
     } else {
@@ -219,7 +224,7 @@ mod tests {
             let area = (b - a).cross(&(c - a)).norm();
             for i in 0..STEPS {
                 for j in 0..STEPS - i {
-                    // The part that stands like the triangle, and the one upside down beside it.
+                    // The part that stands like the triangle, and the one upside down next to it.
                     let parts = if i + j + 1 < STEPS { 2 } else { 1 };
                     for part in 1..=parts {
                         let step = |n: usize| (n as f64 + f64::from(part) / 3.0) / STEPS as f64;

@@ -29,6 +29,7 @@ const RESOLUTION_ANGSTROM: f64 = 0.25;
 /// ```
 pub fn ball_fits_inside(shell: &TriangleMesh, radius_angstrom: f64) -> bool {
     let ball = 4.0 / 3.0 * PI * radius_angstrom.powi(3);
+    // The cheapest test: most cavities have less volume than the ball.
     // False for a radius that is infinite or not a number.
     let has_volume = ball <= shell.volume_angstrom3().abs();
     if !has_volume {
@@ -76,6 +77,7 @@ impl Search<'_> {
     fn finds_room(&self, cube: &Cube, vertices: &[Vec3], parent: Option<Known>) -> bool {
         let half_diagonal = 3_f64.sqrt() * cube.half_edge;
         let distance = distance_to(&cube.middle, vertices);
+        // Even the point of the cube that is farthest from the wall is too near.
         if distance + half_diagonal < self.radius_angstrom {
             return false;
         }
@@ -87,6 +89,7 @@ impl Search<'_> {
         if sample.is_inside && distance >= self.radius_angstrom {
             return true;
         }
+        // All of the cube is outside: the wall is farther away than its corners.
         if !sample.is_inside && sample.clearance > half_diagonal {
             return false;
         }
@@ -95,6 +98,8 @@ impl Search<'_> {
         }
         let mut near = Vec::new();
         for vertex in vertices {
+            // The nearest vertex of a point in the cube is within
+            // δ + h of it, so within δ + 2 h of the middle.
             if (vertex - cube.middle).norm() <= distance + 2.0 * half_diagonal {
                 near.push(*vertex);
             }
@@ -106,6 +111,7 @@ impl Search<'_> {
     /// cube if the wall is farther from that middle than the place is.
     fn is_inside(&self, place: &Vec3, parent: Option<Known>) -> bool {
         match parent {
+            // A winding number visits all triangles; this spares it for nearly all cubes.
             Some(sample) if (place - sample.place).norm() < sample.clearance => sample.is_inside,
             _ => winding_number(self.shell, place).abs() > 0.5,
         }

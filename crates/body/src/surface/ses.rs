@@ -83,8 +83,10 @@ impl ExactSurface {
         let measure = Measure::new(&accessible);
         require_small_error(&measure.total())?;
         // The mesh needs the memory.
+        // A large structure's arrangement is as large as its mesh.
         drop(accessible);
         let settings = MeshSettings {
+            // Fine enough for the smallest atom: a sphere narrower than the cells could be missed.
             base_spacing_angstrom: settings
                 .base_spacing_angstrom
                 .min(SPACING_PER_RADIUS * smallest_radius),
@@ -180,6 +182,7 @@ impl Surface {
 
 /// Refuses areas that are not exact after all: a mesh is calibrated to them.
 fn require_small_error(total: &SurfaceMeasure) -> Result<()> {
+    // A mesh can only be as right as the area it is calibrated to.
     let area = total.ses_area_angstrom2();
     let error = total.area_error_estimate_angstrom2;
     if error <= LARGEST_RELATIVE_ERROR * area {
@@ -302,6 +305,7 @@ impl Selection {
             }
         }
         let (exact, cavities) = exact_with(measure, ranking);
+        // Nothing filled: the exact values of the whole surface hold without any matching.
         if cavities.filled == 0 {
             return Self {
                 cavities,
@@ -327,6 +331,7 @@ fn exact_with(
     let (mut exact, mut filling) = (measure.without_cavities(), FilledCavities::default());
     let mut cavities = measure.cavities();
     // Volumes of cavities are negative.
+    // Matched by rank: the mesh's volumes are inexact, their order is not.
     ranking.sort_by(|a, b| a.0.total_cmp(&b.0));
     cavities.sort_by(|a, b| a.ses_volume_angstrom3.total_cmp(&b.ses_volume_angstrom3));
     for (rank, (volume_of_mesh, is_kept)) in ranking.into_iter().enumerate() {

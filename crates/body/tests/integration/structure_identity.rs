@@ -9,7 +9,7 @@ use protomer_body::structure::{Selection, SelectionSettings, Structure};
 use protomer_body::{BodySettings, Source, build_body, structure_warnings};
 use small::{atom, line, residue, select, select_with};
 
-/// A chain of alanines from number `first`, `y` Å beside the axis.
+/// A chain of alanines from number `first`, `y` Å from the axis.
 fn chain(place: &str, first: usize, count: usize, y: f64) -> String {
     let mut text = String::new();
     for number in 0..count {

@@ -348,7 +348,7 @@ fn numbers_codes_and_names_of_every_kind_survive() {
             ("SE", "P")
         );
     }
-    // One chain per copy and source chain; each ligand has a label of its own in mmCIF.
+    // One chain per copy and source chain; each ligand has its own label in mmCIF.
     let chains = copies.chains_of_pdb().unwrap();
     assert_eq!(chains.len(), 9);
     let described: Vec<(&str, usize, &str)> = chains

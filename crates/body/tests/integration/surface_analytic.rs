@@ -68,7 +68,7 @@ fn balls_keep_their_area_and_volume() {
     }
 }
 
-/// The first mesh of a large shell is coarse; that of a small one beside it is not.
+/// The first mesh of a large shell is coarse; that of a small one next to it is not.
 #[test]
 fn a_small_ball_beside_a_large_one_keeps_its_shape() {
     let solid = Balls::new(&[(0.1, 0.2, 0.3, 12.0), (16.0, 0.0, 0.0, 1.2)]);

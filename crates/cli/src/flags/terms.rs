@@ -1,4 +1,4 @@
-//! The flags of the terms beside the charges.
+//! The flags of the energy terms in addition to the charges.
 
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};

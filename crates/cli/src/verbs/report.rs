@@ -14,8 +14,8 @@ pub struct ReportArgs {
     /// Directory of a simulation, a sweep, a lattice run or sweep, a framework, a training or a
     /// search; or a set of voxels.
     directory: PathBuf,
-    /// The page [default: report.html in the directory; SET.zarr.report.html beside a set of
-    /// voxels].
+    /// The page [default: report.html in the directory; SET.zarr.report.html next to a set
+    /// of voxels].
     #[arg(short, long)]
     output: Option<PathBuf>,
     /// Assembly file of a sweep or simulation, if it has moved.

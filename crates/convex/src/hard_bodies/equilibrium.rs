@@ -82,6 +82,7 @@ impl Equilibrium {
         let drift = drift(series.observable);
         let samples = summarize(series.observable).effective_samples;
         let mut equilibrium = Self {
+            // Until a doubt is found; each is said in words of its own.
             is_reached: true,
             measured_pressure_kt_per_volume: pressure,
             measured_pressure_kt_per_volume_error: pressure_error,
@@ -108,6 +109,8 @@ impl Equilibrium {
     /// Whether the pressures differ by more than chance and the extrapolation allow.
     fn is_out_of_balance(&self) -> bool {
         let expected = self.expected_pressure_kt_per_volume;
+        // The tolerance is on the pressure itself: with many samples chance
+        // no longer covers the systematic error of the extrapolation.
         let allowed = (SIGNIFICANT * self.error_of_pressure()).max(TOLERANCE * expected);
         (self.measured_pressure_kt_per_volume - expected).abs() > allowed
     }
@@ -118,6 +121,7 @@ impl Equilibrium {
         let expected = self.expected_pressure_kt_per_volume;
         let difference = (self.measured_pressure_kt_per_volume - expected).abs();
         match self.independent_samples < FEW_SAMPLES {
+            // Errors from few samples are too small, so that only a large difference counts.
             true => self.is_out_of_balance() && difference > VAGUE * expected,
             false => self.is_out_of_balance() || self.drifts(),
         }
@@ -125,6 +129,7 @@ impl Equilibrium {
 
     fn error_of_pressure(&self) -> f64 {
         self.measured_pressure_kt_per_volume_error
+            // Without an error nothing is certain.
             .unwrap_or(f64::INFINITY)
     }
 
@@ -195,6 +200,7 @@ impl Equilibrium {
 /// of the growth; `None` for fewer measurements than two per block.
 fn drift(series: &[f64]) -> Option<(f64, f64)> {
     let length = series.len() / BLOCKS;
+    // Means of single measurements would leave correlation in the scatter.
     if length < 2 {
         return None;
     }
@@ -208,6 +214,7 @@ fn drift(series: &[f64]) -> Option<(f64, f64)> {
     let mean = means.iter().sum::<f64>() / count;
     // Places of the blocks from -1/2 to 1/2, so that the slope is the growth over the whole.
     let place = |block: usize| (block as f64 + 0.5) / count - 0.5;
+    // Σ x² of the places; those are centred, so no intercept is needed.
     let squares: f64 = (0..BLOCKS).map(|block| place(block).powi(2)).sum();
     let products = means.iter().enumerate();
     let slope = products
@@ -218,6 +225,7 @@ fn drift(series: &[f64]) -> Option<(f64, f64)> {
         .iter()
         .enumerate()
         .map(|(block, y)| (y - mean - slope * place(block)).powi(2));
+    // Two parameters were fitted, intercept and slope.
     let variance = offs.sum::<f64>() / (count - 2.0);
     Some((slope, (variance / squares).sqrt()))
 }

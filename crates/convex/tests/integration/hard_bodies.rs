@@ -57,7 +57,7 @@ fn sweep(
 }
 
 /// The error of `x_kt` is `x_kt_error`, that of a list `lengths` is `lengths_error`: each key with `error` in it ends
-/// so, and what it is the error of is beside it.
+/// so, and the value that it belongs to is next to it.
 fn assert_errors_are_named(value: &Value, what: &str, count: &mut usize) {
     match value {
         Value::Object(fields) => {

@@ -10,7 +10,7 @@
 //! | `ensemble` | random lattices of 10 x 10: preprint 4 to 7, paper 5 |
 //! | `long` | ten times longer: preprint 8 |
 //! | `grima` | phase space of the coherent motion: paper 4 |
-//! | `contact` | 2 x 2 after the first contact: beside paper 7 |
+//! | `contact` | 2 x 2 after the first contact: for comparison with paper 7 |
 //! | `opening` | a coherent start of 10 x 10: paper 10 |
 //! | `reseeded` | the checkerboard mode of 10 x 10: paper 11 |
 //! | `potential` | what a coherence potential does: paper 12 |

@@ -72,6 +72,7 @@ impl Configuration {
     /// R⁻¹ of F = R U.
     fn rotation_back_to(&self, start: &Self) -> Option<Matrix3<f64>> {
         let inverse = columns(&start.cell_angstrom).try_inverse()?;
+        // Polar decomposition by singular values: R = U Vᵀ.
         let svd = (columns(&self.cell_angstrom) * inverse).svd(true, true);
         Some((svd.u? * svd.v_t?).transpose())
     }
@@ -90,6 +91,7 @@ impl Configuration {
         for node in self.nodes_angstrom.chunks_exact(dimension) {
             let mut place = [0.0; 3];
             place[..dimension].copy_from_slice(node);
+            // All coordinates of a node are at one place for the order of elimination.
             places.extend(std::iter::repeat_n(place, dimension));
         }
         places
@@ -145,6 +147,7 @@ pub(super) fn strain_tensor(dimension: usize, strains: &[f64]) -> [[f64; 3]; 3] 
         if i == j {
             tensor[i][i] += strain;
         } else {
+            // Engineering shear counts both places: half in each.
             tensor[i][j] += 0.5 * strain;
             tensor[j][i] += 0.5 * strain;
         }

@@ -31,17 +31,19 @@ const LONGEST_STEP: f64 = 0.05;
 /// cell edge, and loads left on the cell below this share of that entry times the square of the
 /// edge.
 const AT_REST: f64 = 1e-12;
-/// Shifts of the Hessian's diagonal, in parts of its largest entry: the first that is tried when a
-/// step fails, and the largest, at which steps have become far too short to get anywhere.
+/// The first shift of the Hessian's diagonal that is tried when a step fails, in parts of its
+/// largest entry.
 const FIRST_SHIFT: f64 = 1e-9;
+/// The largest shift, at which steps have become far too short to get anywhere.
 const LARGEST_SHIFT: f64 = 1e6;
 /// Largest change of the cell's lengths, in parts of them, in one step towards a load.
 const LARGEST_STRETCH: f64 = 0.1;
 /// The smallest step towards a load, in parts of the way to it. A step this small may lead anywhere:
 /// the network snaps.
 const SMALLEST_LOAD_STEP: f64 = 1.0 / 4096.0;
-/// A shift grows by this factor while steps fail, and shrinks by the other after one that does not.
+/// A shift grows by this factor while steps fail.
 const SHIFT_GROWTH: f64 = 10.0;
+/// A shift shrinks by this factor after a step that does not fail.
 const SHIFT_DECAY: f64 = 0.2;
 
 /// A network at rest under a load.

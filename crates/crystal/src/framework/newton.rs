@@ -41,8 +41,10 @@ impl<'a> Newton<'a> {
         shift: f64,
     ) -> Option<Step> {
         let largest = largest_magnitude(&d.hessian);
+        // Translations have eigenvalue zero: without a shift the factorisation would stop there.
         let shift = shift + TRANSLATION_SHIFT * largest;
         let shifted = with_shift(self.energy.entries(), &d.hessian, shift);
+        // Not positive: the caller shifts more.
         self.factor.factor(&shifted).ok()?;
         let mut nodes: Vec<f64> = d.gradient.iter().map(|g| -g).collect();
         self.factor.solve(&mut nodes);
@@ -51,12 +53,14 @@ impl<'a> Newton<'a> {
         if let Some(force) = strain_force {
             let response = self.response(&d.mixed);
             let coupling = d.mixed.transpose();
+            // In proportion, so that strains and nodes are damped alike.
             let strain_shift = shift * d.strain_hessian.amax() / largest.max(f64::MIN_POSITIVE);
             // Schur complement for the strains.
             let schur = &d.strain_hessian - work_slope - &coupling * &response
                 + DMatrix::identity(force.len(), force.len()) * strain_shift;
             let right = -DVector::from_column_slice(force) - &coupling * &nodes;
             strains = schur.lu().solve(&right)?;
+            // Back substitution: nodes follow the strains.
             nodes -= response * &strains;
         }
         let is_finite = nodes.iter().chain(strains.iter()).all(|x| x.is_finite());

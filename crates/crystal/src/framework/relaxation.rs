@@ -14,9 +14,9 @@ const ZERO_EIGENVALUE: f64 = 1e-10;
 const SHIFT: f64 = 1e-9;
 /// Rounds of refinement that take the shift out again.
 const MOST_REFINEMENTS: usize = 60;
-/// Refinement ends when this share of the right-hand side is left, or when a round leaves more than
-/// this share of the error before it.
+/// Refinement ends when this share of the right-hand side is left.
 const RESOLVED: f64 = 1e-13;
+/// Refinement also ends when a round leaves more than this share of the error before it.
 const STALLED: f64 = 0.9;
 
 /// The response of the nodes to unit strains.
@@ -42,6 +42,7 @@ pub(super) fn relax_nodes(
 
 fn relax_densely(energy: &NetworkEnergy, d: &Derivatives) -> Result<Relaxation> {
     let n = energy.coordinates();
+    // The whole matrix, from its lower triangle.
     let mut dense = DMatrix::zeros(n, n);
     for (&(row, column), value) in energy.entries().iter().zip(&d.hessian) {
         dense[(row, column)] = *value;
@@ -49,6 +50,7 @@ fn relax_densely(energy: &NetworkEnergy, d: &Derivatives) -> Result<Relaxation> 
     }
     let eigen = SymmetricEigen::new(dense);
     let zero = ZERO_EIGENVALUE * eigen.eigenvalues.amax();
+    // Pseudo-inverse: motions that cost nothing are left alone.
     let mut inverse = eigen.eigenvalues.clone();
     let mut soft = 0_usize;
     for value in inverse.iter_mut() {
@@ -60,11 +62,13 @@ fn relax_densely(energy: &NetworkEnergy, d: &Derivatives) -> Result<Relaxation> 
         }
         let is_soft = *value <= zero;
         soft += usize::from(is_soft);
+        // A floppy motion takes no part: strains do no work on it.
         *value = if is_soft { 0.0 } else { 1.0 / *value };
     }
     let projected = eigen.eigenvectors.transpose() * &d.mixed;
     Ok(Relaxation {
         response: &eigen.eigenvectors * DMatrix::from_diagonal(&inverse) * projected,
+        // Translations are always floppy and no mechanism.
         internal_mechanisms: Some(soft.saturating_sub(energy.dimension())),
     })
 }
@@ -107,6 +111,7 @@ fn refine(
     let mut before = f64::INFINITY;
     for _ in 0..MOST_REFINEMENTS {
         let size = residual.norm();
+        // Resolved, or no better than the round before.
         if size <= RESOLVED * wanted.norm() || size > STALLED * before {
             break;
         }
@@ -114,6 +119,7 @@ fn refine(
         let mut correction = residual.as_slice().to_vec();
         factor.solve(&mut correction);
         x += DVector::from_vec(correction);
+        // With the unshifted matrix: the shift is taken out bit by bit.
         residual = &wanted - multiply(entries, hessian, &x);
     }
     x

@@ -41,6 +41,7 @@ impl Framework {
                 *x *= *count as f64;
             }
         }
+        // Copies in order, the last axis fastest; nodes of copy n begin at n · nodes per cell.
         for number in 0..copies.count() {
             self.copy_into(&mut large, &copies, number);
         }
@@ -129,6 +130,7 @@ impl Copies {
         for axis in 0..3 {
             let count = self.counts[axis] as i32;
             let target = cell[axis] + neighbour.image.get(axis).copied().unwrap_or(0);
+            // Inside the supercell by the remainder, its image by the quotient.
             number = number * self.counts[axis] + target.rem_euclid(count) as usize;
             if axis < self.dimension {
                 image[axis] = target.div_euclid(count);

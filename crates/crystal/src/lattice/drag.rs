@@ -87,18 +87,21 @@ impl Drag {
     ) -> Result<()> {
         self.check()?;
         if self.translation == self.rotation {
+            // A single rate commutes with the projection: exact for any duration.
             let decay = (-self.translation * duration).exp();
             for velocity in velocities.iter_mut() {
                 *velocity *= decay;
             }
         } else {
             self.require_resolved(duration)?;
+            // Midpoint rule: the slope at half time, applied over the whole.
             let mut middle = velocities.to_vec();
             self.decelerate(dynamics, velocities, 0.5 * duration, &mut middle);
             let mut end = velocities.to_vec();
             self.decelerate(dynamics, &middle, duration, &mut end);
             velocities.copy_from_slice(&end);
         }
+        // Multipliers for the next drift depend on the velocities.
         dynamics.velocities_changed(velocities);
         Ok(())
     }

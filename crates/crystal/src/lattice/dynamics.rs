@@ -209,11 +209,13 @@ impl Dynamics {
     pub fn drift(&mut self, state: &State, step: f64, positions: &mut [f64]) -> Result<()> {
         let half_square = 0.5 * step * step;
         self.predict(state, step, half_square);
+        // A step of zero divides by nothing below.
         if half_square == 0.0 {
             positions.copy_from_slice(&self.base);
             return Ok(());
         }
         let extent = largest_magnitude(&self.base).max(1.0);
+        // Coordinates far from the origin round more coarsely than rods may be wrong.
         let tolerance = ROD_TOLERANCE + 4.0 * f64::EPSILON * extent;
         let mut before = f64::INFINITY;
         for correction in 0.. {
@@ -222,9 +224,12 @@ impl Dynamics {
                 .add_response(&self.multipliers, half_square, positions);
             let (rod, violation) = self.rods.violations(positions, &mut self.sigma);
             let error = violation.abs();
+            // No longer halving and nearly there: rounding, not divergence.
             let stalled = error >= 0.5 * before && error <= STALLED_WITHIN * tolerance;
             if error <= tolerance || stalled {
                 self.corrections += correction as u64;
+                // Only the first drift from a state has corrections
+                // that say how λ depends on the length.
                 self.remember_slope(step);
                 break;
             }
@@ -234,6 +239,7 @@ impl Dynamics {
             }
             before = error;
             self.rods.solve(&mut self.sigma);
+            // Chord iteration: A of the prepared state serves for all corrections.
             for (multiplier, sigma) in self.multipliers.iter_mut().zip(&self.sigma) {
                 *multiplier -= sigma / half_square;
             }
@@ -248,6 +254,7 @@ impl Dynamics {
         for (base, ((s, v), a)) in self.base.iter_mut().zip(moving) {
             *base = s + v * step + a * half_square;
         }
+        // Along the line through both ends, a drift of another length begins near its own end.
         if self.has_slope {
             add(&mut self.multipliers, step - self.last_step, &self.slope);
         } else {
@@ -292,6 +299,7 @@ impl Dynamics {
     /// As [`prepare`](Dynamics::prepare); the state is then as it was.
     pub fn arrive(&mut self, state: &mut State, step: f64, positions: &[f64]) -> Result<()> {
         let half = 0.5 * step;
+        // Half a kick with the old accelerations and rods, half with the new ones.
         self.base.copy_from_slice(&state.velocities);
         add(&mut self.base, half, &self.accelerations);
         self.rods
@@ -300,7 +308,9 @@ impl Dynamics {
         add(&mut self.base, half, &self.accelerations);
         state.positions.copy_from_slice(positions);
         state.time += step;
+        // Buffers change places: no list is copied or allocated in a step.
         std::mem::swap(&mut state.velocities, &mut self.base);
+        // RATTLE: velocities are brought along the rods at the new positions.
         self.project_velocities(&mut state.velocities);
         self.prepare_velocities(&state.velocities);
         Ok(())
@@ -337,6 +347,7 @@ impl Dynamics {
     /// # Errors
     /// As [`drift`](Dynamics::drift) and [`arrive`](Dynamics::arrive); the state is then as it was.
     pub fn step(&mut self, state: &mut State, step: f64) -> Result<()> {
+        // Taken out, since the drift borrows everything else.
         let mut positions = std::mem::take(&mut self.drifted);
         let result = self
             .drift(state, step, &mut positions)
@@ -354,6 +365,7 @@ pub(crate) fn project(
     tolerance: f64,
     scratch: &mut [f64],
 ) {
+    // More than once only where rounding of the solution is above the tolerance.
     for _ in 0..MOST_PROJECTIONS {
         rods.apply(velocities, scratch);
         let rate = largest_magnitude(scratch);
@@ -362,6 +374,7 @@ pub(crate) fn project(
         }
         rods.solve(scratch);
         rods.add_response(scratch, -1.0, velocities);
+        // What the solution leaves is known: it need not be measured again.
         if PROJECTION_LEAVES * rate <= tolerance {
             return;
         }

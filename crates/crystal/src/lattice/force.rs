@@ -73,6 +73,7 @@ pub fn coherent_part(network: &Network, coordinates: &[f64]) -> [f64; 2] {
         wt += square.inertia * theta;
         wst += square.inertia * sign * theta;
     }
+    // Normal equations of two unknowns; singular if all squares have one sign.
     let determinant = w * w - ws * ws;
     if determinant > 1e-12 * w * w {
         [

@@ -77,7 +77,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// The forces beside those of rods and contacts.
+    /// The forces in addition to those of rods and contacts.
     ///
     /// # Errors
     /// [`CrystalError::Kernel`](crate::CrystalError::Kernel) for a screening that makes no sense,

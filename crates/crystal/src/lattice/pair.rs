@@ -151,6 +151,7 @@ impl ScreenedCharges {
 
     /// V and dV/dr of unit charges at this distance in Å, in kT and kT/Å.
     fn potential(&self, r: f64) -> [f64; 2] {
+        // Both from one exponential.
         let kappa = self.yukawa.inverse_debye_length_per_angstrom;
         let energy = self.yukawa.bjerrum_length_angstrom * (-kappa * r).exp() / r;
         [energy, -energy * (1.0 / r + kappa)]
@@ -169,11 +170,13 @@ impl ScreenedCharges {
             let first_arm = turned(first.position, turned_by[p]);
             for second in &self.charges[q] {
                 let second_arm = turned(second.position, turned_by[q]);
+                // From the second charge to the first, through the periodic image.
                 let delta = minus(plus(between, first_arm), second_arm);
                 let distance = norm(delta);
                 let [energy, slope] = self.potential(distance * self.scale_angstrom);
                 let strength = self.kt * first.charge * second.charge;
                 sum.energy += strength * energy;
+                // dV/dr is per Å; times the scale it is per unit of the lattice.
                 let force = scaled(delta, -strength * slope * self.scale_angstrom / distance);
                 sum.force = plus(sum.force, force);
                 sum.torques[0] += cross(first_arm, force);
@@ -239,6 +242,7 @@ pub fn rings(network: &Network, debye_length: f64) -> usize {
     }
     let sides = FARTHEST_DEBYE_LENGTHS * debye_length / (SQRT_2 * smallest);
     let all = network.rows.max(network.columns);
+    // Sides of the smallest square between two charges, rounded up: at least as many rings.
     let rings = (sides.ceil() as usize).max(1);
     if network.cell.is_some() {
         rings
@@ -248,7 +252,7 @@ pub fn rings(network: &Network, debye_length: f64) -> usize {
 }
 
 /// Pairs of squares of which one is in the first `rings` rings around the other, once each, with
-/// periodic images as partners of their own.
+/// periodic images as separate partners.
 pub fn pairs_within(network: &Network, rings: usize) -> Vec<SquarePair> {
     let places = places(network);
     let rings = rings as i64;
@@ -260,9 +264,12 @@ pub fn pairs_within(network: &Network, rings: usize) -> Vec<SquarePair> {
             };
             // Half of the ways around the square: the other half is that of its partners.
             for down in 0..=rings {
+                // Half of the plane: down, or level and to the right.
                 let leftmost = if down == 0 { 1 } else { -rings };
                 for right in leftmost..=rings {
                     let below = wrap(network, row as i64 + down, network.rows);
+                    // In a small periodic lattice a square meets
+                    // several images of another, or of itself.
                     let beside = wrap(network, column as i64 + right, network.columns);
                     let (Some((row, cells_down)), Some((column, cells_right))) = (below, beside)
                     else {

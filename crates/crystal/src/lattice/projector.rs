@@ -17,6 +17,7 @@ const ROD_TOLERANCE: f64 = 1e-13;
 const STALLED_WITHIN: f64 = 8.0;
 /// The largest |J v| that a projection leaves.
 const VELOCITY_TOLERANCE: f64 = 1e-14;
+/// Largest number of iterations that bring rods onto their length.
 const MOST_ITERATIONS: usize = 50;
 
 /// Brings positions and velocities onto the rods.
@@ -68,6 +69,7 @@ impl Projector {
                 )));
             }
             before = error;
+            // Newton's method: A is factored again at every iteration, as the start may be far off.
             self.rods.linearize(positions, 0.0)?;
             self.rods.solve(&mut self.sigma);
             self.rods.add_response(&self.sigma, -1.0, positions);

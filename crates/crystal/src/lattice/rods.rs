@@ -110,6 +110,7 @@ impl RodGeometry {
     #[inline(always)]
     fn span_rate(&self, [a, b]: &[Vector; 2], velocities: &[f64]) -> Vector {
         let (p, q) = (3 * self.squares[0], 3 * self.squares[1]);
+        // v + ω × ρ of both ends, and their difference.
         let (wp, wq) = (velocities[p + 2], velocities[q + 2]);
         [
             velocities[p] - velocities[q] - wp * a[1] + wq * b[1],
@@ -143,6 +144,7 @@ impl RodSystem {
             rows: vec![[[0.0; 3]; 2]; rods.len()],
             numbers: vec![0.0; entries.len()],
             factor: LdlFactor::new(rods.len(), &entries, &places),
+            // NaN equals nothing, so the first look at any positions computes them.
             last_positions: vec![f64::NAN; 3 * squares],
             spans: vec![Span::default(); rods.len()],
             directions: vec![[0.0; 2]; squares],
@@ -169,6 +171,7 @@ impl RodSystem {
             return;
         }
         self.last_positions.copy_from_slice(positions);
+        // One sine and cosine per square, not one per end of a rod.
         for (unit_vector, angle) in self.directions.iter_mut().zip(angles(positions)) {
             *unit_vector = direction(angle);
         }
@@ -185,6 +188,7 @@ impl RodSystem {
         let rods = self.rods.iter().zip(&self.spans);
         for (index, ((rod, span), sigma)) in rods.zip(sigma).enumerate() {
             let [x, y] = span.delta;
+            // ½ (|Δ|²/r0 - r0): no root, and smooth where rods are nearly right.
             *sigma = (x * x + y * y - rod.length * rod.length) / (2.0 * rod.length);
             // Nothing compares as larger than a NaN: it stays the worst.
             if sigma.is_nan() || sigma.abs() > worst.1.abs() {
@@ -205,11 +209,13 @@ impl RodSystem {
             let [x, y] = span.delta;
             let (ux, uy) = (x / rod.length, y / rod.length);
             let [a, b] = span.arms;
+            // u · Gρ at either end, with Gρ = (-ρ_y, ρ_x).
             let (from, to) = (uy * a[0] - ux * a[1], uy * b[0] - ux * b[1]);
             *row = [[ux, uy, from], [-ux, -uy, -to]];
         }
         self.numbers.fill(0.0);
         let blocks = self.rows.as_flattened();
+        // Each product adds to one entry of A; the list was made once from the network.
         for product in &self.products {
             let [first, second] = product.blocks;
             let (a, b) = (&blocks[first as usize], &blocks[second as usize]);
@@ -260,6 +266,7 @@ impl RodSystem {
         for ((rod, row), multiplier) in self.rods.iter().zip(&self.rows).zip(multipliers) {
             let force = scale * multiplier;
             for (square, j) in rod.squares.iter().zip(row) {
+                // Scattered to the two squares of a rod: J is never transposed.
                 let [per_mass, per_inertia] = self.inverse_mass[*square];
                 let target = &mut target[3 * square..3 * square + 3];
                 target[0] += force * per_mass * j[0];
@@ -279,6 +286,7 @@ impl RodSystem {
             let (wp, wq) = (velocities[p + 2], velocities[q + 2]);
             let [vx, vy] = rod.span_rate(arms, velocities);
             let u = [row[0][0], row[0][1]];
+            // -J a, the centripetal terms of the arms, and that of the turning rod.
             let of_forces =
                 dot3(&row[0], &accelerations[p..p + 3]) + dot3(&row[1], &accelerations[q..q + 3]);
             *out = -of_forces - (vx * vx + vy * vy) / rod.length + wp * wp * dot(u, arms[0])
@@ -308,6 +316,7 @@ fn dot3(a: &[f64; 3], b: &[f64]) -> f64 {
 /// periodic image, the middle of the way there.
 fn place_in_lattice(network: &Network, rod: &Rod) -> [f64; 3] {
     let columns = network.columns;
+    // By rows and columns of the lattice, not by positions: the same order in every run.
     let [[x, y], [to_x, to_y]] = [rod.from.square, rod.to.square]
         .map(|square| [(square % columns) as f64, (square / columns) as f64]);
     let [around_x, around_y] = rod.image.map(f64::from);
@@ -344,6 +353,7 @@ fn gram_pattern(at_squares: &[Vec<u32>]) -> (Vec<(usize, usize)>, Vec<Product>) 
             }
         }
     }
+    // Products of one entry follow each other: sums have one order, and entries ascend.
     terms.sort_unstable();
     let mut entries: Vec<(usize, usize)> = Vec::new();
     let mut products = Vec::with_capacity(terms.len());

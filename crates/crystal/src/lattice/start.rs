@@ -1,9 +1,9 @@
 //! Starting states.
 //!
 //! Angles and velocities that are drawn at random do not obey the rods: of the 3 ns² velocities of
-//! an open lattice only ns² + 2 ns are free, and for short rods hardly any angle is. What is asked
-//! for is therefore brought onto the rods along the shortest way in the metric of the masses (see
-//! [`Projector`]), and [`Started`] says what was reached.
+//! an open lattice only ns² + 2 ns are free, and for short rods hardly any angle is. What is
+//! requested is therefore brought onto the rods along the shortest way in the metric of the masses
+//! (see [`Projector`]), and [`Started`] says what was reached.
 //!
 //! Squares may overlap after a random turn; [`Start::build_apart`] draws again until they do not.
 
@@ -81,7 +81,7 @@ pub enum StartVelocities {
 pub struct Start {
     /// θ = (-1)^(i+j) angle before random turns, rad: π/4 is open, 0 closed.
     pub angle: f64,
-    /// Standard deviation of the normal random turns asked for, rad; the rods allow less.
+    /// Requested standard deviation of the normal random turns, rad; the rods allow less.
     pub angle_spread: f64,
     /// Velocities.
     pub velocities: StartVelocities,
@@ -101,7 +101,7 @@ impl Default for Start {
     }
 }
 
-/// A starting state, and how near it came to what was asked for.
+/// A starting state, and how near it came to what was requested.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Started {
     /// The state; rods and velocities agree.

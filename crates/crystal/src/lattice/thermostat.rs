@@ -162,6 +162,7 @@ impl Langevin {
         purpose: Purpose,
     ) {
         let mut rng = CounterRng::for_purpose(self.seed, self.replica, number, purpose);
+        // c² v² + (1 - c²) kT/m: the variance kT/m is kept.
         let amplitude = ((1.0 - decay * decay) * self.kt).sqrt();
         for (square, velocity) in dynamics
             .network()
@@ -177,6 +178,7 @@ impl Langevin {
             velocity[1] = decay * velocity[1] + per_mass * y;
             velocity[2] = decay * velocity[2] + amplitude / square.inertia.sqrt() * angle;
         }
+        // P: what would change the lengths of rods is removed, from noise as from friction.
         dynamics.velocities_changed(velocities);
     }
 }

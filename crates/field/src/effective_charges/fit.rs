@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// ε over the mean of the diagonal of the normal equations.
 const REGULARISATION: f64 = 1e-8;
 /// A layer whose potential nearly vanishes counts relative to this part of what a layer before it,
-/// screened up to here, would have: no accuracy is asked for below the noise of the grid.
+/// screened up to here, would have: no accuracy is requested below the noise of the grid.
 const LEAST_PART: f64 = 0.02;
 
 /// The result of a fit.

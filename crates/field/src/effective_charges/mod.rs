@@ -84,6 +84,7 @@ impl EffectiveCharges {
 const MARGIN_ANGSTROM: f64 = 13.5;
 /// Points of a grid whose spacing is chosen.
 const POINTS: f64 = 6e6;
+/// The finest and the coarsest spacing that is chosen, Å.
 const SPACINGS_ANGSTROM: (f64, f64) = (0.3, 0.7);
 
 /// Fits effective charges to the potential of these spheres.

@@ -6,17 +6,21 @@ use crate::poisson_boltzmann::Potential;
 use protomer_kernel::Vec3;
 use std::collections::HashMap;
 
-/// Charges as large as this, e, are sites if they lie in this range below the surface, Å, and not
-/// nearer to each other than their spacing, Å. Deeper ones look smooth from outside.
+/// Charges as large as this, e, are sites if they lie at [`CHARGE_DEPTHS_ANGSTROM`] and not nearer
+/// to each other than [`CHARGE_SPACING_ANGSTROM`].
 const STRONG_CHARGE_E: f64 = 0.2;
+/// Range below the surface, Å, in which charges are sites. Deeper ones look smooth from outside.
 const CHARGE_DEPTHS_ANGSTROM: [f32; 2] = [1.0, 6.0];
+/// Least distance between two charges that are sites, Å.
 const CHARGE_SPACING_ANGSTROM: f64 = 2.4;
-/// Other sites lie this deep below the surface, Å, this far apart and from the charges.
+/// Other sites lie this deep below the surface, Å.
 const SITE_DEPTHS_ANGSTROM: [f32; 2] = [2.0, 2.7];
+/// Least distance of the other sites from each other and from the charges, Å.
 const SITE_SPACING_ANGSTROM: f64 = 2.6;
 
-/// The first layer lies this far beyond what ions cannot enter, Å; the others follow.
+/// The first layer lies this far beyond what ions cannot enter, Å.
 const FIRST_LAYER_ANGSTROM: f64 = 1.5;
+/// Distance of each layer from the first, Å.
 const LAYERS_ANGSTROM: [f64; 6] = [0.0, 1.2, 2.8, 5.0, 7.5, 10.5];
 /// The distance of neighbouring points of each layer, Å.
 const POINT_SPACINGS_ANGSTROM: [f64; 6] = [1.8, 2.0, 2.6, 3.4, 4.4, 5.6];

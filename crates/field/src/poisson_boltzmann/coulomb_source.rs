@@ -73,11 +73,13 @@ pub(super) fn at_surface(
     let sources_of_block = |block: &Block| {
         let crossings = crossings(block, grid, edges, inside, permittivities);
         let mut sources = Vec::with_capacity(2 * crossings.len());
+        // A block without crossings needs no charges: most of them.
         if !crossings.is_empty() {
             let (low, high) = block.corners(grid);
             let merged_sources = coulomb.seen_from(&low, &high.add_scalar(ASIDE * h), FAR);
             each_with_charges(&crossings, &merged_sources, h, &mut |crossing, at_edge| {
                 let [to_inside, to_outside] = crossing.sources(at_edge, inner, h);
+                // Two sources per crossed edge, for the balances of both its ends.
                 sources.push((crossing.inside, to_inside));
                 sources.push((crossing.outside, to_outside));
             });
@@ -87,6 +89,7 @@ pub(super) fn at_surface(
     let blocks = grid.blocks(BLOCK);
     let of_blocks: Vec<Vec<(usize, f64)>> = blocks.par_iter().map(sources_of_block).collect();
     let mut right = vec![0.0; grid.len()];
+    // Collected by blocks and added in their order, whatever the threads did.
     for (point, source) in of_blocks.into_iter().flatten() {
         right[point] += source;
     }
@@ -128,6 +131,7 @@ fn far_and_near(
     let radius = crossings.iter().fold(0.0_f64, |radius, crossing| {
         radius.max((crossing.middle - middle).norm())
     });
+    // At more than six edges from every crossing single sums would use Taylor's series too.
     let limit = (FAR_IN_RADII * radius).max(radius + (EXACT_IN_EDGES + 0.1) * h);
     let mut near = Vec::with_capacity(charges.len());
     let mut far = Vec::with_capacity(charges.len());
@@ -146,17 +150,20 @@ impl Crossing {
             middle: self.middle + Vec3::repeat(ASIDE * h),
             axis: self.axis,
             length: h,
+            // From the middle of the edge, towards the outer end for t > ½.
             offset: (self.part - 0.5) * h * self.direction,
         }
     }
 
     /// b_i and b_j.
     fn sources(&self, at_edge: AtEdge, inner: f64, h: f64) -> [f64; 2] {
+        // h φ_C': per edge, not per Å.
         let slope = h * self.direction * at_edge.slope;
         // ε φ_i, E and G.
         let extended = self.permittivity * (at_edge.value - self.part * slope);
         let at_crossing = -inner * slope;
         let through_face = inner / h * self.direction * at_edge.flux;
+        // t > ½: the face in the middle of the edge is inside.
         if self.part > 0.5 {
             [
                 at_crossing - extended,
@@ -182,6 +189,7 @@ fn add_charges_outside(
         let (place, strength) = (source.place, source.strength);
         let mut nearest = [0; 3];
         for axis in 0..3 {
+            // The same shift as for the faces: a charge on a face is given to one box only.
             let coordinate = (place[axis] - grid.origin_angstrom[axis]) / h - ASIDE;
             nearest[axis] = (coordinate.round().max(0.0) as usize).min(grid.shape[axis] - 1);
         }
@@ -204,6 +212,7 @@ pub(super) fn at_points(
             values.extend(row.filter(|point| wanted(*point)).map(|point| (point, 0.0)));
         }
         if !values.is_empty() {
+            // Values are wanted at single points: only blocks that hold some look at the charges.
             let (low, high) = block.corners(grid);
             let charges = PointCharges::new(&coulomb.seen_from(&low, &high, FARTHER));
             for (point, value) in &mut values {
@@ -265,6 +274,7 @@ impl Edge<'_> {
     /// Crossing of the surface on this edge: t follows from 1/ε = t/ε_in + (1 - t)/ε_out.
     fn crossing(&self, [inner, outer]: [f64; 2]) -> Crossing {
         let contrast = 1.0 / inner - 1.0 / outer;
+        // Without a contrast every t gives the same permittivity.
         let part = if contrast.abs() < 1e-12 {
             0.5
         } else {

@@ -51,6 +51,7 @@ impl DielectricMap {
             Some(gap) => parts_beyond_gap(&gap.angstrom, grid.spacing_angstrom),
             None => parts_outside(grid, solid, &distance),
         };
+        // Zero distance counts as outside, but may be inside but for rounding.
         let is_on_surface = |d: &f32| (0.0..=ON_SURFACE_ANGSTROM).contains(d);
         let on_surface = (0..grid.len()).filter(|point| is_on_surface(&distance[*point]));
         let inside: Vec<bool> = distance.iter().map(|d| *d < 0.0).collect();
@@ -79,6 +80,7 @@ fn edge_permittivities(
     let mut edges = vec![outer as f32; grid.len()];
     let rows = edges.par_chunks_mut(nx).enumerate();
     rows.for_each(|(row, edges)| {
+        // row = k n_y + j: the rows of all planes are one list.
         let (first, j, k) = (row * nx, row % ny, row / ny);
         // The last points along the axis have no edge.
         let count = match axis {
@@ -87,6 +89,7 @@ fn edge_permittivities(
             _ => nx,
         };
         let next = first + grid.strides()[axis];
+        // Most groups of edges have both ends on one side, and are done without branches.
         for i in (0..count).step_by(TOGETHER) {
             let some = i..(i + TOGETHER).min(count);
             let edges = &mut edges[some.clone()];
@@ -101,6 +104,7 @@ fn edge_permittivities(
                 if starts_inside != ends_inside {
                     let start = grid.point(i + step, j, k);
                     let part = crossing(solid, &start, axis, grid.spacing_angstrom, ends);
+                    // `part` is measured from the start of the edge.
                     let part_inside = if starts_inside { part } else { 1.0 - part };
                     *edge = in_series(part_inside, [inner, outer]);
                 }
@@ -116,6 +120,7 @@ fn set_uncrossed(edges: &mut [f32], starts: &[f32], ends: &[f32], inner: f32) ->
     let mut crossed = 0;
     for ((edge, start), end) in edges.iter_mut().zip(starts).zip(ends) {
         let (starts_inside, ends_inside) = (*start < 0.0, *end < 0.0);
+        // Selection, not a branch; non-short-circuit `&` for the same reason.
         *edge = if starts_inside & ends_inside {
             inner
         } else {
@@ -166,6 +171,7 @@ fn parts_outside(grid: &Grid, solid: &dyn ImplicitSolid, distance: &[f32]) -> Ve
 fn move_salt_outside(grid: &Grid, inside: &[bool], accessible: &mut [f32]) {
     let with_salt = |point: &usize| inside[*point] && accessible[*point] > 0.0;
     for point in (0..grid.len()).filter(with_salt).collect::<Vec<_>>() {
+        // Taken away before it is given, so that no salt is counted twice.
         let part = std::mem::take(&mut accessible[point]);
         let nearest = nearest_outside(grid, inside, point);
         let share = part / nearest.len().max(1) as f32;
@@ -183,7 +189,9 @@ fn nearest_outside(grid: &Grid, inside: &[bool], point: usize) -> Vec<usize> {
     let mut least = i32::MAX;
     for number in 0..27 {
         let step = [number % 3 - 1, number / 3 % 3 - 1, number / 9 - 1];
+        // Squares 1, 2, 3: faces before edges before corners.
         let square = step.iter().map(|component| component * component).sum();
+        // Wraps to a huge number beyond the low face, which the next line refuses.
         let [i, j, k] = [0, 1, 2].map(|axis| place[axis].wrapping_add_signed(step[axis] as isize));
         let on_grid = i < grid.shape[0] && j < grid.shape[1] && k < grid.shape[2];
         if square > least || !on_grid || inside[grid.index(i, j, k)] {
@@ -213,6 +221,7 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGa
     slabs.for_each(|(number, distance)| {
         let (mut points, mut places) = (Vec::new(), Vec::new());
         for (place, value) in distance.iter_mut().enumerate() {
+            // In the order of cost: by the gap, by the bounds, and only then by the solid.
             let index = number * slab + place;
             let by_gap = ion_gap.map_or(0.0, |gap| gap.distance_from_solid(index));
             if by_gap > h {
@@ -229,6 +238,7 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGa
             places.push(place);
         }
         let mut distances = Vec::new();
+        // Distances of many points at once share the search for atoms.
         solid.signed_distances(&points, &mut distances);
         for (place, value) in places.into_iter().zip(distances) {
             distance[place] = value as f32;
@@ -241,9 +251,11 @@ fn node_distances(grid: &Grid, solid: &dyn ImplicitSolid, ion_gap: Option<&IonGa
 /// of its ends: regula falsi, twice.
 fn crossing(solid: &dyn ImplicitSolid, start: &Vec3, axis: usize, h: f64, ends: [f64; 2]) -> f64 {
     let (mut low, mut high) = ((0.0, ends[0]), (1.0, ends[1]));
+    // Two steps suffice: the distance is nearly linear along an edge.
     for _ in 0..2 {
         let part = zero_between(low, high);
         let mut place = *start;
+        // The sign of `low` is kept by one end, so the zero stays between.
         place[axis] += part * h;
         let value = solid.signed_distance(&place);
         if (value < 0.0) == (low.1 < 0.0) {
@@ -270,6 +282,7 @@ fn part_outside(solid: &dyn ImplicitSolid, place: &Vec3, h: f64) -> f64 {
 /// points, of a plane at signed distance `distance` below the origin (Scardovelli and Zaleski, J.
 /// Comput. Phys. 164, 228 (2000)).
 fn part_beyond(distance: f64, normal: &Vec3) -> f64 {
+    // A floor for the components: the formula divides by their product.
     let m = normal.map(|component| component.abs().max(1e-4));
     // Volume below the plane m·x = α in the box from 0 to 1.
     let total = m.x + m.y + m.z;
@@ -277,6 +290,7 @@ fn part_beyond(distance: f64, normal: &Vec3) -> f64 {
     // By symmetry the smaller part, where the formula cancels less.
     let flip = alpha > 0.5 * total;
     let alpha = if flip { total - alpha } else { alpha };
+    // Inclusion and exclusion: cubes beyond each face, and beyond pairs of faces.
     let singles = cube(alpha - m.x) + cube(alpha - m.y) + cube(alpha - m.z);
     let pairs = cube(alpha - total + m.x) + cube(alpha - total + m.y) + cube(alpha - total + m.z);
     let part = ((cube(alpha) - singles + pairs) / (6.0 * m.x * m.y * m.z)).clamp(0.0, 0.5);

@@ -10,6 +10,7 @@ const LANES: usize = 16;
 
 /// a · b.
 pub(super) fn dot(a: &[f32], b: &[f32]) -> f64 {
+    // Pieces of fixed length: the sum does not depend on how threads share them.
     let pieces = a.par_chunks(PIECE).zip(b.par_chunks(PIECE));
     let sums: Vec<f64> = pieces.map(|(a, b)| dot_of_piece(a, b)).collect();
     sums.iter().sum()
@@ -19,6 +20,7 @@ pub(super) fn dot(a: &[f32], b: &[f32]) -> f64 {
 pub(super) fn dot_of_piece(a: &[f32], b: &[f32]) -> f64 {
     let (a_chunks, a_rest) = a.as_chunks::<LANES>();
     let (b_chunks, b_rest) = b.as_chunks::<LANES>();
+    // Sixteen sums in single precision, each of 256 products: little rounding, full vectors.
     let mut lanes = [0.0; LANES];
     for (a, b) in a_chunks.iter().zip(b_chunks) {
         for lane in 0..LANES {

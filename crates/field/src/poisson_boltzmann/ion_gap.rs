@@ -35,6 +35,7 @@ impl IonGap {
             }
         }
         let planes = gap.par_chunks_mut(nx * ny).enumerate();
+        // Planes in parallel, all balls for each: no two threads write the same point.
         planes.for_each(|(k, gaps)| Plane { grid, k }.lower(gaps, &balls));
         Self {
             angstrom: gap,
@@ -69,6 +70,7 @@ impl Plane<'_> {
         let h = self.grid.spacing_angstrom;
         let [x0, y0, z0] = self.grid.origin_angstrom;
         let [nx, ny, _] = self.grid.shape;
+        // A ball lowers only what it reaches: a disc of the plane, a range of each row.
         for (centre, radius) in balls {
             let reach = radius + h;
             let dz = z0 + h * self.k as f64 - centre.z;
@@ -82,6 +84,7 @@ impl Plane<'_> {
                 if across_row > 0.0 {
                     let points = points_within(across_row.sqrt(), centre.x, x0, h, nx);
                     let row = &mut gaps[j * nx..][points.start..nx];
+                    // To the end of the row, as whole vectors may run a few points past the range.
                     let first_dx = x0 + h * points.start as f64 - centre.x;
                     let row_square = dy * dy + dz * dz;
                     lower_row(row, points.len(), [first_dx, h, row_square, *radius]);
@@ -100,6 +103,7 @@ fn lower_row(row: &mut [f32], points: usize, [first_dx, h, row_square, radius]: 
     let lower = |gap: &mut f32, step: usize| {
         let dx = first_dx + h * step as f32;
         let distance = (dx * dx + row_square).sqrt() - radius;
+        // A lower distance is right wherever it is found, so the extra points do no harm.
         *gap = if distance < *gap { distance } else { *gap };
     };
     let mut step = 0;
@@ -129,6 +133,7 @@ fn points_within(
     let last = ((centre + distance - origin) / spacing)
         .floor()
         .min(points as f64 - 1.0);
+    // The range ends before the row begins.
     if last < 0.0 {
         return 0..0;
     }

@@ -111,10 +111,12 @@ pub(crate) fn solve_within(
         }
         BoundaryCondition::CoarseGrid => {
             let (low, high) = bounds(spheres);
+            // A sixth of the sum of the extents: the mean half-extent.
             let mean_half_extent = 0.25 * (high - low).sum() / 1.5;
             let solute = Superposition::of_solute(spheres, dielectric, mean_half_extent);
             let coarse_grid = coarse_grid_around(spheres, settings)?;
             let coarse = problem.solve_on(coarse_grid, faces::superposed(&coarse_grid, &solute))?;
+            // From the coarse solution; its own faces are twice as far away.
             let on_faces = |place: &Vec3| coarse.reduced_at(place).unwrap_or(0.0);
             problem.solve_on(grid, faces::point_by_point(&grid, on_faces))
         }
@@ -164,10 +166,12 @@ fn check_spheres(spheres: &[ChargedSphere]) -> Result<()> {
 /// Refuses charges in the solvent.
 fn check_charges(spheres: &[ChargedSphere], solid: &dyn ImplicitSolid) -> Result<()> {
     for (index, sphere) in spheres.iter().enumerate() {
+        // Spheres without charge may be anywhere, also in the solvent.
         if sphere.charge_e == 0.0 {
             continue;
         }
         let distance_angstrom = solid.signed_distance(&sphere.centre);
+        // The sign decides: on the surface counts as outside.
         if distance_angstrom >= 0.0 {
             return Err(FieldError::ChargeOutside {
                 index,

@@ -12,12 +12,14 @@ use std::mem::swap;
 
 /// Degree of the smoothing polynomials.
 const SMOOTHING: usize = 3;
-/// Smoothing damps the part of the spectrum of D⁻¹ A above this; all of it lies below 2.
+/// Smoothing damps the part of the spectrum of D⁻¹ A above this.
 const SMOOTHED_ABOVE: f32 = 0.2;
+/// The whole spectrum of D⁻¹ A lies below this.
 const LARGEST_EIGENVALUE: f32 = 2.0;
 /// Degree of the polynomial that replaces a solution on the coarsest level, if its spectrum lies above
 /// [`COARSEST_ABOVE`]; [`Coarsest`] raises it where eigenvalues are lower.
 const COARSEST: usize = 24;
+/// Lower end of the spectrum for which [`COARSEST`] is enough.
 const COARSEST_ABOVE: f32 = 0.02;
 
 /// A hierarchy of grids.
@@ -58,15 +60,19 @@ impl<'a> Multigrid<'a> {
 
     fn cycle(&mut self) {
         let last = self.levels.len() - 1;
+        // Down: smooth, restrict what is left. The first iterate is zero, which saves a pass.
         for depth in 0..last {
             let [fine, coarse] = self.level_and_next(depth);
             fine.smooth(SMOOTHING, SMOOTHED_ABOVE, true);
+            // `other` is free between smoothings and holds the residual.
             fine.find_residual();
             let shapes = [fine.operator.shape, coarse.operator.shape];
             restrict(&fine.other, &mut coarse.right, shapes);
         }
+        // The coarsest grid cannot be halved again; a longer polynomial replaces a solution.
         let Coarsest { degree, above } = Coarsest::of(self.levels[last].operator.shape);
         self.levels[last].smooth(degree, above, true);
+        // Up: the mirror image of the way down, so that the cycle is symmetric.
         for depth in (0..last).rev() {
             let [fine, coarse] = self.level_and_next(depth);
             let shapes = [fine.operator.shape, coarse.operator.shape];
@@ -95,6 +101,7 @@ impl Coarsest {
     fn of(shape: [usize; 3]) -> Self {
         let mut lowest = 0.0;
         for points in shape {
+            // The slowest mode is half a wave over the n = points - 1 cells of an axis.
             lowest += (1.0 - (std::f32::consts::PI / (points - 1) as f32).cos()) / 3.0;
         }
         let above = lowest.min(COARSEST_ABOVE);
@@ -128,17 +135,20 @@ impl<'a> Level<'a> {
     /// Methods for Sparse Linear Systems*, algorithm 12.1), with the last x instead of its direction:
     /// one list less to read and write.
     fn smooth(&mut self, degree: usize, above: f32, from_zero: bool) {
+        // Centre and half-width of the interval in which the polynomial is small.
         let theta = 0.5 * (LARGEST_EIGENVALUE + above);
         let delta = 0.5 * (LARGEST_EIGENVALUE - above);
         let sigma = theta / delta;
         let mut rho = 1.0 / sigma;
         if from_zero {
+            // From x = 0, D⁻¹ b / θ needs no product with A.
             self.start(1.0 / theta);
         } else {
             let take = 1.0 / theta;
             self.advance(Step { keep: 0.0, take });
         }
         for _ in 1..degree {
+            // The three-term recurrence of Chebyshev polynomials.
             let next = 1.0 / (2.0 * sigma - rho);
             self.advance(Step {
                 keep: next * rho,
@@ -156,6 +166,7 @@ impl<'a> Level<'a> {
             right,
             other,
         } = self;
+        // The "last" x of the next step is zero, as from it the step was made.
         other.fill(0.0);
         operator.inner_planes(x, |plane, start| {
             operator.scale_row(right, take, plane, start);
@@ -173,6 +184,7 @@ impl<'a> Level<'a> {
         operator.inner_planes(other, |plane, start| {
             operator.step_row(x, right, step, plane, start);
         });
+        // `other` held the last x and received the new one in the same pass.
         swap(x, other);
     }
 }

@@ -35,6 +35,7 @@ impl Operator {
         operator.inner_planes(&mut diagonal, |plane, start| operator.sum_row(plane, start));
         let mut inverse = vec![0.0; operator.len()];
         operator.inner_planes(&mut inverse, |plane, start| {
+            // 1/0 on the faces between rows is wiped by `inner_planes`.
             for (inverse, value) in plane.iter_mut().zip(&diagonal[start..]) {
                 *inverse = value.recip();
             }
@@ -60,11 +61,13 @@ impl Operator {
         work: impl Fn(&mut [T], usize) -> R + Sync,
     ) -> Vec<R> {
         let [nx, ny, nz] = self.shape;
+        // From the first inner point of the plane to the last, across row ends.
         let inner = nx + 1..nx * (ny - 1) - 1;
         let planes = values.par_chunks_mut(nx * ny).enumerate();
         let inner_planes = planes.skip(1).take(nz - 2);
         let on_plane = |(k, plane): (usize, &mut [T])| {
             let outcome = work(&mut plane[inner.clone()], k * nx * ny + inner.start);
+            // The ends of rows are faces of the grid, which the long row has overwritten.
             for row in plane[nx..nx * (ny - 1)].chunks_exact_mut(nx) {
                 (row[0], row[nx - 1]) = (T::default(), T::default());
             }
@@ -110,6 +113,8 @@ impl Operator {
         let [nx, ny, nz] = self.shape;
         let plane_length = nx * ny;
         self.inner_planes(out, |plane, start| {
+            // Inner points next to a face see its values;
+            // all others see zeros, so b is their residual.
             let k = start / plane_length;
             if k == 1 || k + 2 == nz {
                 self.exact_residual_row(x, b, plane, start);
@@ -119,6 +124,7 @@ impl Operator {
                 *out = *b as f32;
             }
             let last_row = (ny - 3) * nx;
+            // First and last inner rows, then the ends of the rows between.
             self.exact_residual_row(x, b, &mut plane[..nx - 2], start);
             self.exact_residual_row(x, b, &mut plane[last_row..], start + last_row);
             for row in (0..=last_row).step_by(nx) {
@@ -166,6 +172,7 @@ impl Operator {
     fn edges_around(&self, start: usize, n: usize) -> [&[f32]; 6] {
         let [_, y, z] = self.strides();
         let [ex, ey, ez] = &*self.edges;
+        // West, south and down of a point are east, north and up of its neighbour before.
         [
             &ex[start..start + n],
             &ex[start - 1..start - 1 + n],
@@ -182,6 +189,7 @@ impl Operator {
         let row = Row::new(self, x, start, n);
         let diagonal = &self.diagonal[start..start + n];
         for (i, out) in out.iter_mut().enumerate() {
+            // Multiplied out: D x - Σ c x_j, one product less per point than differences.
             *out = diagonal[i] * row.centre[i] - row.sum_around(i);
         }
     }
@@ -192,6 +200,7 @@ impl Operator {
         let row = Row::new(self, x, start, n);
         let (mass, b) = (&self.mass[start..start + n], &b[start..start + n]);
         for (i, out) in out.iter_mut().enumerate() {
+            // Differences first: in double precision they keep what single sums would cancel away.
             *out = (b[i] - row.flux(i) - f64::from(mass[i]) * row.centre[i]) as f32;
         }
     }
@@ -222,6 +231,7 @@ impl Operator {
 
     /// D⁻¹ b at successive points, times a factor.
     pub fn scale_row(&self, b: &[f32], factor: f32, out: &mut [f32], start: usize) {
+        // On faces the inverse is zero, so nothing is left there.
         let terms = b[start..].iter().zip(&self.inverse_diagonal[start..]);
         for (out, (b, inverse)) in out.iter_mut().zip(terms) {
             *out = factor * b * inverse;

@@ -85,6 +85,7 @@ impl Potential {
 
     /// Whether a point of the grid is outside the surface, however distances are rounded.
     pub(crate) fn is_outside(&self, point: usize) -> bool {
+        // Rounding may have put a point of the surface outside; as such it must not be trusted.
         !self.sides.inside[point] && self.sides.on_surface.binary_search(&point).is_err()
     }
 
@@ -120,6 +121,7 @@ impl Potential {
         reaction: impl Fn(usize) -> f64,
     ) -> f64 {
         let grid = &self.reduced.grid;
+        // The cubic needs 64 points inside; near the surface the kink of φ would spoil it.
         if let Some(points) = grid.tricubic(cell, part)
             && points.points.iter().all(|point| self.sides.inside[*point])
         {
@@ -130,6 +132,7 @@ impl Potential {
 
     fn reaction_at_point(&self, point: usize) -> f64 {
         let value = self.reduced.values[point];
+        // Outside, φ is stored: the Coulomb part is taken out so that both sides have one quantity.
         if self.sides.inside[point] {
             value
         } else {
@@ -147,6 +150,7 @@ impl Potential {
     /// Coulomb potential is added.
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.reduced.grid.trilinear(place)?;
+        // Any corner inside: the reaction field is smooth across, φ is not.
         if self.is_near_solute(&corners) {
             return Some(self.reaction_at(place) + self.coulomb.coulomb(place));
         }
@@ -171,6 +175,7 @@ impl Potential {
         let reaction = self.reaction_near_solute();
         let mut values = vec![0.0; grid.len()];
         set_points(grid.shape, &mut values, |cell, value| {
+            // All points have the same place in their cells, so one `part` serves.
             let corners = self.reduced.grid.corners(cell, part);
             *value = match self.is_near_solute(&corners) {
                 true => self.reaction_in(cell, part, |point| reaction[point]),
@@ -181,6 +186,7 @@ impl Potential {
             let cell = grid.coordinates(index);
             self.is_near_solute(&self.reduced.grid.corners(cell, part))
         };
+        // The Coulomb part is added only where it was taken out.
         for (point, coulomb) in at_points(&grid, &self.tree, is_near) {
             values[point] += coulomb;
         }
@@ -208,6 +214,7 @@ impl Potential {
         };
         for cell in (0..cells.len()).map(|index| cells.coordinates(index)) {
             let corners = grid.corners(cell, [0.0; 3]);
+            // All corners of cells at the surface, since interpolation reads them.
             if self.is_near_solute(&corners) {
                 for point in corners.points {
                     is_neighbour[point] |= !inside[point];

@@ -59,8 +59,9 @@ impl Default for SolveSettings {
 const BYTES_PER_POINT: usize = 70;
 /// Ratio of the extents of the coarse and the fine grid along each axis.
 const COARSE_EXTENT: f64 = 2.0;
-/// Ratio of the spacings of the coarse and the fine grid, up to a limit in Å.
+/// Ratio of the spacings of the coarse and the fine grid, up to [`COARSEST_SPACING_ANGSTROM`].
 const COARSE_SPACING: f64 = 4.0;
+/// Largest spacing of the coarse grid, Å, unless that of the fine one is larger.
 const COARSEST_SPACING_ANGSTROM: f64 = 2.0;
 
 impl SolveSettings {
@@ -89,6 +90,7 @@ impl SolveSettings {
     fn grid(&self, low: &Vec3, high: &Vec3, spacing_angstrom: f64) -> Result<Grid> {
         let grid = Grid::around(low, high, spacing_angstrom, self.cells_multiple)?;
         let (points, allowed_bytes) = (grid.len(), self.memory_limit_bytes);
+        // Saturating: a product beyond the range is too large in any case.
         let needed_bytes = points.saturating_mul(BYTES_PER_POINT);
         if needed_bytes > allowed_bytes {
             return Err(FieldError::TooLarge {
@@ -138,6 +140,7 @@ pub(super) fn coarse_grid_around(
     let (low, high) = bounds(spheres);
     let margin = Vec3::repeat(settings.margin_angstrom);
     let extent = high - low + 2.0 * margin;
+    // Half of the added extent on either side.
     let wider = 0.5 * (COARSE_EXTENT - 1.0) * extent;
     let coarsest = COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom);
     let spacing = (COARSE_SPACING * settings.spacing_angstrom).min(coarsest);

@@ -87,6 +87,8 @@ impl<'a> SoluteOnGrid<'a> {
         let ion_radius = dielectric.ion_radius_angstrom;
         // On a coarse grid a box can be larger than the signed distances reach: then the spheres
         // themselves keep ions out.
+        // The gap is a lower bound of the distance from
+        // the solid, which also saves signed distances.
         let by_spheres = ion_radius > 0.0 || grid.spacing_angstrom > LARGEST_SPACING_ANGSTROM;
         let reach = dielectric.probe_angstrom;
         let gap = by_spheres.then(|| IonGap::new(&grid, spheres, ion_radius, reach));
@@ -189,6 +191,7 @@ impl<'a> ChargedSolute<'a> {
             ..self.solute.dielectric
         };
         let values = superposed_on_faces(&self.solute.grid, self.charges, &dielectric);
+        // Cloned, as `mass` overwrites it: the solute serves many salts.
         let accessible = self.solute.accessible.clone();
         self.solve_from(values, accessible, &dielectric, settings.relative_tolerance)
     }
@@ -216,6 +219,7 @@ impl<'a> ChargedSolute<'a> {
             let reason = "the inner grid reaches out of the outer one; give that a larger margin";
             return Err(FieldError::BadInput(reason.into()));
         }
+        // Cannot be missing: both corners are inside, and a grid is a box.
         let on_faces = |place: &Vec3| outer.reduced_at(place).unwrap_or(0.0);
         let values = faces::point_by_point(grid, on_faces);
         let dielectric = DielectricModel {
@@ -282,6 +286,7 @@ pub(super) fn solve_once(
     values: Vec<f64>,
     relative_tolerance: f64,
 ) -> Result<Potential> {
+    // Taken, not cloned: a single solve has no use for it afterwards.
     let accessible = std::mem::take(&mut solute.accessible);
     let dielectric = solute.dielectric;
     let charged = ChargedSolute::new(&solute, charges);
@@ -305,6 +310,7 @@ pub(super) fn superposed_on_faces(
 fn mass(mut accessible: Vec<f32>, dielectric: &DielectricModel, h: f64) -> Vec<f32> {
     let electrolyte = &dielectric.electrolyte;
     let kappa = electrolyte.inverse_debye_length_per_angstrom();
+    // ε κ² h²: balances are divided by one spacing.
     let full_mass = electrolyte.relative_permittivity() * (kappa * h).powi(2);
     for part in &mut accessible {
         *part = (full_mass * f64::from(*part)) as f32;

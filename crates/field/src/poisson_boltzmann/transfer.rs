@@ -1,6 +1,6 @@
 //! Between a grid and one with half the points along each axis.
 //!
-//! A coarse edge is two fine ones in series, averaged with the edges beside it. Restriction is the
+//! A coarse edge is two fine ones in series, averaged with the edges next to it. Restriction is the
 //! transpose of trilinear interpolation.
 
 use super::operator::Operator;
@@ -12,6 +12,8 @@ const FEWEST_POINTS: usize = 5;
 /// The operator with half the points along each axis; `None` where that leaves too few.
 pub(super) fn coarsen(fine: &Operator) -> Option<Operator> {
     for points in fine.shape {
+        // An odd number of points: the last one stays a
+        // point of the coarse grid, and faces stay faces.
         if points.is_multiple_of(2) || points.div_ceil(2) < FEWEST_POINTS {
             return None;
         }
@@ -40,6 +42,7 @@ fn edges_along_x(fine: Rows) -> Vec<f32> {
 fn edges_along_y(fine: Rows) -> Vec<f32> {
     let [_, rows, planes] = fine.shape;
     halved(fine.shape, |[j, k], coarse, sums| {
+        // Two fine edges in series make a coarse one; the rows before do not belong to it.
         let [_, (centre, _), (after, _)] = around(j, rows);
         sums.fill(0.0);
         for (k, weight) in around(k, planes) {
@@ -127,6 +130,7 @@ fn around(coarse: usize, fine_points: usize) -> [(usize, f32); 3] {
 /// Two edges in series over twice the length, through a face four times as large: 4 · (1/2) · harmonic
 /// mean.
 fn in_series(one: f32, two: f32) -> f32 {
+    // Two edges without permittivity: zero instead of 0/0.
     4.0 * one * two / (one + two).max(f32::MIN_POSITIVE)
 }
 
@@ -170,6 +174,7 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
     let planes = coarse.par_chunks_mut(shape[0] * shape[1]).enumerate();
     planes.for_each(|(k, values)| {
         values.fill(0.0);
+        // Faces carry no residual.
         if k == 0 || k + 1 == shape[2] {
             return;
         }
@@ -181,6 +186,7 @@ pub(super) fn restrict(fine: &[f32], coarse: &mut [f32], [fine_shape, shape]: [[
             let target = &mut values[j * shape[0]..][..shape[0]];
             let inner = shape[0] - 1;
             for (i, value) in target.iter_mut().enumerate().take(inner).skip(1) {
+                // Pᵀ: the weights ½, 1, ½ along each axis, the product over axes.
                 *value = 0.5 * (sums[2 * i - 1] + sums[2 * i + 1]) + sums[2 * i];
             }
         }
@@ -204,10 +210,12 @@ pub(super) fn prolong(coarse: &[f32], fine: &mut [f32], [fine_shape, shape]: [[u
     let planes = fine
         .par_chunks_mut(fine_shape[0] * fine_shape[1])
         .enumerate();
+    // Faces are given and take no correction.
     let inner_planes = planes.skip(1).take(fine_shape[2] - 2);
     inner_planes.for_each(|(k, values)| {
         let (k0, k1) = ends(k);
         let mut sums = vec![0.0; shape[0]];
+        // A quarter of each of four rows; two of them, or all, may be the same row.
         for j in 1..fine_shape[1] - 1 {
             let (j0, j1) = ends(j);
             sums.fill(0.0);
@@ -227,6 +235,7 @@ fn ends(index: usize) -> (usize, usize) {
 /// Adds to a fine row, from its second point on, in turn the mean of two neighbours of a coarse row and the
 /// second of them.
 fn add_between(row: &[f32], fine: &mut [f32]) {
+    // From the second point: fine points 1, 2 are between 0 and 1, and on 1, and so on.
     let pairs = fine[1..].as_chunks_mut::<2>().0;
     for ([between, point], (before, after)) in pairs.iter_mut().zip(row.iter().zip(&row[1..])) {
         *between += 0.5 * (before + after);

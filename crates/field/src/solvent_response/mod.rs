@@ -47,6 +47,7 @@ const SPACING_ANGSTROM: f64 = 1.0;
 const MARGIN_DEBYE_LENGTHS: f64 = 2.0;
 /// Least margin of the table beyond the atoms, Å.
 const LEAST_MARGIN_ANGSTROM: f64 = 16.0;
+/// Largest margin of the table beyond the atoms, Å.
 const LARGEST_MARGIN_ANGSTROM: f64 = 28.0;
 
 /// Response between a body and others in one medium.

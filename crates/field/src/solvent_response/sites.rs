@@ -40,6 +40,7 @@ pub(super) fn gather(spheres: &[ChargedSphere], solute: &SoluteOnGrid<'_>) -> Ve
     for point in 0..fine.len() {
         let inside = f64::from(u8::from(solute.is_inside(point)));
         let without_ions = 1.0 - solute.accessible_part(point);
+        // Points in free solvent hold nothing.
         if inside > 0.0 || without_ions > 0.0 {
             let amounts = [0.0, inside * volume, without_ions * volume];
             lattice.add(&fine.point_at(point), amounts);
@@ -74,9 +75,11 @@ impl Lattice {
     /// Shares amounts at a place between the points around it; the lattice holds every place of the
     /// grid it was made around.
     fn add(&mut self, place: &Vec3, amounts: [f64; 3]) {
+        // The lattice reaches beyond the grid, so only a charge far outside would have no cell.
         let Some(stencil) = self.grid.trilinear(place) else {
             return;
         };
+        // Trilinear weights keep the sum and the first moments.
         for (point, weight) in stencil.weighted() {
             for (held, amount) in self.held[point].iter_mut().zip(amounts) {
                 *held += weight * amount;

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 /// Factor on the energy of displaced solvent, because the field in the place of a body is stronger
 /// than that in the solvent: to first order 3ε/(2ε + ε_i) or 1.46 for a small ball of permittivity
 /// ε_i, and 2/(1 + ε_i/ε) or 1.90 for a wall. Fitted to solves of 66 poses of complexes
-/// (docs/methods.md).
+/// (docs/validation/solvent-response.md).
 const CAVITY_FACTOR: f64 = 1.25;
 /// Width of the rim in which the table falls to zero, Å.
 const RIM_ANGSTROM: f64 = 8.0;
@@ -39,6 +39,7 @@ impl ResponseTable {
     ) -> Self {
         let grid = *solute.grid();
         let mut values = vec![[0.0; 3]; grid.len()];
+        // Actual salt minus reference: added with signs, so one list of values is enough.
         for ((electrolyte, potential), sign) in solved.into_iter().zip([1.0, -1.0]) {
             let model = DielectricModel {
                 electrolyte: *electrolyte,
@@ -59,6 +60,7 @@ impl ResponseTable {
                 }
             });
         }
+        // A linear fall to zero, so that bodies that enter the table feel no step.
         let rim = RIM_ANGSTROM.min(0.5 * margin_angstrom);
         values
             .par_iter_mut()
@@ -91,6 +93,7 @@ fn from_faces(grid: &Grid, point: usize) -> f64 {
 /// The screened potentials of the charges in water everywhere, kT/e, at the points of a grid.
 fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Grid) -> Vec<f64> {
     let mut charges = spheres.to_vec();
+    // Points in water everywhere: neither radius nor a shell without ions.
     for charge in &mut charges {
         charge.radius_angstrom = 0.0;
     }
@@ -99,6 +102,7 @@ fn plain_potential(spheres: &[ChargedSphere], model: &DielectricModel, grid: &Gr
         ..*model
     };
     let sum = Superposition::new(&charges, &without_shell);
+    // By blocks: all points of a block see far charges as the same clusters.
     let blocks = grid.blocks(BLOCK).into_par_iter();
     let potentials: Vec<Vec<(usize, f64)>> = blocks
         .map(|block| {
@@ -136,9 +140,11 @@ impl Part<'_> {
             ..
         } = self;
         let electrolyte = &model.electrolyte;
+        // U = (ε - ε_i)/(8π λ_B ε) |∇φ|² per volume, and κ²/(8π λ_B) φ² for the ions.
         let per_volume = CAVITY_FACTOR / (8.0 * PI * electrolyte.bjerrum_length_angstrom());
         let potential_kt = potential.reduced_at_point(point);
         let (mut dielectric, mut ionic) = (0.0, 0.0);
+        // Inside the body no other one can be.
         if !solute.is_inside(point) {
             let ratio = model.inner_permittivity / electrolyte.relative_permittivity();
             dielectric = (1.0 - ratio) * per_volume * self.square_of_gradient(point);
@@ -156,6 +162,8 @@ impl Part<'_> {
         let value = |point: usize| self.potential.reduced_at_point(point);
         let mut square = 0.0;
         for axis in 0..3 {
+            // One-sided at faces and at the surface: a
+            // difference across the surface would see the jump.
             let below = (place[axis] > 0).then(|| point - strides[axis]);
             let above = (place[axis] + 1 < grid.shape[axis]).then(|| point + strides[axis]);
             let [below, above] =

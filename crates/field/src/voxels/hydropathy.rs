@@ -84,6 +84,7 @@ impl HydropathyMap {
     /// assert_eq!(map.at_all(&[Vec3::x(), Vec3::y() * 9.0]), [Some(4.5), Some(4.5)]);
     /// ```
     pub fn at_all(&self, places: &[Vec3]) -> Vec<Option<f64>> {
+        // Sorted by cell: places of one cell are neighbours and share their candidates.
         let mut by_cell: Vec<([i32; 3], usize)> = Vec::with_capacity(places.len());
         by_cell.extend(places.iter().map(|place| self.cell(place)).zip(0..));
         by_cell.sort_unstable();
@@ -96,6 +97,7 @@ impl HydropathyMap {
         };
         let of_groups: Vec<Vec<Option<f64>>> = groups.par_iter().map(of_group).collect();
         let mut all = vec![None; places.len()];
+        // Back into the order of the places.
         for ((_, number), mean) in by_cell.iter().zip(of_groups.into_iter().flatten()) {
             all[*number] = mean;
         }
@@ -104,6 +106,7 @@ impl HydropathyMap {
 
     /// The atoms within reach of the box around places of a cell, by residue.
     fn candidates(&self, cell: [i32; 3], places: &[Vec3]) -> Vec<ResidueAtom> {
+        // The box of these places, not the whole cell: fewer candidates.
         let (mut low, mut high) = (places[0], places[0]);
         for place in places {
             (low, high) = (low.inf(place), high.sup(place));
@@ -125,6 +128,7 @@ impl HydropathyMap {
     fn mean_among(&self, candidates: &[ResidueAtom], place: &Vec3) -> Option<f64> {
         let (mut sum, mut count, mut last) = (0.0, 0, None);
         for atom in candidates {
+            // Candidates are by residue, so one comparison counts each residue once.
             if last != Some(atom.residue)
                 && (atom.place - place).norm_squared() <= self.reach * self.reach
             {
@@ -133,6 +137,7 @@ impl HydropathyMap {
                 count += 1;
             }
         }
+        // No atom is within reach: the nearest residue, found among all.
         if count == 0 {
             return self.at(place);
         }
@@ -172,6 +177,7 @@ impl HydropathyMap {
 
 /// A cell and its 26 neighbours.
 fn around([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    // n in base 3 gives the three steps.
     (0..27).map(move |n| [x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1])
 }
 

@@ -34,11 +34,13 @@ fn sums_around(potential: &Potential, place: &Vec3) -> Sums {
     let Some((cell, _)) = grid.locate(place) else {
         return sums;
     };
+    // One point before the cell and two after: four along each axis around the place.
     let first = cell.map(|index| index.saturating_sub(1));
     let end = [0, 1, 2].map(|axis| (cell[axis] + 3).min(grid.shape[axis]));
     let [i0, j0, k0] = first;
     let from_place = (grid.point(i0, j0, k0) - place) / grid.spacing_angstrom;
     // Offsets, in spacings, and the parts of the weights by axis.
+    // exp(-r²) is the product over axes: twelve exponentials instead of sixty-four.
     let axis_offsets = |axis: usize| [0.0, 1.0, 2.0, 3.0].map(|step| from_place[axis] + step);
     let offsets = [0, 1, 2].map(axis_offsets);
     let weights = offsets.map(|row| row.map(|x| (-x * x).exp()));
@@ -93,6 +95,7 @@ impl Sums {
     fn at_origin(&self) -> Option<f64> {
         let (w, [x, y, z]) = (self.weight, self.first.into());
         let [xx, xy, xz, yy, yz, zz] = self.second;
+        // In units of the spacing, so h² is one.
         let stiffness = STIFFNESS * w;
         let matrix = Matrix4::new(
             w,
@@ -113,6 +116,7 @@ impl Sums {
             zz + stiffness,
         );
         let [u, v, t] = self.value_first.into();
+        // Positive definite by the stiffness, unless no point has a weight.
         let solution = matrix.cholesky()?.solve(&Vector4::new(self.value, u, v, t));
         Some(solution[0])
     }

@@ -35,6 +35,7 @@ pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
         [0, 1, 2].map(|axis| layers_between(lattice, low[axis] - half, high[axis] + half));
     let cover = solid.cover();
     let occupied_of_layers = |start: usize| {
+        // Layers together: distances of many points are found with one look at the atoms.
         let together = start..(start + LAYERS).min(layers.end);
         let near = near_cover(lattice, &cover, &together);
         let mut runs = Vec::new();
@@ -65,6 +66,7 @@ impl Occupied {
         let mut distances = Vec::new();
         solid.signed_distances(&firsts, &mut distances);
         for (run, distance) in runs.into_iter().zip(distances) {
+            // A run near the surface is a single voxel, so the first stands for it.
             if distance.abs() < 0.5 * lattice.spacing_angstrom() {
                 occupied.shell.push(run.start);
             }
@@ -87,6 +89,7 @@ fn near_cover(lattice: &Lattice, cover: &[Ball], layers: &Range<usize>) -> Vec<b
         let within = |x: f64, reach: f64| layers_between(lattice, x - reach, x + reach);
         let reached = within(centre.z, reach);
         for z in reached.start.max(layers.start)..reached.end.min(layers.end) {
+            // Spheres cut by planes and rows: a range of columns per row, no test per voxel.
             let square = reach * reach - (lattice.coordinate(z) - centre.z).powi(2);
             for y in within(centre.y, reach) {
                 let square = square - (lattice.coordinate(y) - centre.y).powi(2);
@@ -108,6 +111,7 @@ fn add_runs(row: Range<u32>, first: u32, near: &[bool], runs: &mut Vec<Range<u32
     while start < row.end {
         let is_far = |voxel: &u32| !near[(voxel - first) as usize];
         let far = (start..row.end).take_while(is_far).count() as u32;
+        // A voxel near the cover is a run of its own.
         let end = start + far.max(1);
         runs.push(start..end);
         start = end;

@@ -17,8 +17,9 @@ use protomer_kernel::statistics::{Summary, summarize};
 
 /// Radius of the bodies.
 const RADIUS: f64 = 0.5;
-/// Measurements of a run, and draws.
+/// Measurements of a run.
 const SAMPLES: usize = 10_000;
+/// Independent draws that the run is compared with.
 const DRAWS: u64 = 10_000;
 /// The largest error of what is compared.
 const PRECISION: f64 = 0.015;

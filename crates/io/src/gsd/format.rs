@@ -134,6 +134,8 @@ pub(super) struct IndexEntry {
 impl IndexEntry {
     pub(super) fn to_bytes(self) -> [u8; ENTRY_BYTES as usize] {
         let mut bytes = [0; ENTRY_BYTES as usize];
+        // Offsets of gsd_index_entry: frame 0, rows 8,
+        // location 16, columns 24, name 28, type 30, flags 31.
         bytes[0..8].copy_from_slice(&self.frame.to_le_bytes());
         bytes[8..16].copy_from_slice(&self.rows.to_le_bytes());
         bytes[16..24].copy_from_slice(&self.location.to_le_bytes());
@@ -158,6 +160,7 @@ impl IndexEntry {
 
     /// Whether the data lie within a file of this length.
     pub(super) fn lies_within(&self, file_length: u64) -> bool {
+        // `None` of a multiplication that overflows counts as outside.
         let end = self
             .length()
             .and_then(|length| length.checked_add(self.location));
@@ -186,6 +189,8 @@ pub(super) struct Header {
 impl Header {
     pub(super) fn to_bytes(&self) -> [u8; HEADER_BYTES as usize] {
         let mut bytes = [0; HEADER_BYTES as usize];
+        // gsd_header: five numbers of 8 bytes from byte 0, two of 4 bytes at 40
+        // and 44, then two texts of 64 bytes at 48 and 112; the rest is reserved.
         let numbers = [
             MAGIC,
             self.index_location,

@@ -52,6 +52,7 @@ impl GsdFile {
             Ok(Err(cause)) => return Err(source.error(cause)),
             Err(_) => return Err(source.error("its header is truncated".into())),
         };
+        // Saturating: whatever the header states, the read is refused beyond the file's length.
         let names_length = header.names_segments.saturating_mul(NAME_SEGMENT_BYTES);
         let names = source.read(header.names_location, names_length)?;
         let names = split_names(&names);
@@ -90,6 +91,7 @@ impl GsdFile {
 
     /// The number of frames.
     pub fn frames(&self) -> u64 {
+        // A frame is complete when an entry names it; frames without chunks do not exist.
         self.entries.last().map_or(0, |entry| entry.frame + 1)
     }
 
@@ -117,6 +119,7 @@ impl GsdFile {
     /// As [`GsdFile::chunk`].
     pub fn frame(&mut self, frame: u64) -> Result<Vec<Chunk>> {
         let mut entries = self.frame_entries(frame).to_vec();
+        // The index is sorted by name within a frame; locations keep the order of writing.
         entries.sort_by_key(|entry| entry.location);
         let mut chunks = Vec::with_capacity(entries.len());
         for entry in entries {
@@ -126,12 +129,14 @@ impl GsdFile {
     }
 
     fn frame_entries(&self, frame: u64) -> &[IndexEntry] {
+        // Entries ascend by frame, which `split_index` made sure of.
         let start = self.entries.partition_point(|entry| entry.frame < frame);
         let end = self.entries.partition_point(|entry| entry.frame <= frame);
         &self.entries[start..end]
     }
 
     fn read_entry(&self, entry: IndexEntry) -> Result<Chunk> {
+        // Asked again: a file that is still being written has grown since it was opened.
         let metadata = self.file.metadata();
         let mut source = SizedFile {
             path: &self.path,
@@ -178,6 +183,7 @@ fn split_index(index: &[u8], names: usize, file_length: u64) -> Vec<IndexEntry> 
     while let Ok(entry) = IndexEntry::read(&mut cursor) {
         let is_named = usize::from(entry.name) < names;
         let is_ordered = last_frame <= entry.frame;
+        // Location 0 is the header, so it marks the end of the list.
         if entry.location == 0 || !is_named || !is_ordered || !entry.lies_within(file_length) {
             break;
         }
@@ -202,6 +208,7 @@ impl SizedFile<'_> {
             let cause = format!("it is truncated: {count} bytes at {location} are missing");
             return Err(self.error(cause));
         }
+        // Only now: the file has these bytes, so a wrong count cannot take all memory.
         let mut bytes = vec![0; count as usize];
         let mut read = || {
             self.file.seek(SeekFrom::Start(location))?;

@@ -56,6 +56,7 @@ pub struct TrajectoryFrame<'a> {
 pub fn enclosing_box(poses: &[Pose], margin_angstrom: f64) -> [f64; 3] {
     let mut reach = 0.0_f64;
     for pose in poses {
+        // The larger of all coordinates: a cube, centred on the origin as readers expect.
         reach = reach.max(pose.position.amax());
     }
     [2.0 * (reach + margin_angstrom); 3]
@@ -152,6 +153,7 @@ fn check_resumable(path: &Path, header: &TrajectoryHeader, frames: u64) -> Resul
     if frames == 0 || old.frames() == 0 {
         return Ok(());
     }
+    // The first frame holds what never changes: bodies, shapes, charges.
     for chunk in header_chunks(header)? {
         let is_same = matches!(old.chunk(0, &chunk.name), Ok(Some(stored)) if stored == chunk);
         if !is_same {
@@ -188,6 +190,7 @@ fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
         positions.extend(pose.position.iter().map(|x| *x as f32));
         orientations.extend(pose.wxyz().map(|x| x as f32));
     }
+    // HOOMD's box is three lengths and three tilt factors.
     let box_and_tilts = vec![lx, ly, lz, 0.0, 0.0, 0.0];
     let bodies = frame.poses.len() as u32;
     let mut chunks = vec![

@@ -93,7 +93,9 @@ impl GsdWriter {
     /// frame before. [`IoError::Unwritable`] for a chunk whose values do not fill its columns, a
     /// name given twice, or an empty frame.
     pub fn append_frame(&mut self, chunks: &[Chunk]) -> Result<()> {
+        // Before anything is written: a frame that is refused leaves the file as it is.
         check_chunks(chunks)?;
+        // Names first: an entry must not refer to one that is not in the file.
         self.register_names(chunks)?;
         let mut data = Vec::new();
         let mut entries = Vec::with_capacity(chunks.len());
@@ -108,7 +110,9 @@ impl GsdWriter {
             });
             data.extend_from_slice(&chunk.data.to_bytes());
         }
+        // The specification wants the entries of a frame sorted by name.
         entries.sort_by_key(|entry| entry.name);
+        // Data before the index: a process that dies in between leaves bytes that no entry names.
         self.write_at(self.length, &data)?;
         self.length += data.len() as u64;
         self.append_entries(&entries)?;
@@ -137,6 +141,7 @@ impl GsdWriter {
         let total = (self.entries.len() + entries.len()) as u64;
         // One entry stays zero, to terminate the list.
         if total >= self.header.index_entries {
+            // Twice the room: the index is moved log₂ n times, so appending stays linear.
             self.move_index((total + 1).next_power_of_two() * 2)?;
         }
         let end = self.header.index_location + self.entries.len() as u64 * ENTRY_BYTES;
@@ -147,7 +152,9 @@ impl GsdWriter {
 
     fn move_index(&mut self, capacity: u64) -> Result<()> {
         let mut block = bytes_of(&self.entries);
+        // Zeros mark the end of the list.
         block.resize((capacity * ENTRY_BYTES) as usize, 0);
+        // The new block is there before the header points to it; the old one stays as waste.
         self.write_at(self.length, &block)?;
         self.header.index_location = self.length;
         self.header.index_entries = capacity;
@@ -160,6 +167,7 @@ impl GsdWriter {
         let count = self.names.len();
         let result = self.write_new_names(chunks);
         if result.is_err() {
+            // Only in memory: a list on disk that is longer does no harm.
             self.names.truncate(count);
             self.name_ids.retain(|_, id| usize::from(*id) < count);
         }
@@ -186,6 +194,7 @@ impl GsdWriter {
             list.extend_from_slice(name.as_bytes());
             list.push(0);
         }
+        // One more byte: an empty name ends the list.
         let needed = (list.len() as u64 + 1).div_ceil(NAME_SEGMENT_BYTES);
         if needed <= self.header.names_segments {
             return self.write_at(self.header.names_location, &list);

@@ -29,6 +29,7 @@ impl<'a> MeshBuilder<'a> {
 
     pub(super) fn add_vertex(&mut self, line: usize, position: Vec3) -> Result<()> {
         let count = self.vertices();
+        // The largest number stands for "none" elsewhere.
         if count >= u32::MAX as usize {
             return Err(self.error(line, "more vertices than 2^32", "give a coarser mesh"));
         }
@@ -51,6 +52,7 @@ impl<'a> MeshBuilder<'a> {
         let count = self.vertices();
         let mut indices = Vec::with_capacity(corners.len());
         for &corner in corners {
+            // Negative and too large alike: one conversion refuses both.
             match u32::try_from(corner) {
                 Ok(index) if (index as usize) < count => indices.push(index),
                 _ => {

@@ -47,6 +47,7 @@ fn corners(line: &Line) -> Result<Vec<i64>> {
     let mut tokens = line.text.split_whitespace();
     let stated = line.integer(tokens.next(), "the number of corners")?;
     let mut corners = Vec::new();
+    // Colours may follow the corners; they are left alone.
     for token in tokens.take(usize::try_from(stated).unwrap_or(0)) {
         corners.push(line.integer(Some(token), "a vertex index")?);
     }

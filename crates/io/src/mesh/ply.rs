@@ -45,6 +45,7 @@ pub fn read_ply(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
         }),
     };
     let mut builder = MeshBuilder::new(name);
+    // One list for all rows: its memory is taken once.
     let mut list = Vec::new();
     for element in &header.elements {
         // The count only controls the loop: every row consumes at least a byte, so a wrong
@@ -81,6 +82,7 @@ fn read_row(
                 position[axis] = list.first().copied().unwrap_or(f64::NAN);
             }
             (ElementRole::Faces, PropertyRole::Corners) => {
+                // A cast saturates; what was no index before is refused as out of range.
                 let corners: Vec<i64> = list.iter().map(|value| *value as i64).collect();
                 builder.add_polygon(values.line(), &corners)?;
             }
@@ -227,6 +229,7 @@ impl Header {
         for (index, raw) in bytes.split_inclusive(|byte| *byte == b'\n').enumerate() {
             length += raw.len();
             let text = String::from_utf8_lossy(raw);
+            // Lossy decoding: comments may hold anything, keywords are ASCII.
             let tokens: Vec<&str> = text.split_whitespace().collect();
             let line = index + 1;
             let bad = |cause: &str| Err(IoError::parse(name, line, cause, REMEDY));
@@ -276,6 +279,7 @@ fn check_elements(name: &str, elements: &[Element]) -> Result<()> {
     let mut faces = None;
     let mut is_empty = false;
     for (place, element) in elements.iter().enumerate() {
+        // Rows without properties take no bytes, so a stated count of them would never run out.
         is_empty |= element.properties.is_empty() && element.count > 0;
         match element.role {
             ElementRole::Vertices if vertices.is_none() => vertices = Some((place, element)),
@@ -291,6 +295,7 @@ fn check_elements(name: &str, elements: &[Element]) -> Result<()> {
         (Some(_), Some((_, face))) if !face.has(PropertyRole::Corners) => {
             "its faces lack the list vertex_indices"
         }
+        // Faces refer to vertices by number, so these must come first.
         (Some((first, _)), Some((second, _))) if second < first => {
             "its faces come before its vertices"
         }
@@ -395,6 +400,7 @@ impl<'a, L: Iterator<Item = &'a [u8]>> Values for TextValues<'a, L> {
     }
 
     fn begin_row(&mut self) -> Scan<()> {
+        // Blank lines separate rows in some files.
         self.row.clear();
         while self.row.is_empty() {
             let Some(line) = self.lines.next() else {
@@ -408,6 +414,7 @@ impl<'a, L: Iterator<Item = &'a [u8]>> Values for TextValues<'a, L> {
                 }
             }
         }
+        // Last first, so that taking the next value is a `pop`.
         self.row.reverse();
         Ok(())
     }
@@ -434,6 +441,7 @@ impl BinaryValues<'_> {
     fn bytes<const N: usize>(&mut self) -> Scan<[u8; N]> {
         match self.cursor.array::<N>() {
             Ok(mut bytes) => {
+                // Reversed bytes of a big-endian number are its little-endian form.
                 if self.big_endian {
                     bytes.reverse();
                 }

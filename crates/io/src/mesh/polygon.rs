@@ -13,6 +13,7 @@ pub(super) fn triangulate(vertices: &[Vec3], corners: &[u32], triangles: &mut Ve
     let normal = newell_normal(vertices, corners);
     while remaining.len() > 3 {
         let is_ear = |middle: &usize| is_ear(vertices, &remaining, *middle, &normal);
+        // A polygon that crosses itself may have no ear; cutting any corner still ends.
         let ear = (0..remaining.len()).find(is_ear).unwrap_or(0);
         triangles.push(around(&remaining, ear));
         remaining.remove(ear);
@@ -38,6 +39,7 @@ fn newell_normal(vertices: &[Vec3], corners: &[u32]) -> Vec3 {
     let vertex = |corner: u32| vertices[corner as usize];
     let mut normal = Vec3::zeros();
     if let [first, others @ ..] = corners {
+        // Relative to the first corner: far from the origin the products would cancel.
         for side in others.windows(2) {
             normal += (vertex(side[0]) - vertex(*first)).cross(&(vertex(side[1]) - vertex(*first)));
         }
@@ -49,6 +51,7 @@ fn is_ear(vertices: &[Vec3], remaining: &[u32], middle: usize, normal: &Vec3) ->
     let corners = around(remaining, middle);
     let [a, b, c] = corners.map(|corner| vertices[corner as usize]);
     let turn =
+        // Seen along the polygon's own normal, so the test works in any plane.
         |from: &Vec3, to: &Vec3, point: &Vec3| (to - from).cross(&(point - from)).dot(normal);
     let is_convex = turn(&a, &b, &c) > 0.0;
     if !is_convex {
@@ -56,6 +59,7 @@ fn is_ear(vertices: &[Vec3], remaining: &[u32], middle: usize, normal: &Vec3) ->
     }
     for corner in remaining {
         let point = &vertices[*corner as usize];
+        // Points on an edge count as inside: an ear over them would overlap what is left.
         let is_inside = [(&a, &b), (&b, &c), (&c, &a)]
             .into_iter()
             .all(|(from, to)| turn(from, to, point) >= 0.0);

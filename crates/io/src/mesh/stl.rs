@@ -34,6 +34,7 @@ pub fn read_stl(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     if promised.is_some_and(|count| bytes.len() as u128 == binary_length(count)) {
         return read_binary(name, bytes);
     }
+    // No zero byte: a binary file whose length is wrong must not be read as text.
     if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) {
         return read_ascii(name, bytes);
     }
@@ -56,6 +57,7 @@ fn binary_triangles(bytes: &[u8]) -> Option<u32> {
 
 /// Length of a binary file with `count` triangles.
 fn binary_length(triangles: u32) -> u128 {
+    // In 128 bits, as 2³² triangles of 50 bytes overflow 32 bits and nothing may wrap.
     (HEADER_BYTES + 4) as u128 + u128::from(triangles) * TRIANGLE_BYTES as u128
 }
 
@@ -76,6 +78,7 @@ fn read_binary(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
 /// The corners of a triangle; the normal before them is redundant and skipped.
 fn binary_corners(record: &[u8]) -> std::result::Result<[Vec3; 3], Ended> {
     let mut cursor = Cursor::new(record);
+    // The normal: three f32.
     cursor.take(12)?;
     let mut corners = [Vec3::zeros(); 3];
     for coordinate in corners.iter_mut().flatten() {
@@ -137,6 +140,7 @@ impl<'a> Soup<'a> {
     }
 
     fn add_triangle(&mut self, line: usize, corners: [Vec3; 3]) -> Result<()> {
+        // Three vertices of its own; `welded` finds those that coincide.
         let first = self.builder.vertices() as i64;
         for corner in corners {
             self.builder.add_vertex(line, corner)?;
@@ -174,10 +178,12 @@ pub fn write_stl_binary(mesh: &TriangleMesh) -> Vec<u8> {
     for triangle in 0..mesh.triangles.len() {
         let [a, b, c] = mesh.corners(triangle);
         let perpendicular = (b - a).cross(&(c - a));
+        // Readers that trust the normal get zeros for a triangle without a direction.
         let normal = perpendicular.try_normalize(0.0).unwrap_or_default();
         for coordinate in [normal, a, b, c].iter().flatten() {
             bytes.extend_from_slice(&(*coordinate as f32).to_le_bytes());
         }
+        // The attribute byte count, which nobody uses.
         bytes.extend_from_slice(&[0, 0]);
     }
     bytes

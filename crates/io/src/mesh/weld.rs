@@ -26,6 +26,7 @@ fn has_one_vertex_per_place(mesh: &TriangleMesh) -> bool {
 fn is_closed(mesh: &TriangleMesh) -> bool {
     let edges = |[a, b, c]: &[u32; 3]| [(*a, *b), (*b, *c), (*c, *a)];
     let all: HashSet<(u32, u32)> = mesh.triangles.iter().flat_map(edges).collect();
+    // In a closed surface every edge is run through once in each direction.
     all.iter().all(|(from, to)| all.contains(&(*to, *from)))
 }
 
@@ -37,12 +38,14 @@ pub(super) fn welded(mesh: &TriangleMesh) -> TriangleMesh {
     for corners in &mesh.triangles {
         let corners = corners.map(|corner| {
             let position = mesh.vertices[corner as usize];
+            // Bits, not a distance: a tolerance would join what is apart on purpose.
             *vertex_at.entry(place(&position)).or_insert_with(|| {
                 welded.vertices.push(position);
                 welded.vertices.len() as u32 - 1
             })
         });
         let [a, b, c] = corners;
+        // Two corners at one place: an edge is left, which its neighbours share.
         if a != b && b != c && c != a {
             welded.triangles.push(corners);
         }

@@ -27,6 +27,8 @@ pub fn write_dx(title: &str, volume: &Volume) -> String {
     let points = nx * ny * nz;
     let mut text = head(title, volume);
     let mut written = 0;
+    // The values lie with x running fastest; the format
+    // wants z fastest, so the loops turn it round.
     for i in 0..nx {
         for j in 0..ny {
             for k in 0..nz {

@@ -76,6 +76,7 @@ fn whole_spacings(coordinate_angstrom: f64, spacing_angstrom: f64) -> Result<i32
     const ROUNDING: f64 = 1e-6;
     let exact = coordinate_angstrom / spacing_angstrom;
     let whole = exact.round();
+    // Relative, as far from zero the quotient itself is rounded.
     let is_whole = (exact - whole).abs() <= ROUNDING * exact.abs().max(1.0);
     if !is_whole || whole.abs() > f64::from(i32::MAX) {
         return Err(IoError::Unwritable {
@@ -103,14 +104,19 @@ fn header(label: &str, volume: &Volume) -> Vec<u8> {
     const FLOATS: i32 = 2;
     const VERSION: i32 = 20140;
     const LITTLE_ENDIAN: [u8; 4] = [0x44, 0x44, 0, 0];
+    // A word that is not set is zero: mode, start and origin included.
     let mut header = vec![0; HEADER_BYTES];
     for axis in 0..3 {
         let points = volume.shape[axis];
+        // NX, NY, NZ are words 1 to 3, the sampling MX, MY, MZ words 8 to 10.
         put(&mut header, 1 + axis, whole(points));
         put(&mut header, 8 + axis, whole(points));
         let length = points as f64 * volume.spacing_angstrom;
+        // CELLA: the length of all intervals of the cell, as many as points.
         put(&mut header, 11 + axis, real(length));
+        // CELLB: right angles.
         put(&mut header, 14 + axis, real(90.0));
+        // MAPC, MAPR, MAPS: columns along x, rows along y, sections along z.
         put(&mut header, 17 + axis, whole(axis + 1));
     }
     let statistics = Statistics::of(&volume.values);
@@ -118,14 +124,17 @@ fn header(label: &str, volume: &Volume) -> Vec<u8> {
     put(&mut header, 20, real(statistics.least));
     put(&mut header, 21, real(statistics.greatest));
     put(&mut header, 22, real(statistics.mean));
+    // ISPG 1: one volume, no stack of images.
     put(&mut header, 23, whole(1));
     put(&mut header, 28, VERSION.to_le_bytes());
     put(&mut header, 53, *b"MAP ");
     put(&mut header, 54, LITTLE_ENDIAN);
     put(&mut header, 55, real(statistics.deviation));
+    // NLABL: one label follows.
     put(&mut header, 56, whole(1));
     let mut text: Vec<u8> = label.bytes().filter(u8::is_ascii).collect();
     text.resize(LABEL_BYTES, b' ');
+    // LABEL, words 57 onwards.
     header[224..224 + LABEL_BYTES].copy_from_slice(&text);
     header
 }

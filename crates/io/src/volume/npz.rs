@@ -26,6 +26,7 @@ pub fn write_volume_npz(name: &str, volume: &Volume) -> Result<Vec<u8>> {
     write_npz(&[
         NamedArray {
             name,
+            // C order with the last axis fastest: x runs fastest in the values.
             shape: &[nz, ny, nx],
             values: NpyValues::F64(&volume.values),
         },

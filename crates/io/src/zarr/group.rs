@@ -48,6 +48,7 @@ pub fn attributes<A: DeserializeOwned>(path: &Path) -> Result<A> {
         }
         Err(cause) => return Err(not_a_set(path, &cause.to_string())),
     };
+    // Streamed: a set's attributes name each sample and may be large.
     let read: serde_json::Result<Metadata<A>> = serde_json::from_reader(BufReader::new(file));
     match read {
         Ok(metadata) if metadata.zarr_format == 3 && metadata.node_type == "group" => {

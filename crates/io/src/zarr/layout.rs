@@ -70,6 +70,7 @@ impl Kind {
 
     fn fill(self) -> FillValue {
         match self {
+            // Values that no voxel has: what was never written is told from what was.
             Kind::Offsets => FillValue::from(-1_i64),
             Kind::Index => FillValue::from(NO_INDEX),
             Kind::Channel => FillValue::from(f16::NAN),
@@ -145,8 +146,10 @@ pub(super) fn array(
         kind.fill(),
     );
     builder
+        // The checksum is over the compressed bytes, so damage is found before decompression.
         .bytes_to_bytes_codecs(vec![Arc::new(blosc), Arc::new(Crc32cCodec::new())])
         .attributes(attributes);
+    // A table is read as a whole and needs no chunks within its files.
     if let ([_], [per_file]) = (shape, per_file) {
         builder.subchunk_shape(vec![CHUNK_ELEMENTS.min(*per_file)]);
     }
@@ -171,5 +174,6 @@ pub(super) fn ascends_within(index: &[u32], size: usize) -> bool {
     let is_inside = index
         .last()
         .is_none_or(|last| (*last as usize) < size.pow(3));
+    // The last is the largest, once they ascend.
     is_inside && index.is_sorted_by(|a, b| a < b)
 }

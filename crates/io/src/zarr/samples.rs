@@ -68,6 +68,7 @@ impl SampleReader {
         let channels = head.channels(path)?;
         let implied = head.implied(path)?;
         let index = Stored::open(path, &store, INDEX, Kind::Index)?;
+        // Offsets are held in memory, eight bytes a sample: any sample is then found at once.
         let offsets = read_offsets(path, &store, index.length())?;
         let mut values = Vec::with_capacity(channels.len());
         for name in &channels {
@@ -145,6 +146,7 @@ impl SampleReader {
         let mut values = Vec::with_capacity(self.values.len());
         for stored in &self.values {
             let Some(stored) = stored else {
+                // An implied channel is 1 wherever the sample has a voxel.
                 values.push(vec![1.0; index.len()]);
                 continue;
             };
@@ -176,6 +178,7 @@ impl SampleReader {
             .unwrap_or(first);
         let (begin, end) = (file * per_file, (file + 1) * per_file);
         let offsets = &self.offsets;
+        // All samples with voxels in the file are lost with it, not only this one.
         let from = offsets.partition_point(|offset| *offset as u64 <= begin);
         let from = from.saturating_sub(1);
         let to = offsets.partition_point(|offset| (*offset as u64) < end);
@@ -215,8 +218,10 @@ fn open_channel(
 
 /// The values of a channel in single precision; all must be present and finite.
 fn read_channel(stored: &Stored, range: Range<u64>) -> std::result::Result<Vec<f32>, String> {
+    // Half precision on disk, single in memory.
     let halves: Vec<f16> = stored.read(range)?;
     let singles = halves.to_f32_vec();
+    // The fill value is NaN: a chunk that was never written cannot pass as data.
     if singles.iter().all(|value| value.is_finite()) {
         Ok(singles)
     } else {
@@ -233,6 +238,7 @@ fn read_offsets(path: &Path, store: &Arc<FilesystemStore>, voxels: u64) -> Resul
         Ok(offsets) => offsets,
         Err(cause) => return bad(&cause),
     };
+    // Ascending from 0 to the end: then every range lies within the arrays.
     let is_whole = offsets.first() == Some(&0)
         && offsets.last().copied() == i64::try_from(voxels).ok()
         && offsets.is_sorted();

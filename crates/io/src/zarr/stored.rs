@@ -54,6 +54,8 @@ impl Stored {
                 "copy or make the set again",
             ))
         };
+        // Sizes are checked before an array is made of them, and the metadata compared with
+        // those of the array made: nothing of the file is interpreted by another program.
         let opened = Metadata::read(&folder.join("zarr.json")).and_then(|metadata| {
             let [shape, per_file] = [metadata.shape()?, metadata.per_file()?];
             require_sizes(kind, &shape, &per_file)?;
@@ -121,9 +123,11 @@ impl Stored {
         range: Range<u64>,
     ) -> std::result::Result<Vec<T>, String> {
         if range.is_empty() {
+            // An empty sample touches no chunk.
             return Ok(Vec::new());
         }
         self.verify(&range)?;
+        // The cache keeps the lists of chunks of files, not the chunks.
         let subset = ArraySubset::new_with_ranges(&[range]);
         // One sample is little work; parallelism is left to the caller.
         let options = CodecOptions::default().with_concurrent_target(1);
@@ -146,9 +150,11 @@ impl Stored {
     /// Verifies the files and the checksums of the chunks of a range, once: reading a part of a chunk
     /// does not.
     fn verify(&self, range: &Range<u64>) -> std::result::Result<(), String> {
+        // A table is small and is read as a whole: its checksum is verified with it.
         if !self.array.is_sharded() {
             return Ok(());
         }
+        // `range` is not empty.
         let last = range.end - 1;
         for file in range.start / self.per_file..=last / self.per_file {
             once(self.verified_files.get(file as usize), || {
@@ -167,6 +173,7 @@ impl Stored {
     /// list at its end states.
     fn verify_file(&self, file: u64) -> std::result::Result<(), String> {
         let chunks = self.per_file / self.per_chunk;
+        // The last file has fewer chunks than it has places for.
         let elements = self.length() - file * self.per_file;
         let used = elements.div_ceil(self.per_chunk).min(chunks);
         let path = self.folder.join("c").join(file.to_string());
@@ -174,6 +181,7 @@ impl Stored {
         for entry in list.entries.iter().take(used as usize) {
             match entry {
                 [u64::MAX, u64::MAX] => return Err("a part is missing".into()),
+                // Chunks lie before the list; one that ends behind its start overlaps it.
                 [offset, size]
                     if offset
                         .checked_add(*size)
@@ -192,6 +200,7 @@ impl Stored {
             Err(cause) => return Err(cause.to_string()),
         };
         // The checksum is the outermost codec; the inner ones are left to the array.
+        // The decoded size is not known and not needed: an upper bound will do.
         let size = BytesRepresentation::BoundedSize(bytes.len() as u64);
         let options = CodecOptions::default();
         match Crc32cCodec::new().decode(Cow::Owned(bytes), &size, &options) {
@@ -212,10 +221,12 @@ fn once(
     done: Option<&AtomicBool>,
     work: impl FnOnce() -> std::result::Result<(), String>,
 ) -> std::result::Result<(), String> {
+    // Relaxed: at worst two threads verify the same chunk.
     if done.is_some_and(|done| done.load(Ordering::Relaxed)) {
         return Ok(());
     }
     work()?;
+    // Only after success: a damaged chunk must be reported every time.
     if let Some(done) = done {
         done.store(true, Ordering::Relaxed);
     }
@@ -237,6 +248,7 @@ fn chunk_list(path: &Path, chunks: u64) -> std::io::Result<ChunkList> {
     let start = file.metadata()?.len().checked_sub(length);
     let start = start.ok_or(std::io::ErrorKind::UnexpectedEof)?;
     file.seek(SeekFrom::Start(start))?;
+    // Without the checksum of the list; zarrs verifies that itself.
     let mut bytes = vec![0; 16 * chunks as usize];
     file.read_exact(&mut bytes)?;
     let (numbers, _) = bytes.as_chunks::<8>();

@@ -30,6 +30,7 @@ impl TableWriter {
         columns: &[String],
         samples: u64,
     ) -> Result<Self> {
+        // A table without columns is one wide, so that its files have a size.
         let width = columns.len().max(1);
         let rows_per_file = samples.clamp(1, ROWS_PER_FILE);
         let array = layout::array(
@@ -74,6 +75,7 @@ impl TableWriter {
             return Ok(());
         }
         let numbers = self.rows_per_file * self.width;
+        // The last file is padded to its full shape.
         self.waiting.resize(numbers, f64::NAN);
         let rows = self.waiting.as_slice();
         let stored = self

@@ -165,6 +165,7 @@ impl SetWriter {
         let voxels = plan.voxels;
         let index = Filling::new(&store, INDEX, Kind::Index, NO_INDEX, voxels)?;
         let mut stored = Vec::new();
+        // An implied channel is 1 at every occupied voxel and has no array.
         for name in &plan.channels {
             if !plan.implied.contains(name) {
                 stored.push(Filling::new(&store, name, Kind::Channel, f16::NAN, voxels)?);
@@ -191,6 +192,7 @@ impl SetWriter {
     /// [`IoError::Unwritable`] for indices that do not ascend inside the grid, lengths that
     /// disagree, values that half precision cannot hold, and a file that cannot be written.
     pub fn push(&mut self, index: &[u32], values: &[&[f32]], row: &[f64]) -> Result<()> {
+        // All checks before the first array grows: arrays and table must stay in step.
         if !layout::ascends_within(index, self.plan.size) {
             let cause = "voxel numbers do not ascend inside the grid";
             return Err(self.bad_sample(cause));
@@ -203,6 +205,7 @@ impl SetWriter {
             return Err(self.bad_sample(&cause));
         }
         for (channel, values) in self.stored.iter().zip(values) {
+            // Half precision ends at 65504; infinity would be read as damage.
             if let Some(value) = values.iter().find(|value| !as_stored(**value).is_finite()) {
                 let name = &channel.name;
                 let cause = format!("channel {name} holds {value}, more than half precision can");
@@ -214,6 +217,7 @@ impl SetWriter {
             channel.push(values.iter().copied().map(f16::from_f32))?;
         }
         self.index.push(index.iter().copied())?;
+        // The end of this sample is the start of the next, so n samples have n + 1 offsets.
         self.offsets.push(self.voxels() + index.len() as i64);
         Ok(())
     }
@@ -243,6 +247,7 @@ impl SetWriter {
         for channel in self.stored {
             channel.finish()?;
         }
+        // Only now is their number known for certain; they are small beside the voxels.
         let count = self.offsets.len() as u64;
         let mut offsets = Filling::new(&self.store, OFFSETS, Kind::Offsets, -1_i64, count)?;
         offsets.push(self.offsets.into_iter())?;
@@ -255,6 +260,7 @@ impl SetWriter {
             implied_channels: &self.plan.implied,
             further: attributes,
         };
+        // Last: a folder without it is an unfinished set, which every reader refuses.
         group::write(&self.path, &all)
     }
 

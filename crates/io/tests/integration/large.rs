@@ -77,7 +77,7 @@ fn a_mesh_of_a_million_vertices_is_read_in_seconds() {
         let bytes = write_mesh(format, &mesh);
         let written = start.elapsed().as_secs_f64();
         let back = read_mesh(name, &bytes).unwrap();
-        // STL numbers its vertices anew.
+        // STL renumbers its vertices.
         assert_eq!(
             (back.vertices.len(), back.triangles.len()),
             (mesh.vertices.len(), mesh.triangles.len())

@@ -29,7 +29,7 @@ pub fn seconds_per_call(mut work: impl FnMut()) -> f64 {
     best
 }
 
-/// Whether benchmarks were asked for: nothing is timed under `cargo test`.
+/// Whether benchmarks were requested: nothing is timed under `cargo test`.
 pub fn is_asked_for() -> bool {
     std::env::args().any(|argument| argument == "--bench")
 }

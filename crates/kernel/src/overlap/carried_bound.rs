@@ -64,6 +64,8 @@ impl CarriedBound {
         [first_radius, second_radius]: [f64; 2],
     ) -> f64 {
         let [first_before, second_before] = &self.orientations;
+        // Each term is the most that a point can have moved,
+        // so the sum of the three bounds the closing.
         self.bound
             - (displacement - self.displacement).norm()
             - 2.0 * first_radius * quaternion_distance(first_before, &first.rotation.coords)
@@ -73,5 +75,6 @@ impl CarriedBound {
 
 /// Distance of two unit quaternions, q and -q being the same rotation.
 fn quaternion_distance(p: &Vector4<f64>, q: &Vector4<f64>) -> f64 {
+    // The nearer of q and -q: otherwise a sign that flips would look like a turn by 2π.
     (p - q).norm_squared().min((p + q).norm_squared()).sqrt()
 }

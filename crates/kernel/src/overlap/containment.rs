@@ -22,6 +22,8 @@ impl Shell {
     }
 
     fn new(mesh: &TriangleMesh) -> Self {
+        // Extreme corners: the most likely ones to lie outside
+        // the other's sphere, which costs nothing to ask.
         let mut corners = Vec::with_capacity(6);
         for axis in 0..3 {
             let ascending = |p: &&Vec3, q: &&Vec3| p[axis].total_cmp(&q[axis]);
@@ -42,7 +44,9 @@ pub(super) fn solid_contains(
     point: &Vec3,
 ) -> bool {
     const ATTEMPTS: usize = 64;
+    // Beyond the far side of the body from any point that passed the test of its sphere.
     let reach = 4.0 * radius + point.norm();
+    // The first direction nearly always decides; points on axes of symmetric meshes need a few.
     for attempt in 0..ATTEMPTS {
         let far = point + direction(attempt) * reach;
         if let Some(is_inside) = ray_parity(mesh, tree, point, &far) {
@@ -69,6 +73,8 @@ fn ray_parity(mesh: &TriangleMesh, tree: &DiscTree, from: &Vec3, to: &Vec3) -> O
     while let Some(node) = stack.pop() {
         let node = &tree.nodes[node as usize];
         for (lane, &child) in node.children.iter().enumerate() {
+            // The sphere around the disc, not the disc
+            // itself: a ray test is rare, and simple is safe.
             if !ray_comes_near(&node.discs.disc(lane), from, to) {
                 continue;
             }
@@ -77,8 +83,10 @@ fn ray_parity(mesh: &TriangleMesh, tree: &DiscTree, from: &Vec3, to: &Vec3) -> O
                 continue;
             }
             match crossing(&mesh.corners(child as usize), from, to) {
+                // Parity, not a count of signs: it is right for walls and cavities alike.
                 Crossing::None => {}
                 Crossing::Proper => inside = !inside,
+                // A start on the surface is inside: the solid is closed.
                 Crossing::AtStart => return Some(true),
                 Crossing::Degenerate => return None,
             }
@@ -105,9 +113,12 @@ fn crossing([a, b, c]: &Triangle, from: &Vec3, to: &Vec3) -> Crossing {
         return Crossing::None;
     }
     match (orientation(a, b, c, from), orientation(a, b, c, to)) {
+        // The ray runs in the plane of the triangle; another direction decides.
         (0, 0) => Crossing::Degenerate,
+        // The start lies in the plane, and the turns above say that it lies within the triangle.
         (0, _) => Crossing::AtStart,
         (near, far) if near == far => Crossing::None,
+        // Through an edge or corner: two triangles would count it, or one, or none.
         _ if turns.contains(&0) => Crossing::Degenerate,
         _ => Crossing::Proper,
     }
@@ -121,5 +132,6 @@ fn ray_comes_near(disc: &Disc, from: &Vec3, to: &Vec3) -> bool {
     let offset = Vec3::from(disc.centre.map(f64::from)) - from;
     let nearest = segment * (offset.dot(&segment) / segment.norm_squared()).clamp(0.0, 1.0);
     let radius = f64::from(disc.radius).hypot(f64::from(disc.half_thickness)) * (1.0 + ROUNDING);
+    // Unused lanes have a negative radius, whose hypotenuse would be large.
     disc.radius >= 0.0 && (offset - nearest).norm() <= radius + ROUNDING * offset.norm()
 }

@@ -23,6 +23,7 @@ impl Disc {
     pub const EMPTY: Disc = Disc {
         centre: [0.0; 3],
         normal: [0.0; 3],
+        // Finite, so that no lane computes ∞ - ∞ = NaN; large enough that every gap is positive.
         radius: -1e18,
         half_thickness: -1e18,
     };
@@ -33,6 +34,7 @@ impl Disc {
         let normal = (b - a)
             .cross(&(c - a))
             .try_normalize(0.0)
+            // A triangle without area has no normal; any direction holds it, only less tightly.
             .unwrap_or_else(Vec3::z);
         Self::around_points(corners, &normal, &smallest_circle_centre(corners))
     }
@@ -41,6 +43,7 @@ impl Disc {
     /// normal of the triangles and the principal axes of their corners.
     pub fn around_triangles(triangles: &[[Vec3; 3]]) -> Self {
         let points = triangles.as_flattened();
+        // The sum of cross products weights each normal by the area of its triangle.
         let mut mean_normal = Vec3::zeros();
         for [a, b, c] in triangles {
             mean_normal += (b - a).cross(&(c - a));
@@ -67,6 +70,8 @@ impl Disc {
     /// rounding.
     fn around_points(points: &[Vec3], normal: &Vec3, on_axis: &Vec3) -> Self {
         let (mut low, mut high) = (f64::MAX, f64::MIN);
+        // The first pass finds the middle of the heights,
+        // the second measures from the rounded centre.
         for point in points {
             let height = (point - on_axis).dot(normal);
             low = low.min(height);
@@ -85,6 +90,8 @@ impl Disc {
         Self {
             centre: centre.into(),
             normal: normal.into(),
+            // The cast rounds to nearest, perhaps down; one
+            // step up makes the disc hold its points again.
             radius: (radius as f32).next_up(),
             half_thickness: (half_thickness as f32).next_up(),
         }
@@ -92,6 +99,7 @@ impl Disc {
 
     /// The badness of a disc: its thickness, and a share of its radius.
     fn cost(&self) -> f32 {
+        // Thin first: 0.2 keeps a disc from growing very wide for a little less thickness.
         self.half_thickness + 0.2 * self.radius
     }
 }
@@ -142,6 +150,7 @@ fn centre_across(points: &[Vec3], normal: &Vec3) -> Vec3 {
                 farthest = projection;
             }
         }
+        // Any centre is safe: the radius is measured from it afterwards.
         centre += farthest / (step + 1) as f64;
     }
     centre

@@ -33,6 +33,7 @@ impl DiscBlock {
     };
 
     pub fn of(discs: &[Disc]) -> Self {
+        // Lanes without a child keep the empty disc, which every test rejects.
         let mut block = Self::EMPTY;
         for (lane, disc) in discs.iter().enumerate() {
             for axis in 0..3 {
@@ -81,6 +82,7 @@ impl Motion {
     /// The discs of the second body in the frame of the first.
     #[inline(always)]
     pub fn block(&self, block: &DiscBlock) -> DiscBlock {
+        // The radii are copied with the rest: a rotation does not change them.
         let mut image = block.clone();
         for row in 0..3 {
             let [x, y, z] = self.rotation[row];
@@ -109,6 +111,8 @@ impl Motion {
         for row in 0..3 {
             let [x, y, z] = self.rotation[row];
             let (centre, normal) = (&disc.centre, &disc.normal);
+            // Not fused, unlike the eight lanes: `block` and
+            // `disc` differ by roundings within the allowance.
             image.centre[row] =
                 x * centre[0] + y * centre[1] + z * centre[2] + self.translation[row];
             image.normal[row] = x * normal[0] + y * normal[1] + z * normal[2];
@@ -126,6 +130,8 @@ pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lane
     let [cx, cy, cz] = disc.centre;
     let [mx, my, mz] = disc.normal;
     let mut result = [0.0; WIDTH];
+    // The loop has no branch and no early end, so that
+    // each line becomes one instruction for eight lanes.
     for (lane, result) in result.iter_mut().enumerate() {
         let (dx, dy, dz) = (
             block.centre[0][lane] - cx,
@@ -140,12 +146,16 @@ pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lane
         let (radius, half_thickness) = (block.radius[lane], block.half_thickness[lane]);
         let along_m = dx.mul_add(mx, dy.mul_add(my, dz * mz)).abs();
         let along_n = dx.mul_add(nx, dy.mul_add(ny, dz * nz)).abs();
+        // Enlarged, so that the differences of squares
+        // below never fall under the true half-extents.
         let squared = dx.mul_add(dx, dy.mul_add(dy, dz * dz)) * (1.0 + ROOT_SLACK);
         let cosine = mx.mul_add(nx, my.mul_add(ny, mz * nz)).abs();
         let sine = root(cosine.mul_add(-cosine, 1.0 + ROOT_SLACK));
+        // Half-extent of the other disc along m: t |m·n| + r √(1 - (m·n)²).
         let on_m = along_m - disc.half_thickness - radius.mul_add(sine, half_thickness * cosine);
         let on_n =
             along_n - half_thickness - disc.radius.mul_add(sine, disc.half_thickness * cosine);
+        // Half-extents along d, each times |d|: t |d·m| + r √(|d|² - (d·m)²).
         let across_m = root(along_m.mul_add(-along_m, squared));
         let across_n = root(along_n.mul_add(-along_n, squared));
         let extents = disc.radius.mul_add(
@@ -153,7 +163,11 @@ pub(super) fn separations(disc: &Disc, block: &DiscBlock, rounding: f32) -> Lane
             disc.half_thickness
                 .mul_add(along_m, radius.mul_add(across_n, half_thickness * along_n)),
         );
+        // All terms are |d| times too large. Where the sum
+        // is positive, an inverse root that is too small
+        // keeps the bound below the true gap; where it is negative, the sign stays.
         let on_d = (squared - extents) * inverse_root_below(squared);
+        // One allowance for all three axes: each is a sum of the same few dozen operations.
         *result = larger(larger(on_m, on_n), on_d) - rounding;
     }
     result
@@ -174,6 +188,7 @@ impl Iterator for Bits {
     #[inline(always)]
     fn next(&mut self) -> Option<usize> {
         let lowest = self.0.trailing_zeros();
+        // Clears the lowest bit; zero stays zero, as the subtraction wraps.
         self.0 &= self.0.wrapping_sub(1);
         (lowest < WIDTH as u32).then_some(lowest as usize)
     }
@@ -182,6 +197,7 @@ impl Iterator for Bits {
 /// The larger of two numbers that are not NaN, in one instruction.
 #[inline(always)]
 fn larger(a: f32, b: f32) -> f32 {
+    // Not `f32::max`, which must care for NaN and takes more than one instruction.
     if a > b { a } else { b }
 }
 

@@ -29,9 +29,9 @@
 //! * There is one rotation matrix per pair of bodies, in `f32`, with an allowance for every rounding.
 //!   A disc test can only say "provably apart"; all other pairs go to predicates with exact signs.
 //!   The answer is always that of brute force.
-//! * Products and sums are fused, and square roots are exact: the divider works beside the
-//!   multipliers. A root and a quotient for the line of the centres would be too much for it, so a
-//!   one-sided approximation within 0.2 % stands there. Processors without fused operations find
+//! * Products and sums are fused, and square roots are exact: the divider works while the
+//!   multipliers do. A root and a quotient for the line of the centres would be too much for it, so
+//!   a one-sided approximation within 0.2 % stands there. Processors without fused operations find
 //!   the same bits, more slowly.
 //! * Latency and mispredicted branches cost more than arithmetic. A child of one node is first tested
 //!   against the other node as a whole (two of eight remain), several pairs of nodes are in flight
@@ -51,10 +51,10 @@
 //!   list has hundreds of pairs and takes some 40 µs to make: sixteen bodies close to contact made
 //!   21 000 moves per CPU-second instead of 42 000, the same decisions (2026-11-24).
 //! * A separating plane remembered for each pair of nodes at which the descent stopped, tested eight
-//!   at a time and fitted anew where it fails: on sixteen bodies close to contact a trial move then
-//!   visits 47 pairs of nodes instead of 258, but testing and fitting the planes costs what that
-//!   saves (42 300 instead of 40 000 moves per CPU-second, one prototype in one run, with the former
-//!   arithmetic). Planes without fitting visit 74 pairs and gain nothing.
+//!   at a time and fitted again where it fails: on sixteen bodies close to contact a trial move
+//!   then visits 47 pairs of nodes instead of 258, but testing and fitting the planes costs what
+//!   that saves (42 300 instead of 40 000 moves per CPU-second, one prototype in one run, with the
+//!   former arithmetic). Planes without fitting visit 74 pairs and gain nothing.
 //! * Other trees, in moves per CPU-second of one run, 46 300 as it is: triangles divided by centres
 //!   and normals together 33 300 to 44 500, normals of discs refined by search 47 700 (and six times
 //!   as many discs tried when a body is prepared), another weight of the radius 46 100 to 46 400.
@@ -133,17 +133,20 @@ pub fn separation_bound(
     ceiling_angstrom: f64,
 ) -> Option<f64> {
     let between_spheres = second_in_first.translation.norm() - first.radius - second.radius;
+    // The second limit is the rounding of the difference itself; below it the descent decides.
     if between_spheres > ceiling_angstrom.max(1e-9 * (first.radius + second.radius)) {
         return Some(ceiling_angstrom);
     }
     match relate_surfaces(first, second, second_in_first, ceiling_angstrom) {
         SurfaceRelation::Intersecting => None,
+        // Only for surfaces apart: where they meet, a shell is neither wholly inside nor outside.
         SurfaceRelation::Apart(_)
             if first.holds_a_shell_of(second, second_in_first)
                 || second.holds_a_shell_of(first, &second_in_first.inverse()) =>
         {
             None
         }
+        // The bound of the spheres may be the better one where the descent stopped early.
         SurfaceRelation::Apart(bound) => Some(bound.max(between_spheres).min(ceiling_angstrom)),
     }
 }
@@ -174,6 +177,7 @@ pub fn comes_within(
     distance_angstrom: f64,
 ) -> bool {
     let between_spheres = second_in_first.translation.norm() - first.radius - second.radius;
+    // Rounding of the difference of the radii must not call touching bodies far.
     if between_spheres > distance_angstrom.max(1e-9 * (first.radius + second.radius)) {
         return false;
     }

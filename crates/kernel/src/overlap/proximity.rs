@@ -31,7 +31,7 @@ struct Search<'a> {
     /// Allowance for rounding in every disc test, Å.
     rounding: f32,
     distance_angstrom: f64,
-    /// The distance asked for, rounded up: discs at least this far apart are dropped.
+    /// The requested distance, rounded up: discs at least this far apart are dropped.
     threshold: f32,
     /// Pairs of nodes that are still to be visited.
     stack: Vec<(u32, u32)>,
@@ -51,6 +51,8 @@ impl<'a> Search<'a> {
             motion: Motion::new(pose),
             rounding: rounding_angstrom(first, second, pose),
             distance_angstrom,
+            // Rounded up: a disc gap at the threshold or above
+            // is then no less than the distance in double.
             threshold: (distance_angstrom as f32).next_up(),
             stack: vec![(first.tree.root(), second.tree.root())],
         }
@@ -80,6 +82,7 @@ impl<'a> Search<'a> {
             &self.first.tree.nodes[index_a as usize],
             &self.second.tree.nodes[index_b as usize],
         );
+        // A leaf holds triangles, not nodes; only the inner node is opened until both are leaves.
         if a.is_leaf != b.is_leaf {
             self.expand_one(index_a, index_b);
             return false;
@@ -151,6 +154,7 @@ impl<'a> Search<'a> {
             .mesh
             .corners(second as usize)
             .map(|corner| self.pose.transform_point(&corner));
+        // The distance is one of edges and corners: where triangles cross it is not zero.
         triangle_distance(&first, &second) < self.distance_angstrom
             || triangles_intersect(&first, &second)
     }

@@ -88,11 +88,13 @@ impl CollisionShape {
     }
 
     fn holds(&self, shell: &Shell, pose: &RelativePose) -> bool {
+        // A corner outside the sphere is outside the body, and the whole shell with it.
         for corner in &shell.corners {
             if pose.transform_point(corner).norm() > self.radius {
                 return false;
             }
         }
+        // Surfaces do not meet, so any corner speaks for its shell.
         match shell.corners.first() {
             Some(corner) => self.contains_point(&pose.transform_point(corner)),
             None => false,

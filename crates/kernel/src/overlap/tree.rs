@@ -24,6 +24,7 @@ pub(super) struct DiscTree {
 
 impl DiscTree {
     pub fn new(mesh: &TriangleMesh) -> Self {
+        // One array of numbers, sorted in place: every node owns a contiguous part of it.
         let mut triangles: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
         let mut builder = Builder {
             mesh,
@@ -64,6 +65,8 @@ impl Builder<'_> {
             }
         }
         let mut corners = Vec::with_capacity(triangles.len());
+        // Around the triangles themselves, not around the
+        // discs of the children, which would be wider.
         for triangle in triangles {
             corners.push(self.corners(*triangle));
         }
@@ -86,11 +89,13 @@ impl Builder<'_> {
             return vec![self.build(triangles)];
         }
         let axis = self.longest_axis(triangles);
+        // The sum of three corners is three times the centre; the factor does not change the order.
         let height = |triangle: u32| self.corners(triangle).iter().sum::<Vec3>().dot(&axis);
         triangles.sort_by(|left, right| height(*left).total_cmp(&height(*right)));
         let left_parts = parts / 2;
         // Whole leaves on the left, so that lanes are not wasted.
         let even_cut = triangles.len() * left_parts / parts;
+        // At least one triangle stays on the right: an empty node would have no disc.
         let cut = even_cut.next_multiple_of(WIDTH).min(triangles.len() - 1);
         let (left, right) = triangles.split_at_mut(cut);
         let mut children = self.build_parts(left, left_parts);
@@ -112,6 +117,7 @@ impl Builder<'_> {
 /// Number of children of a node of this many triangles, chosen so that all levels below it can be
 /// full.
 fn fan_out(triangles: usize) -> usize {
+    // With L leaves and 8ᵏ the largest power of eight below L, ⌈L/8ᵏ⌉ children suffice.
     let leaves = triangles.div_ceil(WIDTH);
     let mut below = 1;
     while below * WIDTH < leaves {

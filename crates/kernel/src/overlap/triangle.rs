@@ -13,6 +13,7 @@ pub(super) type Triangle = [Vec3; 3];
 /// the six edges also settles coplanar triangles, unless one holds the other; then any corner
 /// decides.
 pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
+    // Floating-point heights with a bound on their error end nearly all calls before exact signs.
     if clearly_on_one_side(first, second) || clearly_on_one_side(second, first) {
         return false;
     }
@@ -24,9 +25,11 @@ pub(super) fn triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
     if on_one_side(sides_of_first) {
         return false;
     }
+    // In one plane all orientations vanish and decide nothing; the test goes on in a projection.
     if sides_of_second == [0; 3] && sides_of_first == [0; 3] {
         return coplanar_triangles_intersect(first, second);
     }
+    // Both ways round: an edge of either may pierce the face of the other.
     an_edge_meets_triangle(second, sides_of_second, first)
         || an_edge_meets_triangle(first, sides_of_first, second)
 }
@@ -37,6 +40,8 @@ pub(super) fn segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) ->
     match [p, q].map(|point| orientation(a, b, c, point)) {
         [0, 0] => coplanar_segment_meets_triangle(p, q, triangle),
         [side_p, side_q] if side_p == side_q => false,
+        // Ends on different sides, or one in the plane:
+        // the line meets the plane within the segment.
         _ => line_meets_triangle(p, q, triangle),
     }
 }
@@ -44,6 +49,7 @@ pub(super) fn segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) ->
 /// Whether two triangles over one edge lie in one plane and on the same side of the edge.
 pub(super) fn are_folded(from: &Vec3, to: &Vec3, first: &Vec3, second: &Vec3) -> bool {
     orientation(from, to, first, second) == 0
+        // A shadow without area says nothing, as its turns are zero; any other axis decides.
         && (0..3).any(|axis| {
             let [p, q, a, b] = [from, to, first, second].map(|point| shadow(point, axis));
             turn(p, q, a) * turn(p, q, b) > 0
@@ -58,6 +64,7 @@ fn clearly_on_one_side([a, b, c]: &Triangle, points: &Triangle) -> bool {
     let [first, second, third] = points;
     let reach = a.amax() + first.amax().max(second.amax()).max(third.amax());
     let size = (b - a).amax() * (c - a).amax();
+    // Far wider than the error, at little cost: what is in doubt goes to the exact signs.
     let doubt = 1e-13 * reach * size;
     (p > doubt && q > doubt && r > doubt) || (p < -doubt && q < -doubt && r < -doubt)
 }
@@ -90,6 +97,7 @@ fn an_edge_meets_triangle(owner: &Triangle, sides: [i8; 3], other: &Triangle) ->
     for (i, j) in [(0, 1), (1, 2), (2, 0)] {
         let (p, q) = (&owner[i], &owner[j]);
         let meets = match (sides[i], sides[j]) {
+            // Both in the plane: no single crossing point, the segment itself is compared.
             (0, 0) => coplanar_segment_meets_triangle(p, q, other),
             (side_p, side_q) if side_p == side_q => false,
             _ => line_meets_triangle(p, q, other),
@@ -109,6 +117,7 @@ fn line_meets_triangle(p: &Vec3, q: &Vec3, [a, b, c]: &Triangle) -> bool {
         orientation(p, q, b, c),
         orientation(p, q, c, a),
     ];
+    // Zeros are allowed: the line then passes through an edge or a corner of the closed triangle.
     !(turns.contains(&1) && turns.contains(&-1))
 }
 
@@ -128,6 +137,7 @@ fn coplanar_triangles_intersect(first: &Triangle, second: &Triangle) -> bool {
 fn coplanar_segment_meets_triangle(p: &Vec3, q: &Vec3, triangle: &Triangle) -> bool {
     for axis in 0..3 {
         let [a, b, c] = triangle.each_ref().map(|corner| shadow(corner, axis));
+        // A projection along which the triangle keeps an area keeps all incidences of its plane.
         if turn(a, b, c) != 0 {
             return segment_meets_shadow(shadow(p, axis), shadow(q, axis), [a, b, c]);
         }
@@ -147,6 +157,7 @@ fn segment_meets_shadow(p: Coord<f64>, q: Coord<f64>, [a, b, c]: [Coord<f64>; 3]
 
 fn segments_meet(p: Coord<f64>, q: Coord<f64>, a: Coord<f64>, b: Coord<f64>) -> bool {
     let turns = [turn(p, q, a), turn(p, q, b), turn(a, b, p), turn(a, b, q)];
+    // All four on one line, where turns say nothing. Both axes, as the line may be upright.
     if turns == [0; 4] {
         return ranges_meet([p.x, q.x], [a.x, b.x]) && ranges_meet([p.y, q.y], [a.y, b.y]);
     }

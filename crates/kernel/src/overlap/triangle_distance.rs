@@ -8,6 +8,7 @@ use crate::Vec3;
 /// above zero if they intersect.
 pub(super) fn separation_along_axes(first: &Triangle, second: &Triangle) -> f64 {
     let (e, f) = (edges(first), edges(second));
+    // Three times the vector between the centres; only its direction counts.
     let between_centres = second.iter().sum::<Vec3>() - first.iter().sum::<Vec3>();
     let mut widest = f64::MIN;
     for axis in [e[0].cross(&e[1]), f[0].cross(&f[1]), between_centres] {
@@ -27,6 +28,7 @@ fn edges([a, b, c]: &Triangle) -> [Vec3; 3] {
 
 fn separation_along(axis: &Vec3, first: &Triangle, second: &Triangle) -> f64 {
     let squared = axis.norm_squared();
+    // Parallel edges give no axis. The others decide, so a small axis is left out, not normalised.
     if squared < 1e-20 {
         return f64::MIN;
     }
@@ -63,6 +65,7 @@ pub(super) fn triangle_distance(first: &Triangle, second: &Triangle) -> f64 {
 fn corner_distance_squared(point: &Vec3, [a, b, c]: &Triangle) -> f64 {
     let normal = (b - a).cross(&(c - a));
     for (from, to) in [(a, b), (b, c), (c, a)] {
+        // The foot lies inside if it is on the inner side of all three edges.
         let is_inside = (to - from).cross(&(point - from)).dot(&normal) >= 0.0;
         if !is_inside {
             return f64::INFINITY;
@@ -80,6 +83,9 @@ fn segment_distance_squared((p, q): (Vec3, Vec3), (a, b): (Vec3, Vec3)) -> f64 {
     let (u, v, w) = (q - p, b - a, p - a);
     let (uu, uv, vv) = (u.norm_squared(), u.dot(&v), v.norm_squared());
     let (uw, vw) = (u.dot(&w), v.dot(&w));
+    // Parallel segments have the divisor zero and begin at p; the next two lines still find the
+    // nearest points, as one clamp follows the other
+    // (Ericson, Real-Time Collision Detection, 5.1.9).
     let along_first = part(uv * vw - vv * uw, uu * vv - uv * uv);
     let along_second = part(uv * along_first + vw, vv);
     let along_first = part(uv * along_second - uw, uu);

@@ -5,7 +5,7 @@
 //! difference of the closest points. A simplex of at most four corners of the difference walks
 //! towards it: at every step the corner farthest towards the origin joins, and those that do not
 //! carry the nearest point leave. The nearest point of a simplex is found among the projections of
-//! the origin on all its faces: fifteen at most, none of which needs a case of its own.
+//! the origin on all its faces: fifteen at most, none of which needs a separate case.
 
 use crate::Vec3;
 
@@ -72,6 +72,7 @@ pub fn closest_points(first: &[Vec3], second: &[Vec3]) -> Option<ClosestPoints> 
             difference: first - second,
         })
     };
+    // The direction between two corners is as good a start as any, and never empty.
     let mut simplex = vec![corner(&(second.first()? - first.first()?))?];
     let mut size_squared = simplex[0].difference.norm_squared();
     let mut nearest = Nearest::of(&simplex);
@@ -80,19 +81,23 @@ pub fn closest_points(first: &[Vec3], second: &[Vec3]) -> Option<ClosestPoints> 
         if squared <= TOUCHING * TOUCHING * size_squared {
             return None;
         }
+        // The support of the difference towards the origin: no corner is farther that way.
         let next = corner(&-nearest.point)?;
         size_squared = size_squared.max(next.difference.norm_squared());
         let gain = squared - nearest.point.dot(&next.difference);
         let is_known = |corner: &Corner| corner.difference == next.difference;
+        // A known corner cannot bring the point nearer; without this test, rounding could cycle.
         if gain <= CONVERGED * size_squared || simplex.iter().any(is_known) {
             break;
         }
+        // At most three corners carry a point outside the origin, so the new one is the fourth.
         nearest.keep_carriers(&mut simplex);
         simplex.push(next);
         let closer = Nearest::of(&simplex);
         if closer.point.norm_squared() >= squared {
             // Rounding: the simplex is as near as numbers can tell.
             simplex.pop();
+            // The weights must belong to the corners that are left.
             nearest = Nearest::of(&simplex);
             break;
         }
@@ -135,6 +140,7 @@ impl Nearest {
             point: Vec3::repeat(f64::INFINITY),
             weights: [0.0; 4],
         };
+        // The bits of `face` are corners: every subset but the empty one.
         for face in 1..1_usize << simplex.len() {
             if let Some(candidate) = Self::on_face(simplex, face)
                 && candidate.point.norm_squared() < best.point.norm_squared()
@@ -186,6 +192,7 @@ impl Nearest {
                 coordinates[0] = -origin.dot(&e) / e.norm_squared();
             }
             3 => {
+                // Areas of the partial triangles, signed along the normal, over that of the whole.
                 let [e, f] = [edge(1), edge(2)];
                 let normal = e.cross(&f);
                 let squared = normal.norm_squared();
@@ -193,6 +200,8 @@ impl Nearest {
                 coordinates[1] = origin.cross(&e).dot(&normal) / squared;
             }
             _ => {
+                // Cramer's rule. A flat tetrahedron divides by
+                // zero, and its weights pass no comparison.
                 let [e, f, g] = [edge(1), edge(2), edge(3)];
                 let volume = e.dot(&f.cross(&g));
                 coordinates[0] = -origin.dot(&f.cross(&g)) / volume;
@@ -207,6 +216,8 @@ impl Nearest {
             weights[members[place]] = coordinates[place - 1];
             point += coordinates[place - 1] * edge(place);
         }
+        // Four corners with weights all positive hold the
+        // origin itself; the sum would leave rounding.
         if count == 4 {
             point = Vec3::zeros();
         }

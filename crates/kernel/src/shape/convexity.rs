@@ -76,6 +76,7 @@ impl Shape {
 
 /// The vertices that faces have, in their order.
 fn vertices_of_faces(mesh: &TriangleMesh) -> Vec<Vec3> {
+    // Stray vertices are no part of the body, so they must not enlarge the hull.
     let mut is_corner = vec![false; mesh.vertices.len()];
     for corner in mesh.triangles.as_flattened() {
         is_corner[*corner as usize] = true;
@@ -118,6 +119,7 @@ fn area_vector(mesh: &TriangleMesh) -> Vec3 {
 }
 
 fn require_volume_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
+    // A closed mesh has no area vector; a hole or a flipped triangle leaves one.
     let gap = area_vector(mesh).norm();
     if gap > TOLERANCE * mesh.area_angstrom2() {
         return Err(KernelError::NotConvex(
@@ -130,6 +132,8 @@ fn require_volume_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
 
 /// Checks the area of a thin polygon, which has one side or two.
 fn require_area_of(hull: &Hull, mesh: &TriangleMesh) -> Result<()> {
+    // A sheet drawn on one side has an area vector; one drawn
+    // on both sides cancels, and half of its area counts.
     let mesh_area = area_vector(mesh).norm().max(0.5 * mesh.area_angstrom2());
     require_equal(
         "area of its faces",

@@ -79,17 +79,20 @@ const PRECISION: f64 = 1e-16;
 fn first_kind(numbers: [f64; 3]) -> f64 {
     let mean = numbers.iter().sum::<f64>() / 3.0;
     let largest = largest_distance(&numbers, mean);
+    // Carlson's criterion: once `bound` is below the average, the series errs less than that.
     let mut bound = (3.0 * PRECISION).powf(-1.0 / 6.0) * largest;
     let (mut arguments, mut average) = (numbers, mean);
     while bound >= average.abs() {
         let step = duplication(&arguments);
         arguments = arguments.map(|x| 0.25 * (x + step));
         average = 0.25 * (average + step);
+        // Each duplication brings the arguments four times as near to each other.
         bound *= 0.25;
     }
     let [x, y, _] = arguments.map(|number| (average - number) / average);
     let z = -x - y;
     let (e2, e3) = (x * y - z * z, x * y * z);
+    // Terms up to the fifth order in the distances from the average (Carlson 1995).
     (1.0 - e2 / 10.0 + e3 / 14.0 + e2 * e2 / 24.0 - 3.0 * e2 * e3 / 44.0) / average.sqrt()
 }
 

@@ -41,10 +41,12 @@ pub fn overlap_exactly<const D: usize>(pair: &Pair<'_, D>, faces: [&Faces; 2]) -
     let places = Places::of(pair);
     let sides = [&places.first, &places.second];
     let edges = [0, 1].map(|body: usize| edges_of(sides[body], faces[body]));
+    // In a plane the axes are the normals of the edges.
     if D == 2 {
         let mut all = edges[0].iter().chain(&edges[1]);
         return !all.any(|edge| places.are_separated(&[*edge, out_of_plane()]));
     }
+    // Faces first: there are fewer of them than pairs of edges.
     for body in [0, 1] {
         let mut triangles = triangles_of(sides[body], faces[body]).into_iter();
         if triangles.any(|sides| places.are_separated(&sides)) {
@@ -124,6 +126,7 @@ impl Places {
 
     /// Whether the cross product of two differences separates the bodies, in either sense.
     fn are_separated(&self, sides: &[Difference; 2]) -> bool {
+        // Rounded like any numbers: this axis only filters; near zero the exact one follows.
         let [a, b] = sides.map(|[from, to]| to - from);
         let axis = a.cross(&b);
         let doubt = OF_A_PRODUCT * a.norm() * b.norm() * self.size;
@@ -139,6 +142,7 @@ impl Places {
             between + second[0] - first[1],
             first[0] - second[1] - between,
         );
+        // Beyond the bound on the error the sign is proven.
         if gap.abs() > doubt {
             return gap > 0.0;
         }
@@ -157,6 +161,8 @@ impl Places {
                 let mut height = Expansion::default();
                 for (axis, component) in axis.iter().enumerate() {
                     let mut apart = Expansion::of_difference(q[axis], p[axis]);
+                    // Exact: q - p is an expansion, to which
+                    // the offset is added before the product.
                     apart.add(self.offset[axis]);
                     height = height.plus(&apart.times(component));
                 }

@@ -10,6 +10,7 @@ pub(super) struct Expansion(Vec<f64>);
 /// The rounded sum, and what rounding took from it.
 fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
+    // Knuth's exact sum, which needs no order of magnitude of a and b.
     let second = sum - a;
     let first = sum - second;
     (sum, (a - first) + (b - second))
@@ -18,6 +19,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 /// The rounded product, and what rounding took from it.
 fn two_product(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
+    // The fused product rounds once, so it returns exactly what the product lost.
     (product, a.mul_add(b, -product))
 }
 
@@ -37,6 +39,7 @@ impl Expansion {
         for place in 0..self.0.len() {
             let (sum, rounding) = two_sum(carried, self.0[place]);
             carried = sum;
+            // Zeros are dropped: expansions stay short, and the last part is never zero.
             if rounding != 0.0 {
                 self.0[length] = rounding;
                 length += 1;

@@ -59,6 +59,7 @@ impl Hull {
 /// (Andrew, Inf. Process. Lett. 9, 216 (1979)).
 pub(super) fn polygon(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut sorted = points.to_vec();
+    // Sorted by x, then y: the chains run once to the right and once to the left.
     sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     sorted.dedup();
     if sorted.len() < 3 {
@@ -66,6 +67,7 @@ pub(super) fn polygon(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     }
     let mut lower = chain(sorted.iter());
     let mut upper = chain(sorted.iter().rev());
+    // The end points belong to both chains.
     lower.pop();
     upper.pop();
     lower.extend(upper);
@@ -76,6 +78,7 @@ fn chain<'a>(points: impl Iterator<Item = &'a [f64; 2]>) -> Vec<[f64; 2]> {
     let mut chain: Vec<[f64; 2]> = Vec::new();
     for point in points {
         while let [.., a, b] = chain[..]
+            // Turns to the right and straight lines both go, so no corner lies inside an edge.
             && cross(a, b, *point) <= 0.0
         {
             chain.pop();
@@ -102,6 +105,7 @@ struct Extent {
 impl Extent {
     /// Finds the extent; `None` if all points coincide.
     fn of(points: &[Vec3]) -> Option<Self> {
+        // Two passes give corners that are far apart; the exact diameter is not needed.
         let first = farthest(points, |x| (x - points[0]).norm())?.0;
         let (second, size) = farthest(points, |x| (x - points[first]).norm())?;
         if size == 0.0 {
@@ -117,6 +121,8 @@ impl Extent {
             fourth: None,
             size,
         };
+        // Widths below 1e-9 of the size are rounding of
+        // points on a line; a sliver has no stable normal.
         if width <= FLAT * size {
             return Some(extent);
         }
@@ -154,6 +160,7 @@ fn by_distance(points: &[Vec3]) -> Vec<usize> {
     let centre = points.iter().sum::<Vec3>() / points.len() as f64;
     let mut order: Vec<usize> = (0..points.len()).collect();
     let distance = |index: &usize| (points[*index] - centre).norm_squared();
+    // Ties by number: the same points give the same mesh on every machine.
     order.sort_by(|a, b| distance(b).total_cmp(&distance(a)).then(a.cmp(b)));
     order
 }
@@ -173,6 +180,7 @@ impl<'a> Faces<'a> {
             faces: vec![[a, b, c], [a, c, d], [a, d, b], [b, d, c]],
             above: IN_PLANE * size,
         };
+        // Outward normals: no corner of a tetrahedron lies above the face across from it.
         if faces.height(&[a, b, c], d) > 0.0 {
             for face in &mut faces.faces {
                 face.swap(0, 1);
@@ -190,6 +198,7 @@ impl<'a> Faces<'a> {
 
     /// Replaces the faces that a point sees by those from it to their rim.
     fn add(&mut self, point: usize) {
+        // Points in the plane of a face do not see it, so flat faces are not split again.
         let sees = |face: &[usize; 3]| self.height(face, point) > self.above;
         let (visible, mut faces): (Vec<[usize; 3]>, Vec<[usize; 3]>) =
             self.faces.iter().partition(|face| sees(face));
@@ -198,6 +207,7 @@ impl<'a> Faces<'a> {
         }
         let edges: HashSet<(usize, usize)> = visible.iter().flat_map(edges_of).collect();
         for (from, to) in visible.iter().flat_map(edges_of) {
+            // An edge whose reverse is not visible too is on the rim.
             if !edges.contains(&(to, from)) {
                 faces.push([from, to, point]);
             }

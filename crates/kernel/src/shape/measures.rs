@@ -158,6 +158,7 @@ fn of_thin_polygon(corners: &[Vec3]) -> (f64, f64, f64) {
 
 /// Integrated mean curvature of a mesh. Edges between triangles of one face have no exterior angle.
 fn mean_curvature(mesh: &TriangleMesh) -> f64 {
+    // Each directed edge has one triangle; its reverse belongs to the neighbour.
     let mut normals = HashMap::new();
     for (number, triangle) in mesh.triangles.iter().enumerate() {
         let [a, b, c] = mesh.corners(number);
@@ -173,11 +174,13 @@ fn mean_curvature(mesh: &TriangleMesh) -> f64 {
         for side in 0..3 {
             let (from, to) = (triangle[side], triangle[(side + 1) % 3]);
             let first = normals.get(&(from, to));
+            // Each edge once.
             let Some((first, second)) = first.zip(normals.get(&(to, from))).filter(|_| from < to)
             else {
                 continue;
             };
             let length = (corners[(side + 1) % 3] - corners[side]).norm();
+            // The exterior angle by atan2 keeps its digits where the normals are nearly parallel.
             sum += 0.5 * length * first.cross(second).norm().atan2(first.dot(second));
         }
     }

@@ -55,6 +55,7 @@ impl Bodies<'_> {
     /// ```
     pub fn closest(&self, reach: f64, simplex: &mut Simplex) -> Found {
         let mut corners = [self.corner([0, 0]); 4];
+        // The default simplex has no corner yet; it begins with the first of each body.
         let count = simplex.count.clamp(1, 4);
         for (corner, numbers) in corners.iter_mut().zip(simplex.corners).take(count) {
             *corner = self.corner(numbers);
@@ -83,11 +84,14 @@ impl Bodies<'_> {
             if squared <= TOUCHING * TOUCHING * size_squared {
                 return Found::Touching;
             }
+            // One pass over the corners of each body: the dominant cost of a step.
             let numbers = self.farthest(&-nearest.point);
             let next = self.corner(numbers);
             size_squared = size_squared.max(next.difference.norm_squared());
             // The plane through this corner, across the nearest point, separates the bodies.
             let height = nearest.point.dot(&next.difference);
+            // Farther than asked: the direction is all the
+            // caller needs, and the points are not sought.
             if height > 0.0 && height * height > reach * reach * squared {
                 return Found::Beyond(-nearest.point / squared.sqrt());
             }
@@ -95,6 +99,7 @@ impl Bodies<'_> {
             if squared - height <= CONVERGED * size_squared || is_known {
                 break;
             }
+            // A copy of the whole walk: a step that rounding makes worse is taken back.
             let before = *walk;
             walk.keep_carriers(&nearest);
             walk.push(next, numbers);

@@ -37,6 +37,7 @@ pub fn pack<const D: usize>(corners: &[[f64; D]]) -> Vec<Block<D>> {
     let mut blocks = vec![[[0.0; LANES]; D]; corners.len().div_ceil(LANES)];
     for (number, block) in blocks.iter_mut().enumerate() {
         for lane in 0..LANES {
+            // Repeated corners change no maximum, so the loops need no remainder.
             let corner = corners[(number * LANES + lane).min(corners.len() - 1)];
             for axis in 0..D {
                 block[axis][lane] = corner[axis];
@@ -50,6 +51,8 @@ pub fn pack<const D: usize>(corners: &[[f64; D]]) -> Vec<Block<D>> {
 pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut [Block<D>]) {
     for (from, to) in from.iter().zip(to) {
         for (row, out) in matrix.iter().zip(to.iter_mut()) {
+            // Row after row with the inner loop over lanes:
+            // one factor, four corners, one vector operation.
             *out = [0.0; LANES];
             for (factor, x) in row.iter().zip(from) {
                 for lane in 0..LANES {
@@ -95,6 +98,7 @@ fn heights<const D: usize>(block: &Block<D>, direction: &[f64; D]) -> [f64; LANE
 /// The largest height of corners along a direction.
 #[inline(always)]
 fn highest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> f64 {
+    // Four running maxima, one per lane, are combined once at the end, not after every block.
     let mut best = [f64::NEG_INFINITY; LANES];
     for block in corners {
         let heights = heights(block, direction);
@@ -124,6 +128,7 @@ fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64;
         number += 1.0;
     }
     let left = usize::from(best[1] > best[0]);
+    // Ties go to the lower lane, so the result does not depend on the width of the vectors.
     let right = 2 + usize::from(best[3] > best[2]);
     let lane = if best[right] > best[left] {
         right
@@ -177,11 +182,15 @@ impl<const D: usize> Pair<'_, D> {
     pub fn is_separated_along(&self, direction: &[f64; D]) -> bool {
         let top = highest(self.first, direction);
         let down = direction.map(|x| -x);
+        // Lowest of the second less highest of the first: the signed gap of the two shadows.
         let bottom = dot(&self.offset, direction) - highest(self.second, &down);
         let gap = bottom - top;
         if self.reach == 0.0 {
+            // Inside the rounding error the answer stays "not
+            // certain", and the search or exact numbers decide.
             return gap > self.doubt(direction);
         }
+        // Squares: no root, and the sign is tested first.
         gap > 0.0 && gap * gap > self.reach * self.reach * dot(direction, direction)
     }
 
@@ -225,6 +234,7 @@ impl<const D: usize> Pair<'_, D> {
     /// same bits.
     #[inline(always)]
     fn decide_anywhere(&self, direction: &mut [f64; D]) -> Option<bool> {
+        // The remembered direction ends most calls here, with one pass over the corners.
         if self.is_separated_along(direction) {
             return Some(false);
         }
@@ -253,6 +263,8 @@ impl<const D: usize> Pair<'_, D> {
     fn beyond(&self, normal: &[f64; D], direction: &mut [f64; D]) -> Option<[f64; D]> {
         let down = normal.map(|x| -x);
         let corner = self.lowest(&down);
+        // All of the difference lies below the origin along this normal, by more than rounding:
+        // apart.
         if dot(&corner, normal) < -self.doubt(normal) {
             *direction = down;
             return None;
@@ -272,6 +284,7 @@ impl<const D: usize> Pair<'_, D> {
     /// (2008), 165).
     #[inline(always)]
     fn portal_in_plane(&self, direction: &mut [f64; D]) -> Option<bool> {
+        // The centres' difference lies inside the difference of the bodies, whatever their shapes.
         let inside = self.offset;
         let Some(mut a) = self.beyond(&inside.map(|x| -x), direction) else {
             return Some(false);
@@ -290,20 +303,24 @@ impl<const D: usize> Pair<'_, D> {
                 None => return Some(false),
                 Some(next) => (a, b) = (b, next),
             }
+            // Rounding can make the loop cycle; exact arithmetic takes over.
             if step == MOST_STEPS {
                 return None;
             }
         }
         for _ in 0..MOST_STEPS {
             let mut normal = across_edge(&a, &b);
+            // Outwards: away from the inside.
             if dot(&normal, &minus(&a, &inside)) < 0.0 {
                 normal = normal.map(|x| -x);
             }
             let height = dot(&normal, &a);
             let near = NEAR_SURFACE * NEAR_SURFACE * size_squared * dot(&normal, &normal);
+            // Too near to the edge for a sign that is certain.
             if height * height <= near {
                 return None;
             }
+            // The portal lies beyond the origin, so the origin is inside.
             if height > 0.0 {
                 return Some(true);
             }
@@ -311,6 +328,7 @@ impl<const D: usize> Pair<'_, D> {
                 return Some(false);
             };
             let gain = dot(&minus(&next, &a), &normal);
+            // No corner lies beyond the portal, though the origin seemed to: left to exact signs.
             if gain * gain <= near {
                 return None;
             }
@@ -359,6 +377,7 @@ impl<const D: usize> Pair<'_, D> {
                 None => return Some(false),
                 Some(corner) => c = corner,
             }
+            // Outside of the edge a c, the next plane is through a and c; likewise for c and b.
             if a.cross(&c).dot(&inside) < 0.0 {
                 b = c;
             } else if c.cross(&b).dot(&inside) < 0.0 {
@@ -422,6 +441,8 @@ impl<const D: usize> Pair<'_, D> {
             }
             let next = self.lowest(&nearest);
             let height = dot(&nearest, &next);
+            // The plane across `nearest` at this height is
+            // farther than the reach: apart for certain.
             if height > 0.0 && height * height > reach_squared * squared {
                 *direction = nearest;
                 return Some(false);
@@ -512,6 +533,8 @@ impl<const D: usize> Simplex<D> {
             3 => {
                 let [a, b, c, _] = self.corners;
                 let face = on_triangle(&a, &b, &c);
+                // In a plane, three carriers mean that the
+                // origin is inside: there is no fourth corner.
                 if D == 2 && face.carriers == [true; 3] {
                     return Nearest::inside_if(inner_distance_2d(&[a, b, c]), size_squared);
                 }
@@ -553,6 +576,7 @@ impl<const D: usize> Simplex<D> {
                     best = Some((triangle, face));
                 }
             } else {
+                // Smallest distance to a face, which says how certain "inside" is.
                 depth = depth.min(origin / length);
             }
         }
@@ -568,6 +592,7 @@ impl<const D: usize> Simplex<D> {
 
 impl<const D: usize> Nearest<D> {
     fn inside_if(depth: f64, size_squared: f64) -> Self {
+        // Nearer to the surface than this, rounding could have chosen the wrong side.
         if depth * depth > NEAR_SURFACE * NEAR_SURFACE * size_squared {
             Nearest::Inside
         } else {

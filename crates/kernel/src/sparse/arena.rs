@@ -12,6 +12,7 @@ pub(super) struct Arena {
 impl Arena {
     /// Reserves a range of this length and returns its start.
     pub fn take(&mut self, length: usize) -> usize {
+        // First fit: places are planned once per pattern, so the scan costs nothing in a run.
         for index in 0..self.free.len() {
             let (start, end) = self.free[index];
             if end - start >= length {
@@ -22,6 +23,7 @@ impl Arena {
                 return start;
             }
         }
+        // A free range at the end is too short but can be lengthened.
         let start = self.take_free_end();
         self.size = start + length;
         start
@@ -47,6 +49,7 @@ impl Arena {
         let end = start + length;
         let index = self.free.partition_point(|range| range.0 < start);
         self.free.insert(index, (start, end));
+        // Neighbours are merged at once, so no two free ranges ever touch.
         let touches_next = self.free.get(index + 1).is_some_and(|next| next.0 == end);
         if touches_next {
             self.free[index].1 = self.free.remove(index + 1).1;

@@ -40,6 +40,7 @@ pub(super) fn factor_fronts(
         packed,
         ..
     } = work;
+    // Children before parents: their left-overs are complete when the parent asks for them.
     for front in &symbolic.fronts {
         let shape = front.shape;
         let panel = &mut values[front.tiles()];
@@ -57,6 +58,7 @@ pub(super) fn factor_fronts(
                 diagonal,
             });
         }
+        // The root has no rows below and leaves nothing.
         if shape.below() > 0 {
             front::start_left(
                 panel,
@@ -65,6 +67,8 @@ pub(super) fn factor_fronts(
                 &mut left_overs[front.left_over()],
                 packed,
             );
+            // After `start_left`, which overwrites: the
+            // place still holds numbers of earlier fronts.
             for child in &symbolic.children[front.children.clone()] {
                 add_to_left(
                     symbolic,
@@ -74,6 +78,7 @@ pub(super) fn factor_fronts(
                 );
             }
         }
+        // Only now: the panel's triangles were needed as they are for the rows below.
         front::invert_triangles(panel, shape);
     }
     Ok(())
@@ -88,6 +93,7 @@ fn assemble(
     left_overs: &[f64],
     panel: &mut [f64],
 ) {
+    // Entries that A does not have are zeros of the front.
     panel.fill(0.0);
     for &(entry, place) in &symbolic.assembly[front.assembly.clone()] {
         panel[place as usize] = numbers[entry as usize];
@@ -108,13 +114,17 @@ fn add_to_panel(
     panel: &mut [f64],
 ) {
     let seats = &symbolic.seats[child.below()];
+    // The left-over's rows are counted from its first
+    // tile, of which the child's own rows fill a part.
     let (stride, skip) = (child.shape.left_stride(), child.shape.columns % LANES);
     let left_over = &left_overs[child.left_over()];
+    // Rows ascend, so the first row beyond the parent's own columns ends this part.
     for (index, (seat, column)) in seats.iter().zip(left_over.chunks_exact(stride)).enumerate() {
         let target = seat.row as usize;
         if target >= columns {
             break;
         }
+        // From the diagonal down: the left-over is symmetric, and only its lower part is kept.
         for (seat, value) in seats[index..].iter().zip(&column[skip + index..]) {
             panel[seat.tile as usize + LANES * target] += value;
         }
@@ -129,6 +139,7 @@ fn add_to_left(symbolic: &Symbolic, child: &Front, parent: &Front, left_overs: &
     let columns = parent.shape.columns;
     let parent_stride = parent.shape.left_stride();
     let base = LANES * parent.shape.first_left_tile();
+    // The rows before belong to the parent's own columns and are in its panel.
     let first = seats.partition_point(|seat| (seat.row as usize) < columns);
     // The two places do not overlap, and either may come first.
     let (source, target) = if child.left_over_start < parent.left_over_start {

@@ -52,6 +52,8 @@ impl Shape {
     /// Start of a tile.
     #[inline(always)]
     pub fn tile_start(self, tile: usize) -> usize {
+        // Tile t of the triangle holds 8 (t + 1) columns
+        // of eight rows, later ones `columns`: their sum.
         let triangular = (self.columns / LANES).min(tile);
         LANES * (LANES * triangular * (triangular + 1) / 2 + (tile - triangular) * self.columns)
     }
@@ -106,7 +108,9 @@ fn columns_of(panel: &[f64], shape: Shape, tile: usize) -> &[Tile] {
 #[inline(always)]
 fn accumulate<const T: usize>(tiles: [&[Tile]; T], packed: &[Packed]) -> [[Tile; BLOCK]; T] {
     let mut sum = [[[0.0; LANES]; BLOCK]; T];
+    // Equal lengths known to the compiler: no bound is checked in the loop.
     let tiles = tiles.map(|tile| &tile[..packed.len()]);
+    // T · 4 sums of eight lanes stay in registers; each number of L is read once per block of four.
     for (column, packed) in packed.iter().enumerate() {
         for t in 0..T {
             let tile = &tiles[t][column];
@@ -134,6 +138,7 @@ pub(super) fn factor_panel(
     inverse: &mut [f64],
     packed: &mut Vec<Packed>,
 ) -> Result<(), (usize, f64)> {
+    // Left-looking by blocks: four columns take everything to their left in one pass.
     for first in (0..shape.columns).step_by(BLOCK) {
         let count = BLOCK.min(shape.columns - first);
         let (diagonal_tile, lane) = (first / LANES, first % LANES);
@@ -147,9 +152,13 @@ pub(super) fn factor_panel(
         for tile in diagonal_tile..shape.tiles() {
             let [sum] = accumulate([columns_of(panel, shape, tile)], packed);
             let start = shape.tile_start(tile) + LANES * first;
+            // Only the columns of this block are written; those to the left are final.
             let targets = panel[start..start + LANES * count].as_chunks_mut().0;
             let mut value = difference(targets, &sum);
+            // The diagonal tile comes first and gives the
+            // pivots by which all tiles below are divided.
             if tile == diagonal_tile {
+                // Numbered within the block by `factor`, within the front by the caller.
                 let diagonal = |column: usize| diagonal(first + column);
                 block = PivotBlock::factor(value, lane, count, diagonal)
                     .map_err(|(column, pivot)| (first + column, pivot))?;
@@ -159,6 +168,8 @@ pub(super) fn factor_panel(
             }
             block.divide(&mut value, count);
             if tile == diagonal_tile {
+                // Above and on the diagonal stands no L: zeros
+                // keep whole tiles usable in the products.
                 for c in 0..count {
                     value[c][..=lane + c].fill(0.0);
                 }
@@ -173,6 +184,7 @@ pub(super) fn factor_panel(
 #[inline(always)]
 fn pack_rows(packed: &mut Vec<Packed>, tile: &[Tile], lane: usize, pivots: &[f64]) {
     packed.clear();
+    // D is folded in here once instead of in every product of the inner loop.
     packed.extend(tile.iter().zip(pivots).map(|(column, pivot)| {
         let mut row = [0.0; BLOCK];
         for c in 0..BLOCK {
@@ -218,6 +230,8 @@ impl PivotBlock {
         let mut block = Self::default();
         for c in 0..count {
             let pivot = value[c][lane + c];
+            // Compared with its own entry in A: relative to
+            // it, rounding leaves a dependent row about 1e-16.
             if !(pivot.is_finite() && pivot > SMALLEST_PIVOT * diagonal(c)) {
                 return Err((c, pivot));
             }
@@ -225,6 +239,7 @@ impl PivotBlock {
             block.reciprocals[c] = 1.0 / pivot;
             for e in c + 1..count {
                 block.upper[c][e] = value[c][lane + e];
+                // Outer product of the rows still to come; only the lower triangle (f ≥ e) is used.
                 let entry = block.upper[c][e] * block.reciprocals[c];
                 for f in e..count {
                     value[e][lane + f] -= entry * value[c][lane + f];
@@ -239,6 +254,8 @@ impl PivotBlock {
     fn divide(&self, value: &mut [Tile; BLOCK], count: usize) {
         for c in 0..count {
             for l in 0..LANES {
+                // A product with the reciprocal: quotients
+                // would cost more, and every tile needs it.
                 value[c][l] *= self.reciprocals[c];
             }
             for e in c + 1..BLOCK {
@@ -260,11 +277,13 @@ pub(super) fn start_left(
     packed: &mut Vec<Packed>,
 ) {
     let (stride, tiles, base) = (shape.left_stride(), shape.tiles(), shape.first_left_tile());
+    // Lower triangle only: the tiles above that of the first row are never read.
     for first in (shape.columns..shape.height).step_by(BLOCK) {
         let count = BLOCK.min(shape.height - first);
         pack_rows_below(packed, panel, shape, first..first + count, pivots);
         let block = &mut left_over[(first - shape.columns) * stride..][..count * stride];
         let mut tile = first / LANES;
+        // Two tiles at a time share the packed rows: half of their loads.
         while tile + 2 <= tiles {
             let pair = [tile, tile + 1].map(|tile| columns_of(panel, shape, tile));
             let [upper, lower] = accumulate(pair, packed);
@@ -301,6 +320,7 @@ fn pack_rows_below(
 /// Writes -sum into a tile of four columns.
 #[inline(always)]
 fn store(block: &mut [f64], stride: usize, tile: usize, sum: &[Tile; BLOCK]) {
+    // Fewer than four columns may be left at the end; `zip` stops there.
     for (column, sum) in block.chunks_exact_mut(stride).zip(sum) {
         for (target, sum) in column[LANES * tile..LANES * (tile + 1)].iter_mut().zip(sum) {
             *target = -sum;
@@ -319,7 +339,9 @@ pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
             .as_chunks_mut::<LANES>()
             .0;
         let mut inverse = [[0.0; LANES]; LANES];
+        // From the last column to the first: V_c needs V_j of all later columns.
         for c in (0..LANES).rev() {
+            // Columns beyond the front's own do not exist; they count as those of the unit matrix.
             if let Some(column) = columns.get_mut(c) {
                 let mut sum = [0.0; LANES];
                 for j in c + 1..LANES {
@@ -340,6 +362,7 @@ pub(super) fn invert_triangles(panel: &mut [f64], shape: Shape) {
 #[inline(always)]
 pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
     let diagonal_tiles = shape.columns.div_ceil(LANES);
+    // Tile after tile: each needs the solution of those above and none below.
     for tile in 0..diagonal_tiles {
         let (solved_tiles, remaining_tiles) = t.split_at_mut(tile);
         remaining_tiles[0] = solve_tile(
@@ -349,10 +372,13 @@ pub(super) fn solve_forward(panel: &[f64], shape: Shape, t: &mut [Tile]) {
         );
     }
     let (solution, lower_tiles) = t.split_at_mut(diagonal_tiles);
+    // The padding of the last diagonal tile holds rows
+    // below the front's own, which are no unknowns yet.
     let solution = &solution.as_flattened()[..shape.columns];
     let mut lower_tiles = lower_tiles[..shape.tiles() - diagonal_tiles].iter_mut();
     let below = &panel[shape.tile_start(diagonal_tiles)..shape.panel_size()];
     let mut below = below.as_chunks::<LANES>().0.chunks_exact(shape.columns);
+    // Four tiles at a time read the solution once.
     while lower_tiles.len() >= 4 {
         let tiles = (below.next(), below.next(), below.next(), below.next());
         if let (Some(a), Some(b), Some(c), Some(d)) = tiles {
@@ -382,6 +408,7 @@ fn solve_tile(columns: &[Tile], solved_tiles: &[Tile], mut value: Tile) -> Tile 
     for l in 0..LANES {
         value[l] -= sum[0][l] + sum[1][l];
     }
+    // The triangle holds T⁻¹ - 1, so one product replaces the recurrence.
     let given = value;
     for (column, given) in columns[LANES * solved_tiles.len()..].iter().zip(&given) {
         for l in 0..LANES {
@@ -428,6 +455,7 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     let (solution, lower_tiles) = t.split_at_mut(diagonal_tiles);
     let mut lower_tiles = lower_tiles.iter();
     while below.len() >= 4 {
+        // Taken together: a tile and its part of t are consumed in step.
         let tiles = (below.next(), below.next(), below.next(), below.next());
         if let (Some(a), Some(b), Some(c), Some(d)) = tiles
             && let (Some(e), Some(f), Some(g), Some(h)) = (
@@ -443,21 +471,26 @@ pub(super) fn solve_backward(panel: &[f64], shape: Shape, t: &mut [Tile], sums: 
     for (tile, coefficients) in below.zip(lower_tiles) {
         spread([tile], [coefficients], sums);
     }
+    // Backwards, as x of later tiles is known first; `sums` then has all that stands below.
     for tile in (0..diagonal_tiles).rev() {
         let columns = columns_of(panel, shape, tile);
         let value = &mut solution[tile];
         let triangle = &columns[LANES * tile..];
         for (value, sum) in value.iter_mut().zip(&sums[LANES * tile..]) {
+            // Lanes are added only here: sums by lanes
+            // until the end, then one reduction per column.
             *value -= total(sum);
         }
         let given = *value;
         for (value, column) in value.iter_mut().zip(triangle) {
             let mut product = [0.0; LANES];
             for l in 0..LANES {
+                // Along a column, as Lᵀ is wanted: the transposed inverse of the triangle.
                 product[l] = column[l] * given[l];
             }
             *value += total(&product);
         }
+        // What this tile contributes to the columns of the tiles above it.
         spread([&columns[..LANES * tile]], [value], sums);
     }
 }
@@ -480,5 +513,6 @@ fn spread<const T: usize>(tiles: [&[Tile]; T], coefficients: [&Tile; T], sums: &
 /// The sum of the lanes.
 #[inline(always)]
 fn total(x: &Tile) -> f64 {
+    // A fixed tree of additions, so the result is the same for every width of vectors.
     ((x[0] + x[4]) + (x[2] + x[6])) + ((x[1] + x[5]) + (x[3] + x[7]))
 }

@@ -73,6 +73,7 @@ impl Divider<'_> {
     fn divide(&mut self, mut part: Vec<usize>) -> [Vec<usize>; 3] {
         let cut = self.cheapest_cut(&mut part);
         self.sort(&mut part, cut.axis);
+        // near, far, separator.
         let mut parts = [Vec::new(), Vec::new(), Vec::with_capacity(cut.separator)];
         for (rank, unknown) in part.iter().enumerate() {
             let far = rank >= cut.cut;
@@ -83,6 +84,7 @@ impl Divider<'_> {
             };
             parts[side].push(*unknown);
         }
+        // Ranks are valid for one part at a time; others must see these unknowns as outside.
         for unknown in part {
             self.ranks[unknown] = OUTSIDE;
         }
@@ -95,7 +97,9 @@ impl Divider<'_> {
     fn cheapest_cut(&mut self, part: &mut [usize]) -> Cut {
         let mut best: Option<Cut> = None;
         for axis in 0..3 {
+            // All places equal along all axes: some cut is still needed, and the last axis serves.
             let is_last_resort = axis == 2 && best.is_none();
+            // Equal coordinates make any cut along the axis arbitrary.
             if !is_last_resort && self.all_agree(part, axis) {
                 continue;
             }
@@ -120,6 +124,7 @@ impl Divider<'_> {
             return;
         }
         self.sorted_along = Some(axis);
+        // Ties by number, so that the order does not depend on the sort.
         let compare = |a: &usize, b: &usize| -> Ordering {
             let (at_a, at_b) = (self.places[*a][axis], self.places[*b][axis]);
             at_a.total_cmp(&at_b).then(a.cmp(b))
@@ -138,6 +143,7 @@ impl Divider<'_> {
         let mut changes = vec![[0_i32; 2]; count + 2];
         for (rank, unknown) in part.iter().enumerate() {
             let (low, high) = self.range_of_ranks(rank, *unknown);
+            // Near separator: cuts rank + 1 ..= high; far separator: cuts low + 1 ..= rank.
             changes[rank + 1][0] += 1;
             changes[high + 1][0] -= 1;
             changes[low + 1][1] += 1;
@@ -146,12 +152,15 @@ impl Divider<'_> {
         let mut best = Cut::in_the_middle(count, axis);
         let mut sizes = [0_i32; 2];
         for (cut, change) in changes.iter().enumerate().take(count).skip(1) {
+            // Running sums of the changes: the sizes of both separators at this cut.
             sizes = [sizes[0] + change[0], sizes[1] + change[1]];
             let balance = cut.min(count - cut) as f64 / count as f64;
             if balance < SMALLEST_SIDE {
                 continue;
             }
             for (size, far) in [(sizes[0], false), (sizes[1], true)] {
+                // A separator costs its size, and up to 1.3
+                // times that for a cut at the limit of balance.
                 let price = f64::from(size) * (1.0 + 2.0 * (0.5 - balance));
                 if price < best.price {
                     best = Cut {

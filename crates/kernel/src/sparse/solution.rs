@@ -63,11 +63,13 @@ fn solve_forward(
     let columns = front.shape.columns;
     let flat = front_values.as_flattened_mut();
     flat[..columns].copy_from_slice(&x[front.own()]);
+    // Rows below start at zero, so that what comes back is the change alone.
     flat[columns..].fill(0.0);
     front::solve_forward(panel, front.shape, front_values);
     let flat = front_values.as_flattened();
     x[front.own()].copy_from_slice(&flat[..columns]);
     for (row, value) in symbolic.rows[front.below()].iter().zip(&flat[columns..]) {
+        // `solve_forward` subtracts from zero, hence the plus.
         x[*row as usize] += value;
     }
 }
@@ -91,6 +93,7 @@ fn solve_backward(
     {
         *value = x[*row as usize];
     }
+    // The padding of the last tile must not hold numbers of an earlier front.
     flat[front.shape.height..].fill(0.0);
     front::solve_backward(panel, front.shape, front_values, sums);
     x[front.own()].copy_from_slice(&front_values.as_flattened()[..columns]);

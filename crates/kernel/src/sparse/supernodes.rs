@@ -2,7 +2,7 @@
 //!
 //! They follow from the elimination tree, in which the parent of a column is the row of its first
 //! entry below the diagonal. A child joins its parent where the work on the zeros this brings is
-//! less than the cost of a front of its own.
+//! less than the cost of a separate front.
 
 use super::front::{BLOCK, LANES};
 
@@ -43,12 +43,18 @@ impl EliminationTree {
         let mut below = vec![0; order.len()];
         let mut last_row = vec![usize::MAX; order.len()];
         for (row, unknown) in order.iter().enumerate() {
+            // A row of its own marks, so that each path is
+            // climbed once per row: work as large as L.
             last_row[row] = row;
             for other in &neighbours[*unknown] {
                 let mut column = position[*other];
+                // Up the tree until a column that this row has passed
+                // already: the rest of the path is marked too.
                 while column < row && last_row[column] != row {
                     below[column] += 1;
                     last_row[column] = row;
+                    // The first row to reach a column without
+                    // a parent is its parent, as rows ascend.
                     column = *parent[column].get_or_insert(row);
                 }
             }
@@ -71,6 +77,7 @@ impl Forest {
         let (nodes, node_of) = fundamental_supernodes(tree);
         let last = |node: &usize| nodes[*node].columns.last().copied();
         let mut ascending: Vec<usize> = (0..nodes.len()).collect();
+        // Children before parents, by their last columns, whatever joins happen later.
         ascending.sort_by_key(last);
         let mut children = vec![Vec::new(); nodes.len()];
         let mut roots = Vec::new();
@@ -93,6 +100,7 @@ impl Forest {
     fn join_children(&mut self) {
         for index in 0..self.ascending.len() {
             let node = self.ascending[index];
+            // Repeated: grandchildren become children by a join and may be worth joining too.
             while let Some(sibling) = self.cheapest_to_join(node) {
                 self.join(node, sibling);
             }
@@ -105,6 +113,7 @@ impl Forest {
         let mut most = 0.0;
         for (sibling, child) in self.children[node].iter().enumerate() {
             let saved = self.saved_by_joining(node, *child);
+            // `>=`: of equal savings the last one counts, so the result is unique.
             if saved > 0.0 && saved >= most {
                 most = saved;
                 best = Some(sibling);
@@ -123,6 +132,7 @@ impl Forest {
     fn join(&mut self, node: usize, sibling: usize) {
         let child = self.children[node].remove(sibling);
         let mut columns = std::mem::take(&mut self.nodes[child].columns);
+        // The child's columns come first, as they are eliminated before the node's.
         columns.append(&mut self.nodes[node].columns);
         self.nodes[node].columns = columns;
         let grandchildren = std::mem::take(&mut self.children[child]);
@@ -131,6 +141,7 @@ impl Forest {
 
     /// The nodes that are left, depth first.
     fn into_post_order(mut self) -> Vec<Supernode> {
+        // A stack of tasks instead of recursion: the tree may be as deep as the matrix is large.
         enum Task {
             Enter(usize),
             Leave(usize),
@@ -147,6 +158,7 @@ impl Forest {
                 Task::Leave(node) => {
                     place[node] = result.len();
                     for child in &self.children[node] {
+                        // All children have their places by now.
                         result[place[*child]].parent = Some(place[node]);
                     }
                     result.push(std::mem::take(&mut self.nodes[node]));
@@ -173,8 +185,10 @@ fn fundamental_supernodes(tree: &EliminationTree) -> (Vec<Supernode>, Vec<usize>
         nodes[node].columns.push(column as u32);
         nodes[node].below = tree.below[column];
         if let Some(above) = tree.parent[column]
+            // Same rows less itself, so no zeros arise where the two share a front.
             && tree.below[above] + 1 == tree.below[column]
         {
+            // The first child only: a supernode is one chain of columns.
             continued[above].get_or_insert(node);
         }
     }

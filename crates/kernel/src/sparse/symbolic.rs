@@ -92,6 +92,7 @@ impl Symbolic {
         let mut order = Vec::with_capacity(dimension);
         let mut step_of = vec![0; dimension];
         for column in nodes.iter().flat_map(|node| &node.columns) {
+            // `order` lists unknowns by step, `step_of` steps by unknown.
             let unknown = dissected[*column as usize];
             step_of[unknown] = order.len();
             order.push(unknown as u32);
@@ -138,6 +139,7 @@ impl Columns {
             .map(|(row, column)| (step_of[*row], step_of[*column]))
             .collect();
         let mut starts = vec![0; dimension + 1];
+        // Counting sort: sizes, running sums, then each entry to the next free place of its column.
         for (a, b) in &permuted {
             starts[a.min(b) + 1] += 1;
         }
@@ -147,6 +149,8 @@ impl Columns {
         let mut next = starts.clone();
         let mut by_column = vec![(0, 0); entries.len()];
         for (entry, (a, b)) in permuted.iter().enumerate() {
+            // In the lower triangle the earlier step is the
+            // column, whatever side the entry was given on.
             let column = *a.min(b);
             by_column[next[column]] = (*a.max(b) as u32, entry as u32);
             next[column] += 1;
@@ -204,6 +208,7 @@ impl<'a> Builder<'a> {
     fn add_front(&mut self, index: usize, node: &Supernode) {
         let columns = self.first..self.first + node.columns.len();
         let children = std::mem::take(&mut self.waiting[index]);
+        // Children first: their rows may lie far below the entries of A in these columns.
         let below = self.rows_below(&columns, &children);
         let shape = Shape {
             columns: columns.len(),
@@ -245,6 +250,7 @@ impl<'a> Builder<'a> {
             let child = &self.symbolic.fronts[*child as usize];
             rows.extend(&self.symbolic.rows[child.below()]);
         }
+        // Rows of children that are own columns here are eliminated in this front.
         rows.retain(|row| *row as usize >= columns.end);
         rows.sort_unstable();
         rows.dedup();
@@ -256,6 +262,8 @@ impl<'a> Builder<'a> {
             self.local[step] = row as u32;
         }
         for (row, step) in below.iter().enumerate() {
+            // `local` is not cleared between fronts: each
+            // front overwrites the rows that it reaches.
             self.local[*step as usize] = (columns.len() + row) as u32;
         }
     }
@@ -267,6 +275,8 @@ impl<'a> Builder<'a> {
         for (column, step) in columns.clone().enumerate() {
             for (row, entry) in self.columns.entries(step..step + 1) {
                 let row = self.local[*row as usize] as usize;
+                // Position of (row, column): start of the row
+                // in its tile, eight numbers on per column.
                 let place = shape.row_start(row) + LANES * column;
                 assembly.push((*entry, place as u32));
             }
@@ -294,6 +304,7 @@ impl<'a> Builder<'a> {
     /// Reserves a place for the left-over of this front, and frees those of its children, which it
     /// has used by the time that others need the place.
     fn reserve_left_over(&mut self, children: &[u32], shape: Shape) -> usize {
+        // Before the children's are freed: the left-over is built while theirs are still read.
         let start = self.arena.take(shape.left_size());
         for child in children {
             let child = &self.symbolic.fronts[*child as usize];

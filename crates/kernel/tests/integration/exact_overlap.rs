@@ -1,4 +1,4 @@
-//! Decisions of overlap against integers: a million of them when asked for, thousands in every run.
+//! Decisions of overlap against integers: a million of them when requested, thousands in every run.
 //!
 //! Corners and offsets are multiples of 2⁻³⁶, so the test below computes with integers and is exact. To
 //! the fast test they are numbers like any other: most of its products are rounded.

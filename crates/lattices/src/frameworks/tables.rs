@@ -178,12 +178,13 @@ const MIXED: [PrintedRow; 6] = [
     ),
 ];
 
-/// Table 2: θ = 45°, cells of 1, 2 and 4 along both axes.
+/// Table 2 by hinging: θ = 45°, cells of 1, 2 and 4 along both axes.
 const CELLS_HINGING: [(usize, Printed); 3] = [
     (1, ["752.58", "2420.15", "-0.536", "-1.724"]),
     (2, ["752.41", "2419.56", "-0.536", "-1.724"]),
     (4, ["752.45", "2419.71", "-0.536", "-1.724"]),
 ];
+/// Table 2 by stretching, for the same cells.
 const CELLS_STRETCHING: [(usize, Printed); 3] = [
     (1, ["379.10", "253.99", "0.544", "0.365"]),
     (2, ["379.04", "253.94", "0.544", "0.365"]),
@@ -284,11 +285,13 @@ fn by_formula(table: u32, mechanism: &'static str, theta_deg: f64, printed: &Pri
 
 fn values(computed: [f64; 4], printed: &Printed) -> Vec<Value> {
     let one = |((quantity, computed), printed): ((&'static str, f64), &&'static str)| {
+        // The printed number states its own precision.
         let decimals = printed
             .split_once('.')
             .map_or(0, |(_, decimals)| decimals.len());
         let number: f64 = printed.parse().unwrap_or(f64::NAN);
         let unit = 10f64.powi(-(decimals as i32));
+        // Rounded like the print: digits are compared, not numbers.
         let agreement = if format!("{computed:.decimals$}") == **printed {
             Agreement::Same
         } else if (computed - number).abs() <= unit {

@@ -75,6 +75,8 @@ impl Convolution {
         weights: &Weights,
         input_gradient: Option<&mut [f32]>,
     ) -> Gradients {
+        // Everything below takes the masked gradient: what ReLU
+        // cut off moves neither weights nor bias nor input.
         let masked = self.masked(&sample);
         let gradient = masked.as_deref().unwrap_or(sample.gradient);
         let vectors = self.bias_gradient(gradient, sample.codes);
@@ -98,6 +100,7 @@ impl Convolution {
         if self.finishing != Finishing::Relu {
             return None;
         }
+        // Stale memory is enough: every number is overwritten.
         let mut masked = Buffer::stale(sample.gradient.len());
         let pairs = sample.gradient.iter().zip(sample.result);
         for (to, (from, result)) in masked.iter_mut().zip(pairs) {
@@ -112,6 +115,7 @@ impl Convolution {
         let length = (gradient.len() / outputs).max(1);
         let channels = gradient.chunks_exact(length);
         let mut bias = vec![0.0; outputs];
+        // A window whose maximum was cut off by ReLU has a gradient in memory that goes nowhere.
         if self.finishing == Finishing::Pool {
             let channels = channels.zip(codes.chunks_exact(length));
             for (bias, (gradient, codes)) in bias.iter_mut().zip(channels) {
@@ -129,10 +133,13 @@ impl Convolution {
     fn entries(&self, gradient: &[f32], sample: &Sample<'_>) -> Option<Entries> {
         let geometry = &self.geometry;
         if self.finishing == Finishing::Pool {
+            // With few occupied voxels, most taps see nothing
+            // but zeros and add nothing to the weights.
             let masks = sample.occupied.and_then(|occupied| occupied.seen(geometry));
             let codes = sample.codes;
             return Some(Entries::pooled(geometry, gradient, codes, masks.as_deref()));
         }
+        // Counting first costs one pass; building a list that is then thrown away costs far more.
         sparse_pays(geometry, count_nonzero(gradient))
             .then(|| Entries::unpooled(geometry, gradient))
     }
@@ -145,7 +152,10 @@ impl Convolution {
         input_gradient: Option<&mut [f32]>,
     ) -> WeightGradient {
         let geometry = &self.geometry;
+        // Stale, as `SparseWeights` overwrites what it returns.
         let mut gradient = Buffer::stale(sparse::weights_length(geometry));
+        // One voxel's channels lie together, so that a
+        // tap of a listed gradient is one run of memory.
         SparseWeights {
             geometry,
             input: &channel_last(geometry, sample.input, sample.occupied),
@@ -154,11 +164,13 @@ impl Convolution {
         }
         .run_on(self.level);
         if let Some(to) = input_gradient {
+            // Zeros, as listed gradients overlap in the input and are added.
             let mut channel_last = Buffer::zeros(channel_last_length(geometry));
             SparseInput {
                 geometry,
                 input: &mut channel_last,
                 entries,
+                // Filled once for all samples by whichever comes first; see `Weights`.
                 weights: weights.runs(geometry),
             }
             .run_on(self.level);
@@ -176,8 +188,11 @@ impl Convolution {
     ) -> WeightGradient {
         let weight_gradient = self.dense_weight_gradient(input, gradient);
         if let Some(to) = input_gradient {
+            // The gradient of the input is the convolution of the gradient
+            // with the kernel turned round and inputs and outputs exchanged.
             let transposed = self.geometry.transposed();
             let mut scratch = Buffer::stale(forward::scratch_length(&transposed));
+            // Few gradients are zero here: looking for them would cost more than it saves.
             Forward {
                 geometry: &transposed,
                 input: &Padded::new(&transposed, gradient, false),
@@ -208,9 +223,11 @@ impl Convolution {
 }
 
 /// Whether listing `entries` gradients is cheaper than taking all. Multiply-adds of vectors are
-/// compared; those from the list count twice because each loads a vector of its own. The answer
+/// compared; those from the list count twice because each loads a separate vector. The answer
 /// does not depend on the processor.
 fn sparse_pays(geometry: &Geometry, entries: usize) -> bool {
+    // Both sides count vector operations: taps times runs for
+    // the list, all voxels times all packed weights without.
     let listed = 2 * entries * geometry.tap_rows() * sparse::run_length(geometry) / LANES;
     let all = geometry.voxels() * geometry.packed_weights() / LANES;
     listed < all
@@ -220,9 +237,12 @@ fn sparse_pays(geometry: &Geometry, entries: usize) -> bool {
 fn sum_alive(gradient: &[f32], codes: &[u8]) -> f64 {
     let mut total = 0.0;
     for (gradient, codes) in gradient.chunks(1024).zip(codes.chunks(1024)) {
+        // f32 in lanes over 1024 numbers, f64 across:
+        // vectorises, and loses no more than the gradients have.
         let mut lanes = [0.0f32; 16];
         for (gradient, codes) in gradient.chunks(16).zip(codes.chunks(16)) {
             for ((lane, value), code) in lanes.iter_mut().zip(gradient).zip(codes) {
+                // Without a branch: dead and alive windows mix at random.
                 *lane += if is_alive(*code) { *value } else { 0.0 };
             }
         }
@@ -253,6 +273,7 @@ impl Convolution {
             .slice()?
             .chunks_exact(self.geometry.inputs())
             .collect();
+        // Room for the gradient only where someone asks: the first block's input is data.
         let mut input_gradient = match input.track_op() {
             true => vec![0.0; input.elem_count()],
             false => Vec::new(),
@@ -267,6 +288,8 @@ impl Convolution {
             .into_par_iter()
             .zip(samples)
             .enumerate()
+            // Collected in the order of samples, not added as they finish:
+            // sums of floating-point numbers must not depend on the threads.
             .map(|(i, (room, sample))| of_sample(i, sample, &weights, room))
             .collect();
         let mut sums = Sums::new(vectors.elem_count());
@@ -290,6 +313,7 @@ impl Convolution {
     fn rooms<'a>(&self, gradient: &'a mut [f32], samples: usize) -> Vec<Option<&'a mut [f32]>> {
         let rooms = gradient.chunks_exact_mut(self.geometry.inputs());
         let mut rooms: Vec<_> = rooms.map(Some).collect();
+        // `zip` ends at the shorter one, so an empty gradient still needs one entry a sample.
         rooms.resize_with(samples, || None);
         rooms
     }
@@ -313,6 +337,8 @@ impl Sums {
 
     fn add(&mut self, part: Gradients) {
         add(&mut self.vectors, &part.vectors);
+        // The two layouts are added up apart: unpacking each
+        // sample would cost a pass over the weights each.
         let (sum, weights) = match part.weights {
             WeightGradient::Runs(weights) => (&mut self.runs, weights),
             WeightGradient::Packed(weights) => (&mut self.packed, weights),
@@ -326,6 +352,7 @@ impl Sums {
     /// The gradient of the weights, (O, C, k, k, k).
     fn weights(&self, geometry: &Geometry) -> Vec<f32> {
         let mut weights = vec![0.0; geometry.weights()];
+        // Some samples may have been sparse and others dense; both layouts count.
         if let Some(runs) = &self.runs {
             sparse::add_unpacked(geometry, runs, &mut weights);
         }

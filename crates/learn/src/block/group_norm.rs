@@ -126,11 +126,14 @@ impl Work for Group<'_> {
     #[inline(always)]
     unsafe fn run<S: Lanes>(self) -> Moments {
         let (voxels, out_voxels) = (self.norm.voxels(), self.norm.out_voxels());
+        // Moments run over all channels of the group; weight and bias belong to each channel.
         let moments = moments(self.input);
         let mut codes = self.codes.chunks_exact_mut(out_voxels.max(1));
         let mut rows = Rows::new(self.norm.edges[2]);
         let rooms = self.out.chunks_exact_mut(out_voxels.max(1));
         for ((i, channel), out) in self.input.chunks_exact(voxels).enumerate().zip(rooms) {
+            // weight (x - mean) inverse + bias, folded to scale x +
+            // shift: one multiplication and one addition for each voxel.
             let scale = self.weights[i] * moments.inverse;
             let shift = self.biases[i] - scale * moments.mean;
             if self.norm.pool {
@@ -149,6 +152,7 @@ impl Work for Group<'_> {
 #[inline(always)]
 fn moments(group: &[f32]) -> Moments {
     let count = group.len().max(1) as f64;
+    // The mean first, then squared deviations: Σ x² - N mean² would cancel where the mean is large.
     let mean = (sum_of(group, |value| value) / count) as f32;
     let squares = sum_of(group, |value| (value - mean) * (value - mean));
     Moments {
@@ -188,7 +192,11 @@ impl Rows {
             .chunks_exact_mut(width)
             .zip(codes.chunks_exact_mut(width));
         for (i, (out, codes)) in rooms.enumerate() {
+            // Reset for each row of windows. The code needs
+            // no reset: the first value beats -∞, or is NaN.
             self.best.fill(f32::NEG_INFINITY);
+            // The four rows of a window one after another: each pass runs along
+            // memory and vectorises, where a loop over windows would gather.
             for corner in 0..4 {
                 let (z, y) = (2 * (i / height) + corner / 2, 2 * (i % height) + corner % 2);
                 let row = of_sample(channel, z * full_height + y, full_width);
@@ -202,9 +210,14 @@ impl Rows {
     #[inline(always)]
     fn take(&mut self, row: &[f32], corner: u32, (scale, shift): (f32, f32)) {
         for ((best, code), x) in self.best.iter_mut().zip(&mut self.code).zip(row) {
+            // ReLU waits until the maximum is known: both
+            // are monotone, so the order does not matter.
             let value = scale * x + shift;
+            // NaN must win, or a diverged network would look sound behind
+            // its pooling. `>` is false for NaN, so once kept it stays.
             let better = (value > *best) | value.is_nan();
             *best = if better { value } else { *best };
+            // Corners count as 4 z + 2 y + x; here x is still open.
             *code = if better { 2 * corner } else { *code };
         }
     }
@@ -222,6 +235,8 @@ impl Rows {
             let value = if better { right } else { left };
             let code = if better { right_code } else { left_code };
             *out = positive(value);
+            // Zero passes no gradient either, as without
+            // pooling. NaN is not `<= 0` and stays alive.
             *chosen = if value <= 0.0 { DEAD } else { code as u8 };
         }
     }
@@ -247,12 +262,16 @@ impl GroupBackward<'_> {
         let (mut sum_u, mut sum_u_x) = (0.0, 0.0);
         for i in 0..self.weights.len() {
             let (of_weight, of_bias) = self.spread_channel(i);
+            // weight times the gradient of the bias is Σ u of the channel,
+            // times that of the weight Σ u x̂: no further pass over the voxels.
             sum_u += f64::from(self.weights[i]) * of_bias;
             sum_u_x += f64::from(self.weights[i]) * of_weight;
             gradients[0].push(of_weight);
             gradients[1].push(of_bias);
         }
         let count = self.spread.len().max(1) as f64;
+        // Every x moves mean and variance and so every y: this
+        // reaches also the voxels that got no gradient themselves.
         self.norm.level.run(Correction {
             spread: self.spread,
             input: self.input,
@@ -275,11 +294,13 @@ impl GroupBackward<'_> {
             of_weight: 0.0,
             of_bias: 0.0,
         };
+        // Behind pooling at most one voxel in eight gets anything; the others keep their zeros.
         if self.norm.pool {
             channel.take_pooled(self.norm, gradient, of_sample(self.codes, i, out_voxels));
         } else {
             let result = of_sample(self.result, i, out_voxels);
             for (voxel, (value, result)) in gradient.iter().zip(result).enumerate() {
+                // ReLU is judged by the result, so no mask has to be kept from the forward pass.
                 channel.take(voxel, if *result <= 0.0 { 0.0 } else { *value });
             }
         }
@@ -304,6 +325,7 @@ impl Channel<'_> {
         let Moments { mean, inverse } = self.moments;
         if let (Some(x), Some(to)) = (self.input.get(voxel), self.spread.get_mut(voxel)) {
             self.of_weight += f64::from(value * (x - mean) * inverse);
+            // f64: a channel may have tens of thousands of voxels.
             self.of_bias += f64::from(value);
             *to = value * self.weight;
         }
@@ -315,10 +337,13 @@ impl Channel<'_> {
         let [_, height, width] = norm.out_edges();
         let [_, full_height, full_width] = norm.edges;
         let corners: [usize; 8] =
+            // Offsets of the corners 4 z + 2 y + x from the first voxel of a window.
             array::from_fn(|i| (i / 4 * full_height + i / 2 % 2) * full_width + i % 2);
         let width = width.max(1);
         let rows = gradient.chunks_exact(width).zip(codes.chunks_exact(width));
         for (row, (gradient, codes)) in rows.enumerate() {
+            // `row` counts rows of windows, z height + y;
+            // each begins two planes and two rows apart.
             let first = (2 * (row / height) * full_height + 2 * (row % height)) * full_width;
             for (x, (value, code)) in gradient.iter().zip(codes).enumerate() {
                 if is_alive(*code) {
@@ -345,6 +370,7 @@ impl Work for Correction<'_> {
     unsafe fn run<S: Lanes>(self) {
         let Moments { mean, inverse } = self.moments;
         for (to, x) in self.spread.iter_mut().zip(self.input) {
+            // In place: here `to` holds u.
             *to = inverse * (*to - self.mean_u - (x - mean) * inverse * self.mean_u_x);
         }
     }

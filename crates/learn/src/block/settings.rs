@@ -32,7 +32,7 @@ pub struct BlockSettings {
 }
 
 impl BlockSettings {
-    /// Blocks of these widths, each with a kernel of its own or one kernel for all, and with
+    /// Blocks of these widths, each with its own kernel or one kernel for all, and with
     /// pooling. 0 groups: no normalisation.
     ///
     /// ```

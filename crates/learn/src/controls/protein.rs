@@ -13,7 +13,7 @@ const DEBYE_ANGSTROM: f64 = 9.6;
 pub(super) const EXTENT_ANGSTROM: f64 = 24.0;
 /// Half the thickness of the surface, in voxels.
 const HALF_SHELL: f64 = 0.6;
-/// Sites on the surface, each with a hydropathy of its own.
+/// Sites on the surface, each with its own hydropathy.
 pub(super) const SITES: usize = 60;
 
 /// A synthetic protein in its own frame, Å.

@@ -316,7 +316,7 @@ fn name(number: usize) -> String {
     format!("{number:06}")
 }
 
-/// A sample that is a cluster of its own, of so many filled voxels, taken to be of 3 Å.
+/// A sample in a separate cluster, of so many filled voxels, taken to be of 3 Å.
 fn plain(number: usize, label: &str, volume_voxels: f64) -> Description {
     const VOXEL_ANGSTROM3: f64 = 27.0;
     Description {

@@ -79,9 +79,13 @@ impl Logistic {
         }
         let sample_weights: Vec<f64> = samples
             .iter()
+            // Checked weights belong to all rows; here only those of the fitted samples.
             .map(|sample| weights.map_or(1.0, |weights| weights[*sample]))
             .collect();
+        // One ridge for all features only makes sense if all have the same spread.
         let standardisation = Standardisation::fit(table, samples, &sample_weights);
+        // Start and centre of the ridge: with no usable feature
+        // the model falls back to the prior, not to equal classes.
         let shares = prior(samples, labels, weights, classes);
         let problem = Problem {
             rows: standardisation.rows(table, samples),
@@ -162,6 +166,8 @@ pub fn prior(
     weights: Option<&[f64]>,
     classes: usize,
 ) -> Vec<f64> {
+    // As if one more sample had been seen, spread over the classes: its share
+    // is positive even if a class is absent, and so its logarithm is finite.
     let mut shares = vec![1.0 / classes.max(1) as f64; classes];
     for sample in samples {
         let label = labels.get(*sample);
@@ -198,6 +204,8 @@ impl Standardisation {
         for column in 0..table.columns {
             let middle = average(&|row| row[column]);
             let spread = average(&|row| (row[column] - middle).powi(2)).sqrt();
+            // A constant column leaves a spread of rounding, about 1e-16 of the mean; dividing
+            // by it would blow noise up to a feature. The floor serves a column of zeros.
             let has_spread = spread > 1e-12 * middle.abs().max(1e-300);
             mean.push(middle);
             deviation.push(if has_spread { spread } else { 1.0 });
@@ -244,6 +252,7 @@ impl Problem {
     fn start(&self) -> Vec<f64> {
         let mut start = Vec::new();
         for log_prior in &self.log_prior {
+            // For each class its slopes, then its intercept: class (columns + 1) + column.
             start.resize(start.len() + self.columns, 0.0);
             start.push(*log_prior);
         }
@@ -256,10 +265,14 @@ impl Problem {
         gradient.fill(0.0);
         let mut loss = 0.0;
         for (sample, row) in self.rows.chunks_exact(self.columns).enumerate() {
+            // Shares, so that the ridge means the same for
+            // any number of samples and any scale of weights.
             let share = self.weights[sample] / total;
             loss += self.add_sample(row, self.labels[sample], share, point, gradient);
         }
         for (place, (value, gradient)) in point.iter().zip(gradient).enumerate() {
+            // Drawn to the prior, not to 0: a strong ridge then gives
+            // the prior, which is the weakest honest prediction.
             let from_centre = value - self.centre(place);
             loss += 0.5 * self.ridge * from_centre.powi(2);
             *gradient += self.ridge * from_centre;
@@ -278,12 +291,15 @@ impl Problem {
     ) -> f64 {
         let mut p = logits(point, row);
         let label_logit = p[label];
+        // Largest logit first: ln Σ exp(z) = z_max + ln Σ exp(z - z_max) cannot overflow.
         let largest = p.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sum: f64 = p.iter().map(|z| (z - largest).exp()).sum();
         softmax(&mut p);
+        // ∂/∂z_k of -ln p_label is p_k - δ_k.
         p[label] -= 1.0;
         for (residual, gradient) in p.iter().zip(gradient.chunks_exact_mut(row.len() + 1)) {
             let factor = share * residual;
+            // The intercept counts as a last feature that is always 1.
             for (gradient, x) in gradient.iter_mut().zip(row.iter().chain([&1.0])) {
                 *gradient += factor * x;
             }

@@ -18,6 +18,7 @@ pub(super) fn run(
     parts: &Parts,
     observer: &mut dyn Observer,
 ) -> Result<Option<EpochRecord>> {
+    // Epochs count from 1, the number of the one in progress.
     let epoch = state.progress.history.len() + 1;
     let items = items(training, &parts.training, epoch);
     let batches: Vec<&[Item]> = items.chunks(training.settings.batch).collect();
@@ -64,6 +65,8 @@ fn items(training: &Training, samples: &[usize], epoch: usize) -> Vec<Item> {
     let (seed, step) = (training.settings.seed, epoch as u64);
     let mut items = Vec::with_capacity(samples.len());
     for sample in samples {
+        // The rotation hangs on seed, sample and epoch alone: a
+        // training that was interrupted goes on as if it had not been.
         let mut random =
             CounterRng::for_purpose(seed, *sample as u32, step, Purpose::TrainingRotation);
         let turn = if training.settings.augment {
@@ -76,6 +79,7 @@ fn items(training: &Training, samples: &[usize], epoch: usize) -> Vec<Item> {
             turn,
         });
     }
+    // Rotations are drawn before the order, so the order of samples does not change them.
     shuffle(
         &mut items,
         &mut CounterRng::for_purpose(seed, 0, step, Purpose::TrainingOrder),
@@ -122,8 +126,11 @@ impl Pass<'_> {
         let logits = adjust_logits(&logits, &self.log_prior, settings.logit_adjustment)?;
         let loss = cross_entropy(&logits, &labels, &weights)?;
         let loss_nats = f64::from(loss.to_scalar::<f32>()?);
+        // `cross_entropy` is a mean over the batch's weights. Times this, all steps of an
+        // epoch together weigh each sample as its weight says, also in a short last batch.
         let scale = weight / (labels.len() as f64 * self.mean_weight);
         let gradients = (loss * scale)?.backward()?;
+        // Steps count over all epochs, skipped ones too: the schedule is a function of progress.
         let rate = settings.rate((self.epoch - 1) * self.steps + number, self.steps);
         let norm = self.adam.step(&gradients, rate, settings.clip)?;
         self.sums.add(loss_nats, weight, norm, rate);
@@ -137,6 +144,8 @@ impl Pass<'_> {
 
     fn record(self) -> Result<EpochRecord> {
         let (epoch, sums) = (self.epoch, self.sums);
+        // No finite step in a whole epoch: the network will not
+        // recover, and the means below would divide by zero.
         if sums.skipped == self.steps {
             return Err(LearnError::Diverged(format!(
                 "no step of epoch {epoch} had a finite gradient"
@@ -158,6 +167,7 @@ impl Pass<'_> {
 impl Sums {
     fn add(&mut self, loss_nats: f64, weight: f64, norm: f64, rate: f64) {
         self.last_rate = rate;
+        // The rate above is recorded all the same: it belongs to the schedule.
         if !loss_nats.is_finite() || !norm.is_finite() {
             self.skipped += 1;
             return;

@@ -32,12 +32,16 @@ impl Loader<'_> {
         batches: &[&[Item]],
         mut work: impl FnMut(usize, Tensor) -> Result<ControlFlow<()>> + Send,
     ) -> Result<bool> {
+        // The first batch has nothing to overlap with.
         let mut loaded = self.read(batches, 0)?;
         for number in 0..batches.len() {
             let batch = self.tensor(batches[number], loaded)?;
+            // `work` first: it runs on this thread, and
+            // reading is taken by an idle one if there is any.
             let (flow, next) =
                 rayon::join(|| work(number, batch), || self.read(batches, number + 1));
             if flow?.is_break() {
+                // Before `next?`: an error in a batch that nobody wants must not spoil the end.
                 return Ok(false);
             }
             loaded = next?;
@@ -47,10 +51,13 @@ impl Loader<'_> {
 
     /// The numbers of a batch; none behind the last.
     fn read(&self, batches: &[&[Item]], number: usize) -> Result<Vec<f32>> {
+        // Behind the last batch there is nothing to read, and an empty answer is not used.
         let items = batches.get(number).copied().unwrap_or_default();
         let of_sample = self.channels.len() * self.source.size().pow(3);
+        // All 24 once for a batch: they are small, and `sparse` picks by number.
         let turns = CubeRotation::all();
         let mut numbers = vec![0.0; items.len() * of_sample];
+        // Each sample writes to its own slice; zeros stay wherever a sparse grid has nothing.
         numbers
             .par_chunks_mut(of_sample.max(1))
             .zip(items)
@@ -60,6 +67,7 @@ impl Loader<'_> {
 
     fn write(&self, item: Item, turns: &[CubeRotation], dense: &mut [f32]) -> Result<()> {
         let mut grid = read_checked(self.source, item.sample)?;
+        // Turned while sparse: fewer numbers move, and scaling then writes the dense grid once.
         if item.turn > 0 {
             grid = turns[item.turn].sparse(&grid);
         }

@@ -113,7 +113,7 @@ impl PredictionSettings {
 /// Probabilities of classes.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Predictions {
-    /// Samples that could be read, in the order asked for.
+    /// Samples that could be read, in the requested order.
     pub samples: Vec<usize>,
     /// Probabilities, sample after sample, one number per class.
     pub probabilities: Vec<f64>,
@@ -150,6 +150,7 @@ impl Model {
         how: PredictionSettings,
     ) -> Result<Vec<f64>> {
         let mut items = Vec::with_capacity(samples.len() * how.turns());
+        // All orientations of a sample stand one after another, over the borders of batches.
         for sample in samples {
             items.extend((0..how.turns()).map(|turn| Item {
                 sample: *sample,
@@ -171,6 +172,7 @@ impl Model {
             Ok(ControlFlow::Continue(()))
         })?;
         let probabilities = averages.sums;
+        // A diverged network gives NaN; a class must not be named on such numbers.
         if probabilities.iter().any(|p| !p.is_finite()) {
             return Err(LearnError::Diverged(
                 "the network gives probabilities that are not finite".into(),
@@ -189,6 +191,8 @@ impl Model {
 
     /// The probabilities of each grid of a batch.
     fn predict_batch(&self, batch: &Tensor, how: PredictionSettings) -> Result<Vec<Vec<f64>>> {
+        // The network learnt logits z with z + τ ln prior as the true odds. Left off, the
+        // classes count as equally common; put back, they have the shares of the training part.
         let strength = if how.balanced {
             0.0
         } else {
@@ -222,8 +226,10 @@ impl Model {
         weights: Option<&[f64]>,
         how: PredictionSettings,
     ) -> Result<f64> {
+        // Reset first, or the new temperature would be fitted on top of the old one.
         self.card.temperature = 1.0;
         let predictions = self.predict(source, samples, how)?;
+        // Samples that could not be read have no probabilities: labels and weights follow the rest.
         let truth = pick(labels, &predictions.samples)?;
         let weights = match weights {
             Some(weights) => Some(pick(weights, &predictions.samples)?),
@@ -246,6 +252,7 @@ impl Model {
                 source.channels().join(", ")
             ));
         }
+        // By name: the source may have more channels, or other places for them.
         let mut places = Vec::with_capacity(self.card.channels.len());
         for name in &self.card.channels {
             match all.iter().position(|channel| channel == name) {

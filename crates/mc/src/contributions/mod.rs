@@ -16,7 +16,7 @@
 //! | `kind` | the residues of one kind of body with their charges and atoms |
 //! | `state` | the contributions in one state |
 //! | `average` | their mean over the frames of a run, with errors |
-//! | `response` | what another charge at a residue would change, and the frames weighted anew |
+//! | `response` | what another charge at a residue would change, and the reweighted frames |
 
 mod average;
 mod kind;

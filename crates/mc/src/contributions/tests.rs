@@ -350,7 +350,7 @@ fn means_are_those_of_the_frames_and_errors_those_of_blocks() {
 /// Takes the number of a replica, whether its bodies touch, and its state.
 type Take<'a> = Box<dyn FnMut(u32, f64, &System) + 'a>;
 
-/// The frames of two bodies, weighted for three mutants, against the mutants simulated anew:
+/// The frames of two bodies, weighted for three mutants, against separate simulations of them:
 /// `tests/validation/mutation_scan.sh` does the same with proteins.
 #[test]
 fn weighted_frames_are_those_of_the_mutants() {

@@ -88,6 +88,8 @@ impl DesolvationBody {
             });
         }
         let surface = match &kind.surface {
+            // Displaced solvent ends at the molecular surface,
+            // if there is one besides the hard shape.
             Some(surface) => &CollisionShape::new(surface)?,
             None => &kind.shape,
         };
@@ -96,6 +98,7 @@ impl DesolvationBody {
         let per_volume = 1.0 / (8.0 * PI * yukawa.bjerrum_length_angstrom);
         let dielectric = DIELECTRIC_FACTOR * (1.0 - solute.permittivity_ratio) * per_volume;
         let ionic = IONIC_FACTOR * kappa * kappa * per_volume;
+        // The constant factors once, so that an energy is two products per element.
         for element in &mut elements {
             element.dielectric *= dielectric;
             element.ionic *= ionic;
@@ -110,6 +113,7 @@ impl DesolvationBody {
     /// Desolvation energy of the charges of this body due to another body at a pose in the frame of
     /// this one, kT.
     fn lost_to(&self, other: &Self, pose: &RelativePose) -> f64 {
+        // Volume of the other body in the field of this one.
         let mut sum = 0.0;
         for element in &other.elements {
             sum += self.lost_to_element(element, pose).unwrap_or(0.0);

@@ -36,6 +36,7 @@ impl FieldTable {
     pub fn new(charges: &ChargeCloud, yukawa: &Yukawa, radius_angstrom: f64) -> Self {
         let steps = ((radius_angstrom + MARGIN_ANGSTROM) / SPACING_ANGSTROM).ceil();
         let half_edge = steps * SPACING_ANGSTROM;
+        // Symmetric about the origin, which is a point of the grid.
         let count = 2 * steps as usize + 1;
         let charges: Vec<(Vec3, f64)> = charges.iter().collect();
         let point = |index: usize| {
@@ -60,6 +61,7 @@ impl FieldTable {
         let mut fraction = [0.0_f32; 3];
         for axis in 0..3 {
             let steps = (place[axis] + self.half_edge) / SPACING_ANGSTROM;
+            // NaN is in no range.
             if !(0.0..(self.count - 1) as f64).contains(&steps) {
                 return None;
             }
@@ -68,6 +70,7 @@ impl FieldTable {
         }
         let mut sum = [0.0_f32; 4];
         for corner in 0..8_usize {
+            // Bit `axis` of the corner says on which side; x is slowest in the index.
             let (mut weight, mut index) = (1.0, 0);
             for axis in 0..3 {
                 let upper = corner >> axis & 1;
@@ -83,6 +86,8 @@ impl FieldTable {
         }
         let [x, y, z, potential] = sum.map(f64::from);
         Some(Field {
+            // Squared after the interpolation: the field
+            // is smooth, its square has kinks at charges.
             square_of_gradient: x * x + y * y + z * z,
             square_of_potential: potential * potential,
         })
@@ -95,6 +100,7 @@ fn field_of(charges: &[(Vec3, f64)], yukawa: &Yukawa, place: &Vec3) -> [f32; 4] 
     let (mut gradient, mut potential) = (Vec3::zeros(), 0.0);
     for (position, charge) in charges {
         let apart = place - position;
+        // No division by zero at a charge, which no other body can reach.
         let distance = apart.norm().max(LEAST_DISTANCE_ANGSTROM);
         let of_charge = charge * yukawa.energy_kt(distance);
         potential += of_charge;

@@ -50,11 +50,14 @@ impl Voxels {
             low = low.inf(vertex);
             high = high.sup(vertex);
         }
+        // Room for the layer that ions cannot enter, and
+        // one voxel so that a surface voxel has neighbours.
         let margin = Vec3::repeat(margin_angstrom + VOXEL_ANGSTROM);
         let (low, high) = (low - margin, high + margin);
         let edge = VOXEL_ANGSTROM * VOXELS_PER_ELEMENT as f64;
         let counts: [usize; 3] = std::array::from_fn(|axis| {
             let elements = ((high[axis] - low[axis]) / edge).ceil().max(1.0) as usize;
+            // Whole elements, so none is cut at the edge of the grid.
             elements * VOXELS_PER_ELEMENT
         });
         let mut voxels = Self {
@@ -64,6 +67,7 @@ impl Voxels {
         };
         let total = counts[0] * counts[1] * counts[2];
         voxels.inside = (0..total)
+            // Parallel: each voxel is a ray through the mesh.
             .into_par_iter()
             .map(|index| shape.contains_point(&voxels.centre(voxels.place(index))))
             .collect();
@@ -71,6 +75,7 @@ impl Voxels {
     }
 
     fn index(&self, [i, j, k]: [usize; 3]) -> usize {
+        // z runs fastest: (i n_y + j) n_z + k.
         (i * self.counts[1] + j) * self.counts[2] + k
     }
 
@@ -92,6 +97,7 @@ impl Voxels {
     fn grown(&self, distance_angstrom: f64) -> Vec<bool> {
         let mut grown = self.inside.clone();
         let reach = (distance_angstrom / VOXEL_ANGSTROM).floor() as i64;
+        // Thinner than a voxel: no layer.
         if reach == 0 {
             return grown;
         }
@@ -108,6 +114,7 @@ impl Voxels {
         }
         for (index, inside) in self.inside.iter().enumerate() {
             let place = self.place(index);
+            // Only voxels at the surface: balls around inner ones add nothing new.
             if *inside && self.is_at_surface(place) {
                 for offset in &ball {
                     if let Some(near) = self.shifted(place, *offset) {
@@ -165,6 +172,8 @@ impl Voxels {
                     let index = self.index([x, y, z]);
                     if excluded[index] {
                         without_ions += 1.0;
+                        // The mean place of what counts, not the middle of
+                        // the cube: elements at the surface are partial.
                         sum += self.centre([x, y, z]);
                     }
                     if self.inside[index] {
@@ -174,6 +183,7 @@ impl Voxels {
             }
         }
         let volume = VOXEL_ANGSTROM.powi(3);
+        // Without ions is the wider volume: where it is empty, both are.
         (without_ions > 0.0).then(|| VolumeElement {
             place: sum / without_ions,
             dielectric: inside * volume,

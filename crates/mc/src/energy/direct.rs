@@ -39,6 +39,7 @@ impl DirectSum {
         let Some(energy_kt) = direct_energy_kt(&self.potential, &self.reach, pair)? else {
             return Ok(0.0);
         };
+        // Kept until the move is decided: an accepted one needs no second sum.
         self.proposed
             .push(PairEnergy::new(pair.first, pair.second, energy_kt));
         Ok(energy_kt)
@@ -51,6 +52,7 @@ pub(super) fn direct_energy_kt(
     reach: &Reach,
     pair: &Pair<'_>,
 ) -> Result<Option<f64>> {
+    // `None` and zero differ: a pair without images is not listed, one that holds nothing is.
     let (first, second) = pair.types();
     let mut energy_kt = None;
     for displacement in reach.images(pair) {
@@ -90,11 +92,13 @@ impl EnergyModel for DirectSum {
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
         let energies = self.energies.row(trial.body);
+        // From the table, not summed again; partners left behind are in the row too.
         let old: f64 = energies.map(|(_, energy)| energy).sum();
         let mut new = 0.0;
         for &partner in partners {
             new += self.propose(&trial.pair(partner))?;
         }
+        // Strictly below: with a budget of -ln u it is u < exp(-ΔU).
         Ok(new - old < budget_kt)
     }
 

@@ -53,9 +53,14 @@ impl FarField {
         let mut magnitudes = vec![0.0; TERMS];
         for (place, charge) in charges.iter() {
             let distance = place.norm();
+            // i_l(κ r) exp(-κ r), scaled: unscaled, it
+            // overflows for large bodies at low Debye lengths.
             let bessel = scaled_i(kappa * distance);
+            // exp(κ(r - R)) turns the scale of the charge
+            // into that of the sphere; it is at most one.
             let weight = (kappa * (distance - radius_angstrom)).exp();
             for (order, magnitude) in magnitudes.iter_mut().enumerate() {
+                // Σ |q| i_l bounds M_l, as |P_l(cos γ)| ≤ 1.
                 *magnitude += charge.abs() * weight * bessel[order];
             }
             let harmonics = harmonics(&place);
@@ -77,6 +82,7 @@ impl FarField {
             };
             (0..=l).map(square).sum::<f64>().sqrt()
         };
+        // Above the orders that are summed, magnitudes bound the moments: less sharp, still true.
         let bound = |(l, magnitude): (usize, f64)| if l < ORDERS { moment(l) } else { magnitude };
         Self {
             radius_angstrom,
@@ -89,16 +95,19 @@ impl FarField {
     /// Å.
     pub fn reach_angstrom(&self, other: &Self, potential: &Yukawa, energy_kt: f64) -> f64 {
         let product = self.sum_of_magnitudes_e * other.sum_of_magnitudes_e;
+        // Without charges nothing is held at any distance.
         if product == 0.0 {
             return 0.0;
         }
         let radii = self.radius_angstrom + other.radius_angstrom;
+        // Always valid, and the end of the interval in which the bisection searches.
         let of_magnitudes = radii + potential.reach_angstrom(product, energy_kt);
         if of_magnitudes.is_infinite() || potential.is_cut() {
             return of_magnitudes;
         }
         let largest_energy_kt = self.largest_energy_kt(other, potential);
         let (mut low, mut high) = (0.0, of_magnitudes);
+        // The bound falls with the distance, so halving keeps `high` on the safe side.
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             match largest_energy_kt(middle) < energy_kt {
@@ -106,6 +115,7 @@ impl FarField {
                 false => low = middle,
             }
         }
+        // The safe end: beyond it the energy surely is below the limit.
         high
     }
 
@@ -118,6 +128,8 @@ impl FarField {
     ) -> impl Fn(f64) -> f64 + 'a {
         let product = self.sum_of_magnitudes_e * other.sum_of_magnitudes_e;
         let radii = self.radius_angstrom + other.radius_angstrom;
+        // Either body may be the source and the other the
+        // probe; both bounds hold, the smaller counts.
         let ways = [(self, other), (other, self)];
         let spheres = ways.into_iter().flat_map(|(source, probe)| {
             SPHERES.map(|radii| {
@@ -128,6 +140,7 @@ impl FarField {
         });
         let spheres: Vec<_> = spheres.collect();
         move |distance_angstrom| {
+            // The spheres overlap: no expansion converges, and nothing is claimed.
             if distance_angstrom <= radii {
                 return f64::INFINITY;
             }
@@ -136,12 +149,15 @@ impl FarField {
                 return of_magnitudes;
             }
             let mut least = of_magnitudes;
+            // Every sphere gives a bound; which is best depends on the distance, so all are tried.
             for (source, sphere_angstrom, seen_e) in &spheres {
                 let to_sphere = distance_angstrom - sphere_angstrom;
+                // Nearer, the series converge too slowly for the terms that are kept.
                 if to_sphere >= CONVERGING_RADII * source.radius_angstrom {
                     least = least.min(seen_e * source.largest_potential(to_sphere, potential));
                 }
             }
+            // Multipoles that cancel may be rounding; magnitudes say how large that is.
             least + ROUNDING * of_magnitudes
         }
     }
@@ -152,6 +168,7 @@ impl FarField {
         let bessel = scaled_i(kappa * sphere_angstrom);
         let weight = (kappa * (self.radius_angstrom - sphere_angstrom)).exp();
         let term = |(l, moment): (usize, &f64)| {
+            // 0/0 where both are below the smallest number: such an order adds nothing.
             let ratio = match moment {
                 0.0 => 0.0,
                 _ => moment * weight / bessel[l],
@@ -187,6 +204,7 @@ fn scaled_i(x: f64) -> [f64; TERMS] {
     // Ratios i_{l+1}/i_l; the first guess is forgotten well before the last term.
     let mut ratio = 0.0;
     let mut ratios = [0.0; TERMS];
+    // Miller's algorithm: so far above the last term, the wrong start has died out.
     let start = 2 * TERMS + x as usize;
     for l in (0..start).rev() {
         ratio = 1.0 / ((2 * l + 3) as f64 / x + ratio);
@@ -194,6 +212,7 @@ fn scaled_i(x: f64) -> [f64; TERMS] {
             ratios[l] = ratio;
         }
     }
+    // sinh(x)/x · exp(-x) by expm1, exact also for small x.
     values[0] = -(-2.0 * x).exp_m1() / (2.0 * x);
     for l in 1..TERMS {
         values[l] = values[l - 1] * ratios[l - 1];
@@ -222,12 +241,14 @@ fn harmonics(place: &Vec3) -> Vec<[f64; 2]> {
     let mut legendre = vec![0.0; ORDERS * ORDERS];
     let mut diagonal = 1.0;
     for m in 0..ORDERS {
+        // P_mm from P_{m-1,m-1}, with the normalisation √((l-m)!/(l+m)!) taken along.
         if m > 0 {
             diagonal *= sine * ((2 * m - 1) as f64 / (2 * m) as f64).sqrt();
         }
         let (mut before, mut value) = (0.0, diagonal);
         for l in m..ORDERS {
             legendre[l * ORDERS + m] = value;
+            // (l-m)(l+m): roots of these replace factorials, which would overflow.
             let difference = |l: usize| (l * l - m * m) as f64;
             let next = (2 * l + 1) as f64 * cosine * value - difference(l).sqrt() * before;
             (before, value) = (value, next / difference(l + 1).sqrt());

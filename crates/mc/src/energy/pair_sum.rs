@@ -30,11 +30,17 @@ fn sum(
 ) -> f64 {
     // Rounding may not lose a pair just inside the cut-off.
     let reach = potential.cutoff_angstrom().unwrap_or(f64::INFINITY) + 1e-9;
+    // One sum per lane, added up once at the end: the
+    // order of additions is the same for all vectors.
     let mut total = [0.0; LANES];
+    // The second body outside: each of its groups is
+    // turned once and used for all groups of the first.
     for group in second.groups() {
         let image = transform(group, relative);
         for other in first.groups() {
             let limit = reach + image.radius_angstrom + other.radius_angstrom;
+            // Squares: the spheres of most pairs of groups
+            // are far from the limit, and no root is needed.
             if (image.centre - other.centre).norm_squared() < limit * limit {
                 add_group_pair(potential, other, &image, &mut total);
             }
@@ -46,6 +52,7 @@ fn sum(
 #[inline(always)]
 fn transform(group: &ChargeGroup, relative: &RelativePose) -> ChargeGroup {
     let (r, t) = (&relative.rotation, &relative.translation);
+    // Charges and radius are taken along as they are; only places change.
     let mut image = ChargeGroup {
         centre: relative.transform_point(&group.centre),
         ..*group
@@ -67,9 +74,11 @@ fn add_group_pair(potential: &Yukawa, a: &ChargeGroup, b: &ChargeGroup, total: &
             // From here on lanes are empty and would add zero.
             break;
         }
+        // One charge against a whole group: eight distances, roots and exponentials side by side.
         for (lane, total) in total.iter_mut().enumerate() {
             let (dx, dy, dz) = (b.x[lane] - x, b.y[lane] - y, b.z[lane] - z);
             let energy = potential.at_square(dx * dx + dy * dy + dz * dz);
+            // Lanes without a charge lie somewhere and add zero.
             *total += charge * b.charge_e[lane] * energy;
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! The energy is a sum of a pair potential over sites: E = Σ q_k q_l v(r_kl) over the sites k, l of
 //! different bodies. [`Yukawa`] is the only v so far. Types name it: types generic over v would be
-//! compiled anew in every crate that uses them.
+//! compiled again in every crate that uses them.
 
 use protomer_kernel::exponential::{exp_of_minus, exp_of_minus_f32};
 use protomer_kernel::potential::Yukawa;

@@ -36,6 +36,8 @@ impl Reach {
             for second in system.types() {
                 let product =
                     first.charges.sum_of_magnitudes_e() * second.charges.sum_of_magnitudes_e();
+                // Beyond this gap of the nearest charges, v(d)
+                // Σ|q| Σ|q| is below the negligible energy.
                 let gap = potential.reach_angstrom(product, NEGLIGIBLE_KT);
                 let radii = first.charge_radius_angstrom() + second.charge_radius_angstrom();
                 let distance = if product > 0.0 { gap + radii } else { 0.0 };
@@ -79,6 +81,7 @@ impl Reach {
 
     fn largest_placed(&self, system: &System) -> f64 {
         let mut largest: f64 = 0.0;
+        // Only types that have bodies: an unused large type would slow every search for neighbours.
         for first in system.placed_types() {
             for second in system.placed_types() {
                 largest = largest.max(self.by_types[first * self.types + second]);
@@ -113,6 +116,7 @@ impl Reach {
     pub fn images(&self, pair: &Pair<'_>) -> impl Iterator<Item = Vec3> + use<> {
         let (reach, nearest) = (self.of_pair(pair), pair.displacement);
         let is_near = move |displacement: &Vec3| displacement.norm_squared() < reach * reach;
+        // The nearest first, and without a search: in large boxes it is the only one.
         std::iter::once(nearest)
             .chain(farther_images(pair.boundary(), nearest, reach))
             .filter(is_near)
@@ -130,6 +134,8 @@ fn farther_images(
         Boundary::Open | Boundary::SphereWall { .. } => Vec3::repeat(f64::INFINITY),
     };
     let range = |axis: usize| {
+        // The usual case: no other image along this axis
+        // can be in reach, and no division is needed.
         if reach + nearest[axis].abs() < lengths[axis] {
             return 0..=0;
         }
@@ -143,6 +149,7 @@ fn farther_images(
         y.clone()
             .flat_map(move |j| z.clone().map(move |k| [i, j, k]))
     });
+    // The nearest image has been handed out before.
     cells.filter(|cell| *cell != [0; 3]).map(move |[i, j, k]| {
         nearest + Vec3::new(i as f64, j as f64, k as f64).component_mul(&lengths)
     })
@@ -157,9 +164,11 @@ fn farther_images(
 pub(crate) fn require_room(system: &System, potential: &Yukawa) -> Result<()> {
     let range = Reach::new(system, potential).largest_angstrom();
     let smallest = system.boundary().smallest_length_angstrom();
+    // With a cut-off the nearest image is all there is, so the box must be twice the range.
     if potential.cutoff_angstrom().is_some() {
         return Ok(require_minimum_image(system.boundary(), range)?);
     }
+    // Unscreened charges in a periodic box would need an Ewald sum.
     if smallest.is_finite() && range.is_infinite() {
         return Err(McError::UnscreenedInBox);
     }

@@ -69,6 +69,7 @@ impl ContactPotential {
             for second in AminoAcid::all() {
                 let diameter = scale.diameter_angstrom(first, second);
                 let depth_kt = per_kt * scale.depth_kj_per_mol(first, second);
+                // Subtracted everywhere, so that the energy has no step at the cut-off.
                 let end = lennard_jones((diameter / CONTACT_CUTOFF_ANGSTROM).powi(2));
                 rows[first as usize][second as usize] = PairOfKinds {
                     depth_kt,
@@ -112,6 +113,7 @@ impl ContactPotential {
         let mut total = [0.0; LANES];
         self.near_groups(first, second, relative, |one, other| {
             for lane in 0..LANES {
+                // Empty lanes stand at the end of a group.
                 if one.kind[lane] == EMPTY_LANE {
                     break;
                 }
@@ -136,6 +138,7 @@ impl ContactPotential {
             for lane in 0..LANES {
                 let energies = self.lane_energies(one, lane, other);
                 for (of_other, energy) in energies.into_iter().enumerate() {
+                    // Zero beyond the cut-off: such pairs have no share.
                     if energy != 0.0 {
                         take(&BeadPair {
                             first: one.place(lane),
@@ -160,11 +163,13 @@ impl ContactPotential {
         let cutoff = self.cutoff_angstrom();
         for group in second.groups() {
             let centre = relative.transform_point(&group.centre);
+            // The sphere around the whole first body drops most groups of the second at once.
             if centre.norm() > first.radius_angstrom() + cutoff + group.radius_angstrom {
                 continue;
             }
             let image = transform(group, centre, relative);
             for one in first.groups() {
+                // What is left is decided by the spheres of both groups.
                 let limit = cutoff + one.radius_angstrom + image.radius_angstrom;
                 if (one.centre - image.centre).norm_squared() < limit * limit {
                     visit(one, &image);
@@ -183,6 +188,7 @@ impl ContactPotential {
             let pair = &row[usize::from(other.kind[k])];
             let (dx, dy, dz) = (other.x[k] - x, other.y[k] - y, other.z[k] - z);
             let square = dx * dx + dy * dy + dz * dz;
+            // Computed for all lanes and selected afterwards: no branch stops the vectors.
             *energy = if square < self.square_cutoff {
                 pair.at_square(square)
             } else {
@@ -198,10 +204,15 @@ impl PairOfKinds {
     #[inline(always)]
     fn at_square(&self, square: f64) -> f64 {
         let potential = lennard_jones(self.square_diameter / square);
+        // Below its minimum the well is flat, as the hard
+        // surfaces repel; only beads have a core there.
         if square < SQUARE_OF_MINIMUM * self.square_diameter {
+            // 0 · ∞ for beads in one place would be no number.
             let core = if self.core_kt == 0.0 {
                 0.0
             } else {
+                // Shifted up by the depth of the well, so the
+                // core ends at zero where it meets the minimum.
                 self.core_kt * (potential + 1.0)
             };
             core - self.depth_kt - self.shift_kt

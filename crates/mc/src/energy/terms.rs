@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::AddAssign;
 use std::sync::Arc;
 
-/// One term of the energy of two bodies beside their hard surfaces.
+/// One term of the energy of two bodies in addition to their hard surfaces.
 pub trait PairPotential: Send + Sync {
     /// Kind of the term.
     fn term(&self) -> Term;

@@ -1,4 +1,4 @@
-//! Short-ranged terms beside any model of the charges.
+//! Short-ranged terms in addition to any model of the charges.
 //!
 //! The terms are functions of the pose alone, computed for each trial. Their change is taken from the
 //! budget, and the model of the charges decides with what is left: a decision by levels or with
@@ -60,6 +60,7 @@ impl TermsByType {
                 let pair = system.pair(first, second);
                 let terms = self.of(pair.type_indices());
                 let mut parts = None;
+                // Image by image, as decisions sum them.
                 for displacement in reach.images(&pair) {
                     *parts.get_or_insert_default() +=
                         terms.parts_kt(&pair.relative_image(&displacement));
@@ -152,6 +153,7 @@ impl EnergyModel for WithTerms {
         self.charges.require_room(system)?;
         let range_angstrom = self.terms.reach(system).largest_angstrom();
         let smallest_length_angstrom = system.boundary().smallest_length_angstrom();
+        // A whole length, not half of it: the terms are summed over images.
         match range_angstrom > smallest_length_angstrom {
             true => Err(McError::ReachesTooFar {
                 range_angstrom,
@@ -173,10 +175,12 @@ impl EnergyModel for WithTerms {
         self.energies = PairTable::new(system.len());
         let mut of_charges = Vec::with_capacity(pairs.len());
         for pair in pairs {
+            // Zero is not stored, as for pairs out of reach.
             if pair.terms_kt != 0.0 {
                 let energy_kt = finite(pair.first, pair.second, pair.terms_kt)?;
                 self.energies.set(pair.first, pair.second, energy_kt);
             }
+            // A pair that only terms know must not enter the model of the charges.
             if !pair.is_of_terms_only {
                 of_charges.push(PairEnergy {
                     terms_kt: 0.0,
@@ -194,10 +198,12 @@ impl EnergyModel for WithTerms {
         }
         // Partners that the body leaves behind.
         for (partner, energy_kt) in self.energies.row(trial.body) {
+            // Partners in range were taken as differences; these have an old energy only.
             if partners.binary_search(&partner).is_err() {
                 rise_kt -= energy_kt;
             }
         }
+        // The terms are exact, so taking them from the budget leaves the decision what it was.
         self.charges.accept(trial, partners, budget_kt - rise_kt)
     }
 
@@ -245,10 +251,12 @@ impl EnergyModel for WithTerms {
         }
         let has_charges = |first: usize, second: usize, pairs: &[PairEnergy]| {
             let key = |pair: &PairEnergy| (pair.first, pair.second);
+            // The model of the charges hands pairs out in ascending order.
             pairs.binary_search_by_key(&(first, second), key).is_ok()
         };
         let of_charges = pairs.len();
         for (first, second, terms_kt) in self.energies.pairs() {
+            // Only among those it gave: pairs that are added here stand behind them, unsorted.
             if !has_charges(first, second, &pairs[..of_charges]) {
                 pairs.push(PairEnergy {
                     terms_kt,

@@ -14,7 +14,7 @@ use protomer_kernel::random::CounterRng;
 /// The kinds of moves that form and dissolve contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BindingMove {
-    /// A body goes beside another, or anywhere: [`relocation`].
+    /// A body goes next to another, or anywhere: [`relocation`].
     Relocation,
     /// A body turns about a point where it touches another: [`contact_turn`].
     ContactTurn,

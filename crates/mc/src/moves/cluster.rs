@@ -59,6 +59,7 @@ impl HalfTurn {
             Boundary::Periodic { lengths_angstrom } => {
                 let mut direction = Vec3::zeros();
                 direction[rng.index(3)] = 1.0;
+                // One time in two near the seed, where bodies meet; else anywhere.
                 let point = if rng.uniform() < 0.5 {
                     origin + beside(&direction, reach_angstrom, rng)
                 } else {
@@ -76,7 +77,9 @@ impl HalfTurn {
     /// The pose after the half turn.
     pub fn apply(&self, pose: &Pose) -> Pose {
         let from_axis = pose.position - self.point;
+        // x → p + 2 (d·(x - p)) d - (x - p): the part along the axis stays, the other is reversed.
         let doubled_projection = self.direction * (2.0 * self.direction.dot(&from_axis));
+        // A half turn about d is the quaternion (0, d).
         let turn: Rotation = Unit::new_unchecked(Quaternion::from_imag(self.direction));
         Pose {
             position: self.point + doubled_projection - from_axis,
@@ -90,6 +93,7 @@ fn beside(direction: &Vec3, reach: f64, rng: &mut CounterRng) -> Vec3 {
     let length = reach * rng.uniform();
     loop {
         let perpendicular = rng.unit_vector().cross(direction);
+        // Nearly parallel vectors have a product of no certain direction.
         if perpendicular.norm_squared() > 1e-6 {
             return perpendicular.normalize() * length;
         }
@@ -119,17 +123,24 @@ pub(crate) fn grow(
         let trial = Trial {
             system,
             body,
+            // As the system stores it: energies are those of the pose that the move will leave.
             pose: system.tidy(turn.apply(system.pose(body))),
         };
         neighbours.around(&trial.pose.position, &mut near);
+        // Partners of both places: a bond may be due to
+        // what the body leaves as well as to what it meets.
         neighbours.around(&system.pose(body).position, &mut near_old);
         merge(&mut near, &near_old);
         for &partner in &near {
+            // A bond is asked once; one that failed counts in the ratio of probabilities as it is.
             if in_cluster[partner] {
                 continue;
             }
             // Bound with probability 1 - exp(-Δ): Δ > -ln(1 - w), with w drawn first.
+            // Drawn before the overlap is tested: how many
+            // numbers are used must not depend on the test.
             let threshold_kt = -(1.0 - rng.uniform()).ln();
+            // An overlap is Δ = ∞, which exceeds every threshold.
             if hard.overlap(&trial.pair(partner))
                 || energy.exceeds(&trial, partner, threshold_kt)?
             {

@@ -9,8 +9,9 @@ use std::f64::consts::PI;
 
 /// Probability that every contact binds.
 const WHOLE: f64 = 0.5;
-/// The smallest of the largest steps.
+/// The smallest of the largest displacements, Å.
 const SMALLEST_STEP_ANGSTROM: f64 = 0.5;
+/// The smallest of the largest rotations, rad.
 const SMALLEST_ANGLE_RAD: f64 = 0.02;
 
 /// Moves or turns a random body together with bodies that are joined to it by contacts, of which each
@@ -35,12 +36,15 @@ pub fn propose(system: &System, gap_angstrom: f64, rng: &mut CounterRng) -> Opti
     let group = Group::grow(system, seed, p, gap_angstrom, rng);
     let poses = match rng.uniform() < 0.5 {
         true => {
+            // Sizes over orders of magnitude: what fits a
+            // dilute state is too large for a dense one.
             let largest = any_size(SMALLEST_STEP_ANGSTROM, half_width_angstrom(system), rng);
             group.moved(system, &rng.vector_in_ball(largest))
         }
         false => {
             let largest = any_size(SMALLEST_ANGLE_RAD, PI, rng);
             let turn = rng.small_rotation(largest);
+            // After the numbers are drawn, so that the stream does not depend on the answer.
             if !group.is_narrow(system.boundary()) {
                 return None;
             }
@@ -48,6 +52,7 @@ pub fn propose(system: &System, gap_angstrom: f64, rng: &mut CounterRng) -> Opti
         }
     };
     let after = contacts_with_rest(&system.with_moved(&poses), &group, gap_angstrom);
+    // With p = 1, ln(1 - p) is infinite: any new contact makes the reverse move impossible.
     if p == 1.0 && after > 0 {
         return None;
     }
@@ -77,6 +82,7 @@ impl Group {
         // Contacts that did not bind, of which some turn out to be inner ones.
         let mut loose = Vec::new();
         let mut asked = 0;
+        // In the order in which they joined: `members` is queue and result in one.
         while let Some(&(body, way)) = members.get(asked) {
             asked += 1;
             let mut others: Vec<usize> = (0..system.len()).collect();
@@ -85,6 +91,8 @@ impl Group {
                 if rng.uniform() < p {
                     let position = system.pose(body).position;
                     let step = system.boundary();
+                    // Ways along contacts, not displacements from the
+                    // seed: these are nearest images of neighbours.
                     let step = step.displacement(&position, &system.pose(other).position);
                     is_member[other] = true;
                     members.push((other, way + step));
@@ -95,6 +103,7 @@ impl Group {
         }
         Self {
             members,
+            // A loose contact to a body that joined by another is an inner one.
             outer_contacts: loose.iter().filter(|body| !is_member[**body]).count(),
         }
     }
@@ -105,6 +114,7 @@ impl Group {
 
     fn is_narrow(&self, boundary: &Boundary) -> bool {
         let half = 0.5 * boundary.smallest_length_angstrom();
+        // All pairs: a chain may close around the box though each link is short.
         let ways = || self.members.iter().map(|(_, way)| way);
         ways().all(|way| ways().all(|other| (way - other).norm() < half))
     }
@@ -129,6 +139,7 @@ impl Group {
         for (body, way) in &self.members {
             poses.push((*body, system.tidy(place(system.pose(*body), way))));
         }
+        // Ascending, as the model takes groups over.
         poses.sort_unstable_by_key(|(body, _)| *body);
         poses
     }

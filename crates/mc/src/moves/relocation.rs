@@ -1,4 +1,4 @@
-//! A body goes beside another, or anywhere: aggregation-volume bias.
+//! A body goes next to another, or anywhere: aggregation-volume bias.
 
 use super::proposal::{Proposal, another};
 use crate::system::{System, Trial};
@@ -6,13 +6,13 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use std::f64::consts::PI;
 
-/// Probability that a body is put beside another, and not anywhere.
+/// Probability that a body is put next to another, and not anywhere.
 const BESIDE: f64 = 0.5;
 
-/// Puts a random body i, turned at random, beside another random body j or anywhere in the space
+/// Puts a random body i, turned at random, next to another random body j or anywhere in the space
 /// (aggregation-volume bias, Chen and Siepmann, J. Phys. Chem. B 104, 8725 (2000)).
 ///
-/// *Beside* is a shell of volume v about the origin of j, in which surfaces can touch. The new place
+/// *Next to* j is a shell of volume v about its origin, in which surfaces can touch. The new place
 /// has the density
 ///
 /// q(r) = p 1[r in the shell]/v + (1 - p)/V,
@@ -54,7 +54,7 @@ struct Shell {
 }
 
 impl Shell {
-    /// The shell of a body beside its target; `None` in a space without a volume.
+    /// The shell of a body next to its target; `None` in a space without a volume.
     fn of(system: &System, body: usize, target: usize, gap_angstrom: f64) -> Option<Self> {
         let kinds = [body, target].map(|body| system.body_type(body));
         let least = kinds.map(|kind| kind.least_radius_angstrom);

@@ -4,7 +4,7 @@ use super::orientation::Orientation;
 use super::{BodyPair, Core};
 use protomer_kernel::overlap::separation_bound;
 
-/// A bound on the separation is not asked for beyond this, Å.
+/// A bound on the separation is not requested beyond this, Å.
 const CEILING_ANGSTROM: f64 = 8.0;
 /// The least step towards contact, Å. Overlaps thinner than this may be passed over: they are those
 /// of bodies that graze each other to within some 10⁻⁴ Å.
@@ -28,15 +28,19 @@ pub fn contact_distance_angstrom(pair: &BodyPair, orientation: &Orientation) -> 
             Core::Energy => (!pair.excludes(&pose)).then_some(SOFT_STEP_ANGSTROM),
         }
     };
+    // Farther than any contact, so the first step starts from a safe place.
     let mut apart = pair.outer_distance_angstrom() + LEAST_STEP_ANGSTROM;
     let mut touching = apart;
     while let Some(step) = step_angstrom(touching) {
+        // Passed through the origin: nothing was in the way.
         if touching <= 0.0 {
             return 0.0;
         }
         apart = touching;
+        // At least a step, or grazing surfaces would be approached for ever.
         touching = (apart - step.max(LEAST_STEP_ANGSTROM)).max(0.0);
     }
+    // The bracket: no contact at `apart`, overlap at `touching`.
     while apart - touching > PRECISION_ANGSTROM {
         let middle = 0.5 * (apart + touching);
         match pair.excludes(&orientation.at(middle)) {

@@ -150,6 +150,7 @@ impl Wells {
                 ..BoundStateSettings::default()
             };
             let integral = self.integrate(pair, number, &settings, goes_on)?;
+            // If the work was ended, the result is not whole and is left out.
             if goes_on() {
                 self.integrals.push(integral);
             }
@@ -169,6 +170,7 @@ impl Wells {
         let mut wells: Vec<Well> = Vec::with_capacity(self.poses.len());
         for (number, minimum) in self.poses.iter().enumerate() {
             let integral = self.integrals.get(number).copied().flatten();
+            // The integration may have met a pose below the minimum that the descent found.
             let met = integral.map(|integral| integral.lowest);
             let is_lower = |met: &BoundPose| met.energy_kt < minimum.energy_kt;
             wells.push(Well {
@@ -186,6 +188,7 @@ impl Wells {
         if !self.are_integrated() {
             return by_rays;
         }
+        // Independent integrals: volumes and variances add.
         let (mut wells, mut variance) = (0.0, 0.0);
         for integral in self.integrals.iter().flatten() {
             let volume = integral.association_volume_angstrom3;
@@ -200,6 +203,7 @@ impl Wells {
         let (soft, soft_error) = over(&|rest| rest.soft);
         let (covered, covered_error) = estimator.covered_angstrom3();
         let tail = Estimator::tail_angstrom3(pair);
+        // The hard part, the rest and the wells come from different draws, so variances add.
         let b2_variance = covered_error.powi(2) + soft_error.powi(2) + variance;
         PairThermodynamics {
             b2_angstrom3: 0.5 * (covered - soft - wells - tail),
@@ -222,9 +226,11 @@ impl Wells {
         let regions = self.regions(pair);
         let energy_kt = |pose: &Pose| {
             let relative = relative(pose);
+            // Outside its region, overlapping or not in contact: no part of this well.
             let counts = regions.well(pose) == Some(number)
                 && !pair.excludes(&relative)
                 && pair.is_in_contact(&relative);
+            // A pose that stands for two counts twice: its energy is lower by ln 2.
             let of_copies = regions.copies(pose, number).ln();
             counts.then(|| pair.potential.energy_kt(&relative) - of_copies)
         };
@@ -249,8 +255,12 @@ impl Wells {
         let (mut soft, mut bound) = (0.0, 0.0);
         let take = |sample: RaySample, density: f64| {
             let pose = |distance_angstrom: f64| sample.orientation.pose(distance_angstrom);
+            // Beyond contact exp(-U) - 1 counts, in openings exp(-U):
+            // there the 1 was subtracted with the covered volume.
             for (points, subtracts) in [(&sample.outside, 1.0), (&sample.openings, 0.0)] {
                 for point in points {
+                    // In a well the Boltzmann factor is that of the
+                    // integral; only the -1 is left to the rays.
                     let in_well = point.in_contact && is_in_well(&pose(point.distance_angstrom));
                     let factor = if in_well {
                         0.0
@@ -291,6 +301,7 @@ fn unresolved(by_rays: &PairThermodynamics, met: &[Found], poses: &[BoundPose]) 
         return 0;
     };
     let volume = by_rays.association_volume_angstrom3;
+    // Rays are good enough if the well is shallow, the error small, and they have met its depth.
     let is_resolved = lowest.energy_kt > BEYOND_RAYS_KT
         && by_rays.association_volume_error_angstrom3 < RESOLVED * volume
         && met.energy_kt < lowest.energy_kt + MISSED_KT;
@@ -298,6 +309,7 @@ fn unresolved(by_rays: &PairThermodynamics, met: &[Found], poses: &[BoundPose]) 
         return 0;
     }
     let is_near = |pose: &&BoundPose| pose.energy_kt < lowest.energy_kt + WINDOW_KT;
+    // Wells far above the lowest add little; rays see them.
     poses.iter().take(MOST_DEEP).take_while(is_near).count()
 }
 
@@ -311,6 +323,7 @@ struct Regions<'a> {
 impl Regions<'_> {
     /// The well to which a pose belongs.
     fn well(&self, pose: &Pose) -> Option<usize> {
+        // The limit as the first "least": farther poses belong to no well.
         let (mut nearest, mut least) = (None, self.square_limit_angstrom2);
         for (number, minimum) in self.minima.iter().enumerate() {
             let square = self
@@ -347,9 +360,11 @@ mod tests {
     use std::f64::consts::PI;
     use std::sync::Arc;
 
-    /// Stiffness against displacement (kT/Å²) and rotation (kT/rad²), and depth (kT) of a harmonic well.
+    /// Stiffness of a harmonic well against displacement, kT/Å².
     const SHIFT: f64 = 20.0;
+    /// Stiffness of the well against rotation, kT/rad².
     const TURN: f64 = 900.0;
+    /// Depth of the well, kT.
     const DEPTH_KT: f64 = 30.0;
 
     /// Harmonic wells about these poses; of equal bodies also about their inverses.

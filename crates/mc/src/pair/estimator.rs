@@ -26,7 +26,7 @@ const WIDTHS: [Width; 5] = [
 ];
 /// The share of draws in caps while the pilot adapts.
 const PILOT_SHARE: f64 = 0.7;
-/// The shares that the production may choose from, beside the uniform distribution.
+/// The shares that the production may choose from, in addition to the uniform distribution.
 const SHARES: [f64; 2] = [0.5, 0.85];
 /// The replicas sample in this many rounds: each but the first adds what the error still lacks.
 const ROUNDS: u64 = 3;
@@ -259,10 +259,12 @@ impl Estimator {
 
     /// Makes the next step, on all threads of the current pool.
     pub fn advance(&mut self, pair: &BodyPair) {
+        // Taken out, so that steps may borrow the estimator while they read the plan.
         let Some(mut plan) = self.plan.take() else {
             self.explore(pair);
             return;
         };
+        // A round ends with its last replica; the next adds what the spread so far says is missing.
         if plan.sampled == self.settings.replicas {
             plan.rounds.push(self.further_directions(pair, &plan));
             plan.sampled = 0;
@@ -287,6 +289,8 @@ impl Estimator {
                 Proposal::new(self.centres(), width, PILOT_SHARE)
             }
         };
+        // Drawn before these samples are added: no choice
+        // may be judged by the samples it was made from.
         let is_comparison = u64::from(step) + 1 == Self::PILOT_STEPS;
         // The choices for the production stand on centres that the last samples have not seen.
         let centres = is_comparison.then(|| self.centres());
@@ -303,6 +307,7 @@ impl Estimator {
         self.explored.append(&mut drawn);
         if let Some(centres) = centres {
             self.plan = Some(self.choose(pair, centres, step));
+            // The checkpoint shrinks: from here on only sums are kept.
             self.explored.clear();
         }
     }
@@ -312,14 +317,19 @@ impl Estimator {
         let weights: Vec<f64> = self
             .explored
             .iter()
+            // What a draw contributes to the integral: its
+            // value over the density it was drawn with.
             .map(|explored| explored.soft.abs() / explored.density)
             .collect();
         let total: f64 = weights.iter().sum();
         let mut centres = Vec::with_capacity(CAPS);
+        // Bodies without energy outside contact: nothing to aim at, and the draws stay uniform.
         if !(total.is_finite() && total > 0.0) {
             return centres;
         }
         let step = self.done();
+        // Systematic resampling: equal steps from one random start,
+        // so copies differ by less than one from their expectation.
         let offset = self.rng(step as u32, u64::MAX).uniform();
         let mut sum = 0.0;
         for (explored, weight) in self.explored.iter().zip(&weights) {
@@ -348,6 +358,7 @@ impl Estimator {
         }
         let second_moment = |proposal: &Proposal| {
             let mut sum = 0.0;
+            // E[S²/(q p)] over draws from p is ∫ S²/q, for every choice q at once.
             for judge in &judges {
                 let density = proposal.density(&judge.orientation, count);
                 sum += judge.soft * judge.soft / (density * judge.density);
@@ -357,22 +368,27 @@ impl Estimator {
         let moments: Vec<f64> = choices.par_iter().map(second_moment).collect();
         let mut best = 0;
         for (index, moment) in moments.iter().enumerate() {
+            // The first of equal ones: uniform comes first.
             if *moment < moments[best] {
                 best = index;
             }
         }
         let mut mean = 0.0;
         for judge in &judges {
+            // The integral itself, from the same samples; its
+            // square is subtracted from the second moment.
             mean += judge.soft / (judge.density * judges.len() as f64);
         }
         let variance = (moments[best] - mean * mean).max(0.0);
         let hard = self.rough_hard(pair);
         let size = hard.max((hard - 2.0 * PI * mean).abs());
+        // 2π is half of the 4π over directions, as in B₂: the samples are integrals over r alone.
         let wanted = self.wanted_error_angstrom3(size) / (2.0 * PI);
         // The pilot sees too little of a heavy tail rather than too much.
         const MARGIN: f64 = 1.5;
         let needed = (MARGIN * variance / (wanted * wanted)).ceil();
         let replicas = u64::from(self.settings.replicas);
+        // Enough for a spread between replicas to mean something.
         let least = 64 * replicas;
         let most = self.settings.most_directions.max(least);
         let directions = (needed as u64).clamp(least, most);
@@ -390,6 +406,7 @@ impl Estimator {
         let covered = |number: u64| {
             let mut rng = self.rng(u32::MAX, number);
             let (covered, open) = hard_ray(pair, &even.orientation(number), &mut rng);
+            // Without the openings: what surfaces exclude less what they leave open.
             covered - open
         };
         let rays: Vec<f64> = (0..DIRECTIONS).into_par_iter().map(covered).collect();
@@ -404,6 +421,7 @@ impl Estimator {
         let wanted = self.wanted_error_angstrom3(size);
         let so_far: u64 = plan.rounds.iter().sum();
         let ratio = found.b2_error_angstrom3 / wanted;
+        // The error falls as the root of the number: n (ratio² - 1) more draws are missing.
         let missing = so_far as f64 * (ratio * ratio - 1.0);
         let replicas = u64::from(self.settings.replicas);
         let most = (self.settings.most_directions / replicas).saturating_sub(so_far);
@@ -424,6 +442,7 @@ impl Estimator {
     /// One replica in one round.
     fn sample(&mut self, pair: &BodyPair, plan: &Plan) {
         let (number, step) = (plan.sampled as usize, self.step_of(plan));
+        // The hard part once, in the first round; later rounds only add directions with energies.
         if self.replicas.len() == number {
             let (covered, open) = self.hard_part(pair, step);
             self.replicas.push(Replica {
@@ -437,6 +456,7 @@ impl Estimator {
             });
         }
         let count = plan.rounds.last().copied().unwrap_or(0);
+        // A copy, as drawing borrows the estimator.
         let mut replica = self.replicas[number].clone();
         replica.directions += count;
         self.draw_and_keep(pair, step, &plan.proposal, count, |sample, density| {
@@ -445,7 +465,7 @@ impl Estimator {
         self.replicas[number] = replica;
     }
 
-    /// The number of a step, for random numbers of its own.
+    /// The number of a step, for its own random numbers.
     fn step_of(&self, plan: &Plan) -> u32 {
         let whole_rounds = plan.rounds.len() as u32 - 1;
         Self::PILOT_STEPS as u32 + whole_rounds * self.settings.replicas + plan.sampled
@@ -453,6 +473,7 @@ impl Estimator {
 
     /// Averages of what surfaces alone exclude, and leave open before contact, Å³.
     fn hard_part(&self, pair: &BodyPair, step: u32) -> (f64, f64) {
+        // Numbers beyond any direction with energies, so the streams are disjoint.
         const HARD: u64 = 1 << 40;
         let even = EvenSequence::new(&mut self.rng(step, u64::MAX - 1));
         let count = self.settings.hard_directions;
@@ -474,11 +495,14 @@ impl Estimator {
     pub(super) fn draw_rest(
         &self,
         pair: &BodyPair,
+        // A quarter: the rest holds no deep wells and has a small variance.
         replica: u32,
         take: impl FnMut(RaySample, f64),
     ) -> u64 {
         let Some(plan) = &self.plan else { return 0 };
         let count = plan.rounds.iter().sum::<u64>().div_ceil(4).max(64);
+        // Steps after the last of the estimator: fresh
+        // random numbers, independent of the wells found.
         let step = Self::steps(&self.settings) as u32 + replica;
         self.draw(pair, step, &plan.proposal, count, take);
         count
@@ -501,6 +525,7 @@ impl Estimator {
                     energy_kt: point.energy_kt,
                 });
             }
+            // Thinned now and then: a long run meets more poses than memory should hold.
             if found.len() >= 2 * CHUNK as usize {
                 found = lowest_apart(pair, std::mem::take(&mut found));
             }
@@ -523,9 +548,11 @@ impl Estimator {
         let one = |number: u64| {
             let mut rng = self.rng(step, number);
             let orientation = proposal.draw(number, count, &even, &mut rng);
+            // The density of the mixture, not of the component drawn from: lower variance, no bias.
             let density = proposal.density(&orientation, count);
             (RaySample::new(pair, orientation, end, &mut rng), density)
         };
+        // In chunks and in order: sums have the same bits on any number of threads.
         for start in (0..count).step_by(CHUNK as usize) {
             let numbers = start..(start + CHUNK).min(count);
             let samples: Vec<_> = numbers.into_par_iter().map(one).collect();
@@ -562,6 +589,7 @@ impl Estimator {
             let values: Vec<f64> = self.replicas.iter().map(value).collect();
             mean_and_error(&values)
         };
+        // B₂ = -½ ∫ (e^{-U} - 1): covered volume counts +½, the soft part -½.
         let (b2, b2_error) = over(&|r| 0.5 * over_directions(r.covered - r.mean(r.soft)));
         let (hard, hard_error) = over(&|r| 0.5 * over_directions(r.covered - r.open));
         let (bound, bound_error) = over(&|r| over_directions(r.mean(r.bound)));

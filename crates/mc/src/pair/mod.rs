@@ -59,7 +59,7 @@ use protomer_kernel::overlap::{comes_within, overlaps};
 use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
 
-/// Two bodies and what acts between them beside their hard surfaces.
+/// Two bodies and what acts between them in addition to their hard surfaces.
 #[derive(Clone)]
 pub struct BodyPair {
     /// The body whose frame poses are given in.

@@ -66,6 +66,7 @@ impl EvenSequence {
     /// The sequence with a shift from these random numbers.
     pub fn new(rng: &mut CounterRng) -> Self {
         let mut ratio: f64 = 1.1;
+        // The root of φ⁶ = φ + 1 by iteration; it contracts by a factor of about 1/10 each time.
         for _ in 0..60 {
             ratio = (1.0 + ratio).powf(1.0 / 6.0);
         }
@@ -79,6 +80,7 @@ impl EvenSequence {
     pub fn orientation(&self, number: u64) -> Orientation {
         let coordinate = |axis: usize| {
             let along = self.shift[axis] + self.step[axis] * number as f64;
+            // The fractional part: the recurrence lives on the torus.
             along - along.floor()
         };
         Orientation::from_cube(std::array::from_fn(coordinate))

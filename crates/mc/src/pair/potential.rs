@@ -55,12 +55,14 @@ impl PairPotential for Contacts {
         let inverse = second_in_first.inverse();
         self.potential
             .for_each_pair(&self.first, &self.second, second_in_first, |pair| {
+                // Back into the frame of the second body, where its residues have fixed places.
                 let second = inverse.transform_point(&pair.second);
                 take(&pair.first, &second, pair.energy_kt);
             });
     }
 
     fn reach_angstrom(&self, _: f64) -> f64 {
+        // The cut-off is exact, whatever the energy.
         let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
         radii + self.potential.cutoff_angstrom()
     }
@@ -106,13 +108,15 @@ impl Charged {
     /// body twice where both are the same. Direct sums are kept where they cost less.
     pub fn with_tables(mut self, are_equal: bool) -> Self {
         let charges = self.first.len().min(self.second.len());
+        // Few charges are summed faster than looked up, and a table has no cut-off.
         if charges < FEW_CHARGES || self.yukawa.is_cut() {
             return self;
         }
-        // Farther apart, energies are asked for rarely, and summed directly.
+        // Farther apart, energies are rarely requested, and summed directly.
         const ENOUGH_KT: f64 = 1e-3;
         let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
         let reach = self.reach_angstrom(ENOUGH_KT) + radii;
+        // Beyond its reach the table gives no value, and the direct sum steps in.
         let table = |of: &ChargeCloud| Arc::new(Table::new(of, &self.yukawa, reach));
         let first = table(&self.first);
         let second = match are_equal {
@@ -145,6 +149,7 @@ impl Charged {
 
     fn amplification(&self, distance_angstrom: f64) -> f64 {
         let x = self.yukawa.inverse_debye_length_per_angstrom * distance_angstrom;
+        // sinh(x)/x = 1 + x²/6 + ...: below 10⁻⁴ it is one to 2 · 10⁻⁹.
         if x < 1e-4 { 1.0 } else { x.sinh() / x }
     }
 }
@@ -165,6 +170,7 @@ impl PairPotential for Charged {
     }
 
     fn shares(&self, second_in_first: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+        // The direct sum, charge by charge: shares are for reports, not for moves.
         for (at, charge) in self.first.iter() {
             let mut energy_kt = 0.0;
             for (place, other) in self.second.iter() {
@@ -204,6 +210,7 @@ impl PairPotential for Charged {
         let charges =
             self.charge_seen_from_afar_e(&self.first) * self.charge_seen_from_afar_e(&self.second);
         let x = kappa * distance_angstrom;
+        // ∫ r² exp(-κr)/r dr from the distance on, by parts: (1 + x) exp(-x)/κ².
         let integral = (1.0 + x) * (-x).exp() / (kappa * kappa);
         -4.0 * PI * self.yukawa.bjerrum_length_angstrom * charges * integral
     }

@@ -34,6 +34,7 @@ impl Bins {
     /// <exp(-U)> in a bin.
     fn boltzmann(&self, bin: usize) -> f64 {
         let (near, far) = (bin as f64, (bin + 1) as f64);
+        // ∫ r² dr over the bin, without 4π, as the points have it.
         let shell = BIN_ANGSTROM.powi(3) * (far.powi(3) - near.powi(3)) / 3.0;
         self.0.get(bin).map_or(0.0, |sum| sum / shell)
     }
@@ -58,10 +59,12 @@ pub(super) fn mean_force(replicas: &[Bins]) -> Vec<MeanForceRow> {
     for bin in 0..bins.saturating_sub(1) {
         let values: Vec<f64> = replicas.iter().map(|bins| bins.boltzmann(bin)).collect();
         let (mean, error) = mean_and_error(&values);
+        // A bin in which all poses overlap has w = ∞ and no row.
         if mean > 0.0 {
             rows.push(MeanForceRow {
                 distance_angstrom: (bin as f64 + 0.5) * BIN_ANGSTROM,
                 w_kt: -mean.ln(),
+                // d(ln x) = dx/x.
                 w_error_kt: error / mean,
             });
         }

@@ -59,6 +59,7 @@ impl Proposal {
 
     /// Number of uniform draws among `count`.
     fn uniform_draws(&self, count: u64) -> u64 {
+        // A fixed number, not a random one: the even sequence keeps its evenness.
         ((1.0 - self.share_of_caps) * count as f64).round() as u64
     }
 
@@ -70,6 +71,7 @@ impl Proposal {
         even: &EvenSequence,
         rng: &mut CounterRng,
     ) -> Orientation {
+        // The first draws are the uniform ones, in the order of the sequence.
         if number < self.uniform_draws(count) {
             return even.orientation(number);
         }
@@ -87,10 +89,12 @@ impl Proposal {
             return 1.0;
         }
         let least_cosine = self.width.direction_rad.cos();
+        // Of quaternions: |q·q'| = cos(ω/2).
         let least_scalar = (0.5 * self.width.rotation_rad).cos();
         let mut covering = 0_u32;
         for centre in &self.centres {
             let near = centre.direction.dot(&orientation.direction) > least_cosine
+                // Both signs of a quaternion are the same rotation.
                 && centre
                     .rotation
                     .coords
@@ -100,6 +104,7 @@ impl Proposal {
             covering += u32::from(near);
         }
         let in_caps = f64::from(covering) / self.centres.len() as f64 * self.peak();
+        // Uniform draws reach everywhere, so the density is never zero where a draw may fall.
         uniform + (1.0 - uniform) * in_caps
     }
 
@@ -110,6 +115,7 @@ impl Proposal {
     }
 
     fn draw_direction(&self, centre: &Vec3, rng: &mut CounterRng) -> Vec3 {
+        // Uniform on the cap: the cosine is uniform.
         let cosine = 1.0 - rng.uniform() * (1.0 - self.width.direction_rad.cos());
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let (across_1, across_2) = rng_frame(centre);
@@ -120,6 +126,7 @@ impl Proposal {
     /// A rotation about a random axis; its angle follows 1 - cos ω up to the width.
     fn draw_turn(&self, rng: &mut CounterRng) -> Rotation {
         let widest = self.width.rotation_rad;
+        // Inversion of (ω - sin ω)/π by halving: it has no closed form and rises everywhere.
         let share = rng.uniform() * share_of_rotations(widest);
         let (mut low, mut high) = (0.0, widest);
         for _ in 0..50 {
@@ -141,6 +148,7 @@ fn share_of_rotations(angle_rad: f64) -> f64 {
 
 /// Two unit vectors across a direction.
 fn rng_frame(direction: &Vec3) -> (Vec3, Vec3) {
+    // Any axis that is not nearly parallel to the direction.
     let helper = match direction.x.abs() < 0.7 {
         true => Vec3::x(),
         false => Vec3::y(),

@@ -6,8 +6,9 @@ use super::approach::contact_distance_angstrom;
 use super::orientation::Orientation;
 use protomer_kernel::random::CounterRng;
 
-/// The first interval beside contact, Å, and the ratio of each to the one before.
+/// The first interval next to contact, Å.
 const FIRST_INTERVAL_ANGSTROM: f64 = 0.4;
+/// The ratio of each interval to the one before.
 const INTERVAL_RATIO: f64 = 1.7;
 
 /// One place on a ray: a random point of an interval, which stands for the whole interval.
@@ -42,6 +43,7 @@ impl RaySample {
         end_angstrom: f64,
         rng: &mut CounterRng,
     ) -> Self {
+        // Everything up to contact counts as overlap here; openings are added below.
         let contact = contact_distance_angstrom(pair, &orientation);
         let point = |distance: f64, volume: f64| {
             let pose = orientation.at(distance);
@@ -53,12 +55,16 @@ impl RaySample {
             }
         };
         let mut outside = Vec::new();
+        // Intervals grow with the distance, as the energy varies ever more slowly.
         for [near, far] in intervals((end_angstrom - contact).max(0.0)) {
+            // A random point per interval: unbiased for
+            // any function, without a rule of integration.
             let (low, high) = (contact + near, contact + far);
             let distance = rng.uniform_in(low, high);
             // Points are uniform in the distance, so each counts r² times the length.
             outside.push(point(distance, distance * distance * (high - low)));
         }
+        // Inside contact: concave bodies may interlock where they do not overlap.
         let mut openings = Vec::new();
         for [distance, volume] in inward_points(contact, rng) {
             let pose = orientation.at(distance);
@@ -80,6 +86,7 @@ impl RaySample {
             sum += point.volume_angstrom3 * (-point.energy_kt).exp_m1();
         }
         for point in &self.openings {
+            // exp(-U), not exp(-U) - 1: the -1 of this volume is already in what is covered.
             sum += point.volume_angstrom3 * (-point.energy_kt).exp();
         }
         sum
@@ -107,6 +114,7 @@ pub fn hard_ray(pair: &BodyPair, orientation: &Orientation, rng: &mut CounterRng
             open += volume;
         }
     }
+    // ∫ r² dr from zero to contact.
     (contact.powi(3) / 3.0, open)
 }
 

@@ -44,13 +44,16 @@ pub fn bound_poses(
         energy_kt: start.energy_kt,
         pose: start.pose,
     });
+    // The lowest of each well only: descents of the same well would find the same minimum.
     let apart = different.bound(starts, MOST_STARTS);
     let descend = |(number, start): (usize, &BoundPose)| {
+        // A stream per start: results do not depend on the order of threads.
         let mut rng = CounterRng::for_purpose(seed, number as u32, 0, Purpose::PairDescent);
         descend(pair, start, &mut rng)
     };
     let mut minima: Vec<BoundPose> = apart.par_iter().enumerate().map(descend).collect();
     minima.sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
+    // Again after the descents, as two starts may have ended in one minimum.
     different.bound(minima, MOST_POSES)
 }
 
@@ -81,17 +84,21 @@ fn descend(pair: &BodyPair, start: &BoundPose, rng: &mut CounterRng) -> BoundPos
         let progress = f64::from(trial) / f64::from(TRIALS);
         let temperature = hot * (cold / hot).powf(progress);
         let step_angstrom = 1.5 * (0.03_f64).powf(progress);
+        // A turn moves the surface at most twice as far as a shift does.
         let turn = rng.small_rotation(2.0 * step_angstrom / radius);
         let pose = Pose {
             position: present.pose.position + rng.vector_in_ball(step_angstrom),
             rotation: turn * present.pose.rotation,
         };
         let relative = relative(&pose);
+        // An overlap is passed over before the energy, which is not defined there.
         if pair.excludes(&relative) {
             continue;
         }
         let energy_kt = pair.potential.energy_kt(&relative);
         let rise = energy_kt - present.energy_kt;
+        // Uniform numbers are drawn only for rises; each
+        // descent has its own stream, so nothing else shifts.
         if rise <= 0.0 || rng.uniform() < (-rise / temperature).exp() {
             present = BoundPose { energy_kt, pose };
             if energy_kt < lowest.energy_kt {
@@ -162,6 +169,7 @@ impl Different {
     pub(super) fn square_distance_as_complexes(&self, a: &Pose, b: &Pose) -> f64 {
         let square = self.square_distance(a, b);
         match self.are_equal {
+            // The inverse pose shows the same complex from the other body.
             true => square.min(self.square_distance(a, &b.inverse())),
             false => square,
         }

@@ -7,8 +7,9 @@
 //! Σ w V(g + u + R r) = V(g + u) Σ w + (b + 2 C u) · R Σ w r + tr(Rᵀ C R Σ w r rᵀ)
 //! ```
 //!
-//! without an error of its own: what the polynomial leaves of the table is all that is left out. That is σ √(Σ w²) for
-//! independent sites and a remainder σ; where it is too much, the parts of the block count one by one.
+//! without a further error: what the polynomial leaves of the table is all that is left out. That
+//! is σ √(Σ w²) for independent sites and a remainder σ; where it is too much, the parts of the
+//! block count one by one.
 
 use super::lookup::{Lanes, SinglePose, Site};
 use super::quadratics::{COEFFICIENTS, Polynomial, Resolution, monomials};
@@ -22,7 +23,8 @@ const EDGES_ANGSTROM: [f64; LEVELS] = [24.0, 12.0, 6.0];
 /// The grids of polynomials for them: (spacing, radius of the balls), Å. A ball reaches about as far as the sites of
 /// a block do from their centre, and half of the way to the next polynomial.
 const GRIDS_ANGSTROM: [(f64, f64); LEVELS] = [(8.0, 18.0), (4.0, 9.0), (3.0, 4.0)];
-/// Largest estimate of what a block may leave out, kT. Sums of blocks then leave out 0.01 kT (docs/methods.md).
+/// Largest estimate of what a block may leave out, kT. Sums of blocks then leave out 0.01 kT
+/// (docs/validation/solvent-response.md).
 const TOLERANCE_KT: f32 = 7e-3;
 /// The lowest block starts this part of the smallest edge below the lowest site, so that sites of a lattice lie
 /// within blocks and not on their faces.
@@ -73,6 +75,7 @@ impl View {
         const AXES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
         let turn = &pose.rotation;
         let coefficient = |(j, k): (usize, usize), (a, b): (usize, usize)| {
+            // Rᵀ C R, for symmetric C: off-diagonal elements come from both orders.
             let one_way = turn[(a, j)] * turn[(b, k)];
             match j == k {
                 true => one_way as f32,
@@ -95,10 +98,12 @@ impl Block {
         let below = PART_BELOW * EDGES_ANGSTROM[LEVELS - 1];
         let cell = |site: &Site, edge: f64| -> [u32; 3] {
             let steps = |axis: usize| (f64::from(site.place[axis] - lowest[axis]) + below) / edge;
+            // z first: cells sort by planes, rows and places, as the table lies in memory.
             [2, 1, 0].map(|axis| steps(axis) as u32)
         };
         let mut ordered: Vec<([[u32; 3]; LEVELS], Site)> = sites
             .iter()
+            // Cells of all levels, largest first: one sort gives blocks of blocks.
             .map(|site| (EDGES_ANGSTROM.map(|edge| cell(site, edge)), *site))
             .collect();
         ordered.sort_by_key(|(cells, _)| *cells);
@@ -110,9 +115,12 @@ impl Block {
             let is_start = |site: &usize| match *site {
                 0 => true,
                 site if site == sites.len() => true,
+                // A new block starts where the cell of this level or of any larger one changes.
                 site => ordered[site].0[..=level] != ordered[site - 1].0[..=level],
             };
             let own: Vec<usize> = (0..=sites.len()).filter(is_start).collect();
+            // Where a block of this level starts, one of its
+            // parts does; its number is found by bisection.
             let part = |site: usize| starts.partition_point(|start| *start < site);
             for ends in own.windows(2) {
                 let parts = part(ends[0])..part(ends[1]);
@@ -131,7 +139,9 @@ impl Block {
             }
         }
         // The centre as the fast sums see it.
+        // Offsets must be from the rounded centre, or moments and place would not fit.
         let centre = centre.map(|along| along as f32);
+        // Summed in double, stored in single precision.
         let (mut moments, mut squares) = ([[0.0_f64; 4]; COEFFICIENTS], [0.0_f64; 4]);
         for site in sites {
             let from_centre = [0, 1, 2].map(|axis| f64::from(site.place[axis] - centre[axis]));
@@ -157,6 +167,7 @@ impl Block {
     pub fn estimate(&self, polynomial: &Polynomial) -> Estimate {
         let (mut left_out_kt, mut constant_kt) = (0.0, 0.0);
         for (lane, remainder) in polynomial.remainders().iter().enumerate() {
+            // σ √(Σ w²) for each amount, and the amounts add at worst.
             left_out_kt += self.weight[lane] * remainder;
             constant_kt += self.moments[0][lane] * polynomial.coefficient(0, lane);
         }
@@ -183,12 +194,15 @@ impl Block {
             let c = |number: usize| polynomial.coefficient(number, lane);
             let (of_x, of_y, of_z) = (c(1), c(2), c(3));
             let (xx, yy, zz, xy, xz, yz) = (c(4), c(5), c(6), c(7), c(8), c(9));
+            // The gradient of the polynomial at the block's centre.
             let along_x = of_x + 2.0 * x * xx + y * xy + z * xz;
             let along_y = of_y + 2.0 * y * yy + x * xy + z * yz;
             let along_z = of_z + 2.0 * z * zz + x * xz + y * yz;
+            // b·u + u·C u is half of u·(b + gradient).
             let twice = x * (of_x + along_x) + y * (of_y + along_y) + z * (of_z + along_z);
             let mut sum = m[0][lane] * (0.5 * twice);
             for axis in 0..3 {
+                // Rᵀ g: the gradient in the frame in which the moments are.
                 let along = r[0][axis] * along_x + r[1][axis] * along_y + r[2][axis] * along_z;
                 sum += m[1 + axis][lane] * along;
             }

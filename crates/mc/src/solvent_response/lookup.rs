@@ -59,6 +59,7 @@ impl Lookup {
 
     /// Whether a sphere touches the grid.
     pub fn touches_sphere(&self, centre: &Vec3, radius_angstrom: f64) -> bool {
+        // The nearest point of the box to the centre, by clamping.
         let nearest = centre.sup(&self.origin_angstrom).inf(&self.high_angstrom());
         (centre - nearest).norm_squared() <= radius_angstrom * radius_angstrom
     }
@@ -87,6 +88,7 @@ impl Lookup {
         let (mut corner, mut part) = ([0; 3], [0.0; 3]);
         for axis in 0..3 {
             let steps = (place[axis] - self.origin_angstrom[axis] as f32) * per_angstrom;
+            // NaN counts as beyond.
             if !(steps >= 0.0 && steps < (self.shape[axis] - 1) as f32) {
                 return 0.0;
             }
@@ -95,6 +97,7 @@ impl Lookup {
             part[axis] = steps - whole as f32;
         }
         let [nx, ny, _] = self.shape;
+        // The cell's lowest corner; its rows along x follow each other by nx and nx ny.
         let first = (corner[2] * ny + corner[1]) * nx + corner[0];
         let row = |start: usize| &self.values[start..start + 2];
         let rows = [first, first + nx, first + nx * ny, first + nx * ny + nx].map(row);
@@ -105,6 +108,7 @@ impl Lookup {
             let high = mixed(along_x(rows[2]), along_x(rows[3]), part[1]);
             energy_kt[lane] = site.amounts[lane] * mixed(low, high, part[2]);
         }
+        // In pairs, a fixed order for the same bits.
         f64::from((energy_kt[0] + energy_kt[1]) + (energy_kt[2] + energy_kt[3]))
     }
 }

@@ -91,6 +91,7 @@ impl ResponseBody {
             values: values.collect(),
         };
         let low = table.origin_angstrom.abs();
+        // The farthest corner of the grid, by the larger magnitude along each axis.
         let reach_angstrom = low.sup(&table.high_angstrom().abs()).norm();
         let radius_angstrom = sites
             .iter()
@@ -98,6 +99,7 @@ impl ResponseBody {
         let sites: Vec<Site> = sites.iter().map(site).collect();
         let (blocks, sites) = Block::gather(&sites);
         Ok(Self {
+            // Each level has polynomials of the width that its blocks need.
             quadratics: std::array::from_fn(|level| {
                 Quadratics::new(&table, &blocks::resolution(level))
             }),
@@ -116,6 +118,7 @@ impl ResponseBody {
         let touches = self
             .table
             .touches_sphere(&pose.translation, other.radius_angstrom);
+        // Nothing of the other body reaches the table: the usual case in a dilute system.
         match touches {
             true => {
                 let largest = 0..other.blocks[0].len();
@@ -143,9 +146,11 @@ impl ResponseBody {
             }
             let mut estimates = [Estimate::default(); TOGETHER];
             for ((block, near), estimate) in blocks.iter().zip(&places).zip(&mut estimates) {
+                // Computed for all, also beyond the grid: the zero polynomial stands there.
                 *estimate = block.estimate(quadratics.polynomial(near));
             }
             for ((block, near), estimate) in blocks.iter().zip(&places).zip(&estimates) {
+                // None of its sites reaches the table, by the margin of the grid.
                 if quadratics.is_beyond(near) {
                     continue;
                 }
@@ -153,6 +158,7 @@ impl ResponseBody {
                     true => {
                         let polynomial = quadratics.polynomial(near);
                         let varying_kt = block.varying_kt(polynomial, &near.offset_angstrom, view);
+                        // Moments of the block in the polynomial.
                         f64::from(estimate.constant_kt + varying_kt)
                     }
                     false => self.energy_of_parts(other, level, block, view),
@@ -165,6 +171,7 @@ impl ResponseBody {
     /// The energy of the parts of a block of a level, kT.
     fn energy_of_parts(&self, other: &Self, level: usize, block: &Block, view: &View) -> f64 {
         let parts = block.parts.clone();
+        // The smallest blocks consist of sites; those of other levels of blocks.
         match level + 1 < LEVELS {
             true => self.energy_of_blocks(other, level + 1, parts, view),
             false => self.energy_of_sites(&other.sites[parts], &view.pose),
@@ -228,11 +235,14 @@ impl PairPotential for SolventResponse {
                     take(number, place, energy_kt);
                 }
             };
+            // Charges at their own places, not where sites
+            // have gathered them: shares are by residue.
             for (place, charge_e) in &other.charges {
                 share(&site(&(*place, [*charge_e, 0.0, 0.0])), place);
             }
             for gathered in &other.sites {
                 let mut volume = *gathered;
+                // Its charge has been handed out above.
                 volume.amounts[0] = 0.0;
                 share(&volume, &Vec3::from(gathered.place.map(f64::from)));
             }

@@ -58,8 +58,10 @@ impl Polynomial {
         // The upper half of a number, rounded up.
         let [first, second, third] = remainders.map(|remainder| match remainder {
             0.0 => 0,
+            // Truncated and one more: rounded up, so a remainder is never understated.
             remainder => (remainder.to_bits() >> 16) + 1,
         });
+        // Two remainders of 16 bits in one number; as bits, since together they are no float.
         numbers[NUMBERS - 2] = f32::from_bits(first << 16 | second);
         numbers[NUMBERS - 1] = f32::from_bits(third << 16);
         Self(numbers)
@@ -99,6 +101,8 @@ impl Quadratics {
         let steps = (resolution.spacing_angstrom / table.spacing_angstrom)
             .round()
             .max(1.0);
+        // A multiple of the table's spacing: polynomials stand
+        // on points of the table, without interpolation.
         let spacing_angstrom = steps * table.spacing_angstrom;
         let margin = (resolution.margin_angstrom / spacing_angstrom).ceil();
         let points = |points: usize| ((points - 1) as f64 / steps).ceil() + 1.0 + 2.0 * margin;
@@ -109,10 +113,12 @@ impl Quadratics {
             .into_par_iter()
             .map(|number| {
                 let point = [number % nx, number / nx % ny, number / (nx * ny)];
+                // From steps of the coarse grid to points of the table, the margin being negative.
                 let from_first = |place| (place as i64 - margin as i64) * steps as i64;
                 ball.fit(table, point.map(from_first))
             })
             .collect();
+        // One past the end, so that a place beyond the grid needs no branch in the fast loop.
         polynomials.push(Polynomial::ZERO);
         let low = table.origin_angstrom.add_scalar(-margin * spacing_angstrom);
         Self {
@@ -132,6 +138,8 @@ impl Quadratics {
         for axis in 0..3 {
             let steps = (place[axis] - self.origin_angstrom[axis]) * per_angstrom + 0.5;
             is_inside &= steps >= 0.0 && steps < self.shape[axis] as f32;
+            // Nearest point: truncation after 1/2 was added.
+            // Negative places truncate wrongly, but are outside.
             let whole = steps as i32;
             point[axis] = whole as usize;
             offset_angstrom[axis] = (steps - 0.5 - whole as f32) * self.spacing_angstrom;
@@ -174,6 +182,7 @@ struct Ball {
 
 impl Ball {
     fn new(radius_angstrom: f64, spacing_angstrom: f64) -> Self {
+        // Fewer samples of a large ball: at most about 4.5 along its radius.
         let stride = (radius_angstrom / (SAMPLES_ALONG_RADIUS * spacing_angstrom))
             .floor()
             .max(1.0);
@@ -191,6 +200,7 @@ impl Ball {
         }
         let place = |point: &[i64; 3]| point.map(|along| along as f64 * spacing_angstrom);
         let monomials: Vec<_> = points.iter().map(|point| monomials(place(point))).collect();
+        // By symmetry of the ball one axis stands for all three.
         let sum = |number: &dyn Fn(&[f64; COEFFICIENTS]) -> f64| monomials.iter().map(number).sum();
         Self {
             second: sum(&|of| of[4]),
@@ -208,6 +218,7 @@ impl Ball {
         let values: Vec<Lanes> = self.points.iter().map(value).collect();
         let (mut found, mut remainders) = ([[0.0; 3]; COEFFICIENTS], [0.0; 3]);
         for lane in 0..3 {
+            // A lane of zeros has the polynomial zero and no remainder.
             if values.iter().all(|value| value[lane] == 0.0) {
                 continue;
             }
@@ -228,6 +239,8 @@ impl Ball {
                 largest = largest.max(remainder.abs());
             }
             let typical = (squares / values.len() as f64).sqrt();
+            // The largest counts only in part: it is often a
+            // corner of the ball that touches the surface.
             remainders[lane] = typical.max(SHARE_OF_LARGEST * largest) as f32;
             for (of, coefficient) in found.iter_mut().zip(coefficients) {
                 of[lane] = coefficient as f32;
@@ -241,6 +254,7 @@ impl Ball {
         let (count, second) = (self.points.len() as f64, self.second);
         let (fourth, mixed) = (self.fourth, self.mixed);
         let of_squares = sums[4] + sums[5] + sums[6];
+        // The trace couples to the constant; the traceless part of C does not.
         let trace = (of_squares - 3.0 * second * sums[0] / count)
             / (fourth + 2.0 * mixed - 3.0 * second * second / count);
         let constant = (sums[0] - second * trace) / count;

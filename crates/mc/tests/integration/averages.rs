@@ -65,7 +65,7 @@ fn system() -> System {
 
 /// Translations, rotations and cluster moves.
 fn moves() -> Settings {
-    // The model is given beside the settings, which only travel with it.
+    // The model is given along with the settings, which only travel with it.
     Settings {
         equilibration_sweeps: 150,
         ..settings(Interaction::HardOnly, 1)

@@ -106,6 +106,7 @@ impl Kind {
         check_apart(parts, radius)?;
         let mut total: Option<Moments> = None;
         for (polytope, place) in parts {
+            // Seen from the origin of the union: the part is at `place`.
             let part_moments = Moments::of(polytope, radius).seen_from(&-place);
             match &mut total {
                 Some(total) => total.add(&part_moments),
@@ -117,6 +118,7 @@ impl Kind {
             return Err(Error::NoVolume);
         }
         let centroid = total.centroid();
+        // About the centre of mass, where translation and rotation separate.
         let inertia = total.seen_from(&centroid).inertia();
         let (moments, axes) = match dimension {
             2 => (Vec3::repeat(inertia[(2, 2)]), Matrix3::identity()),
@@ -273,6 +275,7 @@ impl Kind {
 
 /// Fails if two parts overlap by more than they touch.
 fn check_apart(parts: &[(Polytope, Vec3)], radius: f64) -> Result<()> {
+    // Shrunk a little, as parts that share a face touch.
     let shrunk = |(polytope, place): &(Polytope, Vec3)| -> Vec<Vec3> {
         let shrink = |corner: &Vec3| place + (1.0 - TOUCHING) * corner;
         polytope.corners.iter().map(shrink).collect()
@@ -314,11 +317,13 @@ fn about_layer(polytope: &Polytope, place: Vec3, radius: f64, parts: usize) -> (
 fn principal(inertia: &Matrix3<f64>) -> (Vec3, Matrix3<f64>) {
     let off = [(0, 1), (0, 2), (1, 2)].map(|place| inertia[place].abs());
     let largest = off.iter().fold(0.0_f64, |a, b| a.max(*b));
+    // Kept as they are: turning a body by rounding would change its coordinates for nothing.
     if largest <= ALONG_THE_AXES * inertia.trace() {
         return (inertia.diagonal(), Matrix3::identity());
     }
     let eigen = SymmetricEigen::new(*inertia);
     let mut axes = eigen.eigenvectors;
+    // A rotation, not a reflection.
     if axes.determinant() < 0.0 {
         axes.set_column(2, &-axes.column(2).into_owned());
     }

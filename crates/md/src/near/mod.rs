@@ -144,6 +144,7 @@ pub fn felt(
     hint: &mut Hint,
 ) -> Felt {
     let is_oblong = first.part.half_axes.is_some() || second.part.half_axes.is_some();
+    // Oblong parts have no faces: they go first, whatever the dimension.
     let mut felt = match first.part.dimension {
         _ if is_oblong => round::felt(first, second, between, law, hint),
         2 => flat::felt(first, second, between, law, form, hint),
@@ -160,6 +161,8 @@ impl Felt {
     fn add_central(&mut self, central: &Radial, between: &Vec3) {
         let r = between.norm();
         if r < central.range() {
+            // dU/dr along the line of centres; a positive
+            // slope pulls the first body towards the second.
             let [energy, slope] = central.energy_and_slope(r);
             self.energy += energy;
             self.force += slope / r * between;
@@ -201,6 +204,7 @@ impl Turned {
         for kind in kinds {
             geometry.first_part.push(geometry.centres.len());
             for part in &kind.parts {
+                // Corners and normals of all parts lie in two arrays; `starts` says where.
                 starts[0] += part.polytope.corners.len();
                 starts[1] += match part.half_axes {
                     Some(_) => part.dimension,
@@ -218,6 +222,7 @@ impl Turned {
     /// Turns a body in a plane.
     pub fn turn_flat(&mut self, body: usize, kind: &Kind, angle_rad: f64) {
         let (sine, cosine) = angle_rad.sin_cos();
+        // Two products per coordinate; z stays zero in a plane.
         let turn = |x: &Vec3| Vec3::new(cosine * x.x - sine * x.y, sine * x.x + cosine * x.y, 0.0);
         self.fill(body, kind, turn);
     }
@@ -240,6 +245,7 @@ impl Turned {
             match &part.half_axes {
                 Some(axes) => {
                     for (axis, place) in normals.take(part.dimension).enumerate() {
+                        // Half axes take the place of normals: they are turned alike.
                         *place = turn(&Vec3::ith(axis, axes[axis]));
                     }
                 }

@@ -33,6 +33,7 @@ pub fn felt(
         return Felt::nothing();
     }
     let reach = law.reach * SURELY_BEYOND;
+    // The direction of the last step: one pass over the corners of each.
     if gap(&first, &second, &between, &hint.direction) > reach {
         return Felt::nothing();
     }
@@ -50,11 +51,13 @@ pub fn felt(
         Found::Touching => return Felt::touching(),
     };
     let distance = points.distance();
+    // Layers touch: the cores are apart by no more than both radii.
     if distance <= law.radii {
         return Felt::touching();
     }
     let direction = -points.separation() / distance;
     hint.direction = direction;
+    // Exactly at the reach: the wider test above let it pass.
     if distance >= law.reach {
         return Felt::nothing();
     }
@@ -64,6 +67,7 @@ pub fn felt(
     };
     let is_ball = first.part.is_round() || second.part.is_round();
     match form {
+        // The closest points of two balls, or of a ball and a body, are unique and exact.
         _ if is_ball => sum.repel(&points),
         Form::Contact => {
             let points = exact(&first, &second, between, &direction, points);
@@ -107,8 +111,11 @@ fn exact(
     let mut near = [0, 0];
     for corner in first.corners {
         if bottom - corner.dot(direction) > reach {
+            // Below the plane through the other body's lowest
+            // corner by more than the reach: cannot be nearest.
             continue;
         }
+        // Counted, as edges matter only if more than one corner is near.
         near[0] += 1;
         if let Some((foot, dimensions)) = foot(second, &(corner - between)) {
             let on_second = foot + between;
@@ -159,6 +166,7 @@ fn exact(
         }
     }
     let ((distance, _), points) = best;
+    // The walk wins only if it is clearly nearer: features are exact, the walk is not.
     match walked.distance() < distance * (1.0 - EQUAL) {
         true => walked,
         false => points,
@@ -171,6 +179,7 @@ fn crossing(first: [Vec3; 2], second: [Vec3; 2]) -> Option<ClosestPoints> {
     let r = first[0] - second[0];
     let normal = u.cross(&v);
     let squared = normal.norm_squared();
+    // Cramer's rule for the common perpendicular; parallel edges divide by zero and are not within.
     let s = v.cross(&r).dot(&normal) / squared;
     let t = u.cross(&r).dot(&normal) / squared;
     let is_within = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t);
@@ -180,25 +189,28 @@ fn crossing(first: [Vec3; 2], second: [Vec3; 2]) -> Option<ClosestPoints> {
     })
 }
 
-/// Variant of [`nearest`] that also returns the dimension of the feature on which the point lies.
-/// It lies on a face that the point sees.
+/// Nearest point of a part, which lies on a face that the given point sees, and the dimension of its
+/// feature.
 fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let faces = &body.part.polytope.faces;
     let heights = body.normals.iter().zip(&body.part.offsets);
     let heights = heights.map(|(normal, offset)| normal.dot(point) - offset);
+    // The face that sees the point highest is the likeliest to carry its foot.
     let (highest, top) = heights
         .clone()
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    // Inside: below every face.
     if top <= 0.0 {
         return None;
     }
     let mut best = foot_on_face(body, (highest, &faces[highest]), point);
     let mut distance = (best.0 - point).norm();
-    // Above the inside of a face, or beside an edge of it by rounding, no other face is nearer.
+    // Above the inside of a face, or next to an edge of it by rounding, no other face is nearer.
     if best.1 > 0 && distance <= top * (1.0 + EQUAL) {
         return Some(best);
     }
+    // Faces that see the point may be nearer at their rims.
     for (number, height) in heights.enumerate() {
         if number == highest || height <= 0.0 {
             continue;
@@ -329,6 +341,7 @@ impl Sum<'_> {
             if bottom - corner.dot(direction) >= reach {
                 continue;
             }
+            // Inside the other body: no smooth energy.
             let Some(foot) = nearest(second, &(corner - between)) else {
                 return false;
             };
@@ -362,6 +375,7 @@ impl Sum<'_> {
                 if low - high >= reach {
                     continue;
                 }
+                // Edges against edges, where neither ends at a corner that has been counted.
                 if let Some(crossing) = Crossing::of(edge, other, reach) {
                     crossing.add(&mut self.terms);
                 }
@@ -409,6 +423,7 @@ fn foot_on_face(
     let mut dimensions = 2;
     for (from, to) in rim(face) {
         let (from, to) = (body.corners[from], body.corners[to]);
+        // Outside this edge of the face: its foot is on the edge or at a corner.
         if normal.dot(&(to - from).cross(&(foot - from))) < 0.0 {
             let edge = to - from;
             let place = (point - from).dot(&edge) / edge.norm_squared();
@@ -436,11 +451,13 @@ fn between_segments(first: [Vec3; 2], second: [Vec3; 2]) -> ClosestPoints {
     let (a, b, c) = (u.norm_squared(), u.dot(&v), v.norm_squared());
     let (d, e) = (u.dot(&r), v.dot(&r));
     let determinant = a * c - b * b;
+    // Parallel: any point of the first serves, and the clamps find its partner.
     let mut s = match determinant > f64::EPSILON * a * c {
         true => ((b * e - c * d) / determinant).clamp(0.0, 1.0),
         false => 0.0,
     };
     let mut t = (b * s + e) / c;
+    // Where t leaves its segment, s is found again for the clamped end.
     if t < 0.0 {
         t = 0.0;
         s = (-d / a).clamp(0.0, 1.0);

@@ -7,7 +7,7 @@
 //! A foot inside an edge is nearer than the ends, and one inside a face nearer than its edges, even if
 //! rounding does not show it: a shift of 10⁻¹⁰ along the surface changes the distance by 10⁻²⁰ and the
 //! direction by 10⁻¹⁰. So among equals those on features of more dimensions count: a corner above the
-//! inside of a face and two edges that cross have two, a corner beside an edge one.
+//! inside of a face and two edges that cross have two, a corner next to an edge one.
 
 use protomer_kernel::shape::closest::ClosestPoints;
 use protomer_kernel::shape::polytope::Polytope;

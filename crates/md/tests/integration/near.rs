@@ -154,7 +154,7 @@ fn polyhedra_feel_what_the_plain_sum_says() {
     }
 }
 
-/// Attraction beside the repulsion, and the term between the centroids.
+/// Attraction in addition to the repulsion, and the term between the centroids.
 fn attractive(form: Form) -> Interaction {
     Interaction {
         form,
@@ -237,7 +237,8 @@ fn disks_and_balls_repel_along_the_line_of_their_centres() {
             assert!((found.force.y + 24.0 / 0.15).abs() < 1e-6);
             assert_eq!(found.torques[0].norm(), 0.0);
         }
-        // A disk beside a square, a ball beside a cube: the distance counts, and the flat one turns.
+        // A disk next to a square, a ball next to a cube: the distance counts, and the flat
+        // one turns.
         let name = ["polygon:4", "cube"][dimension - 2];
         let body = kind(name);
         let turn = [std::f64::consts::FRAC_PI_4, 0.0][dimension - 2];

@@ -18,8 +18,10 @@ use std::path::Path;
 const KIND: &str = "body";
 /// An upper limit for the file size, beyond any body that a mesh index can address.
 const LARGEST_FILE_BYTES: u64 = 8_000_000_000;
-/// The arrays of the hard core, in the files of bodies that have one beside their surface.
+/// Array of the vertices of the hard core, in the files of bodies that have one in addition to
+/// their surface.
 const CORE_VERTICES: &str = "core_vertices_angstrom";
+/// Array of the triangles of the hard core.
 const CORE_TRIANGLES: &str = "core_triangles";
 /// Marks "no residue" in the array of residue indices.
 const NO_RESIDUE: u32 = u32::MAX;
@@ -59,6 +61,7 @@ pub fn read(path: &Path) -> Result<(Body, String)> {
     FileKind::Body.require(path)?;
     let mut bytes = Vec::new();
     protomer_io::input::open(path)
+        // Bounded: a device or a growing file must not fill the memory.
         .and_then(|file| file.take(LARGEST_FILE_BYTES).read_to_end(&mut bytes))
         .with_context(|| {
             format!(
@@ -148,6 +151,7 @@ pub fn from_bytes(file: &str, bytes: &[u8]) -> Result<Body> {
 fn decode(file: &str, container: Container) -> Result<Body> {
     let surface = mesh(file, &container, "vertices_angstrom", "triangles")?;
     let core = match container
+        // Either of the two shows that a core was meant; then both must be there.
         .get(CORE_VERTICES)
         .or(container.get(CORE_TRIANGLES))
     {
@@ -164,6 +168,7 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     check_name(&header.name)?;
     refuse_names_of(&header)?;
     let count = positions.len();
+    // Before sites are put together by index.
     if [
         charges.len(),
         radii.len(),
@@ -216,6 +221,7 @@ fn mesh(
             .0
             .to_vec(),
     };
+    // Closed and oriented, or neither volume nor overlap would mean anything.
     mesh.topology()?;
     Ok(mesh)
 }

@@ -29,7 +29,7 @@ pub struct IngestSettings {
     pub body: BodySettings,
     /// Name of the body, for a single file.
     pub name: Option<String>,
-    /// File extensions of the formats to write beside the body file.
+    /// File extensions of the formats to write along with the body file.
     pub exports: Vec<&'static str>,
     /// Whether to overwrite existing bodies.
     pub force: bool,

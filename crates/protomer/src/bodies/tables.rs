@@ -108,7 +108,7 @@ impl WarningRow {
     }
 }
 
-/// The files that a part writes beside the bodies.
+/// The files that a part writes along with the bodies.
 pub(super) struct Paths {
     pub table: PathBuf,
     pub warnings_table: PathBuf,

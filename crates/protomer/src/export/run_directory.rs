@@ -55,7 +55,7 @@ impl RunFiles {
     }
 }
 
-/// The simulation of a sweep that is asked for.
+/// The requested simulation of a sweep.
 fn simulation_of(sweep: &Path, settings: &ExportSettings) -> Result<PathBuf> {
     let run: RunSettings = keys::read_toml(&sweep.join("run.toml"))?;
     let labels = || {

@@ -43,6 +43,7 @@ impl Source {
                 let path = input
                     .canonicalize()
                     .with_context(|| format!("cannot read {}", input.display()))?;
+                // DIRECTORY/salt_.../replica_N: two folders up is the sweep.
                 let sweep = path.ancestors().nth(2).unwrap_or(&path);
                 (sweep.to_owned(), Some(path.clone()))
             }
@@ -128,6 +129,7 @@ impl Source {
 }
 
 fn space_of(assembly: &Assembly) -> Boundary {
+    // A wall holds the bodies together; what scatters is a cluster in open space.
     match assembly.boundary {
         Boundary::SphereWall { .. } => Boundary::Open,
         boundary => boundary,
@@ -210,6 +212,7 @@ fn chosen(frames: u64, skip: f64, most: usize) -> Vec<u64> {
     let remaining_frames = frames - first;
     let count = remaining_frames.min(most as u64);
     (1..=count)
+        // From 1, so that the last frame is chosen.
         .map(|number| first + number * remaining_frames / count - 1)
         .collect()
 }

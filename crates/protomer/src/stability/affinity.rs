@@ -68,6 +68,7 @@ impl ContactAffinity {
     fn add(&mut self, first: AminoAcid, second: AminoAcid, share: f64) {
         let depth_kj_per_mol = ContactScale::Calvados3.depth_kj_per_mol(first, second);
         self.contacts += share;
+        // ε is a depth, positive; an attraction lowers the energy.
         self.attraction_kcal_per_mol -= share * depth_kj_per_mol / KILOJOULES_PER_KILOCALORIE;
         if is_polar(first) && is_polar(second) {
             self.polar_contacts += share;
@@ -103,6 +104,7 @@ impl ContactAffinity {
 /// Share s of a contact: 1 up to 5 Å, 0 from 6 Å on.
 fn share_of_contact(distance_angstrom: f64) -> f64 {
     let width_angstrom = FARTHEST_CONTACT_ANGSTROM - FULL_CONTACT_ANGSTROM;
+    // Linear between both distances, 1 nearer and 0 farther.
     ((FARTHEST_CONTACT_ANGSTROM - distance_angstrom) / width_angstrom).clamp(0.0, 1.0)
 }
 

@@ -80,6 +80,7 @@ impl DiskCache {
 
     fn of(variable: impl Fn(&str) -> Option<OsString>) -> Option<Self> {
         if variable(FOLDER_VARIABLE).is_some_and(|value| value.is_empty()) {
+            // Set to nothing is a wish, not an absence.
             return None;
         }
         let set = |name: &str| {
@@ -123,6 +124,7 @@ impl DiskCache {
                 return Err(error).with_context(|| format!("cannot open {}", path.display()));
             }
         };
+        // A large buffer: tables are read in many small pieces.
         let value = read(&mut BufReader::with_capacity(1 << 16, &file))
             .with_context(|| path.display().to_string())?;
         // When it was last used, where the folder takes it; otherwise its age counts from when it
@@ -146,15 +148,18 @@ impl DiskCache {
         self.make_folder()
             .with_context(|| format!("cannot make the folder {}", self.folder.display()))?;
         write_atomically(&self.path(key), write)?;
+        // After the entry is there, so the newest one counts as used last.
         self.make_room();
         Ok(())
     }
 
     /// Makes the folder if there is none; whoever does, tells.
     fn make_folder(&self) -> std::io::Result<()> {
+        // The base folder may be missing too, but only our own is told of.
         if let Some(parent) = self.folder.parent() {
             std::fs::create_dir_all(parent)?;
         }
+        // `create_dir` succeeds for exactly one of several programs: that one tells.
         match std::fs::create_dir(&self.folder) {
             Ok(()) => {
                 (self.tell)(&format!(
@@ -185,10 +190,13 @@ impl DiskCache {
         entries.sort_by_key(|file| file.used);
         let mut held_bytes: u64 = entries.iter().map(|file| file.bytes).sum();
         for file in entries {
+            // Oldest first, until the rest fits.
             if held_bytes <= self.limit_bytes {
                 break;
             }
             let _ = std::fs::remove_file(&file.path);
+            // Counted as gone even if it could not be removed:
+            // another program has removed it, or nobody can.
             held_bytes -= file.bytes;
         }
     }
@@ -216,6 +224,7 @@ fn files(folder: &Path) -> Vec<FoundFile> {
         };
         let key = name.split('.').next().unwrap_or_default();
         let is_ours =
+            // Keys are hexadecimal: other files in the folder are not ours.
             is_ours && !key.is_empty() && key.bytes().all(|byte| byte.is_ascii_hexdigit());
         let metadata = entry
             .metadata()

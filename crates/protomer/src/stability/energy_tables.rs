@@ -102,6 +102,8 @@ impl EnergyTables {
         reach_angstrom: f64,
     ) -> Result<Vec<Arc<PotentialTable>>> {
         let table = |kind: &Arc<BodyType>| self.table(kind, yukawa, reach_angstrom);
+        // Threads of their own: each may wait for the lock
+        // of another, and would hold up the common pool.
         std::thread::scope(|scope| {
             let jobs: Vec<_> = types
                 .iter()
@@ -150,10 +152,13 @@ impl EnergyTables {
             let charges = &system.types()[index].charges;
             PotentialTable::fingerprint(charges, yukawa, reach_angstrom)
         };
+        // By the placed bodies: the comparison depends on which kinds meet.
         let placed: Vec<String> = system.placed_types().into_iter().map(fingerprint).collect();
         let key = Calibration::fingerprint(&placed);
+        // The lock of this entry is taken while the map's is free: others go on with other entries.
         let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
         let _mine = locked(&making);
+        // Somebody else may have made it while we waited for the lock.
         if let Some(calibration) = locked(&self.made).calibrations.get(&key) {
             return *calibration;
         }
@@ -187,10 +192,12 @@ impl EnergyTables {
         let key = PotentialTable::fingerprint(&kind.charges, yukawa, reach);
         let making = Arc::clone(locked(&self.made).making.entry(key.clone()).or_default());
         let _mine = locked(&making);
+        // As above: looked up again under the lock of this key.
         if let Some(table) = locked(&self.made).tables.get(&key) {
             return Ok(Arc::clone(table));
         }
         let table = Arc::new(self.load_or_make(&key, kind, yukawa, reach));
+        // Kept last: a table that does not fit is refused, and nobody waits for it in vain.
         locked(&self.made).keep(key, &table, &kind.name, self.memory_limit_bytes)?;
         Ok(table)
     }
@@ -234,6 +241,7 @@ impl Disk {
 
     fn store(&self, key: &str, write: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) {
         if let Err(error) = self.cache.store(key, write)
+            // `swap` tells whether this is the first refusal: one warning for the folder.
             && !self.refused.swap(true, Ordering::Relaxed)
         {
             (self.warn)(&format!(
@@ -254,6 +262,7 @@ impl Made {
     ) -> Result<()> {
         let size = |table: &Arc<PotentialTable>| table.memory_bytes() as u64;
         if self.tables.values().map(size).sum::<u64>() + size(table) > limit_bytes {
+            // A count of one: only this map holds it, so no model loses its table.
             self.tables.retain(|_, table| Arc::strong_count(table) > 1);
         }
         let needed_bytes = self.tables.values().map(size).sum::<u64>() + size(table);
@@ -273,6 +282,7 @@ impl Made {
 }
 
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // What a panic left behind is a whole map: entries are inserted whole.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -1,5 +1,5 @@
-//! The terms of the energy beside the charges: attraction between residues, desolvation, and the
-//! response of the solvent.
+//! The terms of the energy in addition to the charges: attraction between residues, desolvation,
+//! and the response of the solvent.
 
 use crate::stability::contacts::ContactTerm;
 use crate::stability::effective::SoluteModel;
@@ -16,7 +16,7 @@ use protomer_mc::pair::Contacts;
 use protomer_mc::solvent_response::{ResponseBody, SolventResponse};
 use std::sync::Arc;
 
-/// Terms of the energy beside the charges.
+/// Terms of the energy in addition to the charges.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FurtherTerms {
     /// Attraction between residues.

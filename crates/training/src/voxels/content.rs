@@ -7,7 +7,7 @@ use anyhow::Result;
 use protomer_field::voxels::Voxels;
 use std::collections::BTreeMap;
 
-/// The content of a set. Samples are asked for one at a time and more than once, so that nobody has
+/// The content of a set. Samples are requested one at a time and more than once, so that nobody has
 /// to hold them all.
 pub trait Content {
     /// Number of samples.

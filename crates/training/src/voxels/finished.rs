@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use protomer_field::voxels::Voxels;
 use std::collections::BTreeMap;
 
-/// Content of a set in the work file. Samples are read whenever they are asked for. What a report
+/// Content of a set in the work file. Samples are read whenever they are requested. What a report
 /// tells of the structures, exclusions and warnings, is in memory.
 pub(super) struct Finished<'a> {
     part: &'a Part<'a>,

@@ -29,8 +29,8 @@ pub struct Entry {
     pub family: String,
 }
 
-/// A manifest: its text, from which an entry is read when it is asked for. That takes a tenth of the
-/// memory of all entries.
+/// A manifest: its text, from which an entry is read when it is requested. That takes a tenth of
+/// the memory of all entries.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Manifest {
     /// SHA-256 of the file.

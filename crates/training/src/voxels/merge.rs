@@ -135,6 +135,7 @@ impl Sources {
             of_each.push(origins(reader).context(path.display().to_string())?);
         }
         // A set merged from several manifests has no common order of entries.
+        // Merged sets keep only the order in which they were merged.
         let parts_of_one = of_each.iter().all(|of_one| of_one.len() == 1);
         let manifests = joined(of_each.into_iter().flatten());
         let one_manifest = parts_of_one && manifests.len() == 1;
@@ -156,6 +157,7 @@ impl Sources {
         let excluded = self.excluded.iter().map(|excluded| &excluded.row);
         let mut rows: Vec<Row> = samples.chain(excluded).cloned().collect();
         if self.one_manifest {
+            // As a single run would have written them.
             rows.sort_by_key(|row| row.entry);
         }
         rows
@@ -241,6 +243,7 @@ fn joined_content(
         names.extend(of_set.iter().map(|sample| sample.row.name.clone()));
         names.extend(exclusions.iter().map(|excluded| excluded.row.name.clone()));
         for name in names {
+            // A name may stand in one set only, be it as a sample or as an exclusion.
             if let Some(earlier) = paths.insert(name.clone(), path) {
                 bail!(
                     "'{name}' is in {} and in {}; give each part once",

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// The structures, numbered from zero. Only the hash of each file is kept; everything else about a
-/// structure is made when it is asked for.
+/// structure is made when it is requested.
 pub(super) struct Part<'a> {
     pub(super) manifest: &'a Manifest,
     pub(super) shard: Shard,

@@ -170,8 +170,8 @@ pub fn read_back(folder: &Path) -> Result<f64> {
     Ok(1e3 * start.elapsed().as_secs_f64() / reader.len().max(1) as f64)
 }
 
-/// Creates a folder atomically: `fill` fills a temporary one beside it, which is then renamed. A link
-/// stays, and the folder that it leads to is replaced.
+/// Creates a folder atomically: `fill` fills a temporary one next to it, which is then renamed. A
+/// link stays, and the folder that it leads to is replaced.
 ///
 /// # Errors
 /// Names the folder.

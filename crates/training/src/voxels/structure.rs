@@ -170,6 +170,7 @@ fn sample_and_draft(
     let surface = content.draft.exact_surface();
     let surface = surface.map_err(|error| Excluded(Reason::Failed, error.into()))?;
     let outcome = lattice
+        // A structure that does not fit is an outcome here, since its body may still be made.
         .and_then(|lattice| sample(&content, &posed, &lattice, &surface, &amino_acids, settings))
         .map_or_else(Outcome::from, |sample| Outcome::Sample(Box::new(sample)));
     Ok(Drawn {
@@ -210,11 +211,13 @@ fn sample(
         middle,
     } = posed;
     // The surface is about the origin of the sites.
+    // A point p of the file goes to R p - middle; so does the origin.
     let position = rotation * sites.origin_angstrom - middle;
     let rotation = *rotation;
     let solid = Placed::new(surface.solid(), Pose { position, rotation });
     let voxels = voxelise_within(&solid, atoms, &hydropathy, lattice, &voxel_settings);
     let voxels = voxels.map_err(no_voxels)?;
+    // In the form in which the set stores them: half precision may be infinite.
     check_values(&voxels, &settings.channels)
         .map_err(|error| Excluded(Reason::Potential, error))?;
     let properties = Properties {
@@ -247,6 +250,8 @@ impl Posed {
     fn new(entry: &Entry, sites: &ChargedSites, settings: &VoxelizeSettings) -> Self {
         let mut atoms = atoms_of(sites);
         let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
+        // By name, not by place in the manifest: the same
+        // structure has the same orientation in any set.
         let key = key_of(&entry.name);
         let rotation = settings
             .orientation
@@ -286,6 +291,7 @@ fn amino_acids_of(content: &Content, settings: &VoxelizeSettings) -> Checked<Vec
         return Err(Excluded(Reason::NoProtein, error));
     }
     let (incomplete, count) = (content.incomplete, amino_acids.len());
+    // A trace lacks nearly all; single incomplete residues are usual in crystals.
     if incomplete as f64 > settings.most_incomplete * count as f64 {
         let error =
             anyhow!("{incomplete} of {count} residues lack heavy atoms, as in a trace of Cα atoms");
@@ -429,6 +435,7 @@ fn of_ending(ending: &Ending) -> Checked<Vec<String>> {
 
 /// The first warnings, and the number of the others.
 pub(super) fn at_most(most: usize, mut warnings: Vec<String>) -> Vec<String> {
+    // `checked_sub` is none if there are fewer, zero if just as many.
     if let Some(more @ 1..) = warnings.len().checked_sub(most) {
         warnings.truncate(most);
         warnings.push(format!("and {more} more"));
@@ -450,6 +457,7 @@ fn lattice(atoms: &[VoxelAtom], settings: &VoxelizeSettings) -> Result<Lattice> 
         // A margin, so that rounding does not push an atom off the lattice.
         Spacing::Fit(_) => (extent / intervals * (1.0 + 1e-9)).max(SPACING_RANGE_ANGSTROM.0),
     };
+    // One voxel more than intervals.
     let needed = voxels_needed(extent, spacing);
     if needed > settings.size {
         return Err(anyhow!(
@@ -477,6 +485,7 @@ fn radius_of_gyration(positions: &[Vec3]) -> f64 {
 }
 
 fn extents(atoms: &[VoxelAtom]) -> [f64; 3] {
+    // About the principal axes: extents do not depend on the rotation of the sample.
     let positions: Vec<Vec3> = atoms.iter().map(|atom| atom.sphere.centre).collect();
     let (rotation, _) = principal_axes(&positions);
     let mut rotated_atoms = atoms.to_vec();
@@ -493,6 +502,7 @@ fn composition(amino_acids: &[AminoAcid]) -> [f64; 20] {
     let letters = letters();
     let mut shares = [0.0; 20];
     for amino_acid in amino_acids {
+        // The letters are sorted, as `letters` says.
         if let Ok(place) = letters.binary_search(&amino_acid.letter()) {
             shares[place] += 1.0 / amino_acids.len() as f64;
         }

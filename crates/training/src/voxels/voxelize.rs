@@ -124,6 +124,7 @@ pub fn voxelize(
     match set::state_of(output, &part.identity)? {
         set::OnDisk::Same(reader) => {
             report.describe_present(&reader)?;
+            // A killed process may have left the work file after the set was complete.
             part.remove_work_file(output)?;
         }
         set::OnDisk::Other if !execution.start_anew => {
@@ -175,6 +176,7 @@ impl Part<'_> {
                 .with_context(|| format!("cannot create the folder {}", folder.display()))?;
         }
         let keys = (0..self.len()).map(|structure| self.key(structure));
+        // The work file lies next to the set, so that an unfinished set never looks like one.
         let work = WorkFile::open(&work_path(output), keys)?;
         let missing = work.missing();
         report.taken_over = self.len() - missing.len();
@@ -182,7 +184,9 @@ impl Part<'_> {
             report.samples = self.len() - work.missing().len();
             return Ok(());
         }
+        // The list is long for a large manifest; the memory is needed now.
         drop(missing);
+        // Bodies' tables in the order of the manifest, whichever thread made them first.
         if let Some(bodies) = bodies {
             let records = (0..self.len()).map(|structure| work.get(structure));
             bodies
@@ -191,6 +195,7 @@ impl Part<'_> {
         let finished = Finished::count(self, &work)?;
         report.samples = finished.len();
         report.voxels = finished.voxels();
+        // The set appears whole; the work file goes only after that.
         report.read_ms_per_sample = Some(self.write(output, &finished)?);
         (report.excluded, report.warnings) = finished.into_notes();
         work.remove()?;
@@ -205,6 +210,7 @@ impl Part<'_> {
             return Ok(());
         }
         let keys = (0..self.len()).map(|structure| self.key(structure));
+        // Opened first, which takes its lock: nobody else is at work on it.
         WorkFile::open(&path, keys)?.remove()
     }
 
@@ -223,6 +229,7 @@ impl Part<'_> {
             }
             let entry = self.entry(*structure)?;
             let done = structure::voxelize_structure(&entry, self.settings, bodies)?;
+            // After the work: a file that changed meanwhile must not get the key of the old one.
             self.require_unchanged(*structure)?;
             work.keep(*structure, self.key(*structure)?, &done)?;
             progress.advance(1);
@@ -240,6 +247,7 @@ impl Part<'_> {
             origins: &[origin],
             identity: &self.identity,
         };
+        // NaN until it was read back.
         let mut read_ms_per_sample = f64::NAN;
         set::replace(output, |folder| {
             set::write(folder, making, content)?;

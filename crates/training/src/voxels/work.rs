@@ -63,11 +63,14 @@ impl WorkFile {
         let name = path.display().to_string();
         let file = OpenOptions::new()
             .read(true)
+            // Kept, not emptied: it holds what earlier runs have done.
             .write(true)
             .create(true)
             .truncate(false)
             .open(path);
         let mut file = file.with_context(|| format!("cannot open {name}"))?;
+        // Only one process may append; a disk without locks
+        // is refused, as two would overwrite each other.
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => bail!("another process works on {name}; wait for it"),
@@ -79,6 +82,7 @@ impl WorkFile {
         let mut records = vec![None; keys.len()];
         let end = scan(&mut file, keys, &mut records);
         let end = end.with_context(|| format!("cannot read {name}"))?;
+        // What follows the last whole record is half of one.
         file.set_len(end)
             .with_context(|| format!("cannot truncate {name}"))?;
         Ok(Self {
@@ -105,16 +109,19 @@ impl WorkFile {
     /// # Errors
     /// Names the file.
     pub fn keep(&self, number: usize, key: Digest, done: &Done) -> Result<()> {
+        // Encoded before the lock is taken: threads wait for the write alone.
         let bytes = encode(key, done)?;
         let mut record = (bytes.len() as u64).to_le_bytes().to_vec();
         record.extend(bytes);
         let mut inner = self.inner();
+        // Always at the known end: a write that failed half-way is overwritten by the next.
         let begin = inner.end;
         let cannot_write = || format!("cannot write {}", self.path.display());
         let position = inner.file.seek(SeekFrom::Start(begin));
         position.with_context(cannot_write)?;
         let written = inner.file.write_all(&record);
         written.with_context(cannot_write)?;
+        // Only after the whole record is written; until then the end stays where it was.
         inner.end += record.len() as u64;
         if let Some(record) = inner.records.get_mut(number) {
             *record = NonZeroU64::new(begin + LENGTH_BYTES);
@@ -132,10 +139,12 @@ impl WorkFile {
         let Some(place) = inner.records.get(number).copied().flatten() else {
             bail!("{name} has no record of structure {number}");
         };
+        // The place is behind the length, so that it is never zero.
         let begin = place.get() - LENGTH_BYTES;
         let remaining_bytes = inner.end - begin;
         let position = inner.file.seek(SeekFrom::Start(begin));
         let bytes = position.and_then(|_| read_record(&mut inner.file, remaining_bytes));
+        // The lock is free again while the container is decoded.
         drop(inner);
         let bytes = bytes.with_context(|| format!("cannot read {name}"))?;
         let Some(bytes) = bytes else {
@@ -161,6 +170,7 @@ fn scan(
     records: &mut [Place],
 ) -> Result<u64> {
     let length = file.metadata()?.len();
+    // Nothing to find: the keys, which read every input, are not even made.
     if length == 0 {
         return Ok(0);
     }
@@ -168,13 +178,16 @@ fn scan(
     for (number, key) in keys.enumerate() {
         numbers.insert(key?, number);
     }
+    // `end` is the end of the last complete record, from which the next is read.
     let mut end = 0;
     file.seek(SeekFrom::Start(0))?;
     let mut reader = std::io::BufReader::new(file);
     while let Some(bytes) = read_record(&mut reader, length - end)? {
         let Ok(container) = Container::from_bytes("", KIND, &bytes) else {
+            // A damaged record: its length cannot be trusted either, so nothing behind it can.
             break;
         };
+        // A record of another version is whole but has no known key; it is passed over.
         if let Ok((key, _)) = decode("", &container)
             && let Some(record) = numbers
                 .get(&key)
@@ -195,6 +208,7 @@ fn read_record(reader: &mut impl Read, remaining_bytes: u64) -> std::io::Result<
     let mut prefix = [0; 8];
     reader.read_exact(&mut prefix)?;
     let size = u64::from_le_bytes(prefix);
+    // Before memory is taken: a length from a damaged file may be anything.
     if size > LONGEST_RECORD_BYTES || size > remaining_bytes - LENGTH_BYTES {
         return Ok(None);
     }

@@ -1,7 +1,7 @@
 //! mmCIF text: `_atom_site` with what viewers need, entities, and the origin of the copies.
 //!
 //! `auth_asym_id` is the new chain. `label_asym_id` is the same for its polymer; each ligand, and the
-//! waters of a chain together, have identifiers of their own after those, as in the archive.
+//! waters of a chain together, have separate identifiers after those, as in the archive.
 
 use super::chains::{Chain, Layout, is_standard, letters};
 use super::{PlacedBodies, plain, rounded};

@@ -43,6 +43,8 @@ impl Balls {
             let cause = "no atom with a radius above zero";
             return Err(invalid(cause, "give atoms radii, or a probe"));
         }
+        // Two balls touch at most at twice the largest
+        // radius: neighbouring cells hold all partners.
         let cell_edge = 2.0 * largest * (1.0 + 1e-6);
         let cells = CellList::new(centres, members.into_iter(), cell_edge);
         if cells.candidate_pairs() > MAX_CANDIDATE_PAIRS {
@@ -59,6 +61,7 @@ impl Balls {
 
     /// The same balls, each radius grown by a hash of the atom's index times `amplitude`, Å.
     pub(crate) fn perturbed(&self, amplitude: f64) -> Self {
+        // The salt gives each amplitude its own order of growths.
         let salt = amplitude.to_bits();
         let mut perturbed = self.clone();
         for (index, radius) in (0..).zip(&mut perturbed.radii) {
@@ -91,6 +94,8 @@ impl Balls {
             }
             let distance = square.sqrt();
             let excess = other_radius - radius;
+            // One ball inside the other: they have no circle.
+            // The smaller is swallowed, the larger unharmed.
             if distance <= excess.abs() {
                 swallowed |= excess > 0.0;
                 return;
@@ -100,6 +105,7 @@ impl Balls {
             let height = (square - excess * reach) / (2.0 * distance * radius);
             caps.push(Cap {
                 axis: offset / distance,
+                // A plane at the pole would have a circle of radius 0.
                 height: height.clamp(-1.0 + 1e-15, 1.0 - 1e-15),
                 owner: other,
             });
@@ -107,6 +113,8 @@ impl Balls {
         if swallowed {
             return None;
         }
+        // The largest cap first clips most circles away with the
+        // first comparison; the owner makes the order complete.
         caps.sort_unstable_by(|a, b| a.height.total_cmp(&b.height).then(a.owner.cmp(&b.owner)));
         Some(())
     }

@@ -50,6 +50,7 @@ pub(crate) struct CircleFrame {
 impl CircleFrame {
     pub(crate) fn new(cap: &Cap) -> Self {
         let (e1, e2) = perpendicular_axes(&cap.axis);
+        // 1 - h² as a product, which keeps its digits where h is near 1.
         let radius = ((1.0 - cap.height) * (1.0 + cap.height)).max(0.0).sqrt();
         Self {
             axis: cap.axis,
@@ -68,6 +69,7 @@ impl CircleFrame {
 
 /// Two unit vectors that make a right-handed frame with `axis`.
 pub(crate) fn perpendicular_axes(axis: &Vec3) -> (Vec3, Vec3) {
+    // |x| >= 0.6 leaves |y| <= 0.8: the cross product is never shorter than 0.6.
     let least = if axis.x.abs() < 0.6 {
         Vec3::x()
     } else {
@@ -98,11 +100,14 @@ pub(crate) fn exposed_arcs(
         let b = -frame.radius * cap.axis.dot(&frame.e2);
         let c = frame.height * cap.axis.dot(&frame.axis) - cap.height;
         let square = a * a + b * b;
+        // The half-plane holds the whole circle or nothing
+        // of it: C > √(A² + B²) or C < -√(A² + B²).
         if c * c >= square {
             if c <= 0.0 {
                 continue;
             }
             arcs.clear();
+            // All of the circle is in another ball: the rest cannot bring anything back.
             return Exposure::Arcs;
         }
         clip(arcs, whole, [a, b, c], square, cap.owner);
@@ -120,9 +125,11 @@ pub(crate) fn exposed_arcs(
 
 /// Intersects the arcs with the half-plane a x + b y >= c that cuts the unit circle.
 fn clip(arcs: &mut Vec<CircleArc>, whole: bool, [a, b, c]: [f64; 3], square: f64, owner: u32) {
+    // Positive: c² < a² + b² was checked.
     let scale = square.sqrt().recip();
     let (mx, my, cosine) = (a * scale, b * scale, c * scale);
     let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
+    // The two points with m·p = cosine, one turn of ±acos to either side of m.
     let enter = [mx * cosine + my * sine, my * cosine - mx * sine];
     let leave = [mx * cosine - my * sine, my * cosine + mx * sine];
     if whole {
@@ -133,6 +140,7 @@ fn clip(arcs: &mut Vec<CircleArc>, whole: bool, [a, b, c]: [f64; 3], square: f64
         return;
     }
     let is_kept = |p: &[f64; 2]| a * p[0] + b * p[1] >= c;
+    // Backwards, so that what is pushed or swapped in was already clipped.
     for index in (0..arcs.len()).rev() {
         let arc = arcs[index];
         let [start, end] = arc.ends;

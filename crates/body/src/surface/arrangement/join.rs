@@ -44,6 +44,7 @@ fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
         if balls.caps(atom, &mut caps).is_none() {
             continue;
         }
+        // No cap at all: the whole ball is exposed.
         if caps.is_empty() {
             free_atoms.push(atom);
         }
@@ -57,6 +58,7 @@ fn clip_circles(balls: &Balls) -> (Vec<Arc>, Vec<ArcEnd>, Vec<u32>) {
                 arcs.push(circle);
             }
             for piece in &pieces {
+                // Each end is where a third ball cuts the circle.
                 for (end, &third) in piece.owners.iter().enumerate() {
                     ends.push(ArcEnd {
                         name: vertex_name(atom, cap.owner, third, end == 0),
@@ -106,6 +108,7 @@ fn part_of(circle: &Arc, piece: &CircleArc, frame: &CircleFrame) -> Arc {
 /// At the start of an arc the circle leaves ball k, and det(c_j - c_i, c_k - c_i, v - c_i) > 0; at
 /// the end it is negative. Sorting the atoms changes the sign with the parity of the permutation.
 fn vertex_name(i: u32, j: u32, k: u32, is_start: bool) -> Name {
+    // Sorting the three indices is a permutation; an odd one reverses the sense about the plane.
     if k > j {
         ([i, j, k], is_start)
     } else if k > i {
@@ -119,12 +122,14 @@ fn vertex_name(i: u32, j: u32, k: u32, is_start: bool) -> Name {
 fn join_ends(arcs: &mut [Arc], mut ends: Vec<ArcEnd>) -> Option<Vec<Vertex>> {
     ends.sort_unstable();
     let mut vertices = Vec::with_capacity(ends.len() / 3);
+    // Each vertex is the end of three arcs, one on each circle of its three balls.
     if !ends.len().is_multiple_of(3) {
         return None;
     }
     for three in ends.chunks_exact(3) {
         let name = three[0].name;
         let [a, b, c] = name.0;
+        // One circle found the vertex and another did not: rounding decided differently.
         if three.iter().any(|end| end.name != name) {
             return None;
         }
@@ -137,8 +142,10 @@ fn join_ends(arcs: &mut [Arc], mut ends: Vec<ArcEnd>) -> Option<Vec<Vertex>> {
                 .position(|pair| *pair == arc.atoms)?;
             slots[slot] = end.arc;
             arc.vertices.as_mut()?[end.end as usize] = vertices.len() as u32;
+            // Any of the three ends will do: they agree to rounding.
             position = arc.point(&arc.ends[end.end as usize]);
         }
+        // Three ends on fewer than three circles.
         if slots.contains(&u32::MAX) {
             return None;
         }

@@ -54,6 +54,7 @@ fn turning(edges: &[Edge]) -> f64 {
     for edge in edges {
         curvature += edge.height * edge.angle;
     }
+    // A whole circle has no corners.
     if let [only] = edges
         && only.is_whole()
     {
@@ -76,6 +77,8 @@ fn exterior_angle(arriving: &Edge, departing: &Edge) -> f64 {
     before
         .cross(&after)
         .dot(&corner)
+        // Sine from the cross product, cosine from the scalar one:
+        // accurate near 0 and near π, where an arc cosine is not.
         .abs()
         .atan2(before.dot(&after))
 }
@@ -103,6 +106,7 @@ pub(crate) fn vector_angle(loops: &[&Loop]) -> Vec3 {
 ///
 /// Two loops bound the same region exactly if no loop separates them.
 pub(crate) fn regions(loops: &[Loop]) -> Vec<Vec<usize>> {
+    // The usual case, and no question of sides.
     if let [_] = loops {
         return vec![vec![0]];
     }
@@ -142,6 +146,7 @@ fn is_on_left(edges: &[Edge], other: &[Edge]) -> bool {
         return false;
     };
     let Some(direction) = (right - inside).try_normalize(0.0) else {
+        // The same cap, up to rounding: no direction tells the sides apart.
         return false;
     };
     let line = Line {
@@ -153,11 +158,13 @@ fn is_on_left(edges: &[Edge], other: &[Edge]) -> bool {
     for edge in edges {
         angle += line.turned_by(edge);
     }
+    // A loop turns by 0 or ±2π about a line that it does not meet; π is as far from both.
     angle.abs() > PI
 }
 
 /// The centre of the largest cap at the edges.
 fn largest_cap(edges: &[Edge]) -> Option<Vec3> {
+    // The lowest plane cuts off the largest cap, whose centre is farthest from the loop.
     let largest = edges.iter().min_by(|a, b| a.height.total_cmp(&b.height));
     largest.map(|edge| edge.axis)
 }
@@ -180,6 +187,8 @@ impl Line {
     /// by more than half a turn; about a line through it the angle grows all the way.
     fn turned_by(&self, edge: &Edge) -> f64 {
         let has = |point: &Vec3| edge.axis.dot(point) > edge.height;
+        // The chord meets the plane within the
+        // circle if its ends are on both sides.
         let is_through = has(&self.inside) != has(&self.right);
         // The edge runs clockwise about its axis.
         let sense = if has(&self.right) { -1.0 } else { 1.0 };
@@ -192,6 +201,8 @@ impl Line {
         let sine = before.cross(&after).dot(&self.direction);
         let angle = sine.atan2(before.dot(&after));
         let is_short = edge.angle * edge.radius < SHORT_EDGE;
+        // `atan2` gives the short way round. A long edge about a line
+        // through its circle may go the long way; its sense tells.
         if is_through && !is_short && angle * sense < 0.0 {
             angle + 2.0 * PI * sense
         } else {
@@ -227,8 +238,10 @@ pub(crate) fn boundary_loops(caps: &[Cap]) -> Option<Boundary> {
             boundary.owners.push(cap.owner);
         }
         for arc in &arcs {
+            // Never zero: an arc that comes back to its start would be a whole circle.
             let angle = counter_clockwise_angle(&arc.ends[0], &arc.ends[1]);
             let [start, end] = arc.ends.map(|place| frame.direction(place));
+            // The cap lies on the right: edges run clockwise, from the arc's end to its start.
             open.add(cap.owner, arc.owners, frame.edge([end, start], angle))?;
         }
     }
@@ -264,6 +277,7 @@ impl OpenEdges {
     /// Adds an edge of cap `owner`, whose arc is bounded by two others; `None` if there is one with
     /// its key.
     fn add(&mut self, owner: u32, [at_start, at_end]: [u32; 2], edge: Edge) -> Option<()> {
+        // Named by the cap where it starts and its own; the next starts here, on `at_start`.
         let key = (at_end, owner);
         self.order.push(key);
         match self.by_key.insert(key, (edge, at_start)) {

@@ -18,8 +18,9 @@ const LANES: usize = 16;
 const STRIDE: usize = 4;
 /// Upper bound of the error of a distance, in units of the radius of the largest ball.
 const ERROR_PER_RADIUS: f64 = 4e-6;
-/// Upper bounds of the rounding of a bound, relative and in Å.
+/// Upper bound of the relative rounding of a bound.
 const ROUNDING: f32 = 1e-6;
+/// Upper bound of the rounding of a bound in addition to that, Å.
 const ROUNDING_ANGSTROM: f32 = 1e-5;
 /// No feature.
 const NOTHING: u32 = u32::MAX;
@@ -53,7 +54,9 @@ impl Edges {
     /// The signed distance of a point, Å, and what it is nearest to.
     fn at(&self, lane: usize, probe_radius: f64) -> (f64, Nearest) {
         let value = probe_radius - f64::from(self.squares[lane]).sqrt();
+        // Vertices were searched first, so an arc that is noted was nearer than all of them.
         match (self.arcs[lane], self.vertices[lane]) {
+            // Nothing within reach: deeper inside than the band.
             (NOTHING, NOTHING) => (-BAND_ANGSTROM, Nearest::Nowhere),
             (NOTHING, vertex) => (value, Nearest::Vertex(vertex)),
             (arc, _) => (value, Nearest::Arc(arc)),
@@ -84,6 +87,8 @@ impl SesSolid {
     ) {
         let runs = self.runs_in_cells(points, &mut visit);
         let (mut of_cell, mut at_edges) = (Vec::new(), Vec::new());
+        // Runs were sorted by list: those of one cell now follow each
+        // other, so its lists are read while they are in the cache.
         for in_cell in runs.chunk_by(|a, b| a.list == b.list) {
             of_cell.clear();
             for run in in_cell {
@@ -106,6 +111,7 @@ impl SesSolid {
         let mut runs: Vec<Run> = Vec::new();
         let (mut last, mut list) = (None, None);
         for (number, point) in (0_u32..).zip(points) {
+            // Points come in rows; most are in the cell of the one before, which saves the hash.
             let place = self.index.place_of(point);
             if last != Some(place) {
                 (last, list) = (Some(place), self.index.list_at(&place));
@@ -116,9 +122,11 @@ impl SesSolid {
             }
             match runs.last_mut() {
                 Some(run) if list.is_some() => run.points.end = number + 1,
+                // No list: no atom is near enough to matter here.
                 _ => visit(number as usize, self.largest_value(), Nearest::Here),
             }
         }
+        // List first, then number: in a cell the points keep their order.
         runs.sort_unstable_by_key(|run| u64::from(run.list) << 32 | u64::from(run.points.start));
         runs
     }
@@ -139,11 +147,15 @@ impl SesSolid {
             for (number, atom) in some.iter().zip(self.deepest_of(&lanes, atoms, cell)) {
                 let point = &points[*number];
                 let surface_point = match atom {
+                    // One of the two balls may be hidden where the point projects to; double
+                    // precision decides which is deeper, and exposure is asked of that one.
                     TIE => Some(self.nearest_alone(point)),
                     _ => self.nearest_on_atom(point, atom),
                 };
                 match surface_point {
                     Some((value, nearest)) => visit(*number, value, nearest),
+                    // The projection onto the deepest ball is not
+                    // exposed: the nearest point is on an edge.
                     None => at_edges.push(*number),
                 }
             }
@@ -164,6 +176,7 @@ impl SesSolid {
             let edges = self.nearest_edges(&lanes, &lists, cell);
             for (lane, number) in some.iter().enumerate() {
                 let (mut value, mut nearest) = edges.at(lane, self.probe_radius);
+                // So near to the surface the sign could be wrong, and signs decide the topology.
                 if value.abs() < self.error_angstrom() {
                     (value, nearest) = self.nearest_alone(&points[*number]);
                 }
@@ -186,10 +199,12 @@ impl SesSolid {
     /// an atom; `None` if an arc or a vertex is nearest.
     fn nearest_on_atom(&self, point: &Vec3, atom: u32) -> Option<(f64, Nearest)> {
         if atom == NOTHING {
+            // No atom is near the cell.
             return Some((self.largest_value(), Nearest::Here));
         }
         let depth = self.radii[atom as usize] - (point - self.centres[atom as usize]).norm();
         if let Some(value) = self.value_at_depth(depth) {
+            // Depth exactly 0 is on the accessible surface: the probe itself may stand there.
             let is_outside = depth <= 0.0;
             let nearest = if is_outside {
                 Nearest::Here
@@ -214,6 +229,8 @@ impl SesSolid {
         let (mut outside, mut second) = ([f32::INFINITY; LANES], [f32::INFINITY; LANES]);
         let mut deepest = [NOTHING; LANES];
         for some in atoms.chunks(STRIDE) {
+            // The chunk's first entry has its smallest bound. The second
+            // best counts, not the best: a tie must be seen from both balls.
             if some[0].is_beyond(lanes.limit(&second)) {
                 break;
             }
@@ -221,10 +238,12 @@ impl SesSolid {
                 let atom = entry.number;
                 let [cx, cy, cz] = cell.seen(&self.centres[atom as usize]);
                 let radius = self.radii[atom as usize] as f32;
+                // Selects, not branches: the compiler turns the loop into vector code of 16 lanes.
                 for lane in 0..LANES {
                     let (dx, dy, dz) = (x[lane] - cx, y[lane] - cy, z[lane] - cz);
                     let this = (dx * dx + dy * dy + dz * dz).sqrt() - radius;
                     let is_deeper = this < outside[lane];
+                    // The loser of this comparison is a candidate for second place.
                     let other = if is_deeper { outside[lane] } else { this };
                     second[lane] = if other < second[lane] {
                         other
@@ -238,6 +257,7 @@ impl SesSolid {
         }
         let error = self.error_angstrom() as f32;
         for lane in 0..LANES {
+            // The true order of two depths is certain only if they differ by more than the error.
             let is_tied = second[lane] - outside[lane] < error;
             deepest[lane] = if is_tied { TIE } else { deepest[lane] };
         }
@@ -252,6 +272,7 @@ impl SesSolid {
     #[inline(always)]
     fn nearest_edges_any(&self, lanes: &Lanes, lists: &Lists, cell: &Cell) -> Edges {
         let [x, y, z] = &lanes.places;
+        // Starts at the reach: what is farther counts as nothing.
         let reach = self.reach() as f32;
         let mut best = [reach * reach; LANES];
         let mut vertices = [NOTHING; LANES];
@@ -274,6 +295,7 @@ impl SesSolid {
                 }
             }
         }
+        // With the squares that the vertices left: an arc wins only if it is nearer than those.
         let mut arcs = [NOTHING; LANES];
         for some in lists.arcs.chunks(STRIDE) {
             if some[0].is_beyond(lanes.limit(&roots(&best))) {
@@ -287,6 +309,7 @@ impl SesSolid {
                 let (radius, cosine) = (this.radius as f32, this.cosine_half_angle as f32);
                 for lane in 0..LANES {
                     let (dx, dy, dz) = (x[lane] - cx, y[lane] - cy, z[lane] - cz);
+                    // Cylindrical coordinates about the circle's axis: along it, and out from it.
                     let projection = dx * ax + dy * ay + dz * az;
                     let (ox, oy, oz) = (
                         dx - projection * ax,
@@ -294,8 +317,13 @@ impl SesSolid {
                         dz - projection * az,
                     );
                     let out = (ox * ox + oy * oy + oz * oz).sqrt();
+                    // Squared distance from the circle; the nearest
+                    // point lies in the half-plane of the point.
                     let gap = out - radius;
                     let square = projection * projection + gap * gap;
+                    // The direction ρ = o / |o| is on the arc if ρ·middle >= cosine;
+                    // times |o|, so that a point on the axis divides nothing. The
+                    // middle is normal to the axis, so d·middle = o·middle.
                     let is_on_arc = dx * mx + dy * my + dz * mz >= cosine * out;
                     let is_nearer = is_on_arc & (square < best[lane]);
                     best[lane] = if is_nearer { square } else { best[lane] };
@@ -315,6 +343,8 @@ impl Lanes {
     fn new<'a>(points: impl Iterator<Item = &'a Vec3>, cell: &Cell) -> Self {
         let mut lanes = Self {
             places: [[0.0; LANES]; 3],
+            // Unused lanes sit at the middle of the cell with a
+            // limit of -∞, nearly: they never keep a search going.
             from_middle: [f32::MIN; LANES],
         };
         for (lane, point) in points.enumerate() {
@@ -324,6 +354,7 @@ impl Lanes {
             }
             let [x, y, z] = coordinates;
             let from_middle = (x * x + y * y + z * z).sqrt();
+            // Rounded up: a limit too large costs a few entries, one too small a wrong neighbour.
             lanes.from_middle[lane] = from_middle * (1.0 + ROUNDING) + ROUNDING_ANGSTROM;
         }
         lanes
@@ -336,6 +367,7 @@ impl Lanes {
         for lane in 0..LANES {
             limits[lane] = best[lane] + self.from_middle[lane];
         }
+        // The maximum by halves: log₂ 16 = 4 steps, each a vector operation.
         let mut half = LANES / 2;
         while half > 0 {
             for lane in 0..half {

@@ -17,6 +17,7 @@ struct HalfSpaces {
 impl HalfSpaces {
     /// Half-spaces that hold everything.
     const EVERYTHING: Self = Self {
+        // n = 0 and h = ∞: 0 <= ∞ holds for every point, so padding never decides.
         axes: [[0.0; LANES]; 3],
         heights: [f64::INFINITY; LANES],
     };
@@ -24,6 +25,7 @@ impl HalfSpaces {
     #[inline(always)]
     fn hold(&self, [x, y, z]: [f64; 3]) -> bool {
         let mut hold = true;
+        // All eight without a branch between them: that is what vectorises.
         for lane in 0..LANES {
             let [nx, ny, nz] = &self.axes;
             hold &= nx[lane] * x + ny[lane] * y + nz[lane] * z <= self.heights[lane];
@@ -55,12 +57,16 @@ impl Exposure {
         let mut caps = Vec::new();
         for (atom, (radius, is_exposed)) in radii.iter().zip(&atoms).enumerate() {
             if *is_exposed && accessible.caps(atom as u32, &mut caps).is_some() {
+                // Largest cap first: a point that is covered at
+                // all is most likely covered by one of these.
                 for caps in caps.chunks(LANES) {
                     let mut together = HalfSpaces::EVERYTHING;
                     for (lane, cap) in caps.iter().enumerate() {
                         for axis in 0..3 {
                             together.axes[axis][lane] = cap.axis[axis];
                         }
+                        // The cap's height is a cosine on the unit sphere;
+                        // times the radius it compares with a point in Å.
                         together.heights[lane] = cap.height * radius;
                     }
                     half_spaces.push(together);

@@ -3,9 +3,11 @@
 
 use protomer_kernel::Vec3;
 
-/// Cells along a chunk's edge, and in a chunk.
+/// Binary logarithm of [`CHUNK`].
 const CHUNK_BITS: u32 = 2;
+/// Cells along a chunk's edge.
 const CHUNK: i32 = 1 << CHUNK_BITS;
+/// Cells in a chunk.
 const CELLS: usize = (CHUNK * CHUNK * CHUNK) as usize;
 /// Upper bound of the rounding of a bound, Å.
 const ROUNDING_ANGSTROM: f64 = 1e-5;
@@ -52,6 +54,7 @@ impl Entry {
     /// An entry of which nothing is known.
     pub(super) fn unknown(number: u32) -> Self {
         Self {
+            // Never beyond: lists without bounds are searched to the end.
             bound: f32::NEG_INFINITY,
             number,
         }
@@ -61,11 +64,13 @@ impl Entry {
     fn key(&self) -> u64 {
         let bits = self.bound.to_bits();
         // Negative numbers are in reverse order, and after the others.
+        // Floats of one sign order like their bits; flipped so that integers compare as floats do.
         let ordered = if bits >> 31 == 1 {
             !bits
         } else {
             bits | 1 << 31
         };
+        // The number as tie-break makes the order of equals independent of the sort.
         u64::from(ordered) << 32 | u64::from(self.number)
     }
 
@@ -94,6 +99,7 @@ impl Entry {
 /// cell. Single precision rounds it by far less than `from_middle` has to spare.
 #[inline]
 pub(super) fn limit(distance: f64, from_middle: f64) -> f32 {
+    // Rounding in f32 is relative, 6e-8; `from_middle` holds 1e-5 Å to spare.
     (distance + from_middle) as f32
 }
 
@@ -126,6 +132,7 @@ impl FeatureIndex {
         reach: f64,
         distance: impl Fn(u32, &Vec3) -> f64,
     ) -> Self {
+        // No point of a cell is farther from its middle than this; the factor covers rounding.
         let half_diagonal = 0.5 * 3.0_f64.sqrt() * cell_edge * (1.0 + 1e-9);
         let mut grid = Grid {
             cell_edge,
@@ -134,6 +141,7 @@ impl FeatureIndex {
         };
         // The greatest depth of each cell's middle.
         let mut deepest: Vec<f64> = Vec::new();
+        // Atoms come first, since the cells near them are the only ones that exist.
         let atoms = features.iter().take_while(|f| f.kind == Kind::Atom);
         for atom in atoms {
             grid.add_chunks(atom);
@@ -149,12 +157,19 @@ impl FeatureIndex {
             let from_centre = || (middle - feature.centre).norm();
             let (bound, limit) = match feature.kind {
                 Kind::Atom => {
+                    // At a point of the cell the deepest ball reaches at least
+                    // deepest - h, with h half the diagonal, and this ball at
+                    // most -bound + h: it matters only if bound <= 2 h - deepest.
                     let limit = 2.0 * half_diagonal - deepest[cell];
                     (from_centre() - feature.depth_radius, limit)
                 }
+                // No point of the cell has a depth between 0
+                // and the reach, where edges can be nearest.
                 _ if deepest[cell] < -half_diagonal || deepest[cell] > reach + half_diagonal => {
                     return None;
                 }
+                // A point of the cell is at most h from the
+                // middle, so its distance is at least bound - h.
                 Kind::Arc => (distance(feature.number, middle), reach + half_diagonal),
                 Kind::Vertex => (from_centre(), reach + half_diagonal),
             };
@@ -170,6 +185,7 @@ impl FeatureIndex {
                 }
             });
         }
+        // A counting sort by list: count, sum up, place. Then each list is sorted for itself.
         let mut starts = vec![0_u32; KINDS * deepest.len() + 1];
         for (list, _) in &pairs {
             starts[*list as usize + 1] += 1;
@@ -177,6 +193,7 @@ impl FeatureIndex {
         for list in 1..starts.len() {
             starts[list] += starts[list - 1];
         }
+        // This copy moves on as the lists fill; `starts` is kept.
         let mut filled = starts.clone();
         let mut keys = vec![0; pairs.len()];
         for (list, entry) in pairs {
@@ -184,6 +201,7 @@ impl FeatureIndex {
             keys[*place as usize] = entry.key();
             *place += 1;
         }
+        // As integers: a key holds bound and number, so sorting moves one word each.
         for ends in starts.windows(2) {
             keys[ends[0] as usize..ends[1] as usize].sort_unstable();
         }
@@ -296,6 +314,7 @@ impl Grid {
                     let Some(chunk) = self.table.get(&[x, y, z]) else {
                         continue;
                     };
+                    // Saturating: a place near the end of i32 must not wrap to the other side.
                     let least = [x, y, z].map(|x| x.saturating_mul(CHUNK));
                     let greatest = least.map(|x| x.saturating_add(CHUNK - 1));
                     let from = [0, 1, 2].map(|axis| least[axis].max(low[axis]));
@@ -319,6 +338,8 @@ impl Grid {
         let square = feature.radius * feature.radius;
         let middle = |n: i32| (f64::from(n) + 0.5) * edge;
         for x in from[0]..=to[0] {
+            // What a ball of the radius has left for y and z; negative if x
+            // alone is too far, and then no z satisfies the last comparison.
             let square = square - gap(x, centre.x, edge).powi(2);
             for y in from[1]..=to[1] {
                 let square = square - gap(y, centre.y, edge).powi(2);
@@ -341,6 +362,7 @@ impl Grid {
 }
 
 fn chunk_of(cell: [i32; 3]) -> [i32; 3] {
+    // Shift and mask are floor division and remainder for negative cells too.
     cell.map(|x| x >> CHUNK_BITS)
 }
 
@@ -353,11 +375,13 @@ fn cell_in_chunk(cell: [i32; 3]) -> usize {
 /// SSE 4.1.
 fn cell_number(cells: f64) -> i32 {
     let towards_zero = cells as i32;
+    // The cast rounds towards zero: one less where that was upwards.
     towards_zero.saturating_sub(i32::from(f64::from(towards_zero) > cells))
 }
 
 /// Distance by which a coordinate lies outside the cells numbered `n` along an axis.
 fn gap(n: i32, x: f64, edge: f64) -> f64 {
+    // At most one of the two is positive.
     let (below, above) = (f64::from(n) * edge - x, x - (f64::from(n) + 1.0) * edge);
     below.max(above).max(0.0)
 }
@@ -387,6 +411,8 @@ impl ChunkTable {
 
     /// Adds a chunk, if it is not there yet.
     fn add(&mut self, place: [i32; 3]) {
+        // Half full at most: chains of occupied slots stay
+        // short, and `find` always meets an empty one.
         if 2 * self.chunks >= self.slots.len() {
             self.grow();
         }
@@ -411,6 +437,7 @@ impl ChunkTable {
     /// The slot that holds `place`, or the empty slot where it belongs.
     fn find(&self, place: &[i32; 3]) -> usize {
         let mask = self.slots.len() - 1;
+        // The mask is a remainder, as the length is a power of two.
         let mut slot = hash(place) as usize & mask;
         while self.slots[slot].1 != EMPTY && self.slots[slot].0 != *place {
             slot = (slot + 1) & mask;
@@ -420,10 +447,13 @@ impl ChunkTable {
 }
 
 fn hash(place: &[i32; 3]) -> u64 {
+    // Neighbouring chunks differ by 1 in one coordinate: each gets its own odd
+    // multiplier, turned so that the three do not cancel in the exclusive or.
     let [x, y, z] = place.map(|x| u64::from(x as u32));
     let mixed = x.wrapping_mul(0x9e37_79b9_7f4a_7c15)
         ^ y.wrapping_mul(0xc2b2_ae3d_27d4_eb4f).rotate_left(21)
         ^ z.wrapping_mul(0x1656_67b1_9e37_79f9).rotate_left(42);
     let folded = mixed ^ (mixed >> 32);
+    // The low bits choose the slot, so the well mixed high ones are brought down.
     folded.wrapping_mul(0xd6e8_feb8_6659_fd93) >> 20
 }

@@ -104,6 +104,7 @@ impl SesSolid {
             cover,
             bounds,
             largest_radius,
+            // Empty until the solid exists, since the distances to its arcs are asked of itself.
             index: FeatureIndex::new(1.0, &[], 0.0, |_, _| 0.0),
         };
         solid.index = solid.build_index(accessible.members());
@@ -112,6 +113,8 @@ impl SesSolid {
 
     fn build_index(&self, members: &[u32]) -> FeatureIndex {
         let reach = self.reach();
+        // Outside the balls the value is the probe's radius less
+        // the depth; so far out it has reached its largest.
         let beyond = self.largest_value() - self.probe_radius;
         let mut features = Vec::with_capacity(members.len() + self.arcs.len());
         for &number in members {
@@ -146,6 +149,8 @@ impl SesSolid {
             let arc = &self.arcs[arc as usize];
             let (centre, radius) = arc.ball();
             let from_ball = (point - centre).norm() - radius;
+            // Both bounds hold: from the whole circle, and from the ball
+            // about the arc alone, which tells the sides of the circle apart.
             arc.distance_from_circle(point).max(from_ball)
         };
         let cell_edge = CELL_EDGE_PER_REACH * (self.largest_radius + BAND_ANGSTROM);
@@ -168,6 +173,7 @@ impl SesSolid {
         let mut depth = f64::NEG_INFINITY;
         let mut beyond = f32::INFINITY;
         for entry in atoms {
+            // Entries are sorted by bound: none behind this one can be deeper.
             if entry.is_beyond(beyond) {
                 break;
             }
@@ -175,10 +181,13 @@ impl SesSolid {
             let radius = self.radii[atom as usize];
             let square = (point - self.centres[atom as usize]).norm_squared();
             // Deeper means nearer to the centre than this; most atoms need no root.
+            // Once depth exceeds the radius, no point of this ball is deep
+            // enough; the square of a negative number would hide that.
             let nearer_than = radius - depth;
             if nearer_than > 0.0 && square < nearer_than * nearer_than {
                 let this = radius - square.sqrt();
                 if this > depth {
+                    // A depth is at most `from_middle` less the bound: beyond this none is deeper.
                     (depth, beyond) = (this, limit(-this, from_middle));
                     best = Some(atom);
                 }
@@ -190,6 +199,7 @@ impl SesSolid {
     /// The radial projection onto the ball of `atom`, if it is exposed there.
     fn on_face(&self, point: &Vec3, atom: u32) -> Option<Vec3> {
         let atom = atom as usize;
+        // A buried atom has no half-spaces, which `is_exposed` would read as all exposed.
         if !self.exposure.atoms[atom] {
             return None;
         }
@@ -198,6 +208,7 @@ impl SesSolid {
         let direction = if length > 0.0 {
             offset / length
         } else {
+            // At the centre all directions are equally near; any exposed one will do.
             Vec3::x()
         };
         let onto = direction * self.radii[atom];
@@ -218,6 +229,7 @@ impl SesSolid {
         let mut distance = farthest;
         let mut beyond = limit(distance, from_middle);
         let mut nearest_vertex = None;
+        // Vertices first: one distance each is cheap, and a good limit spares arcs.
         for entry in vertices {
             if entry.is_beyond(beyond) {
                 break;
@@ -237,6 +249,7 @@ impl SesSolid {
             }
             let arc = entry.number;
             let square = self.arcs[arc as usize].distance_squared(point);
+            // Strictly less: an arc's end is its vertex, and rounding decides nothing then.
             if square < best {
                 (best, distance) = (square, square.sqrt());
                 beyond = limit(distance, from_middle);
@@ -279,6 +292,7 @@ impl SesSolid {
         if near.is_some() {
             return near;
         }
+        // Far inside nothing is listed. Rare, so the search without bounds may be slow.
         let arcs = (0..self.arcs.len() as u32).map(Entry::unknown);
         let vertices = (0..self.vertices.len() as u32).map(Entry::unknown);
         self.nearest_edge(point, arcs, vertices, (f64::INFINITY, 0.0))
@@ -307,6 +321,7 @@ impl SesSolid {
         if depth <= 0.0 {
             Some((self.probe_radius - depth).min(self.largest_value()))
         } else if depth >= self.reach() {
+            // Deeper in a ball than probe and band together: whatever is nearest is beyond reach.
             Some(-BAND_ANGSTROM)
         } else {
             None
@@ -371,6 +386,7 @@ impl ImplicitSolid for SesSolid {
 
     /// Adds balls of the atoms, which are inside the solid.
     fn add_inner_balls(&self, point: &Vec3, reach_angstrom: f64, balls: &mut Vec<Ball>) {
+        // These hold for certain: a ball of the atom itself, without the probe, is never outside.
         for entry in self.index.nearby(point).lists.atoms {
             let atom = entry.number;
             let centre = self.centres[atom as usize];
@@ -421,8 +437,10 @@ impl CompactArc {
         let offset = point - self.centre;
         let projection = offset.dot(&self.axis);
         let height = projection * projection;
+        // Rounding may leave a tiny negative square for a point on the axis.
         let out = (offset.norm_squared() - height).max(0.0).sqrt();
         let gap = out - self.radius;
+        // The tolerance lets points on the axis, to which all of the arc is equally near, count.
         let on_arc = offset.dot(&self.middle) >= self.cosine_half_angle * out - ON_AXIS_ANGSTROM;
         let square = height + gap * gap;
         if on_arc { square } else { f64::INFINITY }
@@ -432,6 +450,7 @@ impl CompactArc {
     fn nearest(&self, point: &Vec3) -> Vec3 {
         let offset = point - self.centre;
         let out = offset - self.axis * offset.dot(&self.axis);
+        // On the axis there is no direction out: the arc's middle stands for all.
         let direction = out.try_normalize(10.0 * ON_AXIS_ANGSTROM);
         self.centre + direction.unwrap_or(self.middle) * self.radius
     }
@@ -447,6 +466,7 @@ impl CompactArc {
 
     /// A ball that holds the arc.
     fn ball(&self) -> (Vec3, f64) {
+        // More than half the circle: no smaller ball holds it than that about the centre.
         if self.cosine_half_angle <= 0.0 {
             return (self.centre, self.radius);
         }
@@ -464,7 +484,7 @@ impl CompactArc {
 /// A surface point lies on a segment from its nearest accessible point c towards the atoms that
 /// touch the probe at c, and as long as it does not pass their centres it lies in one of their
 /// expanded balls. Only a probe at a vertex that reaches through the plane of its three atoms can
-/// touch beyond; it is covered by a ball of its own.
+/// touch beyond; it is covered by a separate ball.
 fn cover_of(accessible: &Arrangement) -> (Vec<(Vec3, f64)>, (Vec3, Vec3)) {
     let (centres, radii) = (accessible.centres(), accessible.expanded_radii_angstrom());
     let probe = accessible.probe_radius_angstrom();
@@ -474,11 +494,13 @@ fn cover_of(accessible: &Arrangement) -> (Vec<(Vec3, f64)>, (Vec3, Vec3)) {
     for atom in accessible.exposed_atoms() {
         let (centre, radius) = (centres[atom as usize], radii[atom as usize]);
         cover.push((centre, radius));
+        // Without the probe: the surface lies on the atoms' own balls or between them.
         let tight = Vec3::repeat(radius - probe);
         (low, high) = (low.inf(&(centre - tight)), high.sup(&(centre + tight)));
     }
     for vertex in accessible.vertices() {
         let [a, b, c] = vertex.atoms.map(|atom| centres[atom as usize]);
+        // No plane through the centres: the probe's piece may be anything, so its ball is kept.
         let height = match (b - a).cross(&(c - a)).try_normalize(0.0) {
             Some(normal) => normal.dot(&(vertex.position - a)).abs(),
             None => 0.0,

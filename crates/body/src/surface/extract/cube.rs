@@ -13,13 +13,15 @@ use super::cycles::Cycles;
 pub(super) const ALL: u32 = (1 << 27) - 1;
 /// Number of bits by which a node comes after its neighbour along each axis.
 const STEP: [u32; 3] = [9, 3, 1];
-/// The lower ends of the edges of cells along each axis: on edges of the cube, inside its faces,
-/// and in its interior.
+/// The lower ends of those edges of cells along each axis that lie on edges of the cube.
 const ON_EDGES: [u32; 3] = edges(0);
+/// The same for edges inside the faces of the cube.
 const IN_FACES: [u32; 3] = edges(1);
+/// The same for edges in the interior of the cube.
 const INSIDE: [u32; 3] = edges(2);
-/// The nodes of the second and of the third layer along each axis.
+/// The nodes of the second layer along each axis.
 const SECOND: [u32; 3] = layers(1);
+/// The nodes of the third layer along each axis.
 const THIRD: [u32; 3] = layers(2);
 /// The corners of a cell, as bits from its lowest node.
 const CELL: u32 = 0b11_0110_0001_1011;
@@ -64,6 +66,7 @@ const fn layers(layer: u32) -> [u32; 3] {
 pub(super) fn corners(nodes: u32, first: u32) -> usize {
     let cell = nodes >> first;
     let side = |bits: u32| usize::from(CORNERS[(bits & 0b11011) as usize]);
+    // The side at x + 1 comes after by nine bits; its corners have the odd numbers.
     side(cell) | side(cell >> STEP[0]) << 1
 }
 
@@ -94,6 +97,7 @@ pub(super) fn is_plain(nodes: u32, table: &[Cycles]) -> bool {
         for cell in 0..8 {
             let first = first_node(cell);
             let inside = nodes >> first & CELL;
+            // A cell all inside or all outside has no sheet.
             if inside != 0 && inside != CELL {
                 sheets += u32::from(table[corners(nodes, first)].count);
             }
@@ -102,10 +106,12 @@ pub(super) fn is_plain(nodes: u32, table: &[Cycles]) -> bool {
         // line on a face ends at two: V - E + F = F - (edges in faces) / 2 - (edges inside).
         let (mut in_faces, mut inside) = (0, 0);
         for axis in 0..3 {
+            // A bit is set where a node and the next along the axis differ.
             let crossed = nodes ^ nodes >> STEP[axis];
             in_faces += (crossed & IN_FACES[axis]).count_ones();
             inside += (crossed & INSIDE[axis]).count_ones();
         }
+        // Doubled, so that the halves stay integers: V - E + F = 1.
         2 * sheets == 2 + in_faces + 2 * inside
     }
 }
@@ -116,6 +122,8 @@ fn has_plain_boundary(nodes: u32, table: &[Cycles]) -> bool {
     for (axis, step) in STEP.into_iter().enumerate() {
         let crossed = nodes ^ nodes >> step;
         let first = ON_EDGES[axis] & !SECOND[axis];
+        // Both halves of an edge of the cube are crossed:
+        // its ends agree, and one tile cannot show it.
         if crossed & crossed >> step & first != 0 {
             return false;
         }
@@ -125,13 +133,16 @@ fn has_plain_boundary(nodes: u32, table: &[Cycles]) -> bool {
             let node = |bit: u32| face >> bit & 1;
             let middle = node(u + v);
             let sides = node(u) + node(v) + node(2 * u + v) + node(u + 2 * v);
+            // The middle differs from all four around it: a closed curve in the face.
             let is_alone = sides == if middle == 1 { 0 } else { 4 };
             let [a, b, c, d] = [node(0), node(2 * u), node(2 * v), node(2 * (u + v))];
+            // Diagonal corners agree and neighbours do not: two curves, or one of two ways to join.
             if is_alone || (a == d && b == c && a != b) {
                 return false;
             }
         }
     }
+    // The corners of the cube as those of a cell of twice the size.
     let mut cube = 0;
     for corner in 0..8 {
         cube |= ((nodes >> (2 * first_node(corner)) & 1) as usize) << corner;
@@ -165,6 +176,8 @@ pub(super) fn crossings(nodes: u32) -> (u16, [u16; 3]) {
         let number = crossed.count_ones() as u16;
         count += number;
         for axis in 0..3 {
+            // Coordinates 1 and 2 in halves of a cell are
+            // 2 and 4; the edge's own half follows below.
             sum[axis] += 2 * (crossed & SECOND[axis]).count_ones() as u16;
             sum[axis] += 4 * (crossed & THIRD[axis]).count_ones() as u16;
         }

@@ -48,6 +48,8 @@ fn cycles(mask: usize) -> Cycles {
         for [from, to] in links(mask, face) {
             (crossed[from], crossed[to]) = (true, true);
             let (survivor, gone) = (label[from], label[to]);
+            // Twelve labels: renaming all is simpler than a
+            // tree, and this runs once for each of 256 masks.
             for label in &mut label {
                 if *label == gone {
                     *label = survivor;
@@ -61,6 +63,7 @@ fn cycles(mask: usize) -> Cycles {
         if !crossed[first] || of_edge[first] != NOT_CROSSED {
             continue;
         }
+        // Edges below `first` belong to sheets that are already numbered.
         for edge in first..EDGES {
             if crossed[edge] && label[edge] == label[first] {
                 of_edge[edge] = count;
@@ -87,6 +90,7 @@ pub(super) fn links(mask: usize, face: usize) -> Vec<[usize; 2]> {
     for start in 0..4 {
         if is_inside(start) && !is_inside(start + 1) {
             let mut end = start + 1;
+            // Ends at the latest at the corner where it began, which is inside.
             while !is_inside(end + 1) {
                 end += 1;
             }

@@ -22,6 +22,7 @@ const RIM: i32 = BLOCK + 1;
 const CUBES: usize = 8;
 /// Edges of cells on the edges of the cubes of a block.
 const CUBE_EDGES: usize = 48;
+/// The number that stands for no block, slot or quadrangle.
 pub(super) const NOTHING: u32 = u32::MAX;
 
 /// A closed surface of quadrangles.
@@ -93,6 +94,8 @@ pub(super) fn quadrangles(lattice: &SparseLattice) -> Dual {
     };
     march.find_blocks();
     march.mark_beside_cells();
+    // All tiles of cells before those of cubes: a cube enters the edges
+    // inside its faces only if a cell beside it has made a quadrangle there.
     for block in 0..march.blocks.len() {
         march.tile_cells(block);
     }
@@ -146,9 +149,11 @@ impl After {
         if (node[u] | node[v]) & 1 == 1 {
             return Some(Slot::Other(global(self.place, node), axis));
         }
+        // The nodes of a block are 0 to 3; 4 is the first node of the block after it.
         let [x, y, z] = node.map(|x| usize::from(x == BLOCK));
         let block = self.blocks[x | y << 1 | z << 2];
         let node = node.map(|x| (x % BLOCK) as usize);
+        // On a cube's edge u and v are even: u + v / 2 takes 0 to 3, so each axis has 16 slots.
         let slot = 16 * axis + 4 * node[axis] + node[u] + node[v] / 2;
         (block != NOTHING).then_some(Slot::OnCubeEdge(block, slot))
     }
@@ -187,6 +192,7 @@ impl March<'_> {
                 let (mut plain, mut cellwise) = (0, 0);
                 for cube in 0..CUBES {
                     let nodes = rim.cube(cube);
+                    // All on one side: no tile at all.
                     if nodes == 0 || nodes == cube::ALL {
                         continue;
                     }
@@ -194,6 +200,8 @@ impl March<'_> {
                     let kind = if is_plain { &mut plain } else { &mut cellwise };
                     *kind |= 1 << cube;
                 }
+                // `block_at` counts the blocks that the lattice
+                // keeps, `blocks` only those that are crossed.
                 self.block_at[count - 1] = self.blocks.len() as u32;
                 let [x, y, z] = node_at(block);
                 self.blocks.push(Block {
@@ -235,6 +243,8 @@ impl March<'_> {
                 place, cellwise, ..
             } = self.blocks[block];
             for cube in bits(u64::from(cellwise)) {
+                // The neighbour in the same block differs in one bit; the one beyond
+                // the block's face has the same bit flipped, in the next block.
                 for axis in 0..3 {
                     self.blocks[block].beside_cells |= 1 << (cube ^ 1 << axis);
                     let is_second = cube >> axis & 1 == 1;
@@ -272,6 +282,7 @@ impl March<'_> {
             for cell in 0..8 {
                 let inside = cube::corners(nodes, cube::first_node(cell));
                 let cycles = self.table[inside];
+                // An entry for each edge is a whole row of work; most cells of a cube are empty.
                 if cycles.count == 0 {
                     continue;
                 }
@@ -305,6 +316,8 @@ impl March<'_> {
                     let low = lower_corner(edge);
                     count += 1;
                     for (axis, sum) in sum.iter_mut().enumerate() {
+                        // In halves of a cell, to stay in integers: 2 for a corner's
+                        // coordinate of 1, and 1 for the middle along the edge's own axis.
                         *sum += 2 * (low >> axis & 1) as u16;
                     }
                     sum[edge / 4] += 1;
@@ -365,6 +378,8 @@ impl March<'_> {
         // u and v.
         for i in 0..2 {
             for j in 0..2 {
+                // The other cells around the edge belong to
+                // other cubes, which enter their own tiles.
                 let is_in_cube = (0..2).contains(&(low[u] - i)) && (0..2).contains(&(low[v] - j));
                 if is_in_cube {
                     let edge = CellEdge {
@@ -391,6 +406,8 @@ impl March<'_> {
         };
         let quad = match entry {
             NOTHING if !may_make => return,
+            // The low end's side is the same seen from every
+            // cell, so whoever comes first may make it.
             NOTHING => {
                 let node = global(after.place, edge.node);
                 self.make_quad(slot, node, edge.axis, edge.is_low_inside)
@@ -400,6 +417,7 @@ impl March<'_> {
         // The cells around an edge, counter-clockwise seen from its upper end, have it at these
         // places.
         let place = [0, 1, 3, 2][edge.place];
+        // Reversed where the outside is at the lower end: all quadrangles face outwards.
         let corner = if edge.is_low_inside { place } else { 3 - place };
         self.dual.quads[quad as usize].corners[corner] = tile;
     }
@@ -439,6 +457,7 @@ impl<'a> Neighbours<'a> {
         std::array::from_fn(|after| {
             let block = at_corner(block, after);
             let mut beyond = 0;
+            // Blocks past the end of a region are in the next one along those axes.
             for (axis, x) in block.into_iter().enumerate() {
                 beyond |= usize::from(x == BLOCK) << axis;
             }
@@ -455,6 +474,8 @@ impl Rim {
     fn of(words: [Option<u64>; 8]) -> Option<Self> {
         let block_word = words[0]?;
         let is_uniform = block_word == 0 || block_word == u64::MAX;
+        // Uniform with neighbours of the same side: nothing
+        // is crossed, and most blocks are of this kind.
         if is_uniform && words.iter().flatten().all(|word| *word == block_word) {
             return None;
         }
@@ -466,6 +487,8 @@ impl Rim {
                 let shift = start(x % BLOCK, y % BLOCK);
                 let nearest = start(x.min(BLOCK - 1), y.min(BLOCK - 1));
                 let row = match words[after] {
+                    // Each row holds four nodes of its block and
+                    // the first one of the block after it along z.
                     Some(word) => word >> shift & 0b1111,
                     None => block_word >> nearest & 0b1111,
                 };
@@ -485,6 +508,7 @@ impl Rim {
         let mut nodes = 0;
         for i in 0..3 {
             for j in 0..3 {
+                // Node (i, j, k) of a cube is the bit 9 i + 3 j + k.
                 let row = self.0[(x + i) * RIM as usize + y + j] >> z & 0b111;
                 nodes |= u32::from(row) << (9 * i + 3 * j);
             }

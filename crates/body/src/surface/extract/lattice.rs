@@ -12,9 +12,9 @@ pub(super) const BLOCK: i32 = 4;
 pub(super) const NODES: usize = (BLOCK * BLOCK * BLOCK) as usize;
 /// Distance from the first node of a block to its centre along each axis, in cells.
 const HALF: f64 = 0.5 * (BLOCK - 1) as f64;
-/// Largest number of blocks that the balls of the cover look at, and of regions that are kept; a
-/// protein of 50 000 atoms has about 40 000 regions.
+/// Largest number of blocks that the balls of the cover look at.
 const MOST_LOOKS: f64 = 1e9;
+/// Largest number of regions that are kept; a protein of 50 000 atoms has about 40 000.
 const MOST_REGIONS: usize = 4_000_000;
 /// A ball settles the nodes whose squared distance from its centre is within this factor of its
 /// squared radius, so that rounding settles nothing wrongly.
@@ -49,6 +49,7 @@ pub(super) struct Region {
 impl Region {
     /// The number of a block among all that the lattice keeps, if it is kept.
     pub(super) fn number(&self, block: usize) -> Option<u32> {
+        // The bits below are the blocks kept before it: their count is its offset.
         let before = self.blocks & ((1 << block) - 1);
         let is_kept = self.blocks >> block & 1 == 1;
         is_kept.then(|| self.kept_before + before.count_ones())
@@ -72,6 +73,7 @@ impl<'a> SparseLattice<'a> {
         let mut buffers = Buffers::default();
         for (place, candidates) in lattice.candidates(&solid.cover())? {
             let kept_before = lattice.inside.len() as u32;
+            // Blocks are pushed in the order of their bits, which `Region::number` counts on.
             let blocks = lattice.fill(solid, place, candidates, &mut buffers);
             if blocks != 0 {
                 lattice.index_of.insert(place, lattice.regions.len() as u32);
@@ -114,8 +116,11 @@ impl<'a> SparseLattice<'a> {
         let mut looks = 0.0;
         for (centre, radius) in cover {
             let centre = self.frame.to_lattice(centre) / edge;
+            // The diagonal of a cell is √3 = 1.73 spacings; 1.8 leaves room for rounding.
             let reach = (radius + 1.8 * self.spacing) / edge;
             let extent = centre.amax() + reach;
+            // A ball much larger than the spacing asks for a number of blocks that
+            // never ends; refused before it starts. NaN fails the comparison too.
             looks += (2.0 * reach + 1.0).powi(3);
             if !(extent.is_finite() && extent < 1e8 && looks < MOST_LOOKS) {
                 return Err(too_large(self.spacing));
@@ -154,15 +159,18 @@ impl<'a> SparseLattice<'a> {
             points.push(self.point(filling.first.map(|x| x + HALF)));
             blocks.push(filling);
         }
+        // One call for the centres of a region's blocks: the solid answers many points at a time.
         solid.signed_distances_and_empty_balls(points, at_centres);
         for ((block, centre), (value, empty)) in blocks.iter_mut().zip(&*points).zip(&*at_centres) {
             balls.clear();
+            // Balls farther than the corners of the block hold none of its nodes.
             solid.add_inner_balls(centre, HALF * self.diagonal(), balls);
             self.settle_by_balls(block, *value, empty.as_ref(), balls);
         }
         points.clear();
         nodes.clear();
         for (number, block) in (0..).zip(&*blocks) {
+            // Only what the balls left open is asked for: a small share of the nodes.
             for node in bits(block.unknown()) {
                 let offset = node_at(node).map(f64::from);
                 points.push(self.point([0, 1, 2].map(|axis| block.first[axis] + offset[axis])));
@@ -194,15 +202,21 @@ impl<'a> SparseLattice<'a> {
         inner: &[Ball],
     ) {
         let diagonal = self.diagonal();
+        // f changes by at most the distance moved. A node of the block may
+        // belong to a cell in the next one, so a cell's diagonal is added.
         block.is_kept = value.abs() <= (HALF + 1.0) * diagonal;
+        // No node of the block is so far from the centre: all have its sign.
         if value.abs() > HALF * diagonal * (1.0 + 1e-9) {
             block.settle(u64::MAX, value < 0.0);
             return;
         }
+        // Within |f| of the centre the sign is the same.
         block.settle(self.nodes_in([HALF; 3], value), value < 0.0);
         if let Some(ball) = empty {
+            // The probe at its nearest place: all of it is outside.
             block.settle(self.nodes_in_ball(block.first, ball), false);
         }
+        // The atoms' own balls: all of them inside.
         for ball in inner {
             block.settle(self.nodes_in_ball(block.first, ball), true);
         }
@@ -267,6 +281,7 @@ impl Filling {
 
     /// Settles those of `nodes` that are not settled yet.
     fn settle(&mut self, nodes: u64, is_inside: bool) {
+        // Settled nodes keep their sign: it was certain.
         if is_inside {
             self.inside |= nodes & !self.settled;
         }
@@ -284,6 +299,7 @@ impl Filling {
 fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u64 {
     let [x, y, z]: [[f64; 4]; 3] = centre.map(|c| [0.0, 1.0, 2.0, 3.0].map(|i| gap(i, c).powi(2)));
     let mut bits = 0;
+    // Node (i, j, k) is the bit 16 i + 4 j + k; whole planes and rows fall away early.
     for (i, x) in x.into_iter().enumerate() {
         if x >= square {
             continue;
@@ -291,6 +307,7 @@ fn ball_bits(centre: [f64; 3], square: f64, gap: impl Fn(f64, f64) -> f64) -> u6
         for (j, y) in y.into_iter().enumerate() {
             let remainder = square - x - y;
             if remainder > 0.0 {
+                // Four comparisons without a branch fill four bits.
                 let [a, b, c, d] = z.map(|z| u64::from(z < remainder));
                 bits |= (a | b << 1 | c << 2 | d << 3) << (16 * i + 4 * j);
             }
@@ -310,8 +327,10 @@ fn add_blocks_near(regions: &mut FastMap<Cell, u64>, centre: &Vec3, reach: f64) 
                 let region = [x, y, z];
                 let from_first =
                     [0, 1, 2].map(|axis| centre[axis] - f64::from(region[axis]) * size);
+                // Rounded up here, as a block too many costs little and one too few a hole.
                 let square = reach * reach * (1.0 + 1e-12);
                 let blocks = ball_bits(from_first, square, |block, c| {
+                    // The distance to the interval [block, block + 1], zero inside.
                     c - c.clamp(block, block + 1.0)
                 });
                 if blocks != 0 {
@@ -341,6 +360,7 @@ pub(super) fn node_at(index: usize) -> Cell {
 pub(super) fn bits(mut word: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let bit = word.trailing_zeros() as usize;
+        // Clears the lowest bit; wrapping, as a word of zeros comes by once.
         word &= word.wrapping_sub(1);
         (bit < NODES).then_some(bit)
     })

@@ -14,12 +14,14 @@ const FEWEST_CORNERS: u32 = 3;
 
 /// The mesh of a dual surface whose vertices are merged; empty if the dual is not closed.
 pub(super) fn triangulate(lattice: &SparseLattice, dual: &Dual, widths: &Widths) -> TriangleMesh {
+    // A surface that leaves the lattice has edges with fewer than four tiles.
     for quad in &dual.quads {
         if quad.corners.contains(&NOTHING) {
             return TriangleMesh::default();
         }
     }
     let mut patches = Patches::merged(dual, widths);
+    // Each round takes at least one patch apart for good, so the loop ends.
     loop {
         let (edges, is_settled) = count_edges(dual, &mut patches);
         if is_settled {
@@ -39,6 +41,7 @@ fn count_edges(dual: &Dual, patches: &mut Patches) -> (EdgeCounts, bool) {
         for i in 0..count {
             corners[polygon[i] as usize] += 1;
             let (a, b) = (polygon[i], polygon[(i + 1) % count]);
+            // In a triangle mesh an edge has two polygons; more means a second seam.
             if edges.add(a, b) > 2 {
                 wrong.extend([a, b]);
             }
@@ -57,11 +60,14 @@ fn polygon(quad: &Quad, patches: &Patches) -> ([u32; 4], usize) {
     let around = quad.corners.map(|vertex| patches.of(vertex));
     let (mut polygon, mut count) = ([0; 4], 0);
     for i in 0..4 {
+        // Corners with the patch of the one before fall
+        // together; the first is compared with the last.
         if around[i] != around[(i + 3) % 4] {
             polygon[count] = around[i];
             count += 1;
         }
     }
+    // Fewer than three: a seam's interior, which is no polygon.
     (polygon, if count < 3 { 0 } else { count })
 }
 
@@ -120,11 +126,13 @@ impl<'a> Builder<'a> {
     fn place_vertices(&mut self) {
         let mut sums: Vec<(f64, Vec3)> = Vec::new();
         for (vertex, tile) in (0..).zip(&self.dual.tiles) {
+            // The vertex's number is that of its patch, given when the patch is first met.
             let number = &mut self.number[self.patches.of(vertex) as usize];
             if *number == NOTHING {
                 *number = sums.len() as u32;
                 sums.push((0.0, Vec3::zeros()));
             }
+            // Weighted by crossings: the mean does not depend on how the patch was put together.
             let (count, sum) = &mut sums[*number as usize];
             let crossings = tile.crossings();
             *count += crossings.0;
@@ -144,6 +152,8 @@ impl<'a> Builder<'a> {
             corners[count] = self.number[patch as usize];
             count += 1;
             let next = polygon[(i + 1) % polygon.len()];
+            // Patches that cannot be taken apart any further
+            // share two seams: each gets its own vertex.
             if self.edges.count(patch, next) > 2 {
                 corners[count] = self.middle(patch, next, quad);
                 count += 1;
@@ -155,6 +165,8 @@ impl<'a> Builder<'a> {
             (_, &[a, b, c]) => self.mesh.triangles.push([a, b, c]),
             (&[p, q, r, s], &[a, b, c, d]) => match self.diagonal([p, q, r, s], [a, b, c, d]) {
                 Some(Diagonal::First) => {
+                    // The diagonal is an edge from now on; the
+                    // next quadrangle must not use it again.
                     self.edges.add(p, r);
                     self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
                 }
@@ -190,6 +202,7 @@ impl<'a> Builder<'a> {
         let number = self.mesh.vertices.len() as u32;
         let centre = self.lattice.point(quad.crossing());
         self.mesh.vertices.push(centre);
+        // The last corner is joined with the first.
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             self.mesh.triangles.push([a, b, number]);
         }
@@ -203,6 +216,7 @@ impl<'a> Builder<'a> {
             .middle
             .entry((a.min(b), a.max(b), quad.outside()))
             .or_insert((new, 0.0));
+        // Met first at this end of its seam; the other end moves it to the mean.
         if *vertex == new {
             self.mesh.vertices.push(Vec3::zeros());
         }

@@ -131,6 +131,7 @@ impl HalfEdgeMesh {
                 outgoing[from as usize] = origin.len() as u32;
                 origin.push(from);
                 let old_twin = self.twin[old as usize];
+                // Twins keep their side of the triangle; only the triangle gets another number.
                 twin.push(first_of[old_twin as usize / 3] + old_twin % 3);
             }
         }
@@ -151,7 +152,7 @@ impl HalfEdgeMesh {
         }
     }
 
-    /// Each shell as a mesh of its own, in the order of their first triangles.
+    /// Each shell as a separate mesh, in the order of their first triangles.
     pub(crate) fn to_shells(&self) -> Vec<TriangleMesh> {
         let mut number = vec![NONE; self.positions.len()];
         let mut shells = Vec::new();
@@ -223,6 +224,7 @@ impl HalfEdgeMesh {
     /// Whether this half-edge exists and stands for its edge: one of the two does.
     #[inline]
     pub(crate) fn is_edge(&self, half_edge: u32) -> bool {
+        // Of two twins the lower number.
         self.origin[half_edge as usize] != NONE && half_edge < self.twin[half_edge as usize]
     }
 
@@ -285,6 +287,7 @@ impl HalfEdgeMesh {
                 return None;
             }
             let current = spoke;
+            // Across the spoke and round the neighbouring triangle: clockwise.
             let following = next(self.twin[current as usize]);
             spoke = if following == first { NONE } else { following };
             Some(current)
@@ -297,7 +300,8 @@ impl HalfEdgeMesh {
         self.valence[vertex as usize]
     }
 
-    /// Cuts an edge, and the two triangles beside it, in two at `position`; returns the new vertex.
+    /// Cuts an edge, and the two triangles next to it, in two at `position`; returns the new
+    /// vertex.
     pub(crate) fn split(&mut self, half_edge: u32, position: Vec3) -> u32 {
         let (h, g) = (half_edge, self.twin(half_edge));
         let ((a, b), c, d) = (self.ends(h), self.apex(h), self.apex(g));
@@ -305,6 +309,7 @@ impl HalfEdgeMesh {
         let middle = self.positions.len() as u32;
         self.positions.push(position);
         self.shell.push(self.shell[a as usize]);
+        // h_next starts at the middle once the edge is cut.
         self.outgoing.push(h_next);
         self.mark.push(0);
         self.valence.push(4);
@@ -312,6 +317,7 @@ impl HalfEdgeMesh {
         self.valence[d as usize] += 1;
         let new = self.origin.len() as u32;
         let (beyond_bc, beyond_ad) = (self.twin(h_next), self.twin(g_next));
+        // The new triangles (middle, b, c) and (middle, a, d); the old ones keep a and b.
         self.origin.extend([middle, b, c, middle, a, d]);
         self.twin.extend([NONE; 6]);
         self.origin[h_next as usize] = middle;
@@ -322,6 +328,7 @@ impl HalfEdgeMesh {
         self.join(new + 1, beyond_bc);
         self.join(g_next, new + 5);
         self.join(new + 4, beyond_ad);
+        // The half-edges that left a and b may now leave the middle.
         self.outgoing[a as usize] = h;
         self.outgoing[b as usize] = g;
         middle
@@ -331,9 +338,12 @@ impl HalfEdgeMesh {
     pub(crate) fn can_flip(&mut self, half_edge: u32) -> bool {
         let (a, b) = self.ends(half_edge);
         let (c, d) = (self.apex(half_edge), self.apex(self.twin(half_edge)));
+        // One apex: the two triangles close on themselves.
         c != d
+            // Both ends lose an edge; with fewer than three a vertex has no disk.
             && self.valence(a) > 3
             && self.valence(b) > 3
+            // c and d joined already: the flip would make a second edge between them.
             && self.leaving(c).all(|h| self.ends(h).1 != d)
     }
 
@@ -372,6 +382,7 @@ impl HalfEdgeMesh {
         let mut common = 0;
         for spoke in self.leaving(b) {
             let neighbour = self.ends(spoke).1;
+            // A stamp instead of clearing marks: each test costs only its two neighbourhoods.
             common += u32::from(self.mark[neighbour as usize] == self.stamp);
         }
         c != d && common == 2 && self.valence(c) > 3 && self.valence(d) > 3
@@ -398,6 +409,7 @@ impl HalfEdgeMesh {
         let ((a, b), c, d) = (self.ends(h), self.apex(h), self.apex(g));
         let first = self.outgoing[b as usize];
         let mut spoke = first;
+        // All spokes of b become spokes of a. By hand, as `leaving` borrows the mesh.
         loop {
             self.origin[spoke as usize] = a;
             spoke = next(self.twin(spoke));
@@ -407,12 +419,15 @@ impl HalfEdgeMesh {
         }
         let [cb, ac, da, bd] =
             [next(h), previous(h), next(g), previous(g)].map(|side| self.twin(side));
+        // The two vanishing triangles are taken out by joining what lay beyond their other sides.
         self.join(cb, ac);
         self.join(da, bd);
+        // The half-edges of the removed triangles must not be anyone's `outgoing`.
         self.outgoing[a as usize] = ac;
         self.outgoing[c as usize] = cb;
         self.outgoing[d as usize] = da;
         self.outgoing[b as usize] = NONE;
+        // The edge counts at both ends and vanishes, and the edges to c and d fall together: -4.
         self.valence[a as usize] = self.valence[a as usize] + self.valence[b as usize] - 4;
         self.valence[c as usize] -= 1;
         self.valence[d as usize] -= 1;
@@ -467,6 +482,8 @@ fn twins(origin: &[u32], vertices: usize) -> Option<Vec<u32>> {
             while candidate != NONE {
                 let link = links[candidate as usize];
                 if link.end == from {
+                    // A second half-edge the same way, or a third
+                    // triangle at the edge: not a manifold.
                     if opposite != NONE || twin[candidate as usize] != NONE {
                         return None;
                     }
@@ -483,6 +500,7 @@ fn twins(origin: &[u32], vertices: usize) -> Option<Vec<u32>> {
             joined += 2;
         }
     }
+    // Less than all: some half-edge to a higher vertex was never asked for.
     (joined == origin.len()).then_some(twin)
 }
 
@@ -548,7 +566,7 @@ mod tests {
 
     proptest! {
         /// Whatever is split, flipped and collapsed where it is allowed, the mesh stays a sphere,
-        /// and the incremental bookkeeping agrees with one made anew.
+        /// and the incremental bookkeeping agrees with one that is made from scratch.
         #[test]
         fn operations_keep_the_topology(choices in prop::collection::vec((0u8..3, any::<prop::sample::Index>()), 1..60)) {
             let mut mesh = octahedron();

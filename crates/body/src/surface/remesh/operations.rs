@@ -21,9 +21,10 @@ const BETTER: f64 = 1.0 + 1e-9;
 const CROWDED: f64 = 0.27;
 /// Quality below which the direction of a triangle means nothing.
 const DEGENERATE: f64 = 0.02;
-/// No triangle may shrink below this area, Å², or this share of the area of a vertex: a shell
+/// No triangle may shrink below this area, Å², or [`SMALLEST_SHARE`] if that is less: a shell
 /// around a cavity that is next to nothing keeps a size.
 const SMALLEST_AREA: f64 = 5e-5;
+/// The same limit as a share of the area of a vertex.
 const SMALLEST_SHARE: f64 = 0.02;
 /// Largest number of passes of splitting, each of which halves edges: so many shorten them a
 /// thousandfold.
@@ -50,7 +51,7 @@ pub(super) enum Onto {
 pub(super) struct Remesher<'a> {
     pub(super) mesh: HalfEdgeMesh,
     solid: &'a dyn ImplicitSolid,
-    /// Vertices per Å² asked for.
+    /// Requested vertices per Å².
     pub(super) density: f64,
     /// Vertices that every shell gets at least.
     pub(super) fewest_vertices: usize,
@@ -93,6 +94,7 @@ impl<'a> Remesher<'a> {
     pub(super) fn split_long_edges(&mut self) {
         for _ in 0..SPLIT_PASSES {
             let mut splits = 0;
+            // Half-edges that a split adds lie behind the bound and wait for the next pass.
             for half_edge in 0..self.mesh.half_edge_bound() {
                 if self.mesh.is_edge(half_edge) && self.try_split(half_edge) {
                     splits += 1;
@@ -101,6 +103,8 @@ impl<'a> Remesher<'a> {
             if splits == 0 {
                 break;
             }
+            // A split leaves vertices of valence 4, which a
+            // flip turns into better ones before the next.
             self.flip_towards_six();
             if splits * FEW < self.mesh.half_edge_bound() {
                 break;
@@ -109,7 +113,7 @@ impl<'a> Remesher<'a> {
     }
 
     /// Splits an edge in the middle if it is too long. Where an apex is close to the middle a flip
-    /// is due, not one more vertex beside the apex.
+    /// is due, not one more vertex next to the apex.
     fn try_split(&mut self, half_edge: u32) -> bool {
         let longest = LONG * self.target_length(half_edge);
         let square = self.mesh.length_squared(half_edge);
@@ -126,6 +130,7 @@ impl<'a> Remesher<'a> {
         }
         self.mesh.split(half_edge, middle);
         let (a, b) = (a as usize, b as usize);
+        // What is known at both ends carries over; the next round corrects it.
         self.grade.push(0.5 * (self.grade[a] + self.grade[b]));
         self.normal.push(0.5 * (self.normal[a] + self.normal[b]));
         true
@@ -148,7 +153,9 @@ impl<'a> Remesher<'a> {
     /// Collapses an edge into one of its ends, if that neither changes the topology nor turns a
     /// triangle over nor makes an edge longer than `longest`.
     fn try_collapse(&mut self, half_edge: u32, longest: f64) -> bool {
+        // Into either end: often only one keeps the other triangles in shape.
         for candidate in [half_edge, self.mesh.twin(half_edge)] {
+            // The geometric test first; the topological one marks a neighbourhood.
             if self.keeps_shape(candidate, longest) && self.mesh.can_collapse(candidate) {
                 self.mesh.collapse(candidate);
                 return true;
@@ -174,6 +181,7 @@ impl<'a> Remesher<'a> {
             let q = self.mesh.position(self.mesh.apex(spoke));
             let before = (p - moved).cross(&(q - moved));
             let after = (p - target).cross(&(q - target));
+            // A triangle that was degenerate has no direction that could turn.
             (is_small_turn(&before, &after) || quality(&[moved, p, q]) < DEGENERATE)
                 && acceptable(&[target, p, q], &[moved, p, q])
         })
@@ -185,6 +193,7 @@ impl<'a> Remesher<'a> {
             let (a, b) = mesh.ends(half_edge);
             let (c, d) = (mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge)));
             let (mut before, mut after) = (0, 0);
+            // A flip takes an edge from a and b and gives one to c and d.
             for (vertex, change) in [(a, -1), (b, -1), (c, 1), (d, 1)] {
                 let excess = i64::from(mesh.valence(vertex)) - 6;
                 before += excess.pow(2);
@@ -194,18 +203,20 @@ impl<'a> Remesher<'a> {
         });
     }
 
-    /// Flips edges where that makes the worse of the two triangles beside them better (Delaunay, on
-    /// a flat surface).
+    /// Flips edges where that makes the worse of the two triangles next to them better (Delaunay,
+    /// on a flat surface).
     pub(super) fn flip_towards_equal_angles(&mut self) {
         self.flip_where(|mesh, half_edge| {
             let [a, b, c, d] = quadrangle(mesh, half_edge);
             quality_squared(&[c, a, d]).min(quality_squared(&[d, b, c]))
+                // More than 5 % better, so that a pair does not flip back and forth.
                 > 1.05 * 1.05 * quality_squared(&[a, b, c]).min(quality_squared(&[b, a, d]))
         });
     }
 
     fn flip_where(&mut self, wanted: impl Fn(&HalfEdgeMesh, u32) -> bool) {
         for half_edge in 0..self.mesh.half_edge_bound() {
+            // The cheap tests first: most edges are not wanted.
             if self.mesh.is_edge(half_edge)
                 && wanted(&self.mesh, half_edge)
                 && self.flip_keeps_shape(half_edge)
@@ -249,6 +260,7 @@ impl<'a> Remesher<'a> {
     fn move_along_surface(&mut self, vertex: u32, pull: &Pull, onto: Onto, ring: &[Vec3]) {
         let position = self.mesh.position(vertex);
         let reach = self.length[self.mesh.shell[vertex as usize] as usize];
+        // 0 puts the vertex back on the surface where it stands, if its pull leads nowhere.
         for fraction in [1.0, 0.5, 0.0] {
             let place = position + pull.displacement * fraction;
             let (projected, normal) = match onto {
@@ -257,6 +269,8 @@ impl<'a> Remesher<'a> {
                 Onto::Exactly => self.solid.project(&place),
             };
             let is_near =
+                // A projection may jump to another wall of a
+                // thin slit; nothing moves by more than an edge.
                 projected.iter().all(|x| x.is_finite()) && (projected - position).norm() < reach;
             if is_near && self.move_keeps_shape(&position, &projected, ring) {
                 self.mesh.positions[vertex as usize] = projected;
@@ -315,6 +329,7 @@ impl<'a> Remesher<'a> {
 
 /// The triangles at a vertex, each by its other two corners; `ring` are the neighbours, clockwise.
 fn sides(ring: &[Vec3]) -> impl Iterator<Item = (&Vec3, &Vec3)> {
+    // Clockwise neighbours: p and the one before it make the triangle's orientation outward.
     let before = ring.last().into_iter().chain(ring);
     ring.iter().zip(before)
 }
@@ -343,8 +358,10 @@ impl Pull {
             centre += (p + q) * size;
         }
         let normal = vector.try_normalize(f64::MIN_POSITIVE)?;
+        // The centroid of a triangle with its corner at 0 is (p + q) / 3.
         let pull = centre / (3.0 * area);
         Some(Self {
+            // The part along the normal would shrink the body.
             displacement: pull - normal * pull.dot(&normal),
             normal,
             flatness: vector.dot(&normal) / area,
@@ -352,7 +369,7 @@ impl Pull {
     }
 }
 
-/// Corners of the two triangles (a, b, c) and (b, a, d) beside an edge a-b.
+/// Corners of the two triangles (a, b, c) and (b, a, d) next to an edge a-b.
 fn quadrangle(mesh: &HalfEdgeMesh, half_edge: u32) -> [Vec3; 4] {
     let (a, b) = mesh.ends(half_edge);
     [a, b, mesh.apex(half_edge), mesh.apex(mesh.twin(half_edge))]
@@ -380,6 +397,7 @@ fn acceptable(after: &[Vec3; 3], before: &[Vec3; 3]) -> bool {
 /// Whether two area vectors enclose less than 60°.
 fn is_small_turn(before: &Vec3, after: &Vec3) -> bool {
     let cosine = before.dot(after);
+    // Squared, to spare two roots; the sign is checked apart.
     let least = LARGEST_TURN * LARGEST_TURN * before.norm_squared() * after.norm_squared();
     cosine > 0.0 && cosine * cosine > least
 }

@@ -2,8 +2,9 @@
 
 use super::operations::Remesher;
 
-/// Bounds of the factor by which curvature grades the edge lengths.
+/// Lower bound of the factor by which curvature grades the edge lengths.
 const FINEST: f64 = 0.5;
+/// Upper bound of that factor.
 const COARSEST: f64 = 1.3;
 /// Power of the ratio of vertex numbers by which lengths are corrected; 1/2 would do without lag.
 const OVERSHOOT: f64 = 0.75;

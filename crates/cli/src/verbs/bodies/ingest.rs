@@ -40,7 +40,7 @@ pub struct IngestArgs {
     /// folder instead of the answer, memory is bounded, and the same command continues.
     #[arg(long, conflicts_with = "name", help_heading = "Many files")]
     stream: bool,
-    /// With --stream: only a part of the files, such as 2/8, with tables of its own.
+    /// With --stream: only a part of the files, such as 2/8, with separate tables.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "stream", help_heading = "Many files")]
     part: Shard,
     /// With --stream: stop after this many minutes; the same command continues.

@@ -8,7 +8,7 @@ use protomer_convex::hard_bodies::settings::parse_depletants;
 use protomer_convex::shapes::virial::{VirialSettings, virial_coefficients};
 
 /// Print virial coefficients of hard bodies: the second one of a shape, or of two different shapes, exactly; and if
-/// asked for, the third one, and the second one among depletants.
+/// requested, the third one, and the second one among depletants.
 ///
 /// Shapes are those of `shape`. A concave body is given by its convex pieces, joined by + as for `hpmc`; its
 /// coefficients are sampled with --triples.

@@ -13,8 +13,9 @@ use protomer_common::{quantity, range};
 use protomer_results::End;
 use std::path::PathBuf;
 
-/// Solve the Poisson-Boltzmann equation for a complex and its two parts: the charge part of the binding
-/// free energy against salt and pH, its slope d ln K / d ln c, and the energy of the fast interaction.
+/// Estimate how strongly a complex of known pose binds, and the effect of salt, pH and charges: affinity
+/// from its contacts, charge part by the Poisson-Boltzmann equation, dissociation constant by
+/// integration over the poses nearby.
 #[derive(Debug, Args)]
 // `--model` names what acts between the bodies here.
 #[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]

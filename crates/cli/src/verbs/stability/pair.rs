@@ -21,7 +21,7 @@ use protomer_results::{End, Shard};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// The thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
+/// Compute the thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
 /// potential of mean force, dissociation constant, bound poses. The same command continues work
 /// that was stopped.
 #[derive(Debug, Args)]

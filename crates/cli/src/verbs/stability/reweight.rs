@@ -23,7 +23,7 @@ pub struct ReweightArgs {
     /// the sweep and three between neighbours].
     #[arg(long, allow_hyphen_values = true)]
     salt: Option<String>,
-    /// Concentrations of bodies, beside that of the sweep: a list such as 10uM,1mM.
+    /// Concentrations of bodies, in addition to that of the sweep: a list such as 10uM,1mM.
     #[arg(long, allow_hyphen_values = true)]
     concentration: Option<String>,
     /// Share of the frames at the beginning of each trajectory that is left out.

@@ -6,10 +6,12 @@ use protomer_hpmc::free_volume_theory::{Mixture, PHASES};
 use protomer_hpmc::tangent;
 use protomer_kernel::Number;
 
-/// Largest size ratio; beyond these limits the gas is thinner than any for which tangents are
-/// sought.
+/// Largest size ratio; beyond this limit and the next two the gas is thinner than any for which
+/// tangents are sought.
 const LARGEST_SIZE_RATIO: f64 = 10.0;
+/// Smallest size ratio.
 const SMALLEST_SIZE_RATIO: f64 = 1e-3;
+/// Largest packing fraction of the depletants in the reservoir.
 const DENSEST_RESERVOIR: f64 = 100.0;
 
 /// Refuses numbers for which no tangent can be found.
@@ -72,13 +74,17 @@ pub fn phases_of_mixtures(size_ratios: &[f64], reservoirs: &[f64]) -> Result<Pha
                 ),
             };
             for coexistence in &stable {
+                // Branch 0 is the fluid: two densities on it are gas and liquid.
                 let names = match (coexistence.branches, stable.len()) {
                     ([0, 0], _) => ["gas", "liquid"],
+                    // With two coexistences the second is that of the denser fluid.
                     ([0, _], 2..) => ["liquid", PHASES[1]],
                     _ => PHASES,
                 };
                 phases.coexistences.push(named(coexistence, names));
             }
+            // A single coexistence is fluid and solid; gas
+            // and liquid may still be metastable below it.
             if stable.len() == 1
                 && let Some(coexistence) = mixture.gas_and_liquid()
             {

@@ -71,7 +71,7 @@ pub struct Coexistence {
     pub free_volume_fractions: Option<[f64; 2]>,
 }
 
-/// Scatter of a coexistence when the measured values are drawn anew within their errors.
+/// Scatter of a coexistence when the measured values are drawn again within their errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Uncertainty {
     /// Standard errors of the packing fractions.

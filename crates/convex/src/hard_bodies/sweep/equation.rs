@@ -143,10 +143,12 @@ fn mean<T>(runs: &[T], value: impl Fn(&T) -> (f64, Option<f64>)) -> (f64, Option
         sum += value;
         squares = squares
             .zip(error)
+            // One run without an error leaves the mean without one.
             .map(|(squares, error)| squares + error * error);
     }
     (
         sum / count,
+        // Of independent runs: √(Σ σ²) / n.
         squares.map(|squares: f64| squares.sqrt() / count),
     )
 }
@@ -168,6 +170,7 @@ impl StatePoint {
                 (probability, run.insertion_probability_error)
             })
         });
+        // No insertion succeeded in any run: there is no logarithm.
         let insertion = insertion.filter(|(probability, _)| *probability > 0.0);
         let free = first.free_volume_fraction.map(|_| {
             mean(runs, |run| {
@@ -202,6 +205,8 @@ pub(super) fn integrate(points: &mut [StatePoint], b2_over_volume: f64) -> Resul
         .map(|point| Factor {
             packing_fraction: point.packing_fraction,
             value: point.compressibility_factor,
+            // NaN, not zero: an unknown error must not pass
+            // for certainty, and comes out as NaN again.
             standard_error: point.compressibility_factor_error.unwrap_or(f64::NAN),
         })
         .collect();

@@ -149,7 +149,7 @@ pub fn rod_lattice(
     Ok(framework)
 }
 
-/// Corners of a square at θ + 135°, 45°, 225°, -45°, of four squares with θ = ±angle by turns.
+/// Corners of a square at θ + 135°, 45°, 225°, -45°, of four squares with alternating θ = ±angle.
 fn corners_of_four_squares(l: f64, spacing: f64, angle_rad: f64) -> Vec<Vec<f64>> {
     let corners = [135.0, 45.0, 225.0, -45.0].map(f64::to_radians);
     let squares = [
@@ -219,7 +219,7 @@ fn seen_from(first: &Neighbour, second: &Neighbour) -> Neighbour {
 
 /// Adds one hinge to every corner at which two polygons touch: across the gap that follows the first
 /// of the two anticlockwise. The gap on the other side changes by the opposite angle and needs no
-/// hinge of its own.
+/// separate hinge.
 fn hinge_polygons(framework: &mut Framework, polygons: &[Polygon], kh: f64) {
     if kh == 0.0 {
         return;

@@ -21,6 +21,7 @@ use std::f64::consts::SQRT_2;
 const SKIN: f64 = 0.5;
 /// Width of the list for fast squares, in the farthest travel of a step.
 const SKIN_PER_TRAVEL: f64 = 2.5;
+/// Largest number of Newton steps towards the time of a contact.
 const MOST_NEWTON_STEPS: usize = 40;
 /// Rods longer than this, in half-diagonals, are obstacles by default. On random 10 x 10 lattices
 /// no corner met a rod up to r0 = 0.7 in 2000 steps of 0.005, and some did at 1.
@@ -119,7 +120,7 @@ impl Detector {
         self.hot.iter().map(|hot| &hot.watch)
     }
 
-    /// Makes the list anew and forgets what is due: for positions that did not come from a step.
+    /// Makes the list again and forgets what is due: for positions that did not come from a step.
     pub fn reset(&mut self, network: &Network, positions: &[f64]) {
         self.candidates.rebuild(network, positions);
         let watched = self.candidates.pairs().len() + self.stops.len();
@@ -174,10 +175,12 @@ impl Detector {
         let Some(&Root { watch, time, rate }) = earliest else {
             return Ok(None);
         };
+        // The contact is where the step begins.
         if time == 0.0 {
             positions.copy_from_slice(&state.positions);
             return Ok(Some(Meeting { time, watch }));
         }
+        // The path of third order deviates from the drift only in the fourth.
         dynamics.accelerations_into(&mut self.free, &mut self.total);
         let path = Path::new(&network, state, positions, step);
         let time = path.refine(&watch, &self.total, time, rate);
@@ -197,6 +200,7 @@ impl Detector {
                 time: state.time,
             });
         }
+        // The list was made for bodies that move less: it must hold to the end of this step.
         if !self.candidates.holds(&state.positions, travel) {
             // Free squares may be fast: the list then reaches farther.
             let skin = self.skin.max(SKIN_PER_TRAVEL * travel);
@@ -206,13 +210,16 @@ impl Detector {
         self.hot.clear();
         self.roots.clear();
         let now = self.travelled;
+        // Two bodies approach by at most twice the farthest travel.
         self.travelled += 2.0 * travel;
         for index in 0..self.due.len() {
+            // Not due: its gap cannot have closed yet, whatever happened since it was seen.
             if self.due[index] > self.travelled {
                 continue;
             }
             let (watch, lever) = self.watch_and_lever(network, index);
             let gap = watch.gap(network, &state.positions);
+            // Seen now with this gap: due when the travel could have closed it.
             self.due[index] = now + gap / lever;
             if self.due[index] <= self.travelled {
                 let touched = gap <= TOUCHING;
@@ -235,6 +242,7 @@ impl Detector {
                     Watch::Stop { rod, .. } => network.rods[rod].length,
                     Watch::Pair(_) => 0.0,
                 };
+                // The far end of the rod is that much farther from the axis that turns.
                 (watch, 1.0 + length)
             }
         }
@@ -263,9 +271,11 @@ impl Detector {
         let network = dynamics.network().clone();
         let mut watch = root.watch;
         let mut search = RootSearch::new(root.time, root.rate, step);
+        // Drifts keep the rods exactly; each costs a few corrections.
         for newton_step in 0..=MOST_NEWTON_STEPS {
             dynamics.drift(state, search.time, positions)?;
             let mut gap = f64::INFINITY;
+            // The smallest gap of all that is near: another pair may meet a little earlier.
             for hot in &self.hot {
                 let value = hot.watch.gap(&network, positions);
                 if value < gap && self.counts(hot, value, search.time) {
@@ -287,6 +297,7 @@ impl Detector {
     /// may come back, or the path may have been wrong.
     fn counts(&self, hot: &Hot, gap: f64, time: f64) -> bool {
         let comes_back = |root: &Root| root.watch == hot.watch && time >= 0.5 * root.time;
+        // What touched and parts is none, unless its path said that it comes back.
         !hot.touched || gap < -2.0 * ROOT || self.roots.iter().any(comes_back)
     }
 }
@@ -322,6 +333,7 @@ impl RootSearch {
         } else {
             self.closed = self.closed.min(self.time);
         }
+        // The secant corrects the rate, which was that of the path.
         if let Some((time, value)) = self.before {
             let secant = (gap - value) / (self.time - time);
             if secant < 0.0 {
@@ -340,6 +352,7 @@ impl RootSearch {
     fn guess(&self, gap: f64) -> f64 {
         if self.rate < 0.0 {
             let newton = self.time - gap / self.rate;
+            // Newton's guess only within the bracket; otherwise halve it.
             if newton > self.open && newton < self.closed {
                 return newton;
             }
@@ -359,6 +372,7 @@ fn stops(network: &Network) -> Vec<Watch> {
     for (rod, ends) in network.rods.iter().enumerate() {
         for end in [0, 1] {
             let square = network.squares[ends.corner_at(end).square];
+            // A shorter rod's far end meets the side itself, which the squares settle.
             if ends.length > SQRT_2 * square.half_diagonal {
                 stops.push(Watch::Stop { rod, end });
             }

@@ -4,7 +4,7 @@
 //! active-set method of Lawson and Hanson finds it exactly in finitely many steps: it solves W p =
 //! -q on a growing set of contacts, and takes those out whose impulse would have to pull. For q in
 //! the range of W (which velocities guarantee) a contact that depends on those already in the set
-//! has w = 0 once they have, and is never asked for.
+//! has w = 0 once they have, and is never added.
 
 /// A solution of the complementarity problem.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,6 +25,7 @@ const DEPENDENT: f64 = 1e-11;
 const VANISHED: f64 = 1e-14;
 /// Relaxation ends when no impulse moves by more.
 const SETTLED: f64 = 1e-15;
+/// Largest number of sweeps of the relaxation.
 const MOST_SWEEPS: usize = 20_000;
 
 /// Solves 0 ≤ p ⟂ W p + q ≥ 0 for W given row by row.
@@ -38,6 +39,7 @@ const MOST_SWEEPS: usize = 20_000;
 /// ```
 pub fn solve(w: &[f64], q: &[f64]) -> Solution {
     let mut search = ActiveSet::new(Problem { w, q });
+    // A bound on the entries into the set; in exact arithmetic the method ends by itself.
     for _ in 0..10 * q.len() + 20 {
         let rates = search.problem.rates(&search.p);
         let Some(entering) = search.most_violated(&rates) else {
@@ -83,6 +85,7 @@ impl Problem<'_> {
             for row in 0..p.len() {
                 let diagonal = self.entry(row, row);
                 if diagonal > 0.0 {
+                    // One unknown at a time, never below zero.
                     let next = (p[row] - self.rate(&p, row) / diagonal).max(0.0);
                     largest_change = largest_change.max((next - p[row]).abs());
                     p[row] = next;
@@ -132,6 +135,7 @@ impl<'a> ActiveSet<'a> {
         let mut worst = None;
         let mut lowest = -self.tolerance;
         for (contact, rate) in rates.iter().enumerate() {
+            // A refused contact waits until the set has changed.
             let may_enter = !self.refused[contact] && !self.inside.contains(&contact);
             if may_enter && *rate < lowest {
                 (worst, lowest) = (Some(contact), *rate);
@@ -143,8 +147,10 @@ impl<'a> ActiveSet<'a> {
     /// Takes a contact into the set and solves on it, taking those out that would have to pull.
     fn admit(&mut self, entering: usize) {
         self.inside.push(entering);
+        // Contacts that would have to pull leave one after the other, until none has to.
         while let Some(trial) = solve_on(&self.problem, &self.inside) {
             if self.move_towards(&trial) {
+                // The set has changed: what was refused may fit now.
                 self.refused.fill(false);
                 break;
             }
@@ -169,6 +175,7 @@ impl<'a> ActiveSet<'a> {
         for (contact, z) in self.inside.iter().zip(trial) {
             if *z <= 0.0 {
                 let p = self.p[*contact];
+                // p + s (z - p) = 0 at s = p/(p - z): the first impulse to vanish sets the share.
                 share = share.min(p / (p - z));
             }
         }
@@ -178,6 +185,7 @@ impl<'a> ActiveSet<'a> {
         }
         let arrived = share >= 1.0 && trial.iter().all(|z| *z > 0.0);
         if arrived {
+            // Exactly the solution, not the sum of a difference.
             for (contact, z) in self.inside.iter().zip(trial) {
                 self.p[*contact] = *z;
             }
@@ -198,6 +206,7 @@ impl<'a> ActiveSet<'a> {
                 (smallest, least) = (Some(*contact), p);
             }
         }
+        // Rounding has left no exact zero: the smallest has to go, or the loop would not end.
         if vanished.is_empty() {
             vanished.extend(smallest);
         }
@@ -213,6 +222,7 @@ fn solve_on(problem: &Problem, inside: &[usize]) -> Option<Vec<f64>> {
     factor.solve(&mut z);
     let mut residual = Vec::with_capacity(inside.len());
     for row in inside {
+        // One refinement: impulses of nearly dependent contacts keep their digits.
         let mut sum = 0.0;
         for (column, z) in inside.iter().zip(&z) {
             sum += problem.entry(*row, *column) * z;
@@ -244,6 +254,7 @@ impl Cholesky {
                 let entry = problem.entry(inside[row], inside[column]);
                 let remainder = entry - cholesky.product_of_rows(row, column);
                 cholesky.factor[row * size + column] = if row == column {
+                    // Relative to its own diagonal: this contact follows from those before it.
                     if remainder.is_nan() || remainder <= DEPENDENT * entry {
                         return None;
                     }

@@ -13,6 +13,7 @@ use crate::lattice::contact::separation::Along;
 pub const ROOT: f64 = 1e-11;
 /// The march goes on by at least this time.
 const SMALLEST_ADVANCE: f64 = 1e-14;
+/// Largest number of advances of a march.
 const MOST_ADVANCES: usize = 10_000;
 /// While bodies still touch, samples are so near that they miss nothing deeper than this share of a
 /// touch.
@@ -64,6 +65,7 @@ impl<const N: usize> Probe<N> {
     fn safe_advance(&self, curvature: f64, leaving: bool) -> f64 {
         let mut longest = 0.0_f64;
         for function in &self.functions {
+            // Bodies that touched count from zero while they part.
             let touches = leaving && function.distance >= -TOUCHING;
             let height = if touches {
                 function.distance.max(0.0)
@@ -74,10 +76,12 @@ impl<const N: usize> Probe<N> {
                 continue;
             }
             let mut safe = time_above(height, function.rate, curvature);
+            // Beyond the kink another corner leads, whose slope may be lower.
             if safe > self.to_kink {
                 let after_kink = time_above(height, function.worst_rate, curvature);
                 safe = (self.to_kink + SMALLEST_ADVANCE).max(after_kink);
             }
+            // One function that stays positive keeps the gap open.
             longest = longest.max(safe);
         }
         longest
@@ -96,7 +100,9 @@ pub fn first_root<const N: usize>(
     if gap < -TOUCHING || gap.is_nan() {
         return End::Overlapping { depth: -gap };
     }
+    // Below what rounding can make of a touch.
     let lowest = gap.min(0.0) - 2.0 * ROOT;
+    // K t²/8 is how deep a parabola dips between samples: a share of a touch at most.
     let sample = (8.0 * MISSED_DEPTH * TOUCHING / curvature).sqrt();
     let (mut time, mut before, mut current) = (0.0, 0.0, start);
     let mut leaving = true;
@@ -104,7 +110,7 @@ pub fn first_root<const N: usize>(
         let (gap, rate) = current.gap_and_rate();
         leaving = leaving && gap <= TOUCHING;
         if leaving && gap < lowest {
-            // What touched has not come apart, or another corner has come down beside it.
+            // What touched has not come apart, or another corner has come down next to it.
             let time = last_above(&probe, lowest, before, time);
             return End::Root { time, rate };
         }
@@ -113,6 +119,7 @@ pub fn first_root<const N: usize>(
         }
         let mut advance = current.safe_advance(curvature, leaving);
         if leaving {
+            // While they touch the bound is zero; samples take its place.
             advance = advance.max(sample);
         } else if advance <= SMALLEST_ADVANCE && gap <= TOUCHING {
             return End::Root { time, rate };
@@ -148,6 +155,7 @@ fn last_above<const N: usize>(
 
 /// The largest δ with m + m' δ - K δ²/2 ≥ 0.
 fn time_above(height: f64, rate: f64, curvature: f64) -> f64 {
+    // The positive root of m + m' δ - K δ²/2.
     let root = (rate * rate + 2.0 * curvature * height).sqrt();
     if rate > 0.0 {
         if curvature > 0.0 {

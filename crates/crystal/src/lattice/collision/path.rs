@@ -50,6 +50,7 @@ impl<'a> Path<'a> {
         let mut bend = [0.0; 3];
         for (axis, bend) in bend.iter_mut().enumerate() {
             let k = 3 * p + axis;
+            // What the velocity leaves of the way to the end.
             *bend = self.next[k] - self.positions[k] - self.velocities[k] * self.length;
         }
         bend
@@ -75,9 +76,11 @@ impl<'a> Path<'a> {
         let mut farthest = 0.0_f64;
         for (p, square) in self.network.squares.iter().enumerate() {
             let (bend, v) = (self.bend(p), &self.velocities[3 * p..3 * p + 3]);
+            // Translation along the chord and the bend, rotation of the corner.
             let centre = (v[0] * v[0] + v[1] * v[1]).sqrt() * self.length
                 + (bend[0] * bend[0] + bend[1] * bend[1]).sqrt();
             let travel = centre + square.half_diagonal * (v[2].abs() * self.length + bend[2].abs());
+            // NaN would lose every comparison; it must be reported.
             if travel.is_nan() {
                 return travel;
             }
@@ -93,6 +96,7 @@ impl<'a> Path<'a> {
         let mut refined = time;
         if rate < 0.0 {
             for _ in 0..REFINEMENTS {
+                // The rate stays that of the first guess: three corrections are enough.
                 let motion = self.at_third_order(accelerations, refined);
                 refined -= watch.gap_of(self.network, motion) / rate;
             }
@@ -118,6 +122,7 @@ impl<'a> Path<'a> {
             for axis in 0..3 {
                 let k = 3 * p + axis;
                 let pull = 0.5 * accelerations[k] * self.length * self.length;
+                // Half a t² a, and a term of third order that still ends at `next`.
                 let curved = pull + (bend[axis] - pull) * share;
                 s[axis] = self.positions[k] + self.velocities[k] * time + curved * share * share;
             }
@@ -139,6 +144,7 @@ impl<'a> Path<'a> {
     fn corner_acceleration(&self, p: usize) -> f64 {
         let limits = self.limits(p);
         let half_diagonal = self.network.squares[p].half_diagonal;
+        // Tangential r α and centripetal r ω².
         limits.acceleration + half_diagonal * (limits.spin_change + limits.spin * limits.spin)
     }
 
@@ -159,6 +165,7 @@ impl<'a> Path<'a> {
 
     /// A bound of |m''| of the separations along the axes.
     fn curvature(&self, pair: &Pair, a: &Rectangle, b: &Rectangle) -> f64 {
+        // Bounds of the parts of m'': pull, Coriolis, turning axis, turning body.
         let first = self.body_limits(Body::Square(pair.first), a);
         let second = self.body_limits(pair.second, b);
         let pull = first.acceleration + second.acceleration;

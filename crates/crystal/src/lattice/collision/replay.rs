@@ -92,6 +92,7 @@ pub fn first_contact(
     let mut positions = state.positions.clone();
     let begin = state.time;
     for index in 1_u64.. {
+        // From the beginning, not added up: goals do not collect rounding.
         let goal = (begin + index as f64 * step).min(until);
         let remaining_time = goal - state.time;
         if remaining_time <= REACHED * step {
@@ -102,6 +103,7 @@ pub fn first_contact(
         if length > 0.0 {
             dynamics.arrive(state, length, &positions)?;
         }
+        // A meeting of the path that was none: the step goes on.
         if meeting.is_none() {
             continue;
         }
@@ -155,11 +157,13 @@ pub fn respond(
     for contact in contacts {
         touches.push(touch(network, positions, *contact)?);
     }
+    // Head-on corners are listed from both sides and count once.
     let contacts = without_repetitions(&touches);
     let mut rows = Vec::with_capacity(contacts.len());
     for contact in &contacts {
         rows.push(contact.row(network, positions));
     }
+    // The rods transmit the impulse, so they are linearised where it happens.
     let mut rods = RodSystem::new(network);
     rods.linearize(positions, state.time)?;
     let velocities = &mut state.velocities;

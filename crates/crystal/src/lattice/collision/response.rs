@@ -42,7 +42,9 @@ pub fn impact(
     let mut columns = Vec::with_capacity(rows.len());
     for row in rows {
         let rate = row.dot(velocities);
+        // w = W p + (1 + e) N v⁻ ≥ 0.
         let rebound = (1.0 + restitution) * rate;
+        // At least this fast, also where restitution would demand less.
         demands.push(lift.map_or(rebound, |lift| rebound.min(rate - lift)));
         before.push(rate);
         columns.push(constrained_response(network, rods, row, velocities.len()));
@@ -51,6 +53,7 @@ pub fn impact(
     add_impulses(&solution.impulses, &columns, velocities);
     let mut energy_change = 0.0;
     for ((impulse, row), before) in solution.impulses.iter().zip(rows).zip(&before) {
+        // ½ pᵀ (N v⁺ + N v⁻): the work of the impulses, exactly.
         energy_change += 0.5 * impulse * (row.dot(velocities) + before);
     }
     Impact {
@@ -72,6 +75,7 @@ fn coupling(rows: &[Row], columns: &[Vec<f64>]) -> Vec<f64> {
     }
     for i in 0..count {
         for j in 0..i {
+            // Rounding makes both halves differ; the solver wants a symmetric matrix.
             let mean = 0.5 * (w[i * count + j] + w[j * count + i]);
             w[i * count + j] = mean;
             w[j * count + i] = mean;
@@ -103,6 +107,7 @@ pub(crate) fn constrained_response(
         column[3 * p + 1] = n[1] / square.mass;
         column[3 * p + 2] = n[2] / square.inertia;
     }
+    // M⁻¹ n less what would change the rods: S n.
     let mut multipliers = vec![0.0; rods.len()];
     rods.apply(&column, &mut multipliers);
     rods.solve(&mut multipliers);

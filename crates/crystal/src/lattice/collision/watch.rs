@@ -201,7 +201,7 @@ fn add_corners_on_rod(
     shift: Vector,
     out: &mut Vec<Contact>,
 ) {
-    // At the very end of a rod there is a corner, and that has contacts of its own.
+    // At the very end of a rod there is a corner, and that has its own contacts.
     const INSIDE: Range<f64> = TOUCHING..1.0 - TOUCHING;
     let line = RodLine::new(layout.rod_ends(rod));
     let (height, _) = line.height_and_share(minus(layout.centre(square), shift));

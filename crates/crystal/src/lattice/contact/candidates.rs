@@ -2,7 +2,7 @@
 //!
 //! A list of all pairs whose circumscribed circles are within a skin of each other, made with a
 //! grid over the centres and used until a centre has moved by half the skin. In a periodic cell
-//! every image that is near enough is a pair of its own.
+//! every image that is near enough is a separate pair.
 
 use super::grid::{Grid, Image};
 use super::layout::rod_shift;
@@ -74,6 +74,7 @@ impl Candidates {
 
     /// Whether the list still holds where every centre is within `margin` of these positions.
     pub fn holds(&self, positions: &[f64], margin: f64) -> bool {
+        // Bodies may each move by half the skin, less what they will move in the step.
         let allowed = 0.5 * self.skin - margin;
         if allowed.is_nan() || allowed <= 0.0 {
             return false;
@@ -86,6 +87,7 @@ impl Candidates {
             .zip(self.reference.chunks_exact(3));
         for (s, r) in moving {
             let away = [s[0] - r[0], s[1] - r[1]];
+            // A turn by θ moves a corner by 2 sin(θ/2) ≤ min(θ, 2) half-diagonals.
             let displacement = dot(away, away).sqrt() + turning * (s[2] - r[2]).abs().min(2.0);
             if displacement.is_nan() || displacement > allowed {
                 return false;
@@ -99,7 +101,7 @@ impl Candidates {
         self.skin = skin;
     }
 
-    /// Makes the list anew.
+    /// Makes the list again.
     pub fn rebuild(&mut self, network: &Network, positions: &[f64]) {
         self.rebuilds += 1;
         self.reference.clear();
@@ -114,6 +116,7 @@ impl Candidates {
             grid.near(self.middles[first], &mut near);
             pairs.clear();
             for image in &near {
+                // Sorted per square: the list does not depend on the grid.
                 pairs.extend(self.pair(network, first, *image));
             }
             pairs.sort_by(in_order);

@@ -100,6 +100,7 @@ impl Contact {
         let layout = Layout::new(network, positions);
         let from_target = layout.seen_from_centre(target, shift, layout.place(striker));
         let half_diagonal = network.squares[target].half_diagonal;
+        // A corner at a corner has no side: the bisector is its normal.
         for vertex in 1..=4 {
             let corner = Corner {
                 square: target,
@@ -134,6 +135,7 @@ impl Contact {
             } => {
                 let from_target = layout.seen_from_centre(target, shift, layout.place(striker));
                 let apothem = network.squares[target].half_diagonal * FRAC_1_SQRT_2;
+                // Half the side: the distance of a side from the centre.
                 dot(from_target, layout.side_normal(target, side)) - apothem
             }
             Self::VertexVertex {
@@ -246,6 +248,7 @@ fn rod_corner_row(layout: &Layout, striker: Corner, rod: usize, left: bool, shif
     let rod_vector = minus(end, begin);
     let normal = rod_normal(rod_vector, left);
     let point = minus(layout.place(striker), shift);
+    // The lever rule: where along the rod the corner pushes.
     let share = dot(minus(point, begin), rod_vector) / dot(rod_vector, rod_vector);
     let ends = layout.network.rods[rod];
     let mut row = Row::default();

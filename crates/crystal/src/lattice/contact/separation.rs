@@ -137,6 +137,7 @@ impl Relative {
         Self {
             d: minus(a.centre, b.centre),
             v: minus(a.velocity, b.velocity),
+            // |cos φ| and its rate: the sign of the cosine times that of its derivative.
             cosine: [cosine.abs(), -sine * cosine.signum() * turning],
             sine: [sine.abs(), cosine * sine.signum() * turning],
             turning,
@@ -170,12 +171,15 @@ impl Relative {
         // The axis turns: de/dt = spin × e.
         let height_rate =
             v[0] * axis[0] + v[1] * axis[1] + spin * (d[1] * axis[0] - d[0] * axis[1]);
+        // |height|: its rate has the sign of the height.
         let sign = if height >= 0.0 { 1.0 } else { -1.0 };
         let [reach, reach_rate] = other;
         let rate = sign * height_rate - reach_rate;
         Along {
             distance: height.abs() - half_extent - reach,
             rate,
+            // Another corner that takes the lead may approach
+            // faster by twice its reach times the turning.
             worst_rate: rate - 2.0 * longest * self.turning.abs(),
         }
     }
@@ -202,6 +206,7 @@ pub fn time_to_next_corner(a: &Rectangle, b: &Rectangle) -> f64 {
         return f64::INFINITY;
     }
     let (cosine, sine) = (dot(a.axis, b.axis), cross(a.axis, b.axis));
+    // Corners of rectangles repeat every quarter turn.
     let angle = sine.atan2(cosine).rem_euclid(FRAC_PI_2);
     let remaining_angle = if turning > 0.0 {
         FRAC_PI_2 - angle

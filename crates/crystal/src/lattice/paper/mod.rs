@@ -33,8 +33,9 @@ use std::sync::Arc;
 
 /// Extra width of the candidate list.
 const SKIN: f64 = 0.5;
-/// Bisections for a collision time end at this share of the step: by the ansatz, and by sub-steps.
+/// Bisections for a collision time by the ansatz end at this share of the step.
 const ANSATZ_TIME: f64 = 1e-12;
+/// Searches by sub-steps end at this share of the step.
 const SUB_STEP_TIME: f64 = 1e-10;
 /// Singular values of eq. 43 below this share of the largest count as zero.
 const SINGULAR: f64 = 1e-10;

@@ -22,8 +22,9 @@ use pieces::Pieces;
 use quadrature::integral;
 use std::f64::consts::PI;
 
-/// The wanted error of an overlap, as a part of it, and that of the integrals along rays.
+/// The wanted error of an overlap, as a part of it.
 const ACCURACY: f64 = 1e-7;
+/// The wanted error of the integrals along rays, as a part of them.
 const ALONG_A_RAY: f64 = 1e-8;
 /// Number of angular sectors that are integrated first.
 const SECTORS: usize = 8;
@@ -116,6 +117,7 @@ struct Shared<'a> {
 impl<'a> Shared<'a> {
     /// The common part of two bodies; `None` if no point is inside both.
     fn of(bodies: [&'a Swept; 2]) -> Option<Self> {
+        // A point inside both is the pole of the polar coordinates; without one nothing is shared.
         let inside = between(bodies)?;
         if !bodies.iter().all(|body| body.holds(&inside)) {
             return None;
@@ -125,6 +127,7 @@ impl<'a> Shared<'a> {
             .unwrap_or(Vec3::x());
         let x = match bodies[0].dimension {
             2 => Vec3::z().cross(&axis),
+            // The axis least along the line of centres: its cross product with it is never short.
             _ => axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize(),
         };
         let longest = |corner: &Vec3| (corner - inside).norm();
@@ -145,6 +148,7 @@ impl<'a> Shared<'a> {
             .bodies
             .map(|body| body.pieces.interval(&origin, &self.axis));
         match intervals {
+            // Negative where the intervals do not meet, so `rim` can bisect on the sign.
             [Some(a), Some(b)] => a[1].min(b[1]) - a[0].max(b[0]),
             _ => -1.0,
         }
@@ -153,6 +157,8 @@ impl<'a> Shared<'a> {
     /// Largest distance from the inner point, in a direction, of lines that cross the common part.
     fn rim(&self, direction: &Vec3) -> f64 {
         let (mut within, mut beyond) = (0.0, self.reach);
+        // The shared part is convex: along a ray the length
+        // is positive up to the rim, then never again.
         for _ in 0..HALVINGS {
             let middle = f64::midpoint(within, beyond);
             match self.length(&(middle * direction)) > 0.0 {
@@ -168,14 +174,17 @@ impl<'a> Shared<'a> {
     fn on_ray(&self, direction: &Vec3, power: i32) -> f64 {
         let rim = self.rim(direction);
         let integrand = |u: f64| {
+            // The root at the rim, t ~ √(R - s), becomes linear in u.
             let distance = rim * (1.0 - u * u);
             let length = self.length(&(distance * direction)).max(0.0);
+            // ds = 2 R u du; the sign is absorbed by running u from the rim outwards.
             2.0 * rim * u * distance.powi(power) * length
         };
         integral(integrand, &[0.0, 1.0], ALONG_A_RAY)
     }
 
     fn area(&self) -> f64 {
+        // Both rays: in a plane, φ takes two values and there is no factor s.
         let x = self.transverse[0];
         self.on_ray(&x, 0) + self.on_ray(&-x, 0)
     }
@@ -183,11 +192,13 @@ impl<'a> Shared<'a> {
     fn volume(&self) -> f64 {
         let ray = |angle: f64| {
             let (sine, cosine) = angle.sin_cos();
+            // The power 1 is the factor s of polar coordinates.
             self.on_ray(
                 &(cosine * self.transverse[0] + sine * self.transverse[1]),
                 1,
             )
         };
+        // Sectors first: a rule on the whole circle could miss a kink between its nodes.
         let bounds = |sector: usize| 2.0 * PI * sector as f64 / SECTORS as f64;
         let sectors: Vec<f64> = (0..=SECTORS).map(bounds).collect();
         integral(ray, &sectors, ACCURACY)
@@ -204,6 +215,7 @@ fn between(bodies: [&Swept; 2]) -> Option<Vec3> {
     // The swept bodies share a part of the line between the closest points, if they share anything.
     let middle = |points: ClosestPoints| {
         let length = points.distance();
+        // From where the second body's ball begins to where the first one's ends.
         let shared = [(length - radii[1]).max(0.0), length.min(radii[0])];
         let part = f64::midpoint(shared[0], shared[1]) / length;
         points.on_first + part * (points.on_second - points.on_first)
@@ -215,6 +227,7 @@ fn between(bodies: [&Swept; 2]) -> Option<Vec3> {
         // The centres are one point.
         return Some(bodies[0].centre);
     };
+    // Invariant: at `clear` the bodies are apart, at `touching` they are not.
     let (mut clear, mut touching) = (0.0, 1.0);
     for _ in 0..HALVINGS {
         let part = f64::midpoint(clear, touching);

@@ -94,6 +94,7 @@ impl Cells {
     /// Cells around these charges, out to this distance from the body's origin.
     pub fn new(charges: &ChargeCloud, potential: &Yukawa, reach_angstrom: f64) -> Self {
         let mut half_edge_angstrom = LEAST_HALF_EDGE_ANGSTROM;
+        // Doubled, so that halving leads back to the least half edge exactly.
         while half_edge_angstrom < reach_angstrom.min(MOST_HALF_EDGE_ANGSTROM) {
             half_edge_angstrom *= 2.0;
         }
@@ -114,6 +115,7 @@ impl Cells {
 
     /// Bytes held so far.
     pub fn memory_bytes(&self) -> usize {
+        // Counted, not walked: cells are made by several threads while others read.
         self.made.load(Ordering::Relaxed) * (size_of::<Series>() + size_of::<Node>())
     }
 
@@ -126,6 +128,8 @@ impl Cells {
         }
         let (mut node, mut centre, mut half) = (&self.root, Vec3::zeros(), self.half_edge_angstrom);
         loop {
+            // Made by the first thread that comes here; others wait for it. A cell
+            // depends on its place alone, so results do not depend on who made it.
             match node.0.get_or_init(|| self.content(centre, half)) {
                 Content::Leaf(cell) => return Some(cell),
                 Content::Divided(parts) => {
@@ -133,6 +137,8 @@ impl Cells {
                     let mut part = 0;
                     for axis in 0..3 {
                         let is_above = x[axis] > centre[axis];
+                        // Bit `axis` of the number of a part says
+                        // on which side of the centre it lies.
                         part |= usize::from(is_above) << axis;
                         centre[axis] += if is_above { half } else { -half };
                     }
@@ -145,8 +151,10 @@ impl Cells {
     /// A cell, or a division into eight.
     fn content(&self, centre: Vec3, half_edge_angstrom: f64) -> Content {
         let around = self.surroundings(&centre, half_edge_angstrom);
+        // Each charge of a like body may have the error ε: together Σ|q| ε stays at the target.
         let tolerance = TARGET_KT / self.charges.sum_of_magnitudes_e().max(1.0);
         let serves = around.error_kt_per_e <= tolerance && around.near.len() <= MOST_NEAR_GROUPS;
+        // At the least edge a cell is accepted as it is; its ε says how good it is.
         if !serves && half_edge_angstrom > LEAST_HALF_EDGE_ANGSTROM {
             return Content::Divided(Box::default());
         }
@@ -156,7 +164,9 @@ impl Cells {
         };
         let values: Vec<f64> = self.interpolation.points().map(value).collect();
         self.made.fetch_add(1, Ordering::Relaxed);
+        // A sum of N terms rounds by N units of its largest partial sum at most.
         let roundings = ROUNDINGS * (self.charges.len() + 1) as f64 * f64::EPSILON;
+        // Errors at the points, enlarged by the interpolation along three axes.
         let rounding = roundings * self.interpolation.amplification * around.magnitude_kt_per_e;
         let (series, change) = self.interpolation.series(&values);
         Content::Leaf(Cell {
@@ -175,9 +185,11 @@ impl Cells {
             error_kt_per_e: 0.0,
             magnitude_kt_per_e: 0.0,
         };
+        // Vector from the cube to a place, zero along axes where the place is within.
         let outside = |x: Vec3| (x - centre).map(|x| (x.abs() - half_edge_angstrom).max(0.0));
         for (number, group) in self.charges.groups().iter().enumerate() {
             let distance = outside(group.centre).norm() - group.radius_angstrom;
+            // A polynomial converges for charges outside of it; nearer groups are kept as they are.
             if distance < NEAR_HALF_EDGES * half_edge_angstrom {
                 around.near.push(number as u32);
                 continue;
@@ -186,11 +198,14 @@ impl Cells {
             for lane in 0..LANES {
                 let place = Vec3::new(group.x[lane], group.y[lane], group.z[lane]);
                 let (distance, charge) = (outside(place).norm(), group.charge_e[lane].abs());
+                // The nearest place of the cell: derivatives
+                // fall with the distance, so none is larger.
                 let derivative = self.potential.derivative_bound(POINTS, distance);
                 around.error_kt_per_e += charge * derivative;
                 around.magnitude_kt_per_e += charge * self.potential.at_square(distance.powi(2));
             }
         }
+        // C_n h^n, the same for every charge, last.
         around.error_kt_per_e *=
             self.interpolation.error_factor * half_edge_angstrom.powi(POINTS as i32);
         around
@@ -224,6 +239,7 @@ impl Cells {
         lanes: &mut [f64; LANES],
         magnitudes: &mut [f64; LANES],
     ) {
+        // Magnitudes in the same pass: they bound the rounding of the sum.
         for lane in 0..LANES {
             let (dx, dy, dz) = (
                 x.x - group.x[lane],
@@ -259,6 +275,7 @@ impl Cells {
         for group in other.groups() {
             for lane in 0..LANES {
                 let charge = group.charge_e[lane];
+                // Empty lanes: a cell for a charge of zero would be made for nothing.
                 if charge == 0.0 {
                     continue;
                 }
@@ -272,10 +289,13 @@ impl Cells {
                 last = Some(cell);
                 let (potential, magnitude) = self.potential_in::<FUSED>(cell, &x);
                 energy_kt += charge * potential;
+                // Worst case: errors of all charges in the same
+                // direction. This is a bound, not an estimate.
                 error_kt += charge.abs() * cell.error_kt_per_e;
                 magnitude_kt += charge.abs() * (magnitude + potential.abs());
             }
         }
+        // Sums over the charges of both bodies, hence both numbers.
         let roundings = ROUNDINGS * (self.charges.len() + other.len()) as f64 * f64::EPSILON;
         Some(Interval {
             energy_kt,
@@ -290,6 +310,7 @@ impl Cells {
         let (mut lanes, mut magnitudes) = ([0.0; LANES], [0.0; LANES]);
         for group in &cell.near {
             let group = &self.charges.groups()[*group as usize];
+            // Near charges by the plain potential, to rounding.
             self.add_group(group, x, &mut lanes, &mut magnitudes);
         }
         let potential =

@@ -109,9 +109,11 @@ impl Certified {
 
     /// The pair at its present pose; `None` beyond the reach.
     fn known(&self, pair: &Pair<'_>) -> Option<Arc<Known>> {
+        // Before any allocation: most pairs that are asked for are out of reach.
         if !self.reach.is_met(pair) {
             return None;
         }
+        // Poses are kept with the energies, so that they can be found again bit for bit.
         let images = self.reach.images(pair);
         self.known_at(pair, images.map(|image| pair.relative_image(&image)))
     }
@@ -137,9 +139,11 @@ impl Certified {
     /// The energy of a pair at one level; the error names a pair whose energy is not finite.
     fn interval(&self, energies: &Known, level: usize) -> Result<Interval> {
         let (energy_kt, error_kt) = match level {
+            // Somewhere between minus and plus the bound: zero is the middle.
             FAR => (0.0, energies.far_kt),
             CELLS => match self.in_cells(energies) {
                 Some(interval) => return Ok(interval),
+                // Beyond the octree there are no cells; the direct sum is the next level.
                 None => return self.interval(energies, DIRECT),
             },
             _ => (self.direct_kt(energies)?, 0.0),
@@ -163,6 +167,7 @@ impl Certified {
             })
         };
         let sum = || energies.images.iter().try_fold(Interval::default(), add);
+        // Kept: an energy after an accepted move is that before the next one.
         *energies.in_cells.get_or_init(sum)
     }
 
@@ -183,10 +188,13 @@ impl Certified {
                 .iter()
                 .map(|summand| summand.interval.error_kt)
                 .sum();
+            // Outside the summed error no value in the intervals changes the answer.
             let is_settled = (rise - threshold_kt).abs() > error;
             let open = summands.iter_mut().filter(|summand| summand.level < DIRECT);
+            // The widest interval first: it shrinks the error most, whatever it costs.
             let widest = open.max_by(|a, b| a.interval.error_kt.total_cmp(&b.interval.error_kt));
             let Some(widest) = widest.filter(|_| !is_settled) else {
+                // Nothing open: all are direct sums, and the comparison is that of numbers.
                 self.count(&summands);
                 return Ok(rise < threshold_kt);
             };
@@ -214,6 +222,7 @@ impl Certified {
     /// Reported energy: a function of the pose alone. Not a number where the direct sum is none,
     /// which every decision with this pair has refused.
     fn reported(&self, energies: &Known) -> Interval {
+        // NaN and not zero: a broken pair must show.
         let unknown = Interval {
             energy_kt: f64::NAN,
             error_kt: f64::INFINITY,
@@ -267,6 +276,7 @@ impl EnergyModel for Certified {
             let Some(energies) = self.known(pair) else {
                 return Ok(None);
             };
+            // Found once here, so that an energy that is not finite ends a run at its start.
             self.interval(&energies, CELLS)?;
             Ok(Some(energies))
         })?;
@@ -281,7 +291,7 @@ impl EnergyModel for Certified {
         self.energies.pairs().map(reported).collect()
     }
 
-    /// Energies are found anew where they were found first.
+    /// Energies are found again where they were found first.
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
         self.prepare(system);
         self.energies = PairTable::new(system.len());
@@ -297,6 +307,7 @@ impl EnergyModel for Certified {
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
         let row = self.energies.row(trial.body);
         let mut summands: Vec<Summand> =
+            // Before the move with the opposite sign, so one sum of intervals is the change.
             row.map(|(_, energies)| Summand::before(energies)).collect();
         for &partner in partners {
             summands.extend(self.after(trial, partner));
@@ -308,6 +319,7 @@ impl EnergyModel for Certified {
         let before = self.energies.get(trial.body, partner);
         let mut summands: Vec<Summand> = before.iter().map(Summand::before).collect();
         summands.extend(self.after(trial, partner));
+        // "Not less" is "more" but for equality, which has probability zero.
         Ok(!self.rises_less(summands, threshold_kt)?)
     }
 

@@ -31,10 +31,13 @@ const LEAST_SCALE: f64 = 0.05;
 const POSES: u32 = 96;
 /// Poses compared with the direct sum for each pair of types.
 const DIRECT_POSES: u32 = 20;
-/// The moves of the comparison, Å and rad: small ones, and some large ones of distant pairs.
+/// Displacement in the small moves of the comparison, Å.
 const STEP_ANGSTROM: f64 = 0.3;
+/// Rotation in the small moves, rad.
 const STEP_RADIAN: f64 = 0.03;
+/// Displacement in the large moves of distant pairs, in gaps between their nearest charges.
 const STEP_PER_GAP: f64 = 0.1;
+/// Rotation in the large moves, rad.
 const LARGE_STEP_RADIAN: f64 = 0.4;
 /// The largest turn since a list was made, rad.
 const DRIFT_RADIAN: f64 = 0.05;
@@ -91,6 +94,7 @@ impl Calibration {
         let mut errors = Errors::default();
         for (number, first) in types.iter().enumerate() {
             for second in &types[number..] {
+                // Numbers depend on the pair of types alone, not on how many poses others took.
                 let mut rng = CounterRng::new(1, errors.pairs, 0);
                 errors.pairs += 1;
                 if !first.charges.is_empty() && !second.charges.is_empty() {
@@ -103,6 +107,7 @@ impl Calibration {
 
     /// The scales for a list.
     pub(super) fn of(&self, list: &List) -> &ListScales {
+        // Nothing to compare: the energies are zero at every level.
         match list.is_contact {
             true => &self.contact,
             false => &self.distant,
@@ -130,7 +135,7 @@ struct ListErrors {
     fine: [Vec<f64>; 1 + STEPS],
 }
 
-/// An error of an energy from a list, or of its change, kT, beside the variances of the model.
+/// An error of an energy from a list, or of its change, kT, along with the variances of the model.
 #[derive(Debug, Clone, Copy)]
 struct ListError {
     error_kt: f64,
@@ -179,6 +184,7 @@ impl Errors {
         for pose in 0..POSES {
             let gap = random_gap(pose, rng);
             let present_pose = apart(first, second, gap, rng);
+            // Every fourth move is a large one.
             let trial_pose = match pose % 4 {
                 3 => moved(&present_pose, STEP_PER_GAP * gap, LARGE_STEP_RADIAN, rng),
                 _ => moved(&present_pose, STEP_ANGSTROM, STEP_RADIAN, rng),
@@ -189,6 +195,7 @@ impl Errors {
             let [before, present_pose, trial_pose] =
                 [before, present_pose, trial_pose].map(|pose| relative(&pose));
             let mut list = List::new(first, second, &before, COARSE_OPENING);
+            // The drift was too far for the list; as in a run, it is made afresh.
             if !(list.serves(&present_pose) && list.serves(&trial_pose)) {
                 list = List::new(first, second, &present_pose, COARSE_OPENING);
             }
@@ -201,6 +208,7 @@ impl Errors {
                 true => &mut self.contact,
                 false => &mut self.distant,
             };
+            // Energies at one pose, and below their changes, which are smaller as errors cancel.
             errors.add_energies(&list, &at_present);
             if list.serves(&trial_pose) {
                 errors.add_changes(
@@ -209,6 +217,7 @@ impl Errors {
                     [&present_pose, &trial_pose],
                 );
             }
+            // The direct sum is slow: a fifth of the poses is enough to check the fine level.
             if pose < DIRECT_POSES {
                 let direct_kt =
                     pair_energy_kt(potential, &first.charges, &second.charges, &present_pose);
@@ -293,6 +302,7 @@ impl ListErrors {
         self.expanded_changes.push(ListError {
             error_kt: trial.expanded_error_kt() - present.expanded_error_kt(),
             points_variance,
+            // The larger of both variances: the change is judged on the safe side.
             expansion_variance: variances[0].max(variances[1]) * shift.powi(2),
         });
     }
@@ -300,6 +310,7 @@ impl ListErrors {
     /// Finds the scales of the points first, then those of the expansions.
     fn scales(&self) -> ListScales {
         let of_points = |errors: &[ListError]| {
+            // Coarse errors alone first, so that what is left can be put down to the expansion.
             let ratios = errors.iter().map(|error| error.ratio(1.0, 0.0));
             TAIL * scale(ratios)
         };
@@ -391,6 +402,7 @@ fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Po
         let gap = |(x, _): (Vec3, f64)| first.distance_bound(&pose.transform_point(&x));
         second.charges.iter().map(gap).fold(f64::INFINITY, f64::min)
     };
+    // Doubling finds a distance that is certainly far enough, whatever the bodies' sizes.
     let (mut low, mut high) = (0.0, 1.0);
     while gap(high) < wanted {
         (low, high) = (high, 2.0 * high);
@@ -403,5 +415,6 @@ fn apart(first: &Table, second: &Table, wanted: f64, rng: &mut CounterRng) -> Po
             high = middle
         }
     }
+    // The far end: never nearer than requested.
     second_pose(high)
 }

@@ -55,6 +55,8 @@ impl Levels {
         };
         let ((new_kt, new_variance), (old_kt, old_variance)) = (energy(new), energy(old));
         let variance = match (level, new, old) {
+            // From one list, most errors cancel in the
+            // difference; at finer levels they are independent.
             (EXPANDED | COARSE, Some(new), Some(old)) => self.change_variance(new, old, level),
             _ => new_variance + old_variance,
         };
@@ -75,6 +77,7 @@ impl Levels {
         after: &Pair<'_>,
     ) {
         let before = trial.system.pair(trial.body, partner);
+        // Both ends of the move may contribute, so both bounds count.
         let bound_kt = self.far.bound_kt(&before) + self.far.bound_kt(after);
         changes.far.add(partner, bound_kt);
     }
@@ -96,13 +99,18 @@ impl Levels {
         let poses = self.image_poses(&trial.pair(partner), Images::Near);
         // Within a tolerance energies are functions of the poses alone.
         let mut lists = Lists::new();
+        // A list remembers where it was made; within a tolerance that history must not show.
         if let Some(energies) = old.as_deref().filter(|_| self.tolerance_kt.is_none()) {
             lists = energies.lists_at(&poses);
+            // Due after some drift: errors have grown, and
+            // new points are cheaper than finer levels.
             if energies.is_due(&poses, &lists) {
                 // New lists for where the pair is now.
                 old = self.known(&present, Images::Near);
                 if let Some(fresh) = &old {
                     lists = fresh.lists_at(&poses);
+                    // The old energy is replaced for good, so that
+                    // the next move begins from the new list.
                     self.energies.set(trial.body, partner, Arc::clone(fresh));
                 }
             }
@@ -132,6 +140,7 @@ impl Levels {
             true => None,
             false => Some(self.known_at(&trial.pair(partner), poses, lists)),
         };
+        // Out of range before and after: no term of the sum.
         if new.is_none() && old.is_none() {
             return Ok(None);
         }
@@ -163,9 +172,11 @@ impl Levels {
         loop {
             let pairs = &changes.pairs;
             let rise: f64 = pairs.iter().map(|change| change.change_kt).sum();
+            // Independent errors: variances add. Bounds of far images add as they are.
             let squares = pairs.iter().map(|change| change.deviation_kt.powi(2));
             let error = MULTIPLE * squares.sum::<f64>().sqrt();
             let is_open = (rise - threshold_kt).abs() <= error + changes.far.bound_kt();
+            // Stops as soon as the threshold is outside the error, or nothing is left to refine.
             if !(is_open && self.refine(trial, changes, error)?) {
                 self.count(&changes.pairs);
                 return Ok(rise < threshold_kt);
@@ -177,6 +188,7 @@ impl Levels {
     /// the likely error of the others (kT), else at the least certain of these. Returns whether
     /// anything was left to look at.
     fn refine(&mut self, trial: &Trial<'_>, changes: &mut Changes, error_kt: f64) -> Result<bool> {
+        // While the far bound is the larger part of the doubt, near levels cannot settle it.
         if changes.far.bound_kt() >= error_kt
             && let Some(partner) = changes.far.take_widest()
         {
@@ -185,6 +197,7 @@ impl Levels {
         }
         let open = |change: &&mut Change| change.level < DIRECT;
         let widest = changes.pairs.iter_mut().filter(open);
+        // One pair, one level: the sum is judged again after each step.
         let widest = widest.max_by(|a, b| a.deviation_kt.total_cmp(&b.deviation_kt));
         let Some(widest) = widest else {
             return Ok(false);
@@ -203,6 +216,7 @@ impl Levels {
             for (energies, sign) in [(&change.new, 1.0), (&change.old, -1.0)] {
                 if let Some(energies) = energies {
                     let (energy_kt, level, _) = self.reported(energies, Images::Near);
+                    // New minus old by the sign; both at the level that their tolerance needs.
                     rise += sign * energy_kt;
                     change.level = change.level.max(level);
                 }

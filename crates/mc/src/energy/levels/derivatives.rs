@@ -20,8 +20,9 @@ pub(super) struct Derivatives {
 
 /// Six pairs of orders, and two lanes without use.
 const LANES: usize = 8;
-/// Orders of differentiation in y and z.
+/// Orders of differentiation in y.
 const IN_Y: [usize; LANES] = [0, 1, 2, 0, 1, 0, 0, 0];
+/// Orders of differentiation in z.
 const IN_Z: [usize; LANES] = [0, 0, 0, 1, 1, 2, 0, 0];
 
 /// Values by order of differentiation in x.
@@ -73,17 +74,20 @@ fn in_y_and_z<const FUSED: bool>(
             coefficients[k][lane] = f32::from(rows[k][lane]);
         }
         // That lane holds something else.
+        // It holds the coefficients of T_4, which `assemble` adds.
         coefficients[k][LAST] = 0.0;
     }
     let mut sums = [[0.0; LANES]; COARSE];
     for j in 0..COARSE {
         for i in 0..COARSE {
+            // The four orders in z of one product of x and y, for all lanes at once.
             let along_z = [0, 1, 2, 3].map(|k: usize| coefficients[k][COARSE * j + i]);
             for lane in 0..LANES {
                 let mut sum = along_z[0] * of_z[0][lane];
                 sum = add::<FUSED>(along_z[1], of_z[1][lane], sum);
                 sum = add::<FUSED>(along_z[2], of_z[2][lane], sum);
                 sum = add::<FUSED>(along_z[3], of_z[3][lane], sum);
+                // The loop runs over j outside and i inside: one value of T_j(y) for four sums.
                 sums[i][lane] = add::<FUSED>(sum, of_y[j][lane], sums[i][lane]);
             }
         }
@@ -115,6 +119,7 @@ fn assemble(
     edge: f32,
 ) -> Derivatives {
     let mut value = of_0[0];
+    // Lanes: (y, z) orders (0,0) (1,0) (2,0) (0,1) (1,1) (0,2), see `IN_Y` and `IN_Z`.
     let mut gradient = [of_1[0], of_0[1], of_0[3]];
     let mut second = [of_2[0], of_0[2], of_0[5], of_1[1], of_1[3], of_0[4]];
     for (axis, coefficient) in series.fourth().into_iter().enumerate() {
@@ -123,10 +128,12 @@ fn assemble(
             place[axis],
             place[axis] * place[axis],
         );
+        // T_4 = 8t⁴ - 8t² + 1, its first and its second derivative.
         value += coefficient * (8.0 * square * (square - 1.0) + 1.0);
         gradient[axis] += coefficient * t * (32.0 * square - 16.0);
         second[axis] += coefficient * (96.0 * square - 16.0);
     }
+    // Coordinates run from -1 to 1 over an edge, so d/dx is 2/edge times d/dt.
     let scale = 2.0 / edge;
     let (of_gradient, of_second) = (head.unit * scale, head.unit * (scale * scale));
     Derivatives {

@@ -11,9 +11,11 @@ use super::lanes::{BLOCK, sum_of_lanes};
 use super::motion::{Block, Motion, length};
 use protomer_kernel::vectorised;
 
-/// The motions at which the error is judged: about as far as close pairs drift.
+/// The displacement at which the error is judged, Å: about as far as close pairs drift.
 const TEST_ANGSTROM: f32 = 1.5;
+/// The rotation at which the error is judged, rad.
 const TEST_RADIAN: f32 = 0.03;
+/// Axes along which and about which the test motions are made.
 const AXES: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// The pairs of coordinates of [`Derivatives::second`], and how often each counts in u·H u / 2.
@@ -103,14 +105,17 @@ impl Expansion {
     #[inline(always)]
     fn add_point(&mut self, [x, y, z]: [f32; 3], charge: f32, derivatives: &Derivatives) {
         let [cx, cy, cz] = self.centre;
+        // A fourth component of one takes the translation into the same products.
         let arm = [x - cx, y - cy, z - cz, 1.0];
         let (mut arms, mut gradient) = ([0.0; BLOCK], [0.0; BLOCK]);
         for lane in 0..BLOCK {
+            // ξ_m ξ_n in lane 4 m + n, computed once for all six second derivatives.
             arms[lane] = arm[lane / 4] * arm[lane % 4];
         }
         for lane in 0..12 {
             gradient[lane] = derivatives.gradient[lane / 4] * arm[lane % 4];
         }
+        // The energy at the reference pose.
         self.constant_kt += charge * derivatives.value;
         for lane in 0..BLOCK {
             self.linear[lane] += charge * gradient[lane];
@@ -129,10 +134,12 @@ impl Expansion {
     fn likely_square(&self, reference: &Motion, length_angstrom: f32) -> f64 {
         let mut squares = 0.0;
         let of_quadratic = TEST_ANGSTROM / (3.0 * length_angstrom);
+        // Third order of exp(-x/L) over its second, x/3L, and over its first, x²/6L².
         let of_linear = 1.5 * of_quadratic.powi(2);
         for axis in AXES {
             let step = axis.map(|x| TEST_ANGSTROM * x);
             let translation = reference.displacement(self.centre, step, axis, 0.0);
+            // About the centre of the points, which a turn then leaves in its place.
             let rotation = reference.displacement(self.centre, [0.0; 3], axis, TEST_RADIAN);
             for motion in [translation, rotation] {
                 let elements = motion.elements(self.centre);
@@ -167,6 +174,7 @@ impl Expansion {
     /// The likely square of the error after a motion from the reference pose, kT². The error grows
     /// with the third power of the motion, the first order that is left out.
     pub fn variance(&self, from_reference: &Motion) -> f64 {
+        // At least one test motion: near the reference the model would promise too much.
         self.test_variance * self.extent(from_reference).max(1.0).powi(6)
     }
 
@@ -174,6 +182,7 @@ impl Expansion {
     /// another, moves by `step`.
     pub fn shift(&self, from_reference: [&Motion; 2], step: &Motion) -> f64 {
         let extents = from_reference.map(|motion| self.extent(motion));
+        // d(x³)/x³ = 3 dx/x.
         3.0 * self.extent(step) / extents[0].max(extents[1]).max(1.0)
     }
 

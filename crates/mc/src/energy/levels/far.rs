@@ -38,7 +38,7 @@ pub(super) struct Far {
 
 impl Far {
     /// The bounds for images in reach of each other; those far away hold less where only a
-    /// tolerance (kT) is asked for.
+    /// tolerance (kT) is requested.
     pub fn new(
         system: &System,
         potential: &Yukawa,
@@ -46,10 +46,12 @@ impl Far {
         tolerance_kt: Option<f64>,
     ) -> Self {
         let tolerable_kt = tolerance_kt.map_or(FAR_KT, |kt| PART_OF_TOLERANCE * kt);
+        // Never below what is left out anyway, and never above the value for decisions.
         let far_kt = tolerable_kt.clamp(NEGLIGIBLE_KT, FAR_KT);
         Self {
             near: Reach::beyond(system, potential, far_kt),
             reach: reach.clone(),
+            // Twice, as the nearest image is at most half a box away.
             nearest_only: 2.0 * reach.largest_angstrom()
                 < system.boundary().smallest_length_angstrom(),
             energies: FarEnergies::new(system, potential, reach.largest_angstrom()),
@@ -82,6 +84,7 @@ impl Far {
     pub fn bound_kt(&self, pair: &Pair<'_>) -> f64 {
         let types = pair.type_indices();
         let is_far = |image: &Vec3| self.which(pair, image) == Images::Far;
+        // Several images: sum the bounds of all of them.
         if !self.nearest_only {
             let images = self.reach.images(pair).filter(is_far);
             return images
@@ -123,6 +126,7 @@ impl FarImages {
         let places = 0..self.bounds_kt.len();
         let widest = places.max_by(|a, b| self.bounds_kt[*a].0.total_cmp(&self.bounds_kt[*b].0))?;
         let (_, partner) = self.bounds_kt.swap_remove(widest);
+        // Summed again: subtracting would leave rounding where the sum should be zero.
         self.sum_kt = self.bounds_kt.iter().map(|(bound_kt, _)| bound_kt).sum();
         Some(partner)
     }

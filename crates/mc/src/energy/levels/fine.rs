@@ -10,8 +10,9 @@ use protomer_kernel::fused::add;
 /// Points of a fine series along each axis.
 pub(super) const FINE: usize = 6;
 
-/// Products with i + j ≤ 4; the lane after them holds a unit.
+/// Products with i + j ≤ 4.
 const LOW: usize = 15;
+/// The lane after them, which holds a unit.
 const UNIT: usize = LOW;
 /// Orders in z of the products after those.
 const HIGH_ORDERS: usize = 4;
@@ -32,6 +33,7 @@ pub(super) struct Fine {
 impl Fine {
     /// The fine series from all 6³ coefficients; x runs fastest, then y, then z.
     pub fn new(series: &[f64]) -> Self {
+        // All coefficients: i + 6 (j + 6 k).
         let coefficient = |[i, j]: [usize; 2], k: usize| series[i + FINE * (j + FINE * k)] as f32;
         let low = |k: usize| {
             PRODUCTS[..LOW]
@@ -46,6 +48,7 @@ impl Fine {
         let others = (3..FINE)
             .flat_map(low)
             .chain((0..HIGH_ORDERS).flat_map(high));
+        // Two units: order 2 is much larger than what follows and would spoil its 16 bits.
         let units = [unit(low(2)), unit(others)];
         Self {
             leading: [0, 1].map(|k| row(low(k).chain([units[k]]), |value| value)),
@@ -82,6 +85,7 @@ impl Fine {
     pub fn add<const FUSED: bool>(&self, [x, y, z]: [f32; 3], charge: f32, sum: &mut [f32; BLOCK]) {
         let [unit_2, unit] = [self.leading[0][UNIT], self.leading[1][UNIT]];
         let (xx, yy, zz) = (x * x, y * y, z * z);
+        // T_2 to T_5 of z; the units of the rows are multiplied in once here.
         let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
         let z4 = 2.0 * z * z3 - z2;
         let z5 = 2.0 * z * z4 - z3;
@@ -89,6 +93,7 @@ impl Fine {
             [z2 * unit_2, z3 * unit, z4 * unit, z5 * unit],
             [unit, z * unit, z2 * unit, z3 * unit],
         );
+        // All of z first: the sum over orders has one chain for low products and one for high ones.
         for lane in 0..BLOCK {
             let mut low = add::<FUSED>(self.leading[1][lane], z, self.leading[0][lane]);
             low = add::<FUSED>(f32::from(self.low[0][lane]), low_z[0], low);
@@ -101,6 +106,7 @@ impl Fine {
             high = add::<FUSED>(f32::from(self.high[3][lane]), high_z[3], high);
             let low_product = LOW_X.at::<FUSED>(lane, x, xx) * LOW_Y.at::<FUSED>(lane, y, yy);
             let high_product = HIGH_X.at::<FUSED>(lane, x, xx) * HIGH_Y.at::<FUSED>(lane, y, yy);
+            // T_i(x) T_j(y) last, one product per lane.
             let potential = add::<FUSED>(high, high_product, low * low_product);
             sum[lane] = add::<FUSED>(potential, charge, sum[lane]);
         }
@@ -108,6 +114,7 @@ impl Fine {
 }
 
 fn unit(values: impl Iterator<Item = f32>) -> f32 {
+    // Never zero, so the division of empty rows is defined.
     let largest = values.fold(f32::MIN_POSITIVE, |most, value| most.max(value.abs()));
     largest / f32::from(i16::MAX)
 }

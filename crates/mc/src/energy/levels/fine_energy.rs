@@ -43,6 +43,7 @@ impl Table {
         let motion = Motion::new(pose);
         let (mut energy_kt, mut variance) = (0.0, 0.0);
         let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        // One turn more than there are blocks: the last turn only adds what is waiting.
         for block in blocks.iter().map(Some).chain([None]) {
             let mut next = None;
             if let Some(block) = block {
@@ -93,6 +94,7 @@ impl Table {
 
     #[inline(always)]
     fn sum_alone<const FUSED: bool>(&self, other: &Self, pose: &RelativePose) -> Option<f64> {
+        // No list, so near charges are looked up for each charge.
         let motion = Motion::new(pose);
         let mut energy_kt = 0.0;
         for block in other.blocks() {
@@ -101,6 +103,7 @@ impl Table {
             energy_kt += self.field.fine::<FUSED>(&spots, &block[3]);
             for lane in 0..BLOCK {
                 let place = [places[0][lane], places[1][lane], places[2][lane]];
+                // An empty lane has the charge zero and a place like its neighbour's.
                 energy_kt += f64::from(block[3][lane] * self.near_potential::<FUSED>(place));
             }
         }

@@ -55,6 +55,8 @@ impl Known {
         let spans = |((image, pose), list): ((&Image, &RelativePose), &Option<_>)| {
             list.is_some() || image.list.spans(&image.relative, pose)
         };
+        // One list fails and all could be made to serve:
+        // new ones pay. After a cluster move none would.
         lists.iter().any(Option::is_none) && images.all(spans)
     }
 }
@@ -63,6 +65,7 @@ impl Image {
     /// The list, if it serves at this pose, and its slack there, Å. Most moves are shorter than the
     /// slack that was left, and the parts need not be looked at.
     fn list_at(&self, pose: &RelativePose) -> Option<(Arc<List>, f32)> {
+        // A bound on how far any charge has moved: one distance instead of a loop over the parts.
         let distance = Motion::between(&self.relative, pose).distance([0.0; 3], self.list.radius);
         let remaining_slack = self.slack_angstrom - distance;
         let slack = match remaining_slack >= 0.0 {

@@ -24,7 +24,8 @@ const EXPANSION_LENGTH_ANGSTROM: f32 = 4.0;
 
 /// The variance of the errors' change at small moves, in units of that at large ones.
 const CROSSINGS: f64 = 0.3;
-/// Errors of equivalent charges are of the third order of spherical harmonics and above.
+/// Number of lengths over which errors vary in a turn of 1 rad: near a node, errors of equivalent
+/// charges are of the third order of spherical harmonics and above.
 const ERRORS_PER_RADIAN: f32 = 3.0;
 
 /// The points of one pair.
@@ -98,6 +99,7 @@ impl Parts {
         let mut distances = [0.0; BLOCK];
         for lane in 0..BLOCK {
             let square = dx[lane] * dx[lane] + dy[lane] * dy[lane] + dz[lane] * dz[lane];
+            // A part moves by its centre's displacement and at most by turn times radius.
             distances[lane] = square.sqrt() + turn * self.radius[lane];
         }
         distances
@@ -118,6 +120,7 @@ pub(super) struct ListEnergy {
 impl List {
     /// Asks for what the energy of a pair that moves a little needs.
     pub fn prefetch(&self) {
+        // The first of each: the processor's own prefetch follows an array once it has begun.
         self.parts.first().into_iter().for_each(prefetch);
         self.points.first().into_iter().for_each(prefetch);
     }
@@ -152,6 +155,7 @@ impl List {
                 least[lane] = least[lane].min(parts.limit[lane] - distances[lane]);
             }
         }
+        // The part with the least room decides for the whole list.
         least.into_iter().fold(f32::INFINITY, f32::min)
     }
 
@@ -171,8 +175,10 @@ impl List {
             // Parts that are all far away have similar lengths, and need not be looked at.
             false => motion.distance([0.0; 3], self.radius) / self.least_length,
         };
+        // Whichever varies faster: the turn, or the farthest part in units of its length.
         let extent = f64::from((ERRORS_PER_RADIAN * motion.turn()).max(farthest));
         // In proportion to small moves, points cross into cells with other errors.
+        // Between √x for small moves, where cells are crossed, and x for large ones.
         (extent * (extent + CROSSINGS)).sqrt()
     }
 
@@ -220,6 +226,8 @@ impl List {
     /// The energy at this pose, with the expansion in place of the far points once the list has
     /// been used a few times.
     pub fn energy(&self, first: &Table, pose: &RelativePose) -> Option<ListEnergy> {
+        // Relaxed: it counts, and orders nothing. Who
+        // makes the expansion does not change its value.
         let uses = self.uses.fetch_add(1, Ordering::Relaxed);
         match self.far_points.is_empty() || uses < USES_OF_ALL_POINTS {
             true => self.energy_of_points(first, pose),
@@ -234,6 +242,7 @@ impl List {
         };
         let motion = Motion::between(&self.reference, pose);
         let close_kt = self.close_energy(first, pose)?;
+        // Near points stay exact: a quadratic form serves only what varies slowly.
         Some(ListEnergy {
             expanded_kt: close_kt + f64::from(expansion.energy_kt(&motion)),
             close_kt,
@@ -302,6 +311,7 @@ impl List {
         let motion = Motion::new(pose);
         let mut sum = [0.0_f32; BLOCK];
         let mut waiting: Option<(Spots, &[f32; BLOCK])> = None;
+        // One turn more than there are blocks: the last turn only adds what is waiting.
         for block in points.iter().map(Some).chain([None]) {
             let mut next = None;
             if let Some(block) = block {
@@ -318,6 +328,7 @@ impl List {
             let from_reference = Motion::between(&self.reference, pose);
             near.add::<FUSED>(&first.split, &motion, &from_reference, &mut sum);
         }
+        // Sixteen sums in single precision, joined in double.
         Some(sum.iter().map(|part| f64::from(*part)).sum())
     }
 }

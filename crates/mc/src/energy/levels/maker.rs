@@ -82,6 +82,7 @@ impl Maker<'_> {
     fn choose_points<const FUSED: bool>(&mut self) {
         let mut open = vec![0_u32];
         while let Some(number) = open.pop() {
+            // No charges, no nodes.
             let Some(node) = self.second.tree.nodes.get(number as usize).copied() else {
                 return;
             };
@@ -89,7 +90,9 @@ impl Maker<'_> {
                 .first
                 .field
                 .distance_bound(self.motion.apply(node.centre));
+            // The pair may come nearer by the skin while the list serves.
             let nearest = distance - SKIN_ANGSTROM;
+            // Far for the fit, beyond the near part, and certain enough: else look at its children.
             let is_far = nearest > self.opening * node.radius
                 && nearest > node.radius + self.first.split.radius_angstrom as f32
                 && self.node_variance(&node, distance) < NODE_VARIANCE;
@@ -107,11 +110,13 @@ impl Maker<'_> {
         self.variance += self.node_variance(node, distance);
         let range = node.first as usize..(node.first + node.count) as usize;
         let points = &self.second.tree.points[range];
+        // Out of the near part's reach for as long as the list serves.
         if distance > node.radius + self.reach {
             self.far_points.extend_from_slice(points);
             return;
         }
         self.points.extend_from_slice(points);
+        // Only leaves come so near: a node that stands for its charges is beyond the reach.
         if node.second == 0 {
             for point in points {
                 self.list_neighbours(*point);
@@ -119,13 +124,20 @@ impl Maker<'_> {
         }
     }
 
-    /// The error of a node's potential falls with a high power of the distance. The charges of the
-    /// first body that are nearest see it with random signs; from far away, all of them see it alike.
+    /// Variance of the energy of a node's equivalent charges, kT².
+    ///
+    /// Their error is of the third order of spherical harmonics: it falls with the fourth power of the
+    /// distance, three of them in addition to the 1/r of the potential, and is screened with it. For
+    /// random charges this is right within a factor of 2.5 up to three radii of the node. Farther out
+    /// remains of the lower orders are larger, ten times at six radii, where some thousandths of it are
+    /// left; the comparison of the levels scales the model. The charges of the first body that are nearest
+    /// see the error with random signs; from far away, all of them see it alike.
     #[inline(always)]
     fn node_variance(&self, node: &Node, distance: f32) -> f32 {
         if node.second == 0 {
             return 0.0;
         }
+        // The error was found at this distance and falls from there.
         let fitted_at = FIT_DISTANCE * node.radius;
         let potential = &self.first.split.potential;
         let screened = potential.at_square_f32::<false>(distance * distance)
@@ -146,6 +158,7 @@ impl Maker<'_> {
         let mut is_near = false;
         for block in self.first.neighbours.of(place) {
             let squares = squares(block, place);
+            // A margin for the skin is in the reach, so squares are compared with it as it is.
             for lane in 0..BLOCK {
                 if squares[lane] < reach_square {
                     let site = [0, 1, 2, 3].map(|row: usize| block[row][lane]);
@@ -196,6 +209,8 @@ impl Maker<'_> {
             Part {
                 centre: node.centre,
                 radius: node.radius,
+                // Even where there is hardly any room, a list
+                // serves for the skin: its neighbours hold so long.
                 limit: room.max(SKIN_ANGSTROM),
                 length: (gap / 3.0).max(1.0),
             }

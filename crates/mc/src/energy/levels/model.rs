@@ -102,6 +102,8 @@ impl Levels {
     fn prefetch(&self, body: usize) {
         let energies = self.energies.row(body).map(|(_, energies)| energies);
         energies
+            // Energies, then lists, then the lists' points:
+            // each needs the address from the one before.
             .clone()
             .for_each(|energies| prefetch(energies.as_ref()));
         let images = energies.flat_map(|energies| &energies.images);
@@ -115,6 +117,7 @@ impl Levels {
         let bodies = 0..system.len();
         let pairs =
             bodies.flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));
+        // Nothing is kept of far images, so they are found here, for reports only.
         pairs.filter_map(|(first, second)| {
             let near = self.energies.get(first, second);
             let far = self.known(&system.pair(first, second), Images::Far);
@@ -183,8 +186,8 @@ impl EnergyModel for Levels {
         Ok(())
     }
 
-    /// Energies from fine tables, whatever decisions asked for: functions of the poses alone. What is
-    /// far away is found here.
+    /// Energies from fine tables, whatever levels decisions requested: functions of the poses
+    /// alone. What is far away is found here.
     fn pairs(&self, system: &System) -> Vec<PairEnergy> {
         let reported = |pair: Reported| {
             let near = pair.near.as_deref().map_or(&[][..], |near| &near.images);
@@ -194,17 +197,20 @@ impl EnergyModel for Levels {
         self.all_reported(system).map(reported).collect()
     }
 
-    /// Energies are found anew where they were found first; lists are chosen there.
+    /// Energies are found again where they were found first; lists are chosen there.
     fn restore(&mut self, system: &System, pairs: &[PairEnergy]) -> Result<()> {
         self.prepare(system);
         self.energies = PairTable::new(system.len());
         for saved in pairs {
             let pair = system.pair(saved.first, saved.second);
+            // Old files have no poses; the pair as it stands must do.
             let poses = match saved.computed_at {
                 Some(_) => saved.images(&pair).collect(),
                 None => self.image_poses(&pair, Images::Near),
             };
             if !poses.is_empty() {
+                // No lists: they are chosen at these poses,
+                // as they were when the energies were found.
                 let energies = self.known_at(&pair, poses, Lists::new());
                 let energies = checked(&pair, energies)?;
                 self.energies.set(saved.first, saved.second, energies);
@@ -214,23 +220,27 @@ impl EnergyModel for Levels {
     }
 
     fn accept(&mut self, trial: &Trial<'_>, partners: &[usize], budget_kt: f64) -> Result<bool> {
+        // Memory on its way while the partners are found.
         self.prefetch(trial.body);
         let row = self.energies.row(trial.body);
         let mut near: Vec<usize> = row.map(|(partner, _)| partner).collect();
         let mut changes = Changes::default();
         for &partner in partners {
             let after = trial.pair(partner);
+            // Far images of every partner, near or not: other images of a near one may be far.
             self.add_far(&mut changes, trial, partner, &after);
             if self.far.near().is_met(&after) {
                 near.push(partner);
             }
         }
         near.sort_unstable();
+        // A partner may be near before, after, or both; it counts once.
         near.dedup();
         for partner in near {
             changes.pairs.extend(self.first_change(trial, partner)?);
         }
         let accepted = self.rises_less(trial, &mut changes, budget_kt)?;
+        // Also what is rejected: `reject` clears it, and the engine may accept after further tests.
         self.propose(trial, changes);
         Ok(accepted)
     }

@@ -24,6 +24,7 @@ impl Motion {
     /// The displacement of every point from one pose to another.
     pub fn between(from: &RelativePose, to: &RelativePose) -> Self {
         Self::new(&RelativePose {
+            // A difference of rotations is no rotation, but it gives each point's displacement.
             rotation: to.rotation - from.rotation,
             translation: to.translation - from.translation,
         })
@@ -80,9 +81,11 @@ impl Motion {
             t: [0.0; 3],
         };
         for column in 0..3 {
+            // d(R e)/dφ = axis × R e, column by column.
             let tangent = cross(axis, [0, 1, 2].map(|row: usize| self.r[row][column]));
             (0..3).for_each(|row| displacement.r[row][column] = angle * tangent[row]);
         }
+        // The shift of the centre by the turn is taken back, so the turn is about it.
         let shift = displacement.apply(centre);
         (0..3).for_each(|row| displacement.t[row] = step[row] - shift[row]);
         displacement
@@ -109,6 +112,7 @@ impl Motion {
 /// One coordinate of sixteen moved points.
 #[inline(always)]
 fn along_lanes([a, b, c]: [f32; 3], t: f32, [x, y, z]: [&[f32; BLOCK]; 3]) -> [f32; BLOCK] {
+    // Loops over one row of coordinates each: loads of sixteen, no shuffles.
     let mut coordinates = [t; BLOCK];
     for lane in 0..BLOCK {
         coordinates[lane] += a * x[lane];

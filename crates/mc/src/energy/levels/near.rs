@@ -63,9 +63,11 @@ impl NearMaker {
     pub fn add(&mut self, first: [f32; 4], second: [f32; 4], square: f32) {
         let [x, y, z, charge] = second;
         let [sx, sy, sz, source] = first;
+        // In squared distances, so no root is taken per pair.
         let beyond = (square - self.near_square) * self.inverse_width;
         // Those in range are below zero.
         let group = ((beyond + 1.0).max(0.0) as usize).min(GROUPS);
+        // Group 0 is within range now; group g > 0 begins at R² + (g - 1) w.
         self.groups[group].push([x, y, z, sx, sy, sz, charge * source]);
     }
 
@@ -86,6 +88,7 @@ impl NearMaker {
         for (group, members) in self.groups.iter().enumerate() {
             let distance = match group {
                 0 => 0.0,
+                // The least distance that a member of this group has: its lower border.
                 _ => (self.near_square + (group - 1) as f32 * self.width_square).sqrt(),
             };
             let blocks = members.chunks(BLOCK);
@@ -93,6 +96,7 @@ impl NearMaker {
                 .blocks
                 .extend(blocks.map(|block| (distance, lanes(block))));
         }
+        // A box, then its sphere: cheaper than the smallest sphere, and always a bound.
         pairs.centre = [0, 1, 2].map(|axis: usize| (self.low[axis] + self.high[axis]) / 2.0);
         let diagonal = [0, 1, 2].map(|axis: usize| self.high[axis] - self.low[axis]);
         pairs.radius = length(diagonal) / 2.0;
@@ -119,6 +123,7 @@ impl NearPairs {
     #[inline(always)]
     fn in_range(&self, near_radius: f32, from_reference: &Motion) -> impl Iterator<Item = &Pairs> {
         let reach = near_radius + from_reference.distance(self.centre, self.radius);
+        // Ascending, so the first group out of range ends the loop.
         let near = self.blocks.iter().take_while(move |block| block.0 < reach);
         near.map(|block| &block.1)
     }
@@ -135,6 +140,7 @@ impl NearPairs {
         for block in self.in_range(split.radius_angstrom as f32, from_reference) {
             let [x, y, z, sx, sy, sz, product] = block;
             let [mx, my, mz] = motion.apply_lanes([x, y, z]);
+            // No test of the distance per pair: `near_f32` is zero beyond R.
             for lane in 0..BLOCK {
                 let (dx, dy, dz) = (
                     mx[lane] - sx[lane],

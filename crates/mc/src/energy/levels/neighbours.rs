@@ -27,7 +27,9 @@ const NOWHERE: f32 = 1e4;
 impl Neighbours {
     pub fn new(charges: &ChargeCloud, distance: f64) -> Self {
         let (low, high) = charges.bounds_angstrom();
+        // Half the distance: smaller cells would list fewer charges in excess but take more memory.
         let edge = distance / 2.0;
+        // Points farther from the charges than the distance have no neighbours.
         let (low, high) = (low.add_scalar(-distance), high.add_scalar(distance));
         let cells = ((high - low) / edge).map(|cells| cells.ceil().max(1.0) as i32);
         let mut members = vec![Vec::new(); cells.map(|n| n as usize).product()];
@@ -40,11 +42,13 @@ impl Neighbours {
             ];
             let first = ((place - low).add_scalar(-distance) / edge).map(|x| x.floor() as i32);
             let last = ((place - low).add_scalar(distance) / edge).map(|x| x.floor() as i32);
+            // Only the cells that the ball around the charge can reach.
             let range = |axis: usize| first[axis].max(0)..=last[axis].min(cells[axis] - 1);
             for z in range(2) {
                 for y in range(1) {
                     for x in range(0) {
                         let corner = low + Vec3::new(x.into(), y.into(), z.into()) * edge;
+                        // Vector from the cell to the charge, zero along axes where it is within.
                         let from_low = (corner - place).sup(&Vec3::zeros());
                         let from_high = (place - corner).add_scalar(-edge).sup(&Vec3::zeros());
                         if (from_low + from_high).norm() < distance {
@@ -54,6 +58,7 @@ impl Neighbours {
                 }
             }
         }
+        // One array of blocks with the start of each cell's: a look-up is two reads.
         let mut starts = vec![0];
         let mut blocks = Vec::new();
         for cell in members {
@@ -80,9 +85,11 @@ impl Neighbours {
         let mut cell = 0;
         for axis in (0..3).rev() {
             let place = ((x[axis] - self.low[axis]) * self.inverse_edge).floor() as i32;
+            // Outside the grid no charge is near.
             if !(0..self.cells[axis]).contains(&place) {
                 return 0..0;
             }
+            // (z n_y + y) n_x + x, built from z down.
             cell = cell * self.cells[axis] + place;
         }
         let cell = cell as usize;

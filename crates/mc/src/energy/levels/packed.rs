@@ -35,10 +35,12 @@ pub(super) fn pack(fine: &Fine) -> (Head, Packed) {
             *value = orders(lane, z).map_or(0.0, |orders| fine.coefficient(orders));
         }
     }
+    // The mean is much larger than the rest and would take all 16 bits; it goes into the head.
     let first = std::mem::take(&mut rows[0][0]);
     let largest = rows
         .as_flattened()
         .iter()
+        // Not zero, so that an empty cell does not divide by zero.
         .fold(f32::MIN_POSITIVE, |most, value| most.max(value.abs()));
     let unit = largest / f32::from(i16::MAX);
     let packed = rows.map(|row| row.map(|value| (value / unit).round() as i16));

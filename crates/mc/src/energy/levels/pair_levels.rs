@@ -49,6 +49,7 @@ impl Levels {
         for pose in near_and_far.into_iter().flatten() {
             let image = first.energy_alone_kt(second, &pose);
             energy_kt += image.unwrap_or_else(|| {
+                // Beyond the table: rare, and the direct sum is exact.
                 pair_energy_kt(&self.potential, &first.charges, &second.charges, &pose)
             });
         }
@@ -74,6 +75,7 @@ impl Levels {
         let (first, second) = self.tables_of(pair.type_indices());
         let (mut images, mut expanded_kt) = (SmallVec::with_capacity(poses.len()), Some(0.0));
         for (number, relative) in poses.into_iter().enumerate() {
+            // A list from before the move is used again; it is taken, as the lists are handed over.
             let reusable_list = lists.get_mut(number).and_then(Option::take);
             let (list, slack_angstrom, energy) = match reusable_list {
                 Some((list, slack)) => {
@@ -82,6 +84,7 @@ impl Levels {
                 }
                 None => {
                     let list = List::new(first, second, &relative, COARSE_OPENING);
+                    // Without the expansion: it is made once the list has proved to be used again.
                     let energy = list.energy_of_points(first, &relative);
                     let slack_angstrom = list.slack_angstrom(&relative);
                     (Arc::new(list), slack_angstrom, energy)
@@ -93,6 +96,7 @@ impl Levels {
                 relative,
                 list,
                 slack_angstrom,
+                // NaN marks an image without a table; `coarse_kt` then takes the direct sum.
                 close_kt: energy.map_or(f64::NAN, |energy| energy.close_kt),
                 expansion_variance: energy.map_or(0.0, |energy| energy.expansion_variance),
                 ranking: OnceLock::new(),
@@ -117,6 +121,7 @@ impl Levels {
             EXPANDED | COARSE => {
                 let images = energies.images.iter();
                 let variances = images.map(|image| self.variance(image, level));
+                // Computed at most once per pose, by whoever asks first.
                 let energy_kt = match level {
                     EXPANDED => energies.expanded_kt,
                     _ => *energies.coarse_kt.get_or_init(|| self.coarse_kt(energies)),
@@ -139,6 +144,7 @@ impl Levels {
             _ => COARSE,
         };
         let tolerance_kt = self.tolerance_kt.unwrap_or(f64::INFINITY);
+        // The first level that is good enough; far images begin lower, as they hold little.
         for level in first..DIRECT {
             let (energy_kt, variance) = self.energy(energies, level);
             let error_kt = MULTIPLE * variance.sqrt();
@@ -157,6 +163,7 @@ impl Levels {
             Some(image.close_kt + far_kt)
         };
         let sum: Option<f64> = energies.images.iter().map(energy).sum();
+        // A NaN from an image beyond the table.
         let sum = sum.filter(|sum| sum.is_finite());
         sum.unwrap_or_else(|| self.direct_kt(energies))
     }
@@ -196,6 +203,7 @@ impl Levels {
     /// The estimate before this step of sharpening, with what the step adds.
     fn sharpened(&self, energies: &Known, step: usize) -> Option<Estimate> {
         let (first, second) = self.tables_of(energies.types);
+        // Each step builds on the one before, which is computed here if it was not yet.
         let (mut energy_kt, mut variance) = (self.fine_estimate(energies, step).energy_kt, 0.0);
         for image in &energies.images {
             let pose = &image.relative;
@@ -219,6 +227,7 @@ impl Levels {
     }
 
     fn direct_kt(&self, energies: &Known) -> f64 {
+        // Kept: the most expensive number of the pair.
         *energies.direct_kt.get_or_init(|| {
             let (first, second) = self.tables_of(energies.types);
             let energy = |image: &Image| {
@@ -247,11 +256,15 @@ impl Levels {
     /// more so the less the pair has moved.
     pub(super) fn change_variance(&self, new: &Known, old: &Known, level: usize) -> f64 {
         let mut variance = 0.0;
+        // Images appear and vanish at the border; one
+        // without a partner counts with its whole error.
         for number in 0..new.images.len().max(old.images.len()) {
             let (new, old) = (new.images.get(number), old.images.get(number));
             let images = new.into_iter().chain(old);
             let apart: f64 = images.map(|image| self.variance(image, level)).sum();
             variance += match (new, old) {
+                // The very same list, by its address: only
+                // then do the same points stand at both ends.
                 (Some(new), Some(old)) if Arc::ptr_eq(&new.list, &old.list) => {
                     apart.min(self.moved_variance(new, old, level))
                 }
@@ -269,6 +282,7 @@ impl Levels {
         if level == COARSE {
             return points;
         }
+        // The larger variance of both ends, so that the estimate does not depend on the direction.
         let expansion = new.expansion_variance.max(old.expansion_variance);
         let expansion = expansion * list.expansion_shift(from, to).powi(2);
         points + expansion * scales.expansion.change.powi(2)

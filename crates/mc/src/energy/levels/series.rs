@@ -20,6 +20,8 @@ impl Field {
     ) {
         let (mut first, mut unit) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut fourth = [[0_i16; BLOCK]; 3];
+        // One point at a time, its coefficients in lanes:
+        // a cell is two lines of the cache, read once.
         for point in 0..BLOCK {
             let cell = spots.cell[point] as usize;
             let (series, head) = (&self.coarse[cell], &self.heads[cell]);
@@ -28,6 +30,7 @@ impl Field {
             (first[point], unit[point]) = (head.first, head.unit);
             let [of_x, of_y, of_z] = series.fourth();
             (fourth[0][point], fourth[1][point], fourth[2][point]) = (of_x, of_y, of_z);
+            // The unit is taken into the charge: one product per point instead of one per lane.
             let charge = charge[point] * head.unit;
             let (xx, yy, zz) = (x * x, y * y, z * z);
             let (z2, z3) = (2.0 * zz - 1.0, z * (4.0 * zz - 3.0));
@@ -44,6 +47,7 @@ impl Field {
                 sum[lane] = add::<FUSED>(value, of_x * (of_y * charge), sum[lane]);
             }
         }
+        // T_4 lane by lane over the points now: three terms per point, not worth a row each.
         let mut of_fourth = [0.0; BLOCK];
         for (fourth, coordinates) in fourth.iter().zip(&spots.coordinates) {
             for lane in 0..BLOCK {
@@ -52,6 +56,7 @@ impl Field {
                 of_fourth[lane] = add::<FUSED>(f32::from(fourth[lane]), t4, of_fourth[lane]);
             }
         }
+        // The mean of the cell, which is not in units.
         for lane in 0..BLOCK {
             let potential = add::<FUSED>(of_fourth[lane], unit[lane], first[lane]);
             sum[lane] = add::<FUSED>(charge[lane], potential, sum[lane]);

@@ -51,8 +51,10 @@ impl Ranking {
         // From the last step to the first, so that each looks only at the charges of the one after it.
         let mut taken = places.as_mut_slice();
         for end in ends.into_iter().rev() {
+            // Selection, not sorting: only the borders between steps matter.
             if end < taken.len() {
                 taken.select_nth_unstable_by(end, |a, b| {
+                    // Ties by place, so that the order is unique.
                     variance(b).total_cmp(&variance(a)).then(a.cmp(b))
                 });
             }
@@ -100,6 +102,7 @@ impl Table {
         };
         let placed: Vec<(Vec3, f64)> = charges.iter().map(placed).collect();
         let from_table = self.fine_table_energy(&blocks(&charges), pose)?;
+        // Adds the smooth potential summed directly and takes out what the table gave.
         Some(self.smooth_energy_kt(&placed) - from_table.energy_kt)
     }
 
@@ -141,6 +144,7 @@ impl Table {
     #[inline(always)]
     fn smooth_sum<const FUSED: bool>(&self, charges: &[(Vec3, f64)]) -> f64 {
         let mut sum = [0.0; LANES];
+        // Groups outside: each is loaded once for all charges.
         for group in self.charges.groups() {
             for (place, charge) in charges {
                 let (mut squares, mut potential) = ([0.0_f32; LANES], [0.0_f32; LANES]);
@@ -152,7 +156,7 @@ impl Table {
                     );
                     squares[lane] = (dx * dx + dy * dy + dz * dz) as f32;
                 }
-                // A vector of single precision has twice the lanes: a loop of its own.
+                // A vector of single precision has twice the lanes, hence a separate loop.
                 for lane in 0..LANES {
                     potential[lane] = self.split.smooth_f32::<FUSED>(squares[lane]);
                 }

@@ -42,6 +42,7 @@ impl Split {
         let radius_square = self.radius_angstrom * self.radius_angstrom;
         let near =
             self.potential.at_square(square) - horner(&self.polynomial, square - radius_square);
+        // Computed on both sides and selected, so that loops over lanes have no branch.
         if square < radius_square { near } else { 0.0 }
     }
 

@@ -10,7 +10,7 @@
 //! | ... | for each cell of the field: distance, errors and coefficients |
 //! | 32 | SHA-256 of everything before |
 //!
-//! Numbers are little-endian. Everything else about a table is made anew, which takes milliseconds.
+//! Numbers are little-endian. Everything else about a table is rebuilt, which takes milliseconds.
 //!
 //! A comparison is the line `protomer calibration 3`, its fingerprint, 23 numbers of 8 bytes each, and
 //! the hash.
@@ -33,6 +33,7 @@ use std::io::{BufWriter, Read, Write};
 /// The first line; its number is raised when the layout changes, or when equal charges give other
 /// tables.
 const FIRST_LINE: &[u8; 17] = b"protomer table 9\n";
+/// Characters of the fingerprint after the first line.
 const FINGERPRINT_LENGTH: usize = 64;
 
 /// The first line of a comparison; its number is raised when equal tables give another one.
@@ -47,6 +48,7 @@ impl Table {
         hash.update(FIRST_LINE);
         for word in [std::env::consts::ARCH, std::env::consts::OS, instructions()] {
             hash.update(word.as_bytes());
+            // A zero between words: "a" "bc" and "ab" "c" must not have one hash.
             hash.update([0]);
         }
         let charges = charges.iter();
@@ -57,6 +59,7 @@ impl Table {
             .chain([reach_angstrom])
             .chain(charges)
         {
+            // The bits, not the decimal text: tables differ if a charge differs in its last bit.
             hash.update(number.to_le_bytes());
         }
         hexadecimal(hash)
@@ -90,8 +93,10 @@ impl Table {
         read_head(&mut reader, FIRST_LINE, &fingerprint)?;
         let tree = Tree::read_from(&mut reader, charges).map_err(failed)?;
         let mut field = Self::empty_field(charges, reach_angstrom);
+        // The cells follow from the charges; only their contents are in the file.
         let cells = field.number_cells(&Sites::new(charges)).len();
         field.read_cells(cells, &mut reader).map_err(failed)?;
+        // Checked before the table is used; the cells above were only read.
         read_hash(reader)?;
         Ok(Self::assemble(charges, potential, tree, field))
     }
@@ -198,6 +203,7 @@ fn write_hashed<W: Write>(
     writer.write_all(first_line)?;
     writer.write_all(fingerprint.as_bytes())?;
     content(&mut writer)?;
+    // Taken out of the hashing writer, so that the hash does not include itself.
     let Hashing { mut inner, hash } = writer.into_inner().map_err(|error| error.into_error())?;
     inner.write_all(&hash.finalize())?;
     inner.flush()
@@ -226,6 +232,7 @@ fn read_hash(reader: Hashing<impl Read>) -> Result<()> {
     if hash.finalize()[..] != bytes::<32>(&mut inner).map_err(failed)? {
         return Err(unusable("their checksum is wrong"));
     }
+    // Nothing may follow, or the file is not what its hash says.
     if inner.read(&mut [0]).map_err(failed)? != 0 {
         return Err(unusable("there is more than they need"));
     }
@@ -248,6 +255,8 @@ impl Tree {
 
     fn read_from(reader: &mut impl Read, charges: &ChargeCloud) -> std::io::Result<Self> {
         let mut tree = Self::without_nodes(charges);
+        // No capacity is reserved by a number from the
+        // file: a damaged one could ask for everything.
         for _ in 0..number(reader)? {
             let (centre, [radius, error]) = (numbers(reader)?, numbers(reader)?);
             let [first, count, second] = [number(reader)?, number(reader)?, number(reader)?];
@@ -329,6 +338,7 @@ fn numbers<const N: usize>(reader: &mut impl Read) -> std::io::Result<[f32; N]> 
     reader.read_exact(&mut bytes)?;
     let mut numbers = [0.0; N];
     for (number, bytes) in numbers.iter_mut().zip(bytes.chunks_exact(4)) {
+        // Little-endian on every machine.
         *number = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
     }
     Ok(numbers)
@@ -368,6 +378,7 @@ impl<T> Hashing<T> {
 impl<T: Write> Write for Hashing<T> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
         let written = self.inner.write(bytes)?;
+        // Only the bytes that were accepted; the rest is offered again.
         self.hash.update(bytes.get(..written).unwrap_or_default());
         Ok(written)
     }

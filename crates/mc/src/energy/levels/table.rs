@@ -11,8 +11,9 @@ use crate::charges::ChargeCloud;
 use protomer_kernel::Vec3;
 use protomer_kernel::potential::Yukawa;
 
-/// The range of the near part, in mean distances of neighbouring charges, and its bounds, Å.
+/// The range of the near part, in mean distances of neighbouring charges.
 const NEAR_SPACINGS: f64 = 1.9;
+/// The least and the largest range of the near part, Å.
 const NEAR_BOUNDS_ANGSTROM: (f64, f64) = (3.0, 8.0);
 
 /// Data of one body type under one potential, immutable and to be shared.
@@ -61,6 +62,7 @@ impl Table {
         field: Field,
     ) -> Self {
         let split = Split::new(*potential, near_radius(charges));
+        // Charges may move by the skin before neighbours are looked up again.
         let distance = split.radius_angstrom + f64::from(SKIN_ANGSTROM);
         Self {
             blocks: blocks(&tree.charges()),
@@ -95,6 +97,7 @@ impl Table {
 
 /// The standard deviation of a fine energy with a floor for roundings of single precision, kT.
 pub(super) fn fine_deviation(variance: f64) -> f64 {
+    // 10⁻⁵ kT: about what single precision rounds off in an energy.
     (variance + 1e-10).sqrt()
 }
 

@@ -12,6 +12,7 @@ const LEAF: usize = 12;
 const EQUIVALENT: usize = 16;
 /// Nodes of fewer charges than this have [`FEW_EQUIVALENT`].
 const SMALL: usize = 24;
+/// Number of equivalent charges of a small node.
 const FEW_EQUIVALENT: usize = 12;
 
 /// The charges of one body type.
@@ -85,6 +86,7 @@ impl Tree {
             },
             false => fit(charges, &centre, farthest, wanted, potential),
         };
+        // Pushed before its children, so the first child has the next number.
         let number = self.nodes.len();
         self.nodes.push(Node {
             centre: centre.map(|x| x as f32).into(),
@@ -98,11 +100,14 @@ impl Tree {
         self.points
             .extend(rows.map(|(x, q)| [x.x as f32, x.y as f32, x.z as f32, *q as f32]));
         if !is_leaf {
+            // Cut at the median along the longest side:
+            // nodes stay compact and the tree is balanced.
             let axis = (high - low).imax();
             let middle = charges.len() / 2;
             charges.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]));
             let (left, right) = charges.split_at_mut(middle);
             self.grow(left, potential);
+            // Known only now, after the whole first subtree has been added.
             self.nodes[number].second = self.grow(right, potential);
         }
         number as u32

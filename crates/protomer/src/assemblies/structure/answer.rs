@@ -29,9 +29,9 @@ pub struct StructureAssembly {
     pub native_contacts: usize,
     /// Share of the native contacts that the placed bodies have; `None` if there are none.
     pub native_contacts_kept: Option<f64>,
-    /// Copies that keep a shape of their own, and why.
+    /// Copies that keep their own shape, and why.
     pub own_shapes: Vec<OwnShape>,
-    /// Edge of a cubic periodic box with room for the bodies beside each other, Å.
+    /// Edge of a cubic periodic box with room for the bodies next to each other, Å.
     pub proposed_box_angstrom: f64,
     /// Bodies that should be one, and the flag that makes them one.
     pub proposals: Vec<String>,
@@ -107,7 +107,7 @@ impl StructureAssembly {
         })
     }
 
-    /// A line for each body that stands for copies with a shape of their own.
+    /// A line for each body that stands for copies that keep their own shape.
     fn own_shapes_in_words(&self) -> Vec<String> {
         let mut lines = Vec::new();
         for body in &self.bodies {

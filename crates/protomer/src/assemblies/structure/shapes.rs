@@ -19,7 +19,7 @@ const SAME_SHAPE_ANGSTROM: f64 = 0.02;
 /// A copy that would keep less than this share of its native residue contacts keeps its own shape.
 const LEAST_CONTACTS_KEPT: f64 = 0.95;
 
-/// A copy with a shape of its own.
+/// A copy that keeps its own shape.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnShape {
     /// Name of the copy.

@@ -8,13 +8,15 @@ use protomer_mc::BodyType;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Half the width and half the height of the barrel without its bumps, Å.
+/// Half the width of the barrel without its bumps, Å.
 const HALF_WIDTH_ANGSTROM: f64 = 12.5;
+/// Half the height of the barrel without its bumps, Å.
 const HALF_HEIGHT_ANGSTROM: f64 = 19.5;
-/// Bumps and dents: their number, their largest height (Å), and their reach (1 - cosine of the
-/// angle).
+/// Number of bumps and dents.
 const BUMPS: usize = 60;
+/// Largest height of a bump or depth of a dent, Å.
 const BUMP_HEIGHT_ANGSTROM: f64 = 2.5;
+/// Reach of a bump or dent, as 1 - cosine of the angle.
 const BUMP_REACH: f64 = 0.1;
 /// Charges stay this far below the surface, Å, measured towards the middle.
 const DEPTH_ANGSTROM: f64 = 1.0;

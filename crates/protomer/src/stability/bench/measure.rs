@@ -16,6 +16,7 @@ use protomer_results::Interrupt;
 /// first); where moves are not cheap, at most `MOST_TIMES_THE_DIRECT_SUM` times those of the direct
 /// sum.
 const FEWEST_CHEAP_MOVES: u64 = 320;
+/// Largest ratio of this least number of moves to the moves of the direct sum.
 const MOST_TIMES_THE_DIRECT_SUM: u64 = 8;
 
 /// A state with what an energy mode needs for it.
@@ -144,7 +145,7 @@ impl Prepared {
         )?)
     }
 
-    /// Makes `moves` moves from the state, with random numbers of their own again and again until
+    /// Makes `moves` moves from the state, again and again with other random numbers, until
     /// `seconds` of processor time are spent: a state close to contact loosens as bodies move, so
     /// one long run would time another state. The first run decides what is hashed; how often it is
     /// repeated changes the rate's precision alone.

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 pub(super) struct Readings {
     /// Decisions that the coarse level settled.
     pub(super) settled: Decisions,
-    /// Decisions that asked for finer levels.
+    /// Decisions that needed finer levels.
     pub(super) refined: Decisions,
     /// Time to take over or drop the energies of moves.
     pub(super) keeping: Duration,
@@ -34,6 +34,7 @@ impl Readings {
     pub(super) fn refinement(&self) -> Duration {
         let seconds_each = self.settled.time.as_secs_f64() / self.settled.coarse.max(1) as f64;
         let coarse = Duration::from_secs_f64(seconds_each * self.refined.coarse as f64);
+        // Clocks jitter: a price from few decisions may exceed the whole.
         self.refined.time.saturating_sub(coarse)
     }
 
@@ -64,6 +65,7 @@ impl Metered {
         let decision = decide(&mut self.inner);
         let (time, after) = (start.elapsed(), Counts::of(&self.inner));
         self.read(|readings| {
+            // A decision that went past the coarse level changes the count of refined ones.
             let sort = if after.refined == before.refined {
                 &mut readings.settled
             } else {

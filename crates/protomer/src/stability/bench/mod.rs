@@ -48,7 +48,7 @@ pub struct BenchSettings {
     /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
     /// the bodies themselves.
     pub effective_charges: Option<SoluteModel>,
-    /// Terms of the energy beside the charges.
+    /// Terms of the energy in addition to the charges.
     pub terms: FurtherTerms,
     /// Seed of the random numbers.
     pub seed: u64,

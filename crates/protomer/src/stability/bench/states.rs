@@ -14,8 +14,9 @@ use std::sync::Arc;
 pub const CLUSTER_BODIES: usize = 16;
 /// Box of the cluster, Å.
 const CLUSTER_BOX_ANGSTROM: f64 = 600.0;
-/// Distance from which a body comes in, Å, and length of its steps.
+/// Distance from which a body comes in, Å.
 const FROM_ANGSTROM: f64 = 140.0;
+/// Length of the steps of a body that comes in, Å.
 const STEP_ANGSTROM: f64 = 1.0;
 /// Number of ways in that a body tries; it takes the one that leads it nearest to the middle.
 const WAYS: usize = 24;

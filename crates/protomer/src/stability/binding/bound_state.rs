@@ -26,7 +26,7 @@ const MOST_AT_LIMIT: f64 = 0.1;
 /// The bound state about the pose at one pH and the first salt.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundStateSummary {
-    /// pH; null where the files have charges of their own.
+    /// pH; null where the files have their own charges.
     pub ph: Option<f64>,
     /// Mean energy, kT.
     pub mean_energy_kt: f64,
@@ -84,6 +84,7 @@ impl Sampled {
         let pair = medium.pair_without_response()?;
         let given_kt = pair.energy_kt(&medium.pose());
         let goes_on = || !execution.interrupt.is_requested();
+        // The widest that has room: too narrow a limit would cut the state off.
         for limit_angstrom in LIMITS_ANGSTROM {
             let settings = BoundStateSettings {
                 seed,
@@ -112,6 +113,7 @@ impl Sampled {
         let (mut sum, mut squares, mut energies) = (0.0, 0.0, 0.0);
         for pose in &self.state.samples {
             let energy_kt = whole.energy_kt(pose);
+            // ΔU = U_with - U_without, and the poses were drawn without.
             let weight = (self.pair.energy_kt(pose) - energy_kt).exp();
             sum += weight;
             squares += weight * weight;
@@ -119,6 +121,7 @@ impl Sampled {
         }
         let count = self.state.samples.len() as f64;
         let mean = sum / count;
+        // Of the mean of weights, relative to its square.
         let variance = (squares / count / mean.powi(2) - 1.0) / (count - 1.0);
         let ln_association_angstrom3 = self.state.ln_association_angstrom3 + mean.ln();
         let ln_error = (self.state.ln_association_error.powi(2) + variance).sqrt();
@@ -128,6 +131,7 @@ impl Sampled {
             ln_association_angstrom3,
             mean_energy_kt: energies / sum,
             lowest_energy_kt: whole.energy_kt(&self.state.lowest_pose),
+            // (Σ w)² / Σ w²: poses of equal weight that would say as much.
             effective_poses: sum.powi(2) / squares,
         })
     }
@@ -154,6 +158,7 @@ impl Sampled {
     /// Warnings about this state.
     pub fn warnings(&self) -> Vec<String> {
         let (state, mut warnings) = (&self.state, Vec::new());
+        // An overlapping pose has no energy to compare with.
         if !self.overlaps && state.lowest_energy_kt > self.given_kt + MISSED_KT {
             warnings.push(format!(
                 "warning: the integration met no pose below {:.1} kT, and the given pose has {:.1} kT: its well is narrower than the \

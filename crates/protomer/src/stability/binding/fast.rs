@@ -62,6 +62,7 @@ impl FastInteraction {
             sha256: String::new(),
             path: None,
         };
+        // A scale of contacts needs beads on both bodies.
         let has_beads = partners
             .bodies
             .iter()
@@ -117,6 +118,7 @@ impl FastMedium {
         for pair in model.pairs(&system) {
             charges_kt += pair.energy_kt;
         }
+        // Summed per term: several entries of one term belong together.
         let mut terms_kt = BTreeMap::from([(Term::Charges.name(), charges_kt)]);
         let poses = &self.engine.assembly().poses;
         let displacement = poses[1].position - poses[0].position;
@@ -152,6 +154,7 @@ impl FastMedium {
         let mut pair = self
             .engine
             .body_pair(&self.interaction, gap_angstrom, true)?;
+        // It costs most of an energy; see the module.
         pair.potential
             .0
             .retain(|term| term.term() != Term::SolventResponse);

@@ -32,7 +32,7 @@ struct Input {
 enum Content {
     /// Residues of a structure file, with its hash.
     Residues(Box<Selection>, String),
-    /// A body file or a PQR file, with charges of its own.
+    /// A body file or a PQR file, with its own charges.
     Charged(Arc<Body>),
 }
 

@@ -17,8 +17,11 @@ use protomer_results::Execution;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A salt effect with a larger error than this, kT, and this part of itself, is not resolved.
+/// A salt effect is not resolved if its error is larger than this, kT, and than `RESOLVED_PART` of
+/// it.
 const RESOLVED_KT: f64 = 0.3;
+/// Error of a salt effect, as a part of the effect, beyond which the effect is not resolved if the
+/// error exceeds `RESOLVED_KT`, too.
 const RESOLVED_PART: f64 = 0.3;
 
 /// The charge part of the binding free energy of a complex.
@@ -86,7 +89,7 @@ pub struct BoundBody {
 pub struct BindingCondition {
     /// Salt concentration, mol/L.
     pub salt_molar: f64,
-    /// pH; null where the files have charges of their own.
+    /// pH; null where the files have their own charges.
     pub ph: Option<f64>,
     /// Charge part of the binding free energy by the Poisson-Boltzmann equation, kT: at the first salt
     /// from the fine grid, at the others with the extrapolated effect of the salt.
@@ -115,7 +118,7 @@ pub struct BindingCondition {
 /// Slope d ln K / d ln c at one pH.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlopeAtPh {
-    /// pH; null where the files have charges of their own.
+    /// pH; null where the files have their own charges.
     pub ph: Option<f64>,
     /// d ln K / d ln c of the association constant; null with a single salt.
     pub d_ln_k_d_ln_salt: Option<f64>,

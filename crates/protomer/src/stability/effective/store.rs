@@ -116,7 +116,7 @@ impl EffectiveStore {
     }
 }
 
-/// Does work on threads of its own. A thread of the common pool that waits for its share of a fit
+/// Does work on separate threads. A thread of the common pool that waits for its share of a fit
 /// would meanwhile begin another simulation, which may wait for this very fit.
 fn on_threads_of_its_own<T: Send>(work: impl FnOnce() -> T + Send) -> Result<T> {
     let pool = rayon::ThreadPoolBuilder::new()
@@ -169,6 +169,7 @@ fn to_bytes(key: &str, effective_charges: &EffectiveCharges) -> Vec<u8> {
     }
     let mut bytes = [FIRST_LINE, key.as_bytes()].concat();
     bytes.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
+    // Over everything before it, key and version included.
     let sum = sha256_hex(&bytes);
     bytes.extend(sum.as_bytes());
     bytes
@@ -176,10 +177,12 @@ fn to_bytes(key: &str, effective_charges: &EffectiveCharges) -> Vec<u8> {
 
 fn from_bytes(key: &str, bytes: &[u8]) -> Result<EffectiveCharges, &'static str> {
     const ENDED: &str = "they end too early";
+    // The checksum is cut off first, as it covers the rest.
     let (content, sum) = bytes.split_last_chunk::<DIGITS>().ok_or(ENDED)?;
     let remainder = content
         .strip_prefix(FIRST_LINE)
         .ok_or("they are of another kind or version")?;
+    // Before any number is believed.
     if sha256_hex(content).as_bytes() != sum {
         return Err("their checksum is wrong");
     }
@@ -201,6 +204,7 @@ fn from_bytes(key: &str, bytes: &[u8]) -> Result<EffectiveCharges, &'static str>
     let (charges, []) = charges.as_chunks::<4>() else {
         return Err(ENDED);
     };
+    // The count is stored as a number like the others; it must agree with what is there.
     if charges.len() as f64 != count {
         return Err(ENDED);
     }

@@ -99,12 +99,13 @@ impl<'a> Condition<'a> {
                      --relative-error instead of --b22-error"
                 );
             };
+            // B₂₂ is proportional to B₂, so its error becomes one of B₂.
             sampling.error_angstrom3 = Some(error / per_b2);
         }
         Ok(sampling)
     }
 
-    /// The effective charges of both bodies, if they are asked for.
+    /// The effective charges of both bodies, if they are requested.
     fn effective_charges(&self) -> Result<Option<[EffectiveCharges; 2]>> {
         if self.settings.energies != Energies::Effective {
             return Ok(None);
@@ -117,6 +118,7 @@ impl<'a> Condition<'a> {
         };
         let [first, second] = self.bodies;
         let of_first = of(first)?;
+        // Equal bodies are fitted once.
         let of_second = match self.are_equal() {
             true => of_first.clone(),
             false => of(second)?,
@@ -135,6 +137,7 @@ impl<'a> Condition<'a> {
         if self.settings.energies != Energies::Hard {
             let yukawa = self.interaction.yukawa()?;
             let charged = Charged::new(yukawa, &clouds[0], &clouds[1])?;
+            // One table serves both if the bodies are equal.
             let charged = charged.with_tables(self.are_equal());
             potential.0.push(Arc::new(charged));
         }
@@ -164,9 +167,11 @@ impl<'a> Condition<'a> {
             return Ok(None);
         }
         let mut pair = state.pair.clone();
+        // The charges' term is replaced; the others stay as they are.
         pair.potential.0.retain(|term| term.term() != Term::Charges);
         let (first, second) = (&pair.first.charges, &pair.second.charges);
         let charged = Charged::new(self.interaction.yukawa()?, first, second)?;
+        // In its place among the terms.
         pair.potential.0.insert(0, Arc::new(charged));
         Ok(Some(pair))
     }
@@ -180,6 +185,7 @@ impl<'a> Condition<'a> {
             return None;
         }
         let found = wells.wells();
+        // Sorted by energy: the first is the lowest.
         let (sampled, lowest) = (estimator.lowest().first()?, found.first()?.pose);
         (lowest.energy_kt < sampled.energy_kt - USUAL_KT).then(|| {
             format!(
@@ -219,6 +225,7 @@ impl<'a> Condition<'a> {
         }
         let (first, second) = (&pair.first.shape, &pair.second.shape);
         let is_near = |well: &&Well| {
+            // The pose is that of the second body; the first is at the origin.
             let pose = &well.pose.pose;
             let relative = RelativePose::new(&Pose::identity(), pose, &pose.position);
             comes_within(first, second, &relative, effective::LEAST_GAP_ANGSTROM)
@@ -245,6 +252,7 @@ impl<'a> Condition<'a> {
         for (charges, of) in state.effective.iter().flatten().zip(self.bodies) {
             warnings.extend(effective::warning(&of.body, charges));
         }
+        // Two equal bodies say the same.
         warnings.dedup();
         warnings.extend(self.deep_well(estimator, wells));
         warnings.extend(self.narrow_well(&found));
@@ -289,6 +297,7 @@ impl Run for Condition<'_> {
         let sampling = self.sampling()?;
         let (estimator, wells) = match saved {
             Some(saved) => {
+                // A state of other settings would be continued wrongly.
                 saved.estimator.check(&sampling)?;
                 if let Some(wells) = &saved.wells {
                     wells.check(&sampling)?;
@@ -319,6 +328,7 @@ impl Run for Condition<'_> {
             pair,
             ..
         } = state;
+        // The estimate first: wells are looked for where it met low energies.
         if estimator.done() < Estimator::steps(estimator.settings()) {
             estimator.advance(pair);
             return Ok(());
@@ -360,11 +370,12 @@ impl Run for Condition<'_> {
             file.write_all(csv.as_bytes())
         })?;
         let json = serde_json::to_string_pretty(&result)?;
+        // Last: who finds it finds the other files too.
         write_atomically(&directory.join(RESULT), |file| writeln!(file, "{json}"))?;
         Ok(result)
     }
 
-    /// The result is in a file of its own.
+    /// Null: the result is in a separate file.
     fn details(&self, _: &mut State, _: &Path) -> Result<Value> {
         Ok(Value::Null)
     }

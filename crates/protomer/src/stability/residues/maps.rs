@@ -64,6 +64,7 @@ fn map(
     let mut values = Vec::with_capacity(rows.len() * columns.len());
     for row in &rows {
         for column in &columns {
+            // A pair that never touched is zero, not unknown.
             let entry = ends.iter().find(|(a, b, _)| a == row && b == column);
             values.push(Some(entry.map_or(0.0, |(_, _, pair)| value(pair))));
         }
@@ -124,6 +125,7 @@ fn strongest<'a>(weights: impl Iterator<Item = (&'a ResidueName, f64)>) -> Vec<&
     }
     sums.sort_by(|a, b| b.1.total_cmp(&a.1));
     sums.truncate(MOST);
+    // In the order of the chain, as a reader looks for them.
     let place = |name: &ResidueName| (name.chain.clone(), name.number, name.insertion_code.clone());
     sums.sort_by_key(|(name, _)| place(name));
     sums.into_iter().map(|(name, _)| name).collect()

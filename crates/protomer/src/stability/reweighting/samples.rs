@@ -60,6 +60,7 @@ impl Samples {
 
         let native = contacts(&engine.system()?, run.contact_gap_angstrom).len();
         let replicas = run.replicas as usize;
+        // At least this many over all replicas: with few blocks their spread says little.
         let blocks_of_each = FEWEST_BLOCKS.div_ceil(replicas);
         let (mut frames, mut poses): (Vec<Frame>, Vec<&[Pose]>) = (Vec::new(), Vec::new());
         for (number, series) in source.series.iter().enumerate() {
@@ -69,6 +70,7 @@ impl Samples {
             let salt = simulated_molar.iter().position(is_ours).unwrap_or(0);
             let replica = number % replicas;
             for (place, of_frame) in series.frames.iter().enumerate() {
+                // Frames that follow each other are correlated; a block keeps them together.
                 let part = place * blocks_of_each / series.frames.len();
                 let system = engine.system_at(of_frame)?;
                 frames.push(Frame {
@@ -117,6 +119,7 @@ impl Samples {
             let energies_kt = self.energies_kt(*salt_molar);
             let (mut sum, mut count) = (0.0, 0);
             for (frame, energy_kt) in self.frames.iter().zip(energies_kt) {
+                // Each body a cluster of its own: nothing touches.
                 if frame.salt == salt && frame.clusters == bodies {
                     sum += energy_kt.abs() / bodies as f64;
                     count += 1;
@@ -187,10 +190,12 @@ fn energies_kt(
     progress: &dyn Progress,
 ) -> Result<Vec<f64>> {
     let mut model = engine.energy_model(run, interaction)?;
+    // The model is reset once and then asked about frames elsewhere, which keeps its tables.
     model.reset(&engine.system()?)?;
     let mut energies = Vec::with_capacity(frames.len());
     for poses in frames {
         let system = engine.system_at(poses)?;
+        // Quick suffices: errors of energies are far below those of the weights.
         energies.push(model.energy_elsewhere_kt(&system, Pairs::All, Effort::Quick)?);
         progress.advance(1);
     }

@@ -5,13 +5,15 @@ use serde::Serialize;
 
 /// Processor time of one pair of charges in the direct sum, s.
 const CHARGE_PAIR_SECONDS: f64 = 1.1e-9;
-/// Processor time of a trial move by levels, of each partner in it, and of each further image of a
-/// partner, s.
+/// Processor time of a trial move by levels without partners, s.
 const LEVELS_MOVE_SECONDS: f64 = 20e-6;
+/// Processor time of each partner in a trial move by levels, s.
 const LEVELS_PARTNER_SECONDS: f64 = 4e-6;
+/// Processor time of each further image of a partner, s.
 const LEVELS_IMAGE_SECONDS: f64 = 1.7e-6;
-/// Processor time of a table: for each charge, and for each potential of a charge at a point, s.
+/// Processor time of a table for each charge, s.
 const TABLE_CHARGE_SECONDS: f64 = 0.7e-3;
+/// Processor time of a table for each potential of a charge at a point, s.
 const TABLE_EVALUATION_SECONDS: f64 = 1.0e-9;
 
 /// Processor time of a run's energies at one salt concentration, s: estimates from measurements of

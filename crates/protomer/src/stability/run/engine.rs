@@ -110,7 +110,7 @@ impl Engine {
         self.effective_bodies.as_deref()
     }
 
-    /// The same engine with further terms beside the charges, in this medium.
+    /// The same engine with further terms in addition to the charges, in this medium.
     ///
     /// # Errors
     /// As [`FurtherTerms::prepare`].
@@ -152,12 +152,14 @@ impl Engine {
         let (first, second) = (kind(0), kind(1));
         let charged = Charged::new(interaction.yukawa()?, &first.charges, &second.charges)?;
         let charged = match with_tables {
+            // Bodies of one kind have one table; `ptr_eq` tells it without comparing charges.
             true => charged.with_tables(Arc::ptr_eq(&first, &second)),
             false => charged,
         };
         let mut potential = Terms(vec![Arc::new(charged)]);
         if let Some(terms) = &self.terms {
             let kinds = &self.assembly.kinds;
+            // The further terms act beside the charges and have no tables.
             potential
                 .0
                 .extend(terms.of((kinds[0], kinds[1])).0.iter().cloned());
@@ -171,7 +173,7 @@ impl Engine {
         })
     }
 
-    /// Terms of the energy beside the charges; `None` if there are none.
+    /// Terms of the energy in addition to the charges; `None` if there are none.
     pub fn terms(&self) -> Option<&TermsByType> {
         self.terms.as_ref()
     }
@@ -248,6 +250,7 @@ impl Engine {
             contact_definition: Some(ContactDefinition::BetweenSurfaces),
             ..run.clone()
         };
+        // Stated where it applies only, so that settings of hard bodies do not change with it.
         resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);
         Ok(resolved)
     }
@@ -316,12 +319,14 @@ impl Engine {
         const WIDTHS: f64 = 2.0;
         const STEP_ANGSTROM: f64 = 50.0;
         let (mut low, mut high) = (Vec3::repeat(f64::MAX), Vec3::repeat(f64::MIN));
+        // The hard radius, since what has to fit into the box is the bodies.
         for (kind, pose) in self.assembly.kinds.iter().zip(&self.assembly.poses) {
             let radius = self.types[*kind].hard_radius_angstrom();
             low = low.inf(&pose.position.add_scalar(-radius));
             high = high.sup(&pose.position.add_scalar(radius));
         }
         let width_angstrom = (high - low).max().max(0.0);
+        // In whole steps: the number is a proposal and reads better round.
         Some(STEP_ANGSTROM * (WIDTHS * width_angstrom / STEP_ANGSTROM).ceil().max(1.0))
     }
 
@@ -361,6 +366,7 @@ impl Engine {
         if !pairs.is_empty() {
             return Err(McError::OverlappingStart { pairs }.into());
         }
+        // Every salt: the reach of the charges grows as the salt falls.
         for interaction in interactions {
             // Without tables: what counts is the reach of the charges.
             let model: Box<dyn EnergyModel> = match run.energy {
@@ -382,6 +388,7 @@ impl Engine {
             Some(energy) => energy,
             None => self.costs(interaction, trials)?.fastest(),
         };
+        // Tables hold the whole potential and know no cut-off.
         if energy.is_by_levels() && interaction.cutoff_angstrom.is_finite() {
             bail!("energies by levels have no cut-off; leave out --cutoff, or add --energy direct");
         }

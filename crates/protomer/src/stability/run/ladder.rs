@@ -115,6 +115,7 @@ impl Run for LadderRun<'_> {
     }
 
     fn length(&self) -> u64 {
+        // All rungs count, as in `done`.
         self.settings.total_sweeps() * self.rungs.len() as u64
     }
 
@@ -129,6 +130,7 @@ impl Run for LadderRun<'_> {
             }
             Some(saved) => {
                 let rungs = self.rungs.len();
+                // Before anything is resumed: rungs and saved parts are matched by their place.
                 require_lengths(&[
                     ("outputs", saved.outputs.len(), rungs),
                     ("simulations", saved.simulations.len(), rungs),
@@ -164,15 +166,18 @@ impl Run for LadderRun<'_> {
             ladder.rungs().iter().map(Simulation::sweep).collect()
         };
         let before = sweeps(&state.ladder);
+        // The rung that is farthest behind decides; the others wait at the stop.
         let last = before.iter().copied().min().unwrap_or(0);
         let stop = self.settings.next_stop(last);
         state.ladder.run_until(stop, &|| turn.is_over())?;
         let rungs = state.ladder.rungs().iter().zip(&mut state.outputs);
         for ((rung, outputs), before) in rungs.zip(before) {
+            // Only rungs that arrived in this turn: one that waited has written already.
             if before < stop && rung.sweep() == stop {
                 outputs.write(self.settings, rung)?;
             }
         }
+        // An exchange needs both states at one sweep; an interrupted ladder catches up first.
         let are_all_there = sweeps(&state.ladder).into_iter().all(|sweep| sweep == stop);
         if are_all_there && stop.is_multiple_of(self.settings.exchange_every) {
             state.ladder.exchange()?;
@@ -190,6 +195,7 @@ impl Run for LadderRun<'_> {
     }
 
     fn answer(&self, state: &mut State, _: &Path) -> Result<LadderAnswer> {
+        // Now that all is done: each rung leaves a record as a simulation by itself would.
         for (rung, simulation) in self.rungs.iter().zip(state.ladder.rungs()) {
             self.record(rung, simulation)?;
         }

@@ -184,6 +184,7 @@ impl TuneSettings {
         self.halving()?;
         let mut trials = Vec::with_capacity(self.trials);
         for number in 0..self.trials {
+            // Drawn by number: every process draws the same trials without talking to others.
             trials.push(Trial {
                 number,
                 reached: Reached::default(),
@@ -257,6 +258,7 @@ pub fn tune_in(
         device,
         execution,
     };
+    // Alone in the directory: checkpoints of trials that are out may go.
     search.records.tidy()?;
     execution.progress.begin(settings.total_epochs()?, "epochs");
     recorded(&work, &entered, &execution.interrupt, || {
@@ -360,6 +362,7 @@ impl Search<'_> {
             channels: self.settings.base.training.channels.clone(),
         };
         let best = report.trials.first();
+        // Diverged trials come last, so the best one diverged only if all did.
         let Some(best) = best.filter(|best| best.reached.validation_loss_nats.is_some()) else {
             bail!("every trial diverged; choose other --channels or another --scaling");
         };
@@ -381,8 +384,10 @@ impl Search<'_> {
         after_rung: &dyn Fn(&Standing) -> Result<()>,
     ) -> Result<End<ShardState>> {
         let mut standing = self.standing()?;
+        // Epochs of earlier runs count as progress.
         self.execution.progress.advance(standing.epochs);
         while let Some(epochs) = standing.rung {
+            // By place in the ranking, which all processes compute alike from the records.
             let ours: Vec<&Trial> = standing
                 .behind
                 .iter()
@@ -399,6 +404,7 @@ impl Search<'_> {
             if each(&ours, &self.execution.interrupt, one)? == End::Stopped {
                 return Ok(End::Stopped);
             }
+            // Anew from the records: others may have finished more meanwhile.
             standing = self.standing()?;
             after_rung(&standing)?;
         }
@@ -419,6 +425,7 @@ impl Search<'_> {
             Hold::Alone => None,
         };
         let rung = epochs.end;
+        // Another process may have trained it while we waited for its lock.
         if self.records.of(trial, rung)?.is_some() {
             return Ok(End::Finished(()));
         }
