@@ -21,7 +21,7 @@ mod _protomer {
         StoppedError,
     };
     #[pymodule_export]
-    use crate::verbs::{call, main, take_apart};
+    use crate::verbs::{call, main, take_apart, verbs};
     use pyo3::prelude::*;
 
     #[pymodule_init]

@@ -176,3 +176,11 @@ pub fn take_apart(
     } = Command::of(&words).map_err(|error| exception(&error.into()))?;
     Ok((verb, flags, places))
 }
+
+/// The verbs as functions: a list of groups, as `protomer_cli::python_functions` describes them.
+#[pyfunction]
+pub fn verbs(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    let groups = serde_json::to_value(protomer_cli::python_functions())
+        .map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    python_value(py, &groups)
+}

@@ -5,7 +5,7 @@
 
 use crate::Result;
 use crate::structure::records::{ExactPosition, exact, is_placeholder};
-use crate::structure::scale::{median, refuse_unit};
+use crate::structure::scale::refuse_unit;
 use protomer_kernel::{PointRecord, Vec3};
 use std::collections::HashMap;
 
@@ -77,7 +77,7 @@ fn refuse_other_unit(file: &str, points: &[PointRecord]) -> Result<()> {
     }
     match lengths.len() {
         0..FEWEST => Ok(()),
-        _ => refuse_unit(file, median(&mut lengths)),
+        _ => refuse_unit(file, &mut lengths),
     }
 }
 

@@ -15,7 +15,7 @@
 //! | `command` | a command line, parsed into its parts |
 //! | `numbers` | the flags that take numbers |
 //! | `paths` | names of files must be text |
-//! | `python_source` | the verbs as Python functions |
+//! | `python` | the verbs as Python functions: their table, and the stub with their types |
 
 mod command;
 mod flags;
@@ -25,7 +25,7 @@ mod help;
 mod host;
 mod numbers;
 mod paths;
-mod python_source;
+mod python;
 mod reply;
 mod stderr;
 mod verbs;
@@ -42,7 +42,7 @@ use std::time::Instant;
 pub use command::Command;
 pub use host::{Host, ProgressListener};
 pub use numbers::{NumberFlag, number_flags};
-pub use python_source::python_functions;
+pub use python::{Function, Group, Parameter, python_functions, python_stub};
 pub use reply::{Outcome, Reply};
 
 /// Coarse-grained protein assembly modelling: structures to rigid bodies, bodies to assemblies,

@@ -3,7 +3,7 @@
 //! the output printed below them. The blocks of a page run in order in one folder of their own, which
 //! holds a link to `data`. In a block marked `console approximate` only the words must agree.
 //!
-//! `python/protomer/_verbs.py` holds the verbs as Python functions.
+//! `python/protomer/_verbs.pyi` holds the types of the verbs as Python functions.
 //!
 //! `UPDATE_REFERENCE=1 cargo test -p protomer-cli --test documentation` writes all of it anew; read the
 //! difference before committing it.
@@ -187,9 +187,9 @@ fn the_reference_holds_the_help_of_every_verb() {
 }
 
 #[test]
-fn the_python_functions_are_those_of_the_program() {
-    let text = protomer_cli::python_functions();
-    check_or_update(&root().join("python/protomer/_verbs.py"), &text).unwrap();
+fn the_types_of_python_functions_are_those_of_the_program() {
+    let text = protomer_cli::python_stub();
+    check_or_update(&root().join("python/protomer/_verbs.pyi"), &text).unwrap();
 }
 
 /// The page with the output of its commands as they give it now.

@@ -144,10 +144,8 @@ fn arrows_point_the_way_the_architecture_says() {
             "protomer-report",
             &[
                 "protomer",
-                "protomer-body",
                 "protomer-common",
                 "protomer-convex",
-                "protomer-field",
                 "protomer-io",
                 "protomer-kernel",
                 "protomer-lattices",

@@ -5,6 +5,7 @@
 //! | [`answer`] | the answer of a verb: a value, its text, its figure |
 //! | [`input`] | input files: found, read, decompressed, hashed |
 //! | [`output_file`] | output files: replaced only on request |
+//! | [`page`] | what a page consists of |
 //! | [`quantity`] | numbers with units, such as `150mM` |
 //! | [`range`] | ranges of numbers, checked where they enter |
 //! | [`remedy`] | errors of the operating system with what to do about them |
@@ -15,6 +16,7 @@ pub mod answer;
 pub mod cpu_time;
 pub mod input;
 pub mod output_file;
+pub mod page;
 pub mod quantity;
 pub mod range;
 pub mod remedy;

@@ -1,7 +1,7 @@
 //! Output files: existing ones with other content are replaced only on request.
 
 use anyhow::{Context, Result, bail};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_io::destination::is_stream_at;
 use std::path::Path;
 
@@ -24,7 +24,7 @@ use std::path::Path;
 pub fn write_once(path: &Path, content: &(impl AsRef<[u8]> + ?Sized), force: bool) -> Result<()> {
     let bytes = content.as_ref();
     refuse_to_replace(path, bytes, force)?;
-    Ok(write_atomically(path, |file| file.write_all(bytes))?)
+    Ok(write_bytes(path, bytes)?)
 }
 
 /// Writes files into a folder, which is made if it is missing. Nothing is written if one of them may

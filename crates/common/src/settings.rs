@@ -6,35 +6,121 @@
 use crate::range::{Count, Range};
 use anyhow::Result;
 use protomer_kernel::setting::{Kind, Setting};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::ops::Deref;
 
-/// A setting as its declaration has it.
-#[derive(Debug, Clone, PartialEq)]
+/// Range of a setting.
+#[derive(Debug, Clone, Copy)]
+pub enum Bounds {
+    /// Range of numbers.
+    Real(Range),
+    /// Range of whole numbers.
+    Whole(Count),
+}
+
+impl From<Range> for Bounds {
+    fn from(range: Range) -> Self {
+        Self::Real(range)
+    }
+}
+
+impl From<Count> for Bounds {
+    fn from(range: Count) -> Self {
+        Self::Whole(range)
+    }
+}
+
+/// A setting with a flag, as its declaration has it.
+#[derive(Debug, Clone)]
 pub struct Declaration {
     /// Key in TOML.
     pub key: &'static str,
+    /// Flag without its dashes.
+    pub flag: String,
+    /// Word that stands for the value in the help.
+    pub value_name: String,
     /// Description in one paragraph.
     pub text: String,
     /// Kind of the values.
     pub kind: Kind,
+    /// Range of the values.
+    pub bounds: Option<Bounds>,
     /// The default, or what happens without a value; `None` if that needs no words.
     pub default: Option<String>,
+    /// Verb that alone has the flag; `None` if all verbs with these settings have it.
+    pub verb: Option<&'static str>,
 }
 
 impl Declaration {
-    /// Makes a declaration from its parts.
-    pub fn new<T: Setting>(
-        key: &'static str,
-        lines: &[&str],
-        default: &T,
-        otherwise: Option<&str>,
-    ) -> Self {
+    /// Makes the declaration of a key: `--time-step <TIME_STEP>` for `time_step`.
+    pub fn new<T: Setting>(key: &'static str, lines: &[&str], default: &T) -> Self {
         Self {
             key,
+            flag: key.replace('_', "-"),
+            value_name: key.to_uppercase(),
             text: paragraph(lines),
             kind: T::KIND,
-            default: otherwise.map(str::to_owned).or_else(|| default.text()),
+            bounds: None,
+            default: default.text(),
+            verb: None,
+        }
+    }
+
+    /// States the range.
+    #[must_use]
+    pub fn within(self, bounds: impl Into<Bounds>) -> Self {
+        Self {
+            bounds: Some(bounds.into()),
+            ..self
+        }
+    }
+
+    /// States what happens without a value.
+    #[must_use]
+    pub fn otherwise(self, words: &str) -> Self {
+        Self {
+            default: Some(words.to_owned()),
+            ..self
+        }
+    }
+
+    /// Makes the flag a switch that turns the setting off, with its own text.
+    #[must_use]
+    pub fn off(self, text: &str) -> Self {
+        Self {
+            flag: format!("no-{}", self.flag),
+            text: text.to_owned(),
+            kind: Kind::Switch(false),
+            ..self
+        }
+    }
+
+    /// Names the flag.
+    #[must_use]
+    pub fn flag(self, flag: &str) -> Self {
+        Self {
+            flag: flag.to_owned(),
+            value_name: flag.replace('-', "_").to_uppercase(),
+            ..self
+        }
+    }
+
+    /// Names the value in the help.
+    #[must_use]
+    pub fn value(self, name: &str) -> Self {
+        Self {
+            value_name: name.to_owned(),
+            ..self
+        }
+    }
+
+    /// Keeps the flag for one verb.
+    #[must_use]
+    pub fn from(self, verb: &'static str) -> Self {
+        Self {
+            verb: Some(verb),
+            ..self
         }
     }
 }
@@ -49,20 +135,26 @@ pub fn paragraph(lines: &[&str]) -> String {
     text.strip_suffix('.').map_or(text.clone(), str::to_owned)
 }
 
-/// The flag of a key: `--time-step` for `time_step`.
-pub fn flag(key: &str) -> String {
-    format!("--{}", key.replace('_', "-"))
+/// Whether a setting has the default of its type, as files may leave it out.
+pub fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// Settings with a table of their declarations. [`settings!`](crate::settings!) implements it.
-pub trait Declared: Default + Serialize + for<'de> Deserialize<'de> {
-    /// The settings in the order of their declaration.
+pub trait Declared: Default + DeserializeOwned {
+    /// The settings with a flag, in the order of their declaration.
     fn declarations() -> Vec<Declaration>;
+
+    /// Sets the setting of a key.
+    ///
+    /// # Errors
+    /// For a value of another kind.
+    fn set<'de, D: Deserializer<'de>>(&mut self, key: &str, value: D) -> Result<(), D::Error>;
 
     /// Checks every number against the range of its declaration.
     ///
     /// # Errors
-    /// Names the flag, the value and the range.
+    /// Names the key, the value and the range.
     fn check_ranges(&self) -> Result<()>;
 }
 
@@ -121,64 +213,87 @@ pub trait Holds<T> {
     /// Refuses a value that is outside the range.
     ///
     /// # Errors
-    /// Names the flag, the value and the range.
+    /// Names the key, the value and the range.
     fn require_setting(&self, key: &str, value: &T) -> Result<()>;
 }
 
 impl Holds<f64> for Range {
     fn require_setting(&self, key: &str, value: &f64) -> Result<()> {
-        self.require(&flag(key), *value)
+        self.require(key, *value)
     }
 }
 
-impl Holds<Option<f64>> for Range {
-    fn require_setting(&self, key: &str, value: &Option<f64>) -> Result<()> {
-        value.map_or(Ok(()), |value| self.require_setting(key, &value))
+impl Holds<u32> for Count {
+    fn require_setting(&self, key: &str, value: &u32) -> Result<()> {
+        self.require(key, u64::from(*value))
     }
 }
 
-impl Holds<Vec<f64>> for Range {
-    fn require_setting(&self, key: &str, values: &Vec<f64>) -> Result<()> {
+impl Holds<u64> for Count {
+    fn require_setting(&self, key: &str, value: &u64) -> Result<()> {
+        self.require(key, *value)
+    }
+}
+
+impl Holds<usize> for Count {
+    fn require_setting(&self, key: &str, value: &usize) -> Result<()> {
+        self.require(key, *value as u64)
+    }
+}
+
+impl<T, R: Holds<T>> Holds<Option<T>> for R {
+    fn require_setting(&self, key: &str, value: &Option<T>) -> Result<()> {
+        value
+            .iter()
+            .try_for_each(|value| self.require_setting(key, value))
+    }
+}
+
+impl<T, R: Holds<T>> Holds<Vec<T>> for R {
+    fn require_setting(&self, key: &str, values: &Vec<T>) -> Result<()> {
         values
             .iter()
             .try_for_each(|value| self.require_setting(key, value))
     }
 }
 
-impl Holds<u64> for Count {
-    fn require_setting(&self, key: &str, value: &u64) -> Result<()> {
-        self.require(&flag(key), *value)
-    }
-}
-
-impl Holds<usize> for Count {
-    fn require_setting(&self, key: &str, value: &usize) -> Result<()> {
-        self.require_setting(key, &(*value as u64))
-    }
-}
-
-/// Declares settings: a line each, with type, default (else that of the type), range, and what happens without a
-/// value where the default does not say it.
+/// Declares settings: a line each, with type, default (else that of the type), range, and then what differs from the
+/// usual, in this order:
+///
+/// | words | meaning |
+/// |---|---|
+/// | `otherwise "all"` | what happens without a value, where the default does not say it |
+/// | `off "Leave out X"` | `--no-key` turns off what is on by default; the text is that of the flag |
+/// | `flag "dt"` | flag with another name than the key |
+/// | `value "KT"` | word for the value in the help |
+/// | `omit "is_default"` | function that says when files leave the setting out |
+/// | `from file` | setting without a flag |
+/// | `from sweep` | setting with a flag of this verb only |
 ///
 /// ```
 /// use protomer_common::range::Range;
-/// use protomer_common::settings::Declared;
+/// use protomer_common::settings::{Declared, is_default};
 ///
 /// protomer_common::settings! {
 ///     /// Settings of a walk.
 ///     pub struct Walk {
 ///         /// Length of a step.
-///         step_length: f64 = 0.5, in Range::new(1e-3, 10.0, "");
+///         step_length: f64 = 0.5, in Range::new(1e-3, 10.0, ""), flag "length";
 ///         /// Angle at the start.
-///         angle: Option<f64>, otherwise "random";
+///         angle: Option<f64>, otherwise "random", omit "is_default";
+///         /// Whether the walk may cross itself.
+///         crossings: bool = true, off "Avoid places that were visited";
+///         /// Places that cannot be entered.
+///         walls: Vec<[u32; 2]>, omit "is_default", from file;
 ///     }
 /// }
 ///
 /// let walk = Walk { step_length: 20.0, ..Walk::default() };
-/// assert_eq!(walk.check_ranges().unwrap_err().to_string(), "--step-length is 20; give 0.001 to 10");
-/// let [length, angle] = &Walk::declarations()[..] else { panic!() };
+/// assert_eq!(walk.check_ranges().unwrap_err().to_string(), "step_length is 20; give 0.001 to 10");
+/// let [length, angle, crossings] = &Walk::declarations()[..] else { panic!() };
 /// assert_eq!((&*length.text, length.default.as_deref()), ("Length of a step", Some("0.5")));
 /// assert_eq!(angle.default.as_deref(), Some("random"));
+/// assert_eq!(crossings.flag, "no-crossings");
 /// ```
 #[macro_export]
 macro_rules! settings {
@@ -187,10 +302,16 @@ macro_rules! settings {
         $visible:vis struct $name:ident {
             $(
                 $(#[doc = $text:literal])*
+                $(#[serde(rename = $key:literal)])?
                 $field:ident: $type:ty
                     $(= $default:expr)?
                     $(, in $range:expr)?
-                    $(, otherwise $words:literal)?;
+                    $(, otherwise $words:literal)?
+                    $(, off $off:literal)?
+                    $(, flag $flag:literal)?
+                    $(, value $value:literal)?
+                    $(, omit $omitted:literal)?
+                    $(, from $source:ident)?;
             )*
         }
     ) => {
@@ -200,7 +321,8 @@ macro_rules! settings {
         $visible struct $name {
             $(
                 $(#[doc = $text])*
-                #[serde(skip_serializing_if = "::protomer_kernel::setting::Setting::is_absent")]
+                $(#[serde(rename = $key)])?
+                $(#[serde(skip_serializing_if = $omitted)])?
                 pub $field: $type,
             )*
         }
@@ -214,12 +336,25 @@ macro_rules! settings {
         impl $crate::settings::Declared for $name {
             fn declarations() -> Vec<$crate::settings::Declaration> {
                 let default = Self::default();
-                vec![$($crate::settings::Declaration::new(
-                    stringify!($field),
-                    &[$($text),*],
-                    &default.$field,
-                    $crate::settings!(@words $($words)?),
+                [$($crate::settings!(@declare [$($source)?]
+                    $crate::settings::Declaration::new(stringify!($field), &[$($text),*], &default.$field)
+                        $(.within($range))?
+                        $(.otherwise($words))?
+                        $(.off($off))?
+                        $(.flag($flag))?
+                        $(.value($value))?
                 )),*]
+                .into_iter()
+                .flatten()
+                .collect()
+            }
+
+            fn set<'de, D: ::serde::Deserializer<'de>>(&mut self, key: &str, value: D) -> Result<(), D::Error> {
+                match key {
+                    $(stringify!($field) => self.$field = ::serde::Deserialize::deserialize(value)?,)*
+                    _ => {}
+                }
+                Ok(())
             }
 
             fn check_ranges(&self) -> ::anyhow::Result<()> {
@@ -230,6 +365,7 @@ macro_rules! settings {
     };
     (@default) => { Default::default() };
     (@default $default:expr) => { $default.into() };
-    (@words) => { None };
-    (@words $words:literal) => { Some($words) };
+    (@declare [file] $($declaration:tt)*) => { None };
+    (@declare [] $declaration:expr) => { Some($declaration) };
+    (@declare [$verb:ident] $declaration:expr) => { Some($declaration.from(stringify!($verb))) };
 }

@@ -5,9 +5,13 @@
 //! | [`shapes`] | convex shapes from files and names |
 //! | [`hard_bodies`] | Monte Carlo of many hard convex bodies, phases by theory |
 //! | [`dynamics`] | contact dynamics of convex shapes |
+//! | `course` | the log of a run as a figure |
+//! | `last_frame` | the bodies of a trajectory as meshes to look at |
 //!
 //! The engines are `protomer-hpmc` and `protomer-md`.
 
+mod course;
 pub mod dynamics;
 pub mod hard_bodies;
+mod last_frame;
 pub mod shapes;

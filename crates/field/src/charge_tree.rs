@@ -10,19 +10,19 @@
 //! together share one short list.
 //!
 //! A box is far if the places are at least some multiple of its half-diagonal from its middle. For
-//! 1.7 ([`FAR`]) ρ of `chebyshev` is at least 5.7 in a cube, and five points along each edge leave some
-//! 10⁻⁴ of the largest potential that the charges of a box could have there; for 2.5 ([`FARTHER`]) it is
-//! 8.5 and 2 · 10⁻⁵. Errors of many boxes and signs cancel. In the tests, with up to 20 000 charges at
-//! the density of a protein, these are not exceeded:
+//! 1.7 ([`FAR`]) ρ of [`protomer_kernel::chebyshev`] is at least 5.7 in a cube, and five points along
+//! each edge leave some 10⁻⁴ of the largest potential that the charges of a box could have there; for
+//! 2.5 ([`FARTHER`]) it is 8.5 and 2 · 10⁻⁵. Errors of many boxes and signs cancel. In the tests, with
+//! up to 20 000 charges at the density of a protein, these are not exceeded:
 //!
 //! | | potential, Σ \|q_i\| / r_i | slope or flux, Σ \|q_i\| / r_i² |
 //! |---|---|---|
 //! | 1.7 | 5 · 10⁻⁶ | 3 · 10⁻⁵ |
 //! | 2.5 | 10⁻⁶ | 3 · 10⁻⁶ |
 
-use crate::chebyshev::Chebyshev;
 use crate::point_charges::Source;
 use protomer_kernel::Vec3;
+use protomer_kernel::chebyshev::Interpolation;
 use std::ops::Range;
 
 /// Chebyshev points along each edge of a box.
@@ -83,18 +83,21 @@ impl ChargeTree {
             middle: 0.5 * (low + high),
             half_diagonal: 0.5 * (high - low).norm(),
             equivalent: equivalent(sources, &low, &high),
+            // Before the children, as they sort their parts of the same list.
             sources: range.clone(),
             children: None,
         });
         if range.len() > LEAF {
             let (axis, _) = (high - low).argmax();
             let half = range.len() / 2;
+            // Median cut along the longest side: balanced boxes, no list is copied.
             sources.select_nth_unstable_by(half, |a, b| a.place[axis].total_cmp(&b.place[axis]));
             let middle = range.start + half;
             let children = [
                 self.divide(range.start..middle),
                 self.divide(middle..range.end),
             ];
+            // Known only now; boxes have been added since.
             self.boxes[number].children = Some(children);
         }
         number
@@ -109,8 +112,10 @@ impl ChargeTree {
             let Some(cluster) = self.boxes.get(number) else {
                 break;
             };
+            // The nearest place of the box of places to the middle of the cluster, by clamping.
             let nearest = cluster.middle.sup(low).inf(high);
             let is_far = (nearest - cluster.middle).norm() >= far * cluster.half_diagonal;
+            // Far and worth it: the cluster. Else its parts, at a leaf its charges.
             match cluster.children {
                 _ if is_far && !cluster.equivalent.is_empty() => {
                     sources.extend(&cluster.equivalent)
@@ -138,10 +143,11 @@ fn equivalent(sources: &[Source], low: &Vec3, high: &Vec3) -> Vec<Source> {
     if sources.len() < FEWEST {
         return Vec::new();
     }
-    let points = [0, 1, 2].map(|axis| Chebyshev::<POINTS>::new(low[axis], high[axis]));
+    let points = [0, 1, 2].map(|axis| Interpolation::<POINTS>::new(low[axis], high[axis]));
     let mut strengths = [[[0.0; POINTS]; POINTS]; POINTS];
     for source in sources {
         let [x, y, z] = [0, 1, 2].map(|axis| points[axis].weights_at(source.place[axis]));
+        // z outside, x inside: the weights of an axis are multiplied in once per plane and row.
         for (plane, weight) in strengths.iter_mut().zip(z) {
             let in_plane = source.strength * weight;
             for (row, weight) in plane.iter_mut().zip(y) {

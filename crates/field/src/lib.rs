@@ -16,7 +16,6 @@
 //! | `screened_sum` | screened charges seen from a small box, in single precision |
 //! | `vectorised` | methods compiled for several instruction sets |
 //! | `charge_tree` | far charges in clusters |
-//! | `chebyshev` | polynomials between a few points |
 //! | [`debye_huckel`] | screened charges in a uniform solvent |
 //! | [`poisson_boltzmann`] | charges in, potential and solvation energy out |
 //! | [`binding`] | the charge part of a binding free energy: a complex minus its parts |
@@ -30,7 +29,6 @@
 pub mod binding;
 mod charge_tree;
 mod charged_sphere;
-mod chebyshev;
 pub mod debye_huckel;
 mod dielectric;
 mod edge_charges;

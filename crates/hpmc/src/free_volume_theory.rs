@@ -10,9 +10,9 @@
 //! f = η (ln η - 1) + (4η² - 3η³)/(1 - η)²; the crystal is that of the cell model,
 //! f = 2.1306 η + 3 η ln(η/(1 - η/η_cp)) with η_cp = π/(3√2). α is that of scaled particle theory in both.
 
-use crate::jet::Jet;
 use crate::tangent::{Branch, Coexistence, coexistences, even_samples};
 use crate::{Result, error::require};
+use protomer_kernel::jet::Jet;
 use std::f64::consts::{PI, SQRT_2};
 
 /// Close packing of spheres.
@@ -185,6 +185,7 @@ impl Mixture {
         let mut samples: Vec<f64> = Vec::new();
         // Equal ratios where a gas is thin, equal distances beyond.
         let decades = (0.01 / THINNEST).ln();
+        // Down to 10⁻¹⁰⁰: gases of strong attraction are that thin.
         for number in 0..SAMPLES {
             samples.push(THINNEST * (decades * number as f64 / SAMPLES as f64).exp());
         }
@@ -214,25 +215,28 @@ impl Mixture {
         let unit = Self::new(size_ratio, 1.0)?;
         // The reservoir at which a fluid is just unstable; infinite where none makes it so.
         let limit = |eta: f64| {
-            let eta = Jet::variable(eta);
-            let pull = -unit.depletion(eta).second;
+            let eta = Jet::variable(eta, 0);
+            let pull = -unit.depletion(eta).second();
             match pull > 0.0 {
-                true => fluid(eta).second / pull,
+                true => fluid(eta).second() / pull,
                 false => f64::INFINITY,
             }
         };
         let mut best = (0.1, f64::INFINITY);
+        // A scan before the search, as the limit has infinite branches.
         for eta in even_samples(THINNEST_LIQUID, DENSEST_FLUID, SAMPLES) {
             if limit(eta) < best.1 {
                 best = (eta, limit(eta));
             }
         }
         let width = DENSEST_FLUID / SAMPLES as f64;
+        // The least at the end of the range is no critical point.
         if best.0 > DENSEST_FLUID - width {
             return Ok(None);
         }
         let eta = least(limit, [best.0 - width, best.0 + width]);
         let reservoir = limit(eta);
+        // A little above: at the point itself both phases are one.
         let above = Self::new(size_ratio, reservoir * (1.0 + 1e-4))?;
         Ok(Some(CriticalPoint {
             packing_fraction: eta,
@@ -254,6 +258,7 @@ impl Mixture {
         // reservoir, and is zero at the triple point.
         let both = |reservoir: f64| {
             let mixture = Self {
+                // Beyond the critical density the liquid is the only fluid.
                 size_ratio,
                 reservoir,
             };
@@ -267,6 +272,7 @@ impl Mixture {
         };
         let mut low = critical.reservoir * (1.0 + 1e-4);
         let mut high = low;
+        // By steps of a tenth until the order changes, then bisection.
         while is_below(high) {
             low = high;
             high *= 1.1;
@@ -308,6 +314,7 @@ fn least(function: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> f64 {
     while high - low > 1e-9 {
         let (left, right) = (high - part * (high - low), low + part * (high - low));
         if function(left) < function(right) {
+            // Golden sections: no derivative, one minimum.
             high = right;
         } else {
             low = left;

@@ -16,11 +16,11 @@ use crate::body::HardBody;
 use crate::crystal::Crystal;
 use crate::depletants::Counting;
 use crate::einstein::{EinsteinCrystal, EinsteinTerms, Springs};
-use crate::quadrature::{KRONROD_NODES, gauss_kronrod};
 use crate::symmetry::Symmetry;
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result};
 use protomer_kernel::Rotation;
+use protomer_kernel::quadrature::{KRONROD_NODES, gauss_kronrod};
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,7 @@ const ACCEPTANCE: f64 = 0.3;
 const TUNE_EVERY: u64 = 10;
 /// The strongest springs are those with which of so many states few have overlaps.
 const LOOKS: u32 = 200;
+/// Largest number of those states with overlaps.
 const FEW: u32 = 10;
 /// A crystal whose bodies meet however strong the springs are is at its closest.
 const MOST_DOUBLINGS: u32 = 80;
@@ -40,9 +41,11 @@ const MOST_DOUBLINGS: u32 = 80;
 const STATES: u32 = 5000;
 /// Sweeps without springs, before and while their extent is estimated.
 const PILOT_SWEEPS: u64 = 1000;
-/// Streams of random numbers, beside one per point.
+/// Stream of the search for the strongest springs; points have the streams below these.
 const SEARCH: u32 = 1000;
+/// Stream of the states in which overlaps are counted.
 const OVERLAPS: u32 = 1001;
+/// Stream of the sweeps without springs.
 const PILOT: u32 = 1002;
 
 /// A strength of springs at which the extent is measured.
@@ -153,8 +156,10 @@ impl<'a, const D: usize> Measurement<'a, D> {
         // A turn by a small angle moves the farthest corner as far as a shift of the same square.
         let turning = self.body.outer_radius.powi(2);
         let inner = self.body.inner_radius.max(0.1 * self.body.outer_radius);
+        // Strong enough to hold orientations, and to keep bodies within their inner radius.
         let mut strongest = (self.symmetry.least_strength_kt() / turning).max(inner.powi(-2));
         let mut doublings = 0;
+        // Doubled until few of the states have overlaps.
         while LOOKS - self.free_states(strongest, turning, LOOKS, SEARCH)? > FEW {
             strongest *= 2.0;
             doublings += 1;
@@ -167,6 +172,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
             }
         }
         let free_states = self.free_states(strongest, turning, STATES, OVERLAPS)?;
+        // At λ = 0: the extent there fixes the shift of the integration variable.
         let mut pilot = self.start(PILOT, 0.0, turning)?;
         pilot.run(PILOT_SWEEPS, true);
         let mut extent = 0.0;
@@ -174,6 +180,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
             extent += pilot.run(1, false) / PILOT_SWEEPS as f64;
         }
         let bodies = self.crystal.positions.len() as f64;
+        // Degrees of freedom, without the centre of mass; f(0) = g/(2 c).
         let freedom = D as f64 * (1.0 - 1.0 / bodies) + self.symmetry.degrees_of_freedom() as f64;
         let shift = 0.5 * freedom / extent;
         Ok(Plan {
@@ -205,6 +212,7 @@ impl<'a, const D: usize> Measurement<'a, D> {
             let trial_positions = places.map(|(site, displacement)| {
                 std::array::from_fn(|axis| site[axis] + displacement[axis])
             });
+            // Drawn without regard to overlaps, which are what is counted.
             system.put_all(trial_positions.collect(), rotations);
             free += u32::from(!system.has_overlaps());
         }
@@ -284,12 +292,14 @@ impl<'a, const D: usize> Measurement<'a, D> {
         let bodies = self.crystal.positions.len() as f64;
         let (states, free) = (f64::from(plan.states), f64::from(plan.free_states));
         let overlaps_kt = -(free / states).ln() / bodies;
+        // Binomial: variance of ln P is 1/free - 1/states.
         let overlaps_kt_error = ((1.0 / free - 1.0 / states).max(0.0)).sqrt() / bodies;
         let (mut integral, mut variance) = (0.0, 0.0);
         let (mut difference, mut difference_variance) = (0.0, 0.0);
         for (point, extent) in plan.points.iter().zip(extents) {
             integral += point.weight * extent.mean;
             variance += (point.weight * extent.error).powi(2);
+            // The difference of the two rules, point by point, so its error is known too.
             let apart = point.weight - point.coarse_weight;
             difference += apart * extent.mean;
             difference_variance += (apart * extent.error).powi(2);
@@ -316,6 +326,7 @@ fn points(strongest: f64, shift: f64) -> Vec<Point> {
     let half = 0.5 * (high - low);
     let mut points = Vec::new();
     for node in gauss_kronrod() {
+        // dλ = (λ + c) d ln(λ + c), with half the width of the interval.
         let shifted = (0.5 * (low + high) + half * node.place).exp();
         points.push(Point {
             strength: shifted - shift,
@@ -339,8 +350,10 @@ pub fn share(plan: &Plan, measured: &[(u64, f64)], times: usize) -> Vec<usize> {
     for turn in 0..times {
         let gain = |number: usize| {
             let count = measured[number].0 as f64 + shares[number] as f64;
+            // What one more measurement takes off the variance of the integral: v/n - v/(n + 1).
             variances[number] / (count * (count + 1.0))
         };
+        // Once each first, then by what the next measurement gains.
         let next = match turn < shares.len() {
             true => turn,
             false => (0..shares.len())
@@ -395,6 +408,7 @@ impl<const D: usize> Walker<D> {
         let bodies = self.system.len() as u64;
         let mut sum = 0.0;
         for _ in 0..sweeps {
+            // Trials are numbered through: their streams do not depend on stops.
             for trial in self.sweeps * bodies..(self.sweeps + 1) * bodies {
                 let mut rng =
                     CounterRng::for_purpose(self.seed, self.stream, trial, Purpose::HardBodyMove);
@@ -415,6 +429,7 @@ impl<const D: usize> Walker<D> {
                     ..self.system.longest_steps()
                 };
                 self.steps.tune(&self.counts, ACCEPTANCE, &longest);
+                // Counts that are large enough have been used; new steps need new ones.
                 if self.counts.total().trials >= 2 * Steps::ENOUGH {
                     self.counts = MoveCounts::default();
                 }

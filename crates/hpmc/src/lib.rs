@@ -25,7 +25,6 @@
 //! | [`symmetry`] | the rotations that leave a body as it is, and what holds its orientation |
 //! | [`einstein`] | bodies on springs, and their free energy |
 //! | [`frenkel_ladd`] | the free energy of a crystal, by springs of falling strength |
-//! | [`jet`] | numbers with two derivatives |
 //! | [`spline`] | cubic splines |
 //! | [`equation_of_state`] | free energies of fluids by integration |
 //! | [`polynomial`] | polynomials fitted to measured values, as smooth as their errors allow |
@@ -50,11 +49,9 @@ pub mod free_volume_theory;
 pub mod frenkel_ladd;
 mod grid;
 pub mod heights;
-pub mod jet;
 pub mod measured_phase;
 pub mod pieces;
 pub mod polynomial;
-mod quadrature;
 pub mod reservoir;
 pub mod simulation;
 pub mod spline;

@@ -14,8 +14,8 @@
 //! to (ln α)/φ; for a fluid the first begins at B2/v, and the second makes α(0) = 1.
 
 use crate::error::{Error, Result};
-use crate::jet::Jet;
 use crate::polynomial::{Measured, Polynomial};
+use protomer_kernel::jet::Jet;
 use protomer_kernel::random::CounterRng;
 
 /// Smallest number of packing fractions for a branch.
@@ -85,7 +85,7 @@ impl MeasuredPhase {
     /// and for errors that are not above zero.
     ///
     /// ```
-    /// use protomer_hpmc::jet::Jet;
+    /// use protomer_kernel::jet::Jet;
     /// use protomer_hpmc::measured_phase::{Anchor, Estimated, MeasuredPhase, State};
     ///
     /// // Z = 1 + 4φ + 10φ²: f = 4φ + 5φ².
@@ -107,6 +107,7 @@ impl MeasuredPhase {
     /// ```
     pub fn curves(&self) -> Result<PhaseCurves> {
         self.check()?;
+        // The lowest degree that the errors allow, or tangents would touch the noise.
         let factor = Polynomial::as_smooth_as(&self.factors())?;
         let free_volumes = self.free_volumes();
         let free_volume = match free_volumes.is_empty() {
@@ -128,6 +129,7 @@ impl MeasuredPhase {
     ) -> Result<PhaseCurves> {
         self.check()?;
         let drawn = self.drawn(rng);
+        // The same degree as the measured curve: only the values vary.
         let factor = Polynomial::of_degree(&drawn.factors(), measured.factor_degree)?;
         let free_volume = match &measured.log_free_volume_over_packing {
             None => None,
@@ -197,6 +199,7 @@ impl MeasuredPhase {
                 standard_error,
             } = state.compressibility_factor;
             let (value, standard_error) = ((value - 1.0) / x, standard_error / x);
+            // Divided by φ once more, so that the polynomial times φ leaves B2 exact at zero.
             match self.anchor {
                 Anchor::IdealGas { b2_over_volume } => Measured {
                     x,
@@ -220,6 +223,7 @@ impl MeasuredPhase {
             (fraction.value > 0.0).then(|| Measured {
                 x,
                 value: fraction.value.ln() / x,
+                // d ln α = dα/α.
                 standard_error: fraction.standard_error / fraction.value / x,
             })
         };

@@ -50,6 +50,7 @@ impl<const D: usize> Piece<D> {
             });
         }
         let measures = Measures::of(shape, rounding_radius)?;
+        // Corners from the centroid, whose place in the shape is kept.
         let (corners, faces, centre, inradius) = match Polytope::placed(shape) {
             Ok((polytope, centre)) => (
                 polytope.corners.iter().map(coordinates).collect(),
@@ -102,6 +103,7 @@ struct Turned<'a, const D: usize> {
 
 impl<const D: usize> Pieces<D> {
     pub(crate) fn new(mut pieces: Vec<Piece<D>>, rounding_radius: f64) -> Result<Self> {
+        // Weighted by volumes: the centre of mass of all.
         let volume: f64 = pieces.iter().map(|piece| piece.volume).sum();
         let mut centre = [0.0; D];
         for piece in &pieces {
@@ -113,6 +115,7 @@ impl<const D: usize> Pieces<D> {
             piece.centre = minus(&piece.centre, &centre);
         }
         let hull = hull(&pieces)?;
+        // Blocks of a packed body: hull, pieces, centres of the pieces.
         let mut blocks = Vec::new();
         let mut first = pack(&hull).len();
         for piece in &pieces {
@@ -140,6 +143,7 @@ impl<const D: usize> Pieces<D> {
                 .map(|corner| corner.map(|x| smaller * x));
             pack(&corners.collect::<Vec<_>>())
         };
+        // Each pair once. Shrunk a little, as pieces that share a face touch.
         for (first, a) in self.pieces.iter().enumerate() {
             for (second, b) in self.pieces.iter().enumerate().skip(first + 1) {
                 let offset = minus(&b.centre, &a.centre);
@@ -212,6 +216,7 @@ impl<const D: usize> Pieces<D> {
         numbered.map(move |(number, (piece, blocks))| Turned {
             piece,
             corners: &packed[blocks.clone()],
+            // Centres are packed like corners: block number / 4, lane number % 4.
             centre: std::array::from_fn(|axis| centres[number / LANES][axis][number % LANES]),
         })
     }
@@ -229,6 +234,7 @@ impl<const D: usize> Pieces<D> {
             self.turned(second).any(|b| {
                 let between = plus(&to_second, &b.centre);
                 let outer = a.piece.outer_radius + b.piece.outer_radius;
+                // Spheres around both pieces: most pairs of pieces end here.
                 if dot(&between, &between) >= outer * outer {
                     return false;
                 }
@@ -257,6 +263,8 @@ impl<const D: usize> Pieces<D> {
     /// Decides whether two pieces that touch to within rounding overlap.
     fn exact(&self, pair: &Pair<'_, D>, first: &Turned<'_, D>, second: &Turned<'_, D>) -> bool {
         let faces = [first, second].map(|turned_piece| turned_piece.piece.faces.as_slice());
+        // Rounded pieces and those without faces have no
+        // exact predicate; touching counts as overlap.
         if self.rounding_radius > 0.0 || faces.iter().any(|faces| faces.is_empty()) {
             return true;
         }
@@ -268,6 +276,7 @@ impl<const D: usize> Pieces<D> {
         self.turned(corners).any(|turned_piece| {
             let from_piece = minus(point, &turned_piece.centre);
             let outer = turned_piece.piece.outer_radius + radius;
+            // The ball around the piece, widened, before its corners.
             dot(&from_piece, &from_piece) < outer * outer
                 && is_within(
                     turned_piece.corners,
@@ -295,12 +304,14 @@ impl<const D: usize> Pieces<D> {
                 let separation =
                     |change: f64| plus(&offset.map(|x| x * (1.0 + sign * change)), &apart);
                 let outer = a.piece.outer_radius + b.piece.outer_radius;
+                // The whole way from now to the limit, as a segment, keeps the spheres apart.
                 if least_distance_squared(&separation(0.0), &separation(range)) >= outer * outer {
                     continue;
                 }
                 let pair = |change: f64| self.pair(&a, &b, separation(change), error);
                 let velocity = offset.map(|x| x * sign);
                 if let Some(first_change) = contact(pair, &velocity, range, LEAST_STEP * largest) {
+                    // Later pairs only matter if they meet earlier.
                     range = first_change;
                     nearest = Some(first_change);
                 }
@@ -331,13 +342,7 @@ fn hull<const D: usize>(pieces: &[Piece<D>]) -> Result<Vec<[f64; D]>> {
             Shape::solid(&corners.iter().map(point).collect::<Vec<_>>())?
         }
     };
-    Ok(match shape {
-        Shape::Flat(corners) => {
-            let point = |[x, y]: [f64; 2]| std::array::from_fn(|axis| [x, y][axis]);
-            corners.into_iter().map(point).collect()
-        }
-        Shape::Solid(hull) => hull.corners().iter().map(coordinates).collect(),
-    })
+    Ok(shape.corner_points().iter().map(coordinates).collect())
 }
 
 /// Change at which two pieces first overlap while the offset changes along a velocity.
@@ -351,14 +356,18 @@ fn contact<'a, const D: usize>(
     let mut direction = pair(0.0).offset;
     while change < range {
         let current_pair = pair(change);
+        // Touching ends the walk: the bodies meet here.
         if current_pair.overlap(&mut direction, || true) {
             return Some(change);
         }
         // The plane that separates them moves towards the second piece with this velocity.
+        // Speed at which the gap along this direction closes.
         let closing = -dot(velocity, &direction) / norm(&direction);
+        // They move apart across the plane that separates them: never.
         if closing <= 0.0 {
             return None;
         }
+        // To where the plane would be reached; at least a step, as gaps shrink ever more slowly.
         change += (current_pair.gap_along(&direction) / closing).max(least_step);
     }
     None
@@ -386,13 +395,7 @@ fn coordinates<const D: usize>(vector: &Vec3) -> [f64; D] {
 
 /// Corners of a shape without volume from their mean, and the mean.
 fn thin_corners<const D: usize>(shape: &Shape) -> (Vec<[f64; D]>, [f64; D]) {
-    let corners: Vec<Vec3> = match shape {
-        Shape::Flat(corners) => corners
-            .iter()
-            .map(|[x, y]| Vec3::new(*x, *y, 0.0))
-            .collect(),
-        Shape::Solid(hull) => hull.corners(),
-    };
+    let corners = shape.corner_points();
     let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
     let from_mean = corners.iter().map(|corner| coordinates(&(corner - mean)));
     (from_mean.collect(), coordinates(&mean))

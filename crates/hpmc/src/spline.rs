@@ -1,7 +1,7 @@
 //! A cubic spline through points.
 
 use crate::error::{Error, Result};
-use crate::jet::Jet;
+use protomer_kernel::jet::Jet;
 
 /// A cubic spline through points, with ends of the third derivative of their neighbours (not a knot).
 #[derive(Debug, Clone)]

@@ -5,9 +5,9 @@
 //! have the same energy, so each of them is counted.
 
 use crate::body::{HardBody, matrix, norm};
-use crate::quadrature::gauss_legendre;
 use crate::{Error, Result};
 use nalgebra::{Matrix3, Rotation3};
+use protomer_kernel::quadrature::gauss_legendre;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::separation::{Block, dot};
 use protomer_kernel::{Rotation, Vec3};
@@ -126,16 +126,15 @@ impl Symmetry {
         let end = self
             .half_angle_rad
             .min(18.0 / strength_kt.max(1e-300).sqrt());
-        let (nodes, weights) = gauss_legendre(64);
         let mut integral = 0.0;
-        for (node, weight) in nodes.iter().zip(&weights) {
-            let angle = 0.5 * end * (node + 1.0);
+        for node in gauss_legendre(64) {
+            let angle = 0.5 * end * (node.place + 1.0);
             let density = match self.dimension {
                 2 => 1.0,
                 _ => 2.0 * (0.5 * angle).sin().powi(2),
             };
             let energy = strength_kt * 4.0 * (0.5 * angle).sin().powi(2);
-            integral += 0.5 * end * weight * density / PI * (-energy).exp();
+            integral += 0.5 * end * node.weight * density / PI * (-energy).exp();
         }
         self.rotations.len() as f64 * integral
     }

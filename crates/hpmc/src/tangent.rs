@@ -9,10 +9,11 @@
 //! there is a tangent, or a metastable branch in between. Newton's method then finds the touching points. If
 //! the hull has no long edge, no phases coexist.
 
-use crate::jet::Jet;
+use protomer_kernel::jet::Jet;
 
 /// Newton's method ends when a step is shorter than this part of the density.
 const CONVERGED: f64 = 1e-14;
+/// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 100;
 /// Touching points nearer than this part of their density are one.
 const ONE_POINT: f64 = 1e-6;
@@ -43,7 +44,7 @@ pub struct Coexistence {
 /// Every coexistence, by density; empty if there is none.
 ///
 /// ```
-/// use protomer_hpmc::jet::Jet;
+/// use protomer_kernel::jet::Jet;
 /// use protomer_hpmc::tangent::{Branch, coexistences, even_samples};
 /// let double_well = |x: Jet| (x * x - 1.0) * (x * x - 1.0) + x * 0.3;
 /// let samples = even_samples(-2.0, 2.0, 500);
@@ -64,7 +65,7 @@ pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
     ) in branches.iter().enumerate()
     {
         for (number, x) in samples.iter().enumerate() {
-            let value = free_energy(Jet::variable(*x)).value;
+            let value = free_energy(Jet::variable(*x, 0)).value;
             if value.is_finite() {
                 points.push(Point {
                     branch,
@@ -75,11 +76,13 @@ pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
             }
         }
     }
+    // Ties in density by value: the lower branch is the one that can be touched.
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.value.total_cmp(&b.value)));
     let hull = lower_hull(&points);
     let mut coexistences: Vec<Coexistence> = Vec::new();
     for pair in hull.windows(2) {
         let [low, high] = [pair[0], pair[1]];
+        // A long edge skips samples of its branch or leads to another one.
         let is_tangent = low.branch != high.branch || high.number > low.number + 1;
         if is_tangent && let Some(tangent) = touch(branches, [low, high]) {
             let is_known = coexistences.iter().any(|other| other.is_same(&tangent));
@@ -121,6 +124,7 @@ struct Point {
 fn lower_hull(points: &[Point]) -> Vec<Point> {
     let mut hull: Vec<Point> = Vec::new();
     for point in points {
+        // The last point leaves if it is on or above the line past it.
         while let [.., before, last] = hull.as_slice() {
             let slope = (point.value - before.value) / (point.x - before.x);
             let is_above = last.value >= before.value + slope * (last.x - before.x);
@@ -141,9 +145,10 @@ fn lower_hull(points: &[Point]) -> Vec<Point> {
 fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
     let mut x = ends.map(|end| end.x);
     let jets = |x: &[f64; 2]| {
-        let jet = |n: usize| (branches[ends[n].branch].free_energy)(Jet::variable(x[n]));
+        let jet = |n: usize| (branches[ends[n].branch].free_energy)(Jet::variable(x[n], 0));
         [jet(0), jet(1)]
     };
+    // One sample to either side: Newton's method may not jump to another tangent.
     let room = ends.map(|end| {
         let samples = &branches[end.branch].samples;
         let before = samples[end.number.saturating_sub(1)];
@@ -152,13 +157,14 @@ fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
     });
     for _ in 0..MOST_STEPS {
         let [a, b] = jets(&x);
-        let slope = b.first - a.first;
-        let intercept = (b.value - x[1] * b.first) - (a.value - x[0] * a.first);
+        let slope = b.first() - a.first();
+        let intercept = (b.value - x[1] * b.first()) - (a.value - x[0] * a.first());
         // The slopes change by b'' dx1 - a'' dx0, the intercepts by x0 a'' dx0 - x1 b'' dx1.
         let width = x[1] - x[0];
+        // Solution of the two linear equations by elimination.
         let steps = [
-            (intercept + x[1] * slope) / (width * a.second),
-            (intercept + x[0] * slope) / (width * b.second),
+            (intercept + x[1] * slope) / (width * a.second()),
+            (intercept + x[0] * slope) / (width * b.second()),
         ];
         let mut is_still = true;
         for n in 0..2 {
@@ -173,15 +179,16 @@ fn touch(branches: &[Branch<'_>], ends: [Point; 2]) -> Option<Coexistence> {
     let [a, b] = jets(&x);
     let is_one_point = x[1] - x[0] <= ONE_POINT * x[1].abs().max(x[0].abs());
     // A tangent touches where the branches are convex, and not at the end of a branch.
-    let touches =
-        a.second > 0.0 && b.second > 0.0 && (0..2).all(|n| x[n] > room[n][0] && x[n] < room[n][1]);
+    let touches = a.second() > 0.0
+        && b.second() > 0.0
+        && (0..2).all(|n| x[n] > room[n][0] && x[n] < room[n][1]);
     if is_one_point || !touches {
         return None;
     }
     Some(Coexistence {
         branches: ends.map(|end| end.branch),
         densities: x,
-        chemical_potential: 0.5 * (a.first + b.first),
-        pressure: 0.5 * (x[0] * a.first - a.value + x[1] * b.first - b.value),
+        chemical_potential: 0.5 * (a.first() + b.first()),
+        pressure: 0.5 * (x[0] * a.first() - a.value + x[1] * b.first() - b.value),
     })
 }

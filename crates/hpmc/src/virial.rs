@@ -1,8 +1,8 @@
 //! Virial coefficients of hard bodies that have no closed form: the third one, and the second one among
 //! depletants.
 //!
-//! **Third.** B3 = ⅓ ∫∫ ⟨o₁₂ o₁₃ o₂₃⟩ over the places of two bodies beside a first, with o = 1 where a pair
-//! overlaps. Places of one body that overlaps the first fill 2 B2 on the average, so that
+//! **Third.** B3 = ⅓ ∫∫ ⟨o₁₂ o₁₃ o₂₃⟩ over the places of two bodies relative to a first, with o = 1
+//! where a pair overlaps. Places of one body that overlaps the first fill 2 B2 on average, so that
 //!
 //! B3 = 4/3 B2² p,
 //!
@@ -24,9 +24,9 @@
 //! [`swept`]: protomer_kernel::shape::swept
 
 use crate::body::HardBody;
-use crate::quadrature::gauss_legendre;
 use crate::reservoir::{Depletant, ball_volume};
 use crate::{Error, Result};
+use protomer_kernel::quadrature::{Node, gauss_legendre};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::shape::Shape;
 use protomer_kernel::shape::closest::closest_points;
@@ -166,7 +166,8 @@ impl Triples {
         }
     }
 
-    /// The coefficients of the body that the triples are of.
+    /// The coefficients of the body that the triples are of. Their errors are independent: the number of
+    /// draws says nothing about the places that end them.
     ///
     /// ```
     /// use protomer_hpmc::{body::HardBody, virial::{Triples, draw_triple}};
@@ -184,6 +185,8 @@ impl Triples {
         let accepted = 2.0 * count / self.draws as f64;
         let half_ball = 0.5 * ball_volume(D, 2.0 * body.outer_radius);
         let part = self.overlapping as f64 / count;
+        // None or all overlapping does not make it certain: the error is that of one triple more or less.
+        let uncertain = part.max(1.0 / count).min(1.0 - 1.0 / count);
         SampledVirials {
             b2: Estimate {
                 mean: half_ball * accepted,
@@ -191,7 +194,7 @@ impl Triples {
             },
             b3_over_b2_squared: Estimate {
                 mean: 4.0 / 3.0 * part,
-                error: 4.0 / 3.0 * (part * (1.0 - part) / count).sqrt(),
+                error: 4.0 / 3.0 * (uncertain * (1.0 - uncertain) / count).sqrt(),
             },
         }
     }
@@ -205,8 +208,7 @@ pub struct DepletedPair<'a> {
     depletants: &'a [Depletant],
     /// Corners of both about their centroids.
     corners: [Vec<Vec3>; 2],
-    nodes: Vec<f64>,
-    weights: Vec<f64>,
+    nodes: Vec<Node>,
 }
 
 impl<'a> DepletedPair<'a> {
@@ -232,14 +234,12 @@ impl<'a> DepletedPair<'a> {
             let swept = Swept::new(shapes[which], roundings[which], &Pose::identity())?;
             Ok(swept.corners().to_vec())
         };
-        let (nodes, weights) = gauss_legendre(NODES);
         Ok(Self {
             shapes,
             roundings,
             depletants,
             corners: [corners(0)?, corners(1)?],
-            nodes,
-            weights,
+            nodes: gauss_legendre(NODES),
         })
     }
 
@@ -282,10 +282,10 @@ impl<'a> DepletedPair<'a> {
         let mut sum = 0.0;
         for ends in ends.windows(2) {
             let half = 0.5 * (ends[1] - ends[0]);
-            for (node, weight) in self.nodes.iter().zip(&self.weights) {
-                let distance = ends[0] + half * (1.0 + node);
+            for node in &self.nodes {
+                let distance = ends[0] + half * (1.0 + node.place);
                 let measure = distance.powi(dimension as i32 - 1);
-                sum += half * weight * measure * exponent(&lines, distance).exp_m1();
+                sum += half * node.weight * measure * exponent(&lines, distance).exp_m1();
             }
         }
         Ok(0.5 * sphere * sum)

@@ -38,14 +38,27 @@ pub fn write_atomically(
     let path = path.as_path();
     let (mut temporary, file) = Temporary::create(path)?;
     let mut writer = BufWriter::new(file);
+    // On every early return from here on, `temporary` removes its file.
     write(&mut writer).map_err(IoError::at(path, "write"))?;
+    // By hand: a writer that is dropped flushes too, but swallows the error of a full disk.
     writer.flush().map_err(IoError::at(path, "write"))?;
     let file = writer.get_ref();
+    // Before the rename: a name on disk must not lead to content that is not.
     file.sync_all().map_err(IoError::at(path, "write"))?;
+    // Closed before the rename, which some systems refuse for an open file.
     drop(writer);
     fs::rename(&temporary.path, path).map_err(IoError::at(path, "write"))?;
+    // The name is taken now; dropping must not remove the result.
     temporary.renamed = true;
     sync_folder(path)
+}
+
+/// Writes these bytes as [`write_atomically`] does.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_atomically(path, |file| file.write_all(bytes))
 }
 
 /// Writes into what cannot be replaced. It cannot be synced either.
@@ -87,6 +100,7 @@ pub fn remove_abandoned_of(folder: &Path, is_own: impl Fn(&str) -> bool) -> Resu
     let entries = fs::read_dir(folder).map_err(IoError::at(folder, "read"))?;
     for entry in entries {
         let entry = entry.map_err(IoError::at(folder, "read"))?;
+        // Only names of this form: other hidden files in a user's folder are none of ours.
         if name_of_temporary(&entry.file_name().to_string_lossy()).is_some_and(&is_own) {
             fs::remove_file(entry.path()).map_err(IoError::at(&entry.path(), "remove"))?;
         }
@@ -113,7 +127,7 @@ struct Temporary {
 }
 
 impl Temporary {
-    /// A new file `.NAME.PID-N.partial` beside `path`.
+    /// A new file `.NAME.PID-N.partial` next to `path`.
     fn create(path: &Path) -> Result<(Self, File)> {
         static COUNTER: AtomicU64 = AtomicU64::new(0);
         let Some(name) = path.file_name() else {
@@ -123,9 +137,13 @@ impl Temporary {
         };
         let name = name.to_string_lossy();
         let process = std::process::id();
+        // Threads of one process may write the same name
+        // at once; the process number alone is not enough.
         let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        // In the same folder, since a rename works only within one file system.
         let temporary = path.with_file_name(format!(".{name}.{process}-{number}.partial"));
         let mut options = OpenOptions::new();
+        // A number that an earlier process had is free again, and what it left may be overwritten.
         options.write(true).create(true).truncate(true);
         let file = options
             .open(&temporary)
@@ -150,6 +168,7 @@ impl Drop for Temporary {
 #[cfg(unix)]
 fn sync_folder(path: &Path) -> Result<()> {
     let folder = match path.parent() {
+        // The parent of a bare name is the empty path, which cannot be opened.
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };

@@ -5,13 +5,13 @@
 //! ε₀ k_B T), which for a 1:1 salt of concentration c is κ² = 8π λ_B N_A c (Debye-Hückel;
 //! Ramasubramani's thesis, eq. 3.2).
 
-use crate::Result;
 use crate::error::require;
 use crate::units::{
     BOLTZMANN_JOULE_PER_KELVIN, ELEMENTARY_CHARGE_COULOMB, NUMBER_DENSITY_PER_MOLAR,
     VACUUM_PERMITTIVITY_FARAD_PER_METRE,
 };
-use serde::Serialize;
+use crate::{Result, null};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A 1:1 salt dissolved in a solvent of uniform permittivity.
@@ -32,7 +32,7 @@ use std::f64::consts::PI;
 /// assert_eq!(stated.salt_molar(), None);
 /// # Ok::<(), protomer_kernel::KernelError>(())
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Electrolyte {
     #[serde(rename = "temperature_K")]
     temperature_kelvin: f64,
@@ -40,6 +40,7 @@ pub struct Electrolyte {
     salt_molar: Option<f64>,
     relative_permittivity: f64,
     bjerrum_length_angstrom: f64,
+    #[serde(deserialize_with = "null::as_infinity")]
     debye_length_angstrom: f64,
 }
 

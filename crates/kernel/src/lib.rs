@@ -9,12 +9,17 @@
 //! | [`periodic_box`] | periodic boxes of any shape in one, two and three dimensions |
 //! | [`mesh`] | closed triangle meshes, their topology and mass properties |
 //! | [`name`] | names that users and files choose: what they may hold |
+//! | [`null`] | numbers that JSON does not have |
 //! | [`plain_text`] | bytes of a file as text: encodings, line ends, what is not text |
 //! | [`point_record`] | atoms, spheres and point charges as files of points describe them |
 //! | [`random`] | counter-based random numbers: directions, rotations, streams per step |
 //! | [`fused`] | multiply-add where it is one instruction |
 //! | [`exponential`] | exponentials for loops in vectors |
 //! | [`mod@vectorised`] | methods compiled for several instruction sets |
+//! | [`disjoint_sets`] | sets of numbers that are joined pair by pair |
+//! | [`quadrature`] | Gauss-Legendre and Gauss-Kronrod rules, points on the sphere |
+//! | [`chebyshev`] | polynomials through Chebyshev points |
+//! | [`jet`] | numbers that carry their first and second derivatives |
 //! | [`potential`] | radial pair potentials |
 //! | [`cells`] | which bodies are near a point |
 //! | [`overlap`] | whether two rigid bodies overlap, and how far apart they are if not |
@@ -27,18 +32,23 @@
 
 pub mod boundary;
 pub mod cells;
+pub mod chebyshev;
+pub mod disjoint_sets;
 pub mod electrolyte;
 mod error;
 pub mod exponential;
 pub mod fused;
+pub mod jet;
 pub mod mesh;
 pub mod name;
+pub mod null;
 pub mod overlap;
 pub mod periodic_box;
 pub mod plain_text;
 pub mod point_record;
 pub mod pose;
 pub mod potential;
+pub mod quadrature;
 pub mod random;
 pub mod setting;
 pub mod shape;

@@ -56,6 +56,30 @@ pub struct MassProperties {
 }
 
 impl TriangleMesh {
+    /// A cuboid between its lowest and its highest corner, Å, with two triangles to a face.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let cuboid = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::new(1.0, 2.0, 3.0));
+    /// assert!((cuboid.volume_angstrom3() - 6.0).abs() < 1e-12);
+    /// ```
+    pub fn cuboid(low: &Vec3, high: &Vec3) -> Self {
+        let corner = |number: usize| Vec3::from_fn(|axis, _| [low, high][number >> axis & 1][axis]);
+        let faces = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+        Self {
+            vertices: (0..8).map(corner).collect(),
+            triangles: faces.into_iter().flat_map(halves).collect(),
+        }
+    }
+
     /// The three corners of a triangle, Å.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
@@ -99,6 +123,7 @@ impl TriangleMesh {
     /// # Errors
     /// [`KernelError::BadMesh`] if the enclosed volume is not positive.
     pub fn mass_properties(&self) -> Result<MassProperties> {
+        // About the first vertex: far from the origin the terms would cancel.
         let origin = self.vertices.first().copied().unwrap_or_default();
         let mut volume = 0.0;
         let mut first_moment = Vec3::zeros();
@@ -119,10 +144,12 @@ impl TriangleMesh {
             ));
         }
         let centroid = first_moment / volume;
+        // The parallel axis theorem takes the moments to the centroid.
         let central = second_moment - centroid * centroid.transpose() * volume;
         Ok(MassProperties {
             volume_angstrom3: volume,
             centroid: centroid + origin,
+            // Inertia from second moments: I = tr(M) 1 - M.
             inertia_angstrom5: Matrix3::identity() * central.trace() - central,
         })
     }
@@ -165,13 +192,16 @@ impl TriangleMesh {
         let (component_of, components) = label_components(&neighbours);
         let mut volumes = vec![0.0; components];
         for (corners, component) in self.all_corners().zip(component_of) {
+            // Relative to a vertex of the mesh, as far coordinates would cost digits.
             let origin = self.vertices[self.triangles[0][0] as usize];
             volumes[component] += signed_tetrahedron(&corners, &origin);
         }
+        // A shell of negative volume is the wall of a cavity; if all are, the mesh is inside out.
         let cavities = volumes.iter().filter(|volume| **volume < 0.0).count();
         if components > 0 && cavities == components {
             return bad_mesh("it is inside out; reverse the corner order of every triangle");
         }
+        // Each edge belongs to two triangles: E = 3 F/2.
         let edges = self.triangles.len() as i64 * 3 / 2;
         let euler_number = self.vertices.len() as i64 - edges + self.triangles.len() as i64;
         Ok(Topology {
@@ -182,7 +212,7 @@ impl TriangleMesh {
         })
     }
 
-    /// The connected shells of a closed mesh, each as a mesh of its own, in the order of their first
+    /// The connected shells of a closed mesh, each as a separate mesh, in the order of their first
     /// triangle.
     ///
     /// # Errors
@@ -198,6 +228,7 @@ impl TriangleMesh {
             let mut corners = *triangle;
             for corner in &mut corners {
                 let next = shell.vertices.len() as u32;
+                // Each component has a copy of its own of a vertex in which it touches another.
                 let number = *renumbered.entry((component, *corner)).or_insert(next);
                 if number == next {
                     shell.vertices.push(self.vertices[*corner as usize]);
@@ -213,6 +244,7 @@ impl TriangleMesh {
         for (index, vertex) in self.vertices.iter().enumerate() {
             let in_range = vertex
                 .iter()
+                // NaN fails the comparison, which is why it is not written as "greater than".
                 .all(|x| x.abs() <= LARGEST_COORDINATE_ANGSTROM);
             if !in_range {
                 return bad_mesh(format!(
@@ -245,6 +277,8 @@ impl TriangleMesh {
             for (from, to) in edges(corners) {
                 if fans
                     .edge(from, to)
+                    // `edge` finds the first triangle with this
+                    // directed edge; another one has it twice.
                     .is_some_and(|edge| edge.triangle != triangle)
                 {
                     return bad_mesh(format!(
@@ -279,6 +313,7 @@ impl TriangleMesh {
             if fan.is_empty() {
                 return bad_mesh(format!("vertex {vertex} belongs to no triangle"));
             }
+            // A fan that closes early leaves triangles over: the vertex joins two sheets.
             if fans.turn(vertex) != fan.len() {
                 return bad_mesh(format!("vertex {vertex} joins two fans of triangles"));
             }
@@ -307,6 +342,7 @@ struct Leaving {
 impl Fans {
     /// The fans of a mesh whose triangles name existing vertices only.
     fn new(mesh: &TriangleMesh) -> Self {
+        // Counting sort by the vertex at which an edge starts: one array, no list per vertex.
         let mut start = vec![0; mesh.vertices.len() + 1];
         for vertex in mesh.triangles.as_flattened() {
             start[*vertex as usize + 1] += 1;
@@ -324,6 +360,7 @@ impl Fans {
             }
         }
         for ends in start.windows(2) {
+            // Sorted, so `edge` finds by bisection what a hash map would need memory for.
             leaving[ends[0] as usize..ends[1] as usize].sort_unstable();
         }
         Self { start, leaving }
@@ -347,6 +384,7 @@ impl Fans {
         let mut current = self.of(vertex).first();
         let first = current.map(|edge| edge.to);
         while let Some(edge) = current {
+            // A closed mesh leads back to the first edge; `edge` ends the walk where it does not.
             length += 1;
             if Some(edge.apex) == first {
                 break;
@@ -382,6 +420,7 @@ fn label_components(neighbours: &[[u32; 3]]) -> (Vec<usize>, usize) {
         }
         component_of[seed] = components;
         stack.push(seed);
+        // A stack, not recursion: a shell has as many triangles as it likes.
         while let Some(triangle) = stack.pop() {
             for &neighbour in &neighbours[triangle] {
                 if component_of[neighbour as usize] == UNSEEN {
@@ -405,24 +444,7 @@ mod tests {
     use super::*;
 
     fn unit_cube() -> TriangleMesh {
-        let corner = |i| Vec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64);
-        let vertices = (0..8).map(corner).collect();
-        let quads = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        let triangles = quads
-            .iter()
-            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
-            .collect();
-        TriangleMesh {
-            vertices,
-            triangles,
-        }
+        TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0))
     }
 
     #[test]

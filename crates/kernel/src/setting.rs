@@ -3,23 +3,25 @@
 use crate::Number;
 
 /// Kinds of values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub enum Kind {
     /// A number.
     Real,
-    /// A whole number.
-    Whole,
-    /// A switch, on or off.
-    Switch,
+    /// A whole number from zero to the largest.
+    Whole(u64),
+    /// A switch, which sets this value.
+    Switch(bool),
     /// A choice of one of these names.
     Choice(&'static [Choice]),
+    /// A name or a number; the function says what is wrong with another text.
+    NameOrNumber(fn(&str) -> Result<(), String>),
     /// Words, one or several.
     Words,
     /// Numbers, none or several.
     Reals,
 }
 
-/// One of the names that a setting may have.
+/// A name that a setting may have, with its description.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
     /// The word in files and on the command line.
@@ -33,11 +35,6 @@ pub trait Setting {
     /// Kind of the values.
     const KIND: Kind;
 
-    /// Whether the setting is left out of files.
-    fn is_absent(&self) -> bool {
-        false
-    }
-
     /// The value as the help shows it as a default; `None` to show nothing.
     fn text(&self) -> Option<String>;
 }
@@ -50,24 +47,22 @@ impl Setting for f64 {
     }
 }
 
-impl Setting for u64 {
-    const KIND: Kind = Kind::Whole;
+macro_rules! whole {
+    ($($type:ty),*) => {
+        $(impl Setting for $type {
+            const KIND: Kind = Kind::Whole(<$type>::MAX as u64);
 
-    fn text(&self) -> Option<String> {
-        Some(self.to_string())
-    }
+            fn text(&self) -> Option<String> {
+                Some(self.to_string())
+            }
+        })*
+    };
 }
 
-impl Setting for usize {
-    const KIND: Kind = Kind::Whole;
-
-    fn text(&self) -> Option<String> {
-        Some(self.to_string())
-    }
-}
+whole!(u32, u64, usize);
 
 impl Setting for bool {
-    const KIND: Kind = Kind::Switch;
+    const KIND: Kind = Kind::Switch(true);
 
     fn text(&self) -> Option<String> {
         None
@@ -77,10 +72,6 @@ impl Setting for bool {
 impl<T: Setting> Setting for Option<T> {
     const KIND: Kind = T::KIND;
 
-    fn is_absent(&self) -> bool {
-        self.is_none()
-    }
-
     fn text(&self) -> Option<String> {
         self.as_ref().and_then(T::text)
     }
@@ -88,10 +79,6 @@ impl<T: Setting> Setting for Option<T> {
 
 impl Setting for Vec<f64> {
     const KIND: Kind = Kind::Reals;
-
-    fn is_absent(&self) -> bool {
-        self.is_empty()
-    }
 
     fn text(&self) -> Option<String> {
         None
@@ -110,14 +97,14 @@ pub trait Choices: Copy + 'static {
     fn from_name(name: &str) -> Option<Self>;
 }
 
-/// Declares an enum whose variants are chosen by name. Serde writes the names.
+/// Declares an enum whose variants are chosen by name, perhaps with a default. Serde writes the names.
 ///
 /// ```
 /// use protomer_kernel::setting::Choices;
 ///
 /// protomer_kernel::choices! {
 ///     /// Ends of a chain.
-///     pub enum End {
+///     pub enum End, default Amino {
 ///         /// Carries the amine.
 ///         Amino = "n",
 ///         /// Carries the acid.
@@ -125,14 +112,14 @@ pub trait Choices: Copy + 'static {
 ///     }
 /// }
 ///
-/// assert_eq!(End::from_name("c"), Some(End::Carboxyl));
+/// assert_eq!((End::from_name("c"), End::default()), (Some(End::Carboxyl), End::Amino));
 /// assert_eq!((End::Amino.name(), End::CHOICES[0].text), ("n", &[" Carries the amine."][..]));
 /// ```
 #[macro_export]
 macro_rules! choices {
     (
         $(#[doc = $about:literal])*
-        $visible:vis enum $name:ident {
+        $visible:vis enum $name:ident $(, default $default:ident)? {
             $($(#[doc = $text:literal])* $variant:ident = $word:literal),* $(,)?
         }
     ) => {
@@ -141,6 +128,12 @@ macro_rules! choices {
         $visible enum $name {
             $($(#[doc = $text])* #[serde(rename = $word)] $variant),*
         }
+
+        $(impl Default for $name {
+            fn default() -> Self {
+                Self::$default
+            }
+        })?
 
         impl $crate::setting::Choices for $name {
             const CHOICES: &'static [$crate::setting::Choice] = &[

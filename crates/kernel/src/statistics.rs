@@ -12,9 +12,12 @@
 //! [`summarize`] sums ρ up to the self-consistent window M, the first with M ≥ 5 τ(M) (Madras and
 //! Sokal, J. Stat. Phys. 50, 109 (1988)); [`block_errors`] is the independent check by averaging
 //! ever larger blocks (Flyvbjerg and Petersen, J. Chem. Phys. 91, 461 (1989)). [`RunningMoments`]
-//! keeps mean and variance of a stream in constant memory.
+//! keeps mean and variance of a stream in constant memory. [`jackknife_error`] is for estimates that
+//! are no means.
 
+use crate::null;
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 
 /// The window's length in autocorrelation times.
 const WINDOW_IN_AUTOCORRELATION_TIMES: f64 = 5.0;
@@ -27,16 +30,20 @@ const LONGEST_LAG: usize = 1000;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Mean.
+    #[serde(deserialize_with = "null::as_nan")]
     pub mean: f64,
     /// Standard deviation of single samples, unbiased for independent ones; zero for fewer than
     /// two.
+    #[serde(deserialize_with = "null::as_nan")]
     pub standard_deviation: f64,
     /// Standard error of the mean, corrected for autocorrelation; infinite for fewer than two
     /// samples, zero for a constant series.
+    #[serde(deserialize_with = "null::as_infinity")]
     pub standard_error: f64,
     /// Integrated autocorrelation time τ in sampling intervals; 1/2 for independent samples.
     pub autocorrelation_time: f64,
     /// Number of independent samples that would have the same standard error, n / (2τ).
+    #[serde(deserialize_with = "null::as_nan")]
     pub effective_samples: f64,
 }
 
@@ -96,6 +103,8 @@ pub fn autocorrelation_time(series: &[f64]) -> f64 {
     // the memory is too long to be summed in time linear in n, τ follows from such averages.
     let mut samples_per_value = 1.0;
     loop {
+        // The sum is in samples of the averages and for their variance; τ is in samples of the series
+        // and for its own.
         if let Some(time) = windowed_time(&deviations) {
             let time = time * samples_per_value * mean_square(&deviations) / variance;
             return time.max(UNCORRELATED_TIME);
@@ -109,6 +118,7 @@ pub fn autocorrelation_time(series: &[f64]) -> f64 {
 fn windowed_time(deviations: &[f64]) -> Option<f64> {
     let variance = mean_square(deviations);
     let mut time = UNCORRELATED_TIME;
+    // Lag after lag, not by Fourier transform: the window closes after a few τ.
     for lag in 1..deviations.len() {
         if lag > LONGEST_LAG {
             return None;
@@ -117,7 +127,9 @@ fn windowed_time(deviations: &[f64]) -> Option<f64> {
         for (early, late) in deviations.iter().zip(&deviations[lag..]) {
             products += early * late;
         }
+        // Divided by the number of pairs and not by n: unbiased for each lag.
         time += products / ((deviations.len() - lag) as f64 * variance);
+        // Noise grows with the window while what is left out shrinks: of an exponential, exp(-5).
         if lag as f64 >= WINDOW_IN_AUTOCORRELATION_TIMES * time {
             break;
         }
@@ -131,6 +143,7 @@ fn mean_square(deviations: &[f64]) -> f64 {
 }
 
 fn pair_averages(values: &[f64]) -> Vec<f64> {
+    // An odd value at the end is dropped: it belongs to no block.
     let (pairs, _) = values.as_chunks();
     let average = |[first, second]: &[f64; 2]| 0.5 * (first + second);
     pairs.iter().map(average).collect()
@@ -203,6 +216,47 @@ pub fn block_standard_error(series: &[f64]) -> Option<f64> {
     None
 }
 
+/// Mean Σ x / n of values; NaN without any.
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// Median in the order of a comparison, the upper of the two in the middle for an even count; `None`
+/// without values. The values are left in another order.
+///
+/// ```
+/// use protomer_kernel::statistics::median;
+/// assert_eq!(median(&mut [5.0, 1.0, 9.0], f64::total_cmp), Some(5.0));
+/// assert_eq!(median(&mut [2, 3, 1, 4], Ord::cmp), Some(3));
+/// ```
+pub fn median<T: Copy>(values: &mut [T], compare: impl FnMut(&T, &T) -> Ordering) -> Option<T> {
+    if values.is_empty() {
+        return None;
+    }
+    let middle = values.len() / 2;
+    Some(*values.select_nth_unstable_by(middle, compare).1)
+}
+
+/// Standard error of an estimate from the B estimates that leave out one block each, by the jackknife
+/// (Miller, Biometrika 61, 1 (1974)):
+///
+/// error² = (B - 1)/B Σ (estimate without a block - their mean)²
+///
+/// `None` for fewer than two blocks, or if an estimate is not finite.
+///
+/// ```
+/// use protomer_kernel::statistics::jackknife_error;
+/// // Means of 1, 2, 4 and 9 without one of them: the error is that of the mean.
+/// let without = [5.0, 14.0 / 3.0, 4.0, 7.0 / 3.0];
+/// assert!((jackknife_error(&without).unwrap() - (38.0_f64 / 12.0).sqrt()).abs() < 1e-14);
+/// ```
+pub fn jackknife_error(without_block: &[f64]) -> Option<f64> {
+    let moments = RunningMoments::in_two_passes(without_block);
+    let blocks = moments.count as f64;
+    let error = (moments.squares * (blocks - 1.0) / blocks).sqrt();
+    (moments.count > 1 && error.is_finite()).then_some(error)
+}
+
 /// Mean and variance of a stream in constant memory, without cancellation (Welford, Technometrics
 /// 4, 419 (1962)).
 ///
@@ -227,11 +281,27 @@ pub struct RunningMoments {
 }
 
 impl RunningMoments {
+    /// Moments of values that are all in memory: first their mean, then Σ (x - mean)². Rounding leaves
+    /// the smallest error that way; the last digits can differ from those of a stream.
+    pub fn in_two_passes(values: &[f64]) -> Self {
+        if values.is_empty() {
+            return Self::default();
+        }
+        let mean = mean(values);
+        let squares = values.iter().map(|value| (value - mean).powi(2));
+        Self {
+            count: values.len() as u64,
+            mean,
+            squares: squares.sum(),
+        }
+    }
+
     /// Adds a value.
     pub fn push(&mut self, value: f64) {
         self.count += 1;
         let before = value - self.mean;
         self.mean += before / self.count as f64;
+        // One factor before the mean moves and one after: exact, without the cancellation of Σx².
         self.squares += before * (value - self.mean);
     }
 
@@ -269,6 +339,11 @@ impl RunningMoments {
     /// The square root of the variance.
     pub fn standard_deviation(&self) -> f64 {
         self.variance().sqrt()
+    }
+
+    /// Root mean square deviation from the mean, √(Σ (x - mean)² / n); NaN without values.
+    pub fn root_mean_square_deviation(&self) -> f64 {
+        (self.squares / self.count as f64).sqrt()
     }
 
     /// Standard error of the mean of *independent* values, such as the averages of replicas;
@@ -425,6 +500,27 @@ mod tests {
         assert!(block_errors(&[1.0]).is_empty());
     }
 
+    #[test]
+    fn leaving_out_gives_the_error_of_a_mean() {
+        let values: [f64; 4] = [1.0, 2.0, 4.0, 9.0];
+        let without: Vec<f64> = values.iter().map(|value| (16.0 - value) / 3.0).collect();
+        let error = RunningMoments::in_two_passes(&values).independent_standard_error();
+        assert!((jackknife_error(&without).unwrap() - error).abs() < 1e-14);
+        assert_eq!(jackknife_error(&[1.0]), None);
+        assert_eq!(jackknife_error(&[1.0, f64::NAN]), None);
+    }
+
+    #[test]
+    fn two_passes_keep_the_spread_of_values_far_from_zero() {
+        let moments = RunningMoments::in_two_passes(&[1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0]);
+        assert_eq!((moments.mean(), moments.variance()), (1e9 + 2.0, 1.0));
+        assert!((moments.root_mean_square_deviation() - (2.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!(
+            RunningMoments::in_two_passes(&[]),
+            RunningMoments::default()
+        );
+    }
+
     proptest! {
         #[test]
         fn running_moments_equal_the_two_pass_formulas(
@@ -436,9 +532,10 @@ mod tests {
             let squares = values.iter().map(|value| (value - mean).powi(2));
             let variance = squares.sum::<f64>() / (count - 1.0);
             let (first, second) = values.split_at(cut.min(values.len()));
+            let at_once = RunningMoments::in_two_passes(&values);
             let mut merged: RunningMoments = first.iter().copied().collect();
             merged.merge(&second.iter().copied().collect());
-            for moments in [merged, values.iter().copied().collect()] {
+            for moments in [merged, at_once, values.iter().copied().collect()] {
                 prop_assert_eq!(moments.count(), values.len() as u64);
                 prop_assert!((moments.mean() - mean).abs() < 1e-9);
                 prop_assert!((moments.variance() - variance).abs() < 1e-9 * (1.0 + variance));

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::error::refuse;
+use protomer_kernel::statistics::RunningMoments;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 
@@ -84,16 +85,10 @@ pub struct Mean {
 
 impl Mean {
     fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let mut squares = 0.0;
-        for value in values {
-            squares += (value - mean).powi(2);
-        }
-        let variance = squares / (count - 1.0);
+        let moments = RunningMoments::in_two_passes(values);
         Self {
-            mean,
-            standard_error: (values.len() > 1).then(|| (variance / count).sqrt()),
+            mean: moments.mean(),
+            standard_error: (values.len() > 1).then(|| moments.independent_standard_error()),
         }
     }
 }

@@ -54,6 +54,7 @@ impl Exchanges {
     fn fit(&self, rungs: usize) -> bool {
         let mut walkers = self.walkers.clone();
         walkers.sort_unstable();
+        // Each walker once: a permutation of the rungs.
         walkers.into_iter().eq(0..rungs)
             && self.last_ends.len() == rungs
             && self.swaps.len() + 1 == rungs.max(1)
@@ -80,6 +81,7 @@ impl Exchanges {
             let Some(last) = walker.and_then(|walker| self.last_ends.get_mut(*walker)) else {
                 continue;
             };
+            // Half a round trip per change of end; at the very start there is none before.
             if last.is_some_and(|last| last != end) {
                 self.round_trips += 0.5;
             }
@@ -175,13 +177,17 @@ impl Ladder {
     /// Variant of [`exchange`](Self::exchange) with another rule: what it makes of Δ decides.
     fn exchange_by(&mut self, rule: impl Fn(f64) -> f64 + Sync) -> Result<()> {
         let round = self.exchanges.rounds;
+        // Even and odd pairs alternate, so that no rung is in two swaps of one round.
         let first = (round % 2) as usize;
         let (seed, ladder) = (self.seed, self.ladder);
+        // A ladder of one rung has no pairs.
         let pairs = self.rungs.get_mut(first..).unwrap_or_default();
         let decided: Vec<bool> = pairs
             .par_chunks_exact_mut(2)
             .enumerate()
             .map(|(number, pair)| {
+                // The same stream for all pairs of a round, the
+                // number picks from it: independent of threads.
                 let stream = CounterRng::for_purpose(seed, ladder, round, Purpose::Exchange);
                 swap_maybe(pair, &rule, budget_kt(stream, number))
             })
@@ -202,6 +208,7 @@ impl Ladder {
 /// -ln u with the number of a pair in a round.
 fn budget_kt(mut stream: CounterRng, number: usize) -> f64 {
     let mut uniform = stream.uniform();
+    // Counted off: a pair's number does not depend on who else asks.
     for _ in 0..number {
         uniform = stream.uniform();
     }
@@ -213,6 +220,7 @@ fn swap_maybe(pair: &mut [Simulation], rule: &impl Fn(f64) -> f64, budget_kt: f6
     let [one, other] = pair else {
         return Ok(false);
     };
+    // Copied first: after one rung has taken the poses the other still needs the old ones.
     let poses = [&*one, &*other].map(|rung| rung.system().poses().to_vec());
     let rise = |effort| Ok(rule(rise_kt(one, other, &poses, effort)?));
     let accepted = compared_kt(budget_kt, rise)? < budget_kt;
@@ -259,9 +267,11 @@ fn require_alike(rungs: &[Simulation]) -> Result<()> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::test_support::octahedron;
     use crate::{BodyType, Interaction, Settings, System};
     use protomer_kernel::potential::Yukawa;
-    use protomer_kernel::{Boundary, Rotation, TriangleMesh, Vec3};
+    use protomer_kernel::statistics::RunningMoments;
+    use protomer_kernel::{Boundary, Rotation, Vec3};
     use std::sync::Arc;
 
     const CONTACT_ANGSTROM: f64 = 10.0;
@@ -276,21 +286,7 @@ mod tests {
 
     /// Two octahedra with opposite charges in their centres.
     fn system(apart_angstrom: f64) -> System {
-        let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-        let vertices = axes.iter().flat_map(|axis| [5.0 * axis, -5.0 * axis]);
-        let mesh = TriangleMesh {
-            vertices: vertices.collect(),
-            triangles: vec![
-                [0, 2, 4],
-                [2, 1, 4],
-                [1, 3, 4],
-                [3, 0, 4],
-                [2, 0, 5],
-                [1, 2, 5],
-                [3, 1, 5],
-                [0, 3, 5],
-            ],
-        };
+        let mesh = octahedron(5.0);
         let kinds = [3.0, -3.0].map(|charge| {
             Arc::new(BodyType::new("ion", &mesh, &[(Vec3::zeros(), charge)]).unwrap())
         });
@@ -362,15 +358,9 @@ mod tests {
         }
         let mut rung = 0;
         shares.map(|shares| {
-            let number = shares.len() as f64;
-            let mean = shares.iter().sum::<f64>() / number;
-            let squares = shares
-                .iter()
-                .map(|share| (share - mean).powi(2))
-                .sum::<f64>();
-            let error = (squares / (number - 1.0) / number).sqrt();
+            let moments = RunningMoments::in_two_passes(&shares);
             rung += 1;
-            (mean - exact(rung - 1)) / error
+            (moments.mean() - exact(rung - 1)) / moments.independent_standard_error()
         })
     }
 

@@ -1,6 +1,7 @@
 //! Observables: radius of gyration, contacts between surfaces, clusters.
 
 use crate::system::{Pair, System};
+use protomer_kernel::disjoint_sets::DisjointSets;
 use protomer_kernel::overlap::comes_within;
 use serde::{Deserialize, Serialize};
 
@@ -89,26 +90,17 @@ pub fn survival(native: &[(usize, usize)], present: &[(usize, usize)]) -> Option
 /// assert_eq!(cluster_sizes(4, &[(0, 1), (1, 2)]), [3, 1]);
 /// ```
 pub fn cluster_sizes(bodies: usize, contacts: &[(usize, usize)]) -> Vec<usize> {
-    let mut parent: Vec<usize> = (0..bodies).collect();
+    let mut sets = DisjointSets::new(bodies);
     for &(first, second) in contacts {
-        let (a, b) = (root(&mut parent, first), root(&mut parent, second));
-        parent[a.max(b)] = a.min(b);
+        sets.join(first as u32, second as u32);
     }
     let mut sizes = vec![0; bodies];
-    for body in 0..bodies {
-        sizes[root(&mut parent, body)] += 1;
+    for root in sets.into_roots() {
+        sizes[root as usize] += 1;
     }
     sizes.retain(|size| *size > 0);
     sizes.sort_unstable_by(|a, b| b.cmp(a));
     sizes
-}
-
-fn root(parent: &mut [usize], mut body: usize) -> usize {
-    while parent[body] != body {
-        parent[body] = parent[parent[body]];
-        body = parent[body];
-    }
-    body
 }
 
 #[cfg(test)]

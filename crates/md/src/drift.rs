@@ -36,6 +36,7 @@ impl Drift {
         self.count += 1.0;
         let point = [time - self.first[0], value - self.first[1]];
         self.last = point;
+        // Welford's update for both means, squares and the product.
         let before = [point[0] - self.means[0], point[1] - self.means[1]];
         for axis in 0..2 {
             self.means[axis] += before[axis] / self.count;
@@ -64,10 +65,33 @@ impl Drift {
 
     /// The root of the mean squared deviation from the line.
     pub fn noise(&self) -> f64 {
+        // Sum of squares that the line leaves.
         if self.squares[0] <= 0.0 {
             return 0.0;
         }
         let residual = self.squares[1] - self.product * self.product / self.squares[0];
-        (residual.max(0.0) / self.count).sqrt()
+        // Rounding may leave less than nothing. Not `max`, which would turn NaN into no noise at all.
+        let residual = if residual < 0.0 { 0.0 } else { residual };
+        (residual / self.count).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_that_are_no_numbers_are_not_kept_well() {
+        let mut drift = Drift::default();
+        for (time, value) in [(0.0, 1.0), (1.0, f64::NAN), (2.0, 1.0)] {
+            drift.push(time, value);
+        }
+        assert!(drift.noise().is_nan() && drift.along_the_line().is_nan());
+        // Points on a line, up to rounding.
+        let mut line = Drift::default();
+        for step in 0..1000 {
+            line.push(f64::from(step), 0.1 * f64::from(step));
+        }
+        assert!(line.noise() < 1e-4);
     }
 }

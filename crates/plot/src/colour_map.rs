@@ -8,7 +8,7 @@ use super::text::{Fitted, fit};
 use super::ticks;
 use super::typeface::text_width;
 use super::{layout, pixels, svg};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -52,12 +52,15 @@ pub struct ColourMap {
     pub values: Vec<Option<f64>>,
 }
 
-/// The colours of the lower end, of zero and of the upper end; those of the charge in reports.
+/// Colour of the lower end; this colour and the next two are those of the charge in reports.
 const LOW: Rgb = [0xC0, 0x28, 0x2D];
+/// Colour of zero.
 const ZERO: Rgb = [0xF7, 0xF7, 0xF7];
+/// Colour of the upper end.
 const HIGH: Rgb = [0x24, 0x57, 0xB8];
-/// A cell without a number.
+/// Colour of a cell without a number.
 const NOTHING: Rgb = [0xD0, 0xD0, 0xD0];
+/// Colour of the sheet, of the lines between cells, and of numbers in dark cells.
 const WHITE: Rgb = [0xFF; 3];
 /// Lightness below which colours have white numbers.
 const DARK: f64 = 140.0;
@@ -66,18 +69,23 @@ const LABEL_SIZE: f64 = 23.0;
 const TICK_SIZE: f64 = 20.0;
 /// Least size of the numbers; smaller ones cannot be read on a phone, and the cells then have none.
 const LEAST_NUMBER_SIZE: f64 = 13.0;
+/// Largest size of the numbers.
 const NUMBER_SIZE: f64 = 22.0;
 /// The part of a cell that its number may take.
 const NUMBER_ROOM: f64 = 0.86;
 /// Distance between the numbers along an axis and what they belong to.
 const GAP: f64 = 8.0;
-/// The white line between cells, and the line where the sign changes.
+/// Width of the white line between cells.
 const CELL_LINE: f64 = 1.5;
+/// Width of the line where the sign changes.
 const SIGN_LINE: f64 = 3.5;
+/// Width of the colour bar.
 const BAR_WIDTH: f64 = 26.0;
 /// Distance between the cells and the colour bar.
 const BAR_GAP: f64 = 26.0;
+/// Number of steps of colour in the bar.
 const BAR_STEPS: usize = 64;
+/// Number of ticks at the bar.
 const BAR_TICKS: usize = 6;
 /// Height of a row of cells on a narrow screen.
 const NARROW_ROW_HEIGHT: f64 = 60.0;
@@ -87,6 +95,7 @@ impl ColourMap {
     pub fn limit(&self) -> f64 {
         let sizes = self.values.iter().flatten().map(|value| value.abs());
         let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+        // All zero, or nothing: any scale serves, but not one of zero.
         match largest > 0.0 {
             true => largest,
             false => 1.0,
@@ -110,12 +119,14 @@ impl ColourMap {
     /// As [`ColourMap::to_svg`].
     pub fn to_narrow_svg(&self) -> Result<String> {
         self.check()?;
+        // At least four rows: the label of the axis needs the height.
         let cells = NARROW_ROW_HEIGHT * self.rows.len().max(4) as f64;
         let shape = Shape {
             width: NARROW_WIDTH,
             height: 0.0,
             least_shrunk: 1.0,
         };
+        // Laid out once without cells, to learn what stands around them.
         let around = layout::heading_height(&self.title, &self.caption, shape) + self.below();
         let height = (around + cells).round();
         let shape = Shape { height, ..shape };
@@ -137,9 +148,7 @@ impl ColourMap {
     /// As [`ColourMap::to_svg`], and if the file cannot be written.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
         let svg = self.to_svg()?;
-        Ok(write_atomically(path, |file| {
-            file.write_all(svg.as_bytes())
-        })?)
+        Ok(write_bytes(path, svg.as_bytes())?)
     }
 
     /// Writes a PNG file atomically.
@@ -148,7 +157,7 @@ impl ColourMap {
     /// As [`ColourMap::to_png`], and if the file cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<()> {
         let png = self.to_png()?;
-        Ok(write_atomically(path, |file| file.write_all(&png))?)
+        Ok(write_bytes(path, &png)?)
     }
 
     fn check(&self) -> Result<()> {
@@ -189,6 +198,7 @@ impl ColourMap {
         canvas.polygon(&sheet, WHITE);
         let top = layout::draw_title(&self.title, &self.caption, shape, canvas) + GAP;
         let bottom = height - self.below();
+        // The ticks of the scale before the cells: the room beside them depends on their width.
         let ticks = ticks::linear([-self.limit(), self.limit()], BAR_TICKS);
         let marks: Vec<&str> = ticks
             .iter()
@@ -225,6 +235,7 @@ impl ColourMap {
                 let colour = value.map_or(NOTHING, |value| colour(value / self.limit()));
                 canvas.polygon(&area.corners(row, column), colour);
                 if let (Some(size), Some(value)) = (numbers, value) {
+                    // White on dark cells, ink on light ones, by the luma.
                     let ink = match lightness(colour) < DARK {
                         true => WHITE,
                         false => INK,
@@ -236,6 +247,7 @@ impl ColourMap {
                 }
             }
         }
+        // Lines over the cells, so that rounding leaves no hair of another colour between them.
         for column in 1..area.columns {
             let x = area.x(column as f64);
             canvas.line(&[[x, area.top], [x, area.bottom]], CELL_LINE, WHITE);
@@ -249,10 +261,12 @@ impl ColourMap {
     /// The size of the numbers in the cells; `None` where there is no room for them.
     fn numbers(&self, area: &Cells) -> Option<f64> {
         let values = self.values.iter().flatten();
+        // At size 1; widths grow in proportion to the letters.
         let texts = values.map(|value| text_width(&self.written(*value), 1.0));
         let widest = texts.fold(0.0, f64::max);
         let [width, height] = area.cell();
         let size = NUMBER_SIZE
+            // The longest number decides for all: one size in all cells.
             .min(NUMBER_ROOM * width / widest.max(1e-9))
             .min(NUMBER_ROOM * height);
         (size >= LEAST_NUMBER_SIZE).then_some(size)
@@ -267,6 +281,7 @@ impl ColourMap {
     /// Draws a line between neighbours of which one is below zero and one is not.
     fn draw_sign_changes(&self, area: &Cells, canvas: &mut dyn Canvas) {
         let changes = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            // Zero counts with the positive numbers.
             (Some(a), Some(b)) => (a < 0.0) != (b < 0.0),
             _ => false,
         };
@@ -275,6 +290,7 @@ impl ColourMap {
                 let value = self.value(row, column);
                 let [x, y] = [area.x(column as f64), area.y(row as f64)];
                 let [right, above] = [area.x(column as f64 + 1.0), area.y(row as f64 + 1.0)];
+                // Each border once: left and lower neighbours only.
                 if column > 0 && changes(value, self.value(row, column - 1)) {
                     canvas.line(&[[x, y], [x, above]], SIGN_LINE, INK);
                 }
@@ -362,6 +378,7 @@ struct Bar {
 
 impl Bar {
     fn y(&self, value: f64) -> f64 {
+        // The scale is symmetric about zero, which lies in the middle.
         let fraction = 0.5 + 0.5 * value / self.limit;
         self.bottom - fraction * (self.bottom - self.top)
     }
@@ -401,6 +418,7 @@ fn widest(texts: &[&str]) -> f64 {
 
 /// The colour of a number from -1 to 1.
 fn colour(part: f64) -> Rgb {
+    // A number beyond the scale by rounding has the colour of its end.
     let part = part.clamp(-1.0, 1.0);
     let end = match part < 0.0 {
         true => LOW,
@@ -422,7 +440,7 @@ fn lightness([red, green, blue]: Rgb) -> f64 {
 mod tests {
     use super::*;
 
-    /// Two rows of three; a change of sign along the upper row and one beside the gap.
+    /// Two rows of three; a change of sign along the upper row and one next to the gap.
     fn example() -> ColourMap {
         ColourMap {
             title: "B22 against salt and pH".into(),

@@ -4,7 +4,7 @@ use super::error::{PlotError, Result};
 use super::svg::escaped;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use std::path::Path;
 
 /// A square matrix to be shown.
@@ -26,8 +26,9 @@ pub struct HeatMap {
     pub values: Vec<f64>,
 }
 
-/// Edge of a matrix, and the space around it, in units of the SVG.
+/// Edge of a matrix, in units of the SVG.
 const EDGE: usize = 360;
+/// Space around a matrix, in units of the SVG.
 const MARGIN: usize = 40;
 
 /// Colours from dark blue over green to yellow, each lighter than the one before.
@@ -47,9 +48,7 @@ impl HeatMap {
     /// cannot be written.
     pub fn write_svg(maps: &[Self], title: &str, columns: usize, path: &Path) -> Result<()> {
         let svg = to_svg(maps, title, columns.max(1))?;
-        Ok(write_atomically(path, |file| {
-            file.write_all(svg.as_bytes())
-        })?)
+        Ok(write_bytes(path, svg.as_bytes())?)
     }
 }
 
@@ -101,6 +100,7 @@ fn part([x, y]: [usize; 2], [width, height]: [usize; 2], inside: &str) -> String
 fn picture([x, y]: [usize; 2], [width, height]: [usize; 2], png: &[u8]) -> String {
     format!(
         "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+         // Pixelated: a viewer that smooths would show values that are not there.
          preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
          href=\"data:image/png;base64,{}\"/>\n",
         STANDARD.encode(png)
@@ -114,6 +114,7 @@ fn colour(value: f64) -> [u8; 3] {
     } else {
         value.clamp(0.0, 1.0)
     };
+    // Four intervals between five colours; the last one includes its upper end.
     let place = fraction * (STOPS.len() - 1) as f64;
     let below = (place.floor() as usize).min(STOPS.len() - 2);
     let part = place - below as f64;

@@ -19,15 +19,21 @@ const PANEL_GAP: f64 = 22.0;
 const MARKER_RADIUS: f64 = 6.5;
 /// Width of the white rim that separates a point from the line.
 const RIM: f64 = 1.8;
+/// Radius of the points of single replicas.
 const REPLICA_RADIUS: f64 = 4.0;
+/// Opacity of the points of single replicas.
 const REPLICA_OPACITY: f64 = 0.4;
 /// Number of points on a line beyond which markers would hide each other and the line.
 const MOST_MARKED: usize = 60;
+/// Width of the lines of the series.
 const LINE_WIDTH: f64 = 2.5;
+/// Width of the lines of error bars.
 const ERROR_BAR_WIDTH: f64 = 2.0;
+/// Half the length of the caps of error bars.
 const ERROR_BAR_CAP: f64 = 7.0;
-/// Length of the sample of a line in the legend, and its distance from the name.
+/// Length of the sample of a line in the legend.
 const LEGEND_SAMPLE: f64 = 46.0;
+/// Distance between the sample of a line and its name in the legend.
 const LEGEND_SPACE: f64 = 10.0;
 /// Distance between two entries of the legend.
 const LEGEND_GAP: f64 = 34.0;
@@ -46,6 +52,7 @@ pub(crate) fn draw(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) {
         .panels
         .iter()
         .map(|panel| axis::Vertical::new(panel, panel_height, LABEL_SIZE, shape.least_shrunk))
+        // All panels before any is drawn: the widest numbers decide where every panel begins.
         .collect();
     let left = MARGIN + axis::Vertical::room(&axes, LABEL_SIZE);
     let right = width - MARGIN - 12.0;
@@ -60,6 +67,7 @@ pub(crate) fn draw(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) {
             x,
             y: vertical.scale,
         };
+        // One label for the axis that all panels share.
         let is_last = index + 1 == figure.panels.len();
         axis::draw(&area, vertical, is_last.then_some(&x_label), shape, canvas);
         for series in &panel.series {
@@ -72,6 +80,7 @@ pub(crate) fn draw(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) {
 pub(crate) fn height_for(figure: &Figure, shape: Shape, panel_height: f64) -> f64 {
     let count = figure.panels.len() as f64;
     let panels = count * panel_height + (count - 1.0) * PANEL_GAP;
+    // The heading is laid out on a canvas that draws nothing, to learn its height.
     draw_heading(figure, shape, &mut Nowhere) + panels + below_panels(&x_label(figure, shape))
 }
 
@@ -87,6 +96,7 @@ fn below_panels(x_label: &Fitted) -> f64 {
 
 /// Style of a series. Series of one name have one style in all panels.
 fn style_of(figure: &Figure, series: &Series) -> Style {
+    // By name over all panels, so that a series keeps its colour in each.
     let names = figure.series_names();
     let number = names.iter().position(|name| *name == series.name);
     Style::of_series(number.unwrap_or(0))
@@ -96,6 +106,7 @@ fn style_of(figure: &Figure, series: &Series) -> Style {
 fn draw_heading(figure: &Figure, shape: Shape, canvas: &mut dyn Canvas) -> f64 {
     let mut y = draw_title(&figure.title, &figure.caption, shape, canvas);
     let names = figure.series_names();
+    // A single series needs no legend; the title says what it is.
     if names.len() > 1 {
         y = draw_legend(&names, y + 4.0, shape.width, canvas);
     }
@@ -112,6 +123,7 @@ pub(crate) fn draw_title(title: &str, caption: &str, shape: Shape, canvas: &mut 
         let fitted = fit(text, size, shape.width - 2.0 * MARGIN, shape.least_shrunk);
         let style = TextStyle::new(fitted.size, colour, Align::Centre);
         for (number, line) in fitted.lines.iter().enumerate() {
+            // The first line keeps the height of unshrunk letters, so titles stand in one place.
             y += if number == 0 {
                 size
             } else {
@@ -153,8 +165,13 @@ fn draw_legend(names: &[&str], top: f64, width: f64, canvas: &mut dyn Canvas) ->
 fn legend_rows(names: &[&str], room: f64) -> Vec<LegendRow> {
     let mut rows: Vec<LegendRow> = Vec::new();
     for (number, name) in names.iter().enumerate() {
+        // The label of its axis says what a series without a name is.
+        if name.is_empty() {
+            continue;
+        }
         let length = LEGEND_SAMPLE + LEGEND_SPACE + text_width(name, LEGEND_SIZE);
         match rows.last_mut() {
+            // At least one entry a row, however long its name.
             Some(row) if row.width + LEGEND_GAP + length <= room => {
                 row.width += LEGEND_GAP + length;
                 row.entries.push((number, length));
@@ -183,6 +200,7 @@ fn draw_legend_entry(name: &str, style: Style, [x, y]: [f64; 2], canvas: &mut dy
 /// markers.
 fn draw_series(series: &Series, style: Style, area: &Area, canvas: &mut dyn Canvas) {
     let Style { colour, marker } = style;
+    // Replicas first and pale: what is drawn later lies over them.
     for [x, y] in series.replicas.iter().filter(|[_, y]| !y.is_nan()) {
         let centre = area.place(*x, *y);
         canvas.disc(centre, REPLICA_RADIUS, colour, REPLICA_OPACITY);
@@ -193,9 +211,11 @@ fn draw_series(series: &Series, style: Style, area: &Area, canvas: &mut dyn Canv
         .map(|point| area.place(point.x, point.y))
         .collect();
     if series.line && places.len() > 1 {
+        // The line breaks nowhere: points without a value were left out before.
         canvas.line(&places, LINE_WIDTH, colour);
     }
     for point in drawn {
+        // A bar without an end would run out of the panel.
         if let Some(error) = point.error.filter(|error| error.is_finite()) {
             let ends = [point.y - error, point.y + error].map(|y| area.place(point.x, y));
             draw_bar(ends, [ERROR_BAR_CAP, 0.0], colour, canvas);
@@ -227,6 +247,19 @@ fn draw_bar(ends: [[f64; 2]; 2], half_cap: [f64; 2], colour: Rgb, canvas: &mut d
 }
 
 fn draw_point(marker: Marker, place: [f64; 2], colour: Rgb, canvas: &mut dyn Canvas) {
+    // A white rim first: points on a crowded line stay apart.
     canvas.marker(marker, place, MARKER_RADIUS + RIM, WHITE);
     canvas.marker(marker, place, MARKER_RADIUS, colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn series_without_a_name_are_not_in_the_legend() {
+        let rows = legend_rows(&["centres", "", "rotations"], 1000.0);
+        let numbers: Vec<usize> = rows[0].entries.iter().map(|(number, _)| *number).collect();
+        assert_eq!((rows.len(), numbers), (1, vec![0, 2]));
+    }
 }

@@ -44,3 +44,4 @@ pub use figure::{Axis, Figure, Panel, Point, Series, Span};
 pub use heat_map::HeatMap;
 pub use output::{HEIGHT, WIDTH};
 pub use runs::literal;
+pub use svg::escaped;

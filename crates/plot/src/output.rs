@@ -3,7 +3,7 @@
 use super::canvas::Shape;
 use super::error::Result;
 use super::{Figure, layout, pixels, source, svg};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use std::path::Path;
 
 /// Width of a figure in pixels of the PNG and units of the SVG.
@@ -84,9 +84,7 @@ impl Figure {
     /// As [`Figure::to_svg`], and if the file cannot be written.
     pub fn write_svg(&self, path: &Path) -> Result<()> {
         let svg = self.to_svg()?;
-        Ok(write_atomically(path, |file| {
-            file.write_all(svg.as_bytes())
-        })?)
+        Ok(write_bytes(path, svg.as_bytes())?)
     }
 
     /// Writes a PNG file atomically.
@@ -95,6 +93,6 @@ impl Figure {
     /// As [`Figure::to_png`], and if the file cannot be written.
     pub fn write_png(&self, path: &Path) -> Result<()> {
         let png = self.to_png()?;
-        Ok(write_atomically(path, |file| file.write_all(&png))?)
+        Ok(write_bytes(path, &png)?)
     }
 }

@@ -82,8 +82,12 @@ impl Canvas for Svg {
     }
 }
 
-/// Text of an element; XML has no control characters.
-pub(crate) fn escaped(text: &str) -> String {
+/// Text of an element of an SVG; XML has no control characters.
+///
+/// ```
+/// assert_eq!(protomer_plot::escaped("E < 1 & rising"), "E &lt; 1 &amp; rising");
+/// ```
+pub fn escaped(text: &str) -> String {
     ESCAPES
         .iter()
         .fold(printable(text).into_owned(), |text, (sign, written)| {

@@ -11,7 +11,7 @@ use protomer_field::poisson_boltzmann::{error_estimate_kt, grid_around};
 use protomer_field::{
     ChargedSphere, DielectricModel, Grid, PotentialModel, ScalarField, SolveSettings, solve,
 };
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_io::volume::{
     Volume,
     dx::write_dx,
@@ -126,13 +126,14 @@ pub fn potential(
     output: Option<&Path>,
     force: bool,
 ) -> Result<PotentialReport> {
+    // Refused before hours of solving, not after.
     let format = output.map(VolumeFormat::of_file).transpose()?;
     output.map_or(Ok(()), |path| require_writable(path, force))?;
     let points = format.map_or(FieldPoints::Solution, VolumeFormat::points);
     let (field, report) = potential_of_file(path, settings, points)?;
     if let (Some(path), Some(format)) = (output, format) {
         let bytes = format.encode(&volume(field))?;
-        write_atomically(path, |file| file.write_all(&bytes))?;
+        write_bytes(path, &bytes)?;
     }
     Ok(report)
 }
@@ -194,6 +195,7 @@ pub fn spheres_of_file(path: &Path) -> Result<(String, Vec<ChargedSphere>)> {
     let mut spheres = Vec::with_capacity(sites.len());
     for site in sites.iter() {
         spheres.push(ChargedSphere {
+            // Bodies are stored about their centre; the potential is that of the file's frame.
             centre: site.position + origin,
             radius_angstrom: site.radius_angstrom,
             charge_e: site.charge_e,
@@ -290,6 +292,7 @@ pub fn potential_of_file(
         iterations,
     } = potential.with_context(|| file.clone())?;
     let electrolyte = &settings.dielectric.electrolyte;
+    // Energies are in kT inside, at the medium's temperature.
     let per_kt = kilojoule_per_mol_per_kt(electrolyte.temperature_kelvin());
     let debye = electrolyte.debye_length_angstrom();
     let (mut atoms, mut net_charge_e) = (0, 0.0);
@@ -362,6 +365,7 @@ fn superposed(
     let superposition = Superposition::new(spheres, &settings.dielectric);
     let grid = grid_around(spheres, &settings.solve)?;
     let places = settings.places.as_deref();
+    // Outside the grid the sum would be as right, but both models answer alike.
     let potential = |place: &Vec3| grid.locate(place).map(|_| superposition.at(place));
     Ok(Found {
         grid,
@@ -398,6 +402,7 @@ fn peak_bytes() -> Option<u64> {
     let line = status
         .lines()
         .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    // The line states kB.
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 

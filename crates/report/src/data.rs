@@ -44,7 +44,8 @@ pub fn data(name: &str, csv: &str) -> Result<String> {
     ))
 }
 
-/// Shows the CSV table in a file of a directory; empty if it does not exist.
+/// Shows the CSV table in a file of a directory, under the name of the file; empty if it does not
+/// exist.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -53,10 +54,11 @@ pub fn of_file(directory: &Path, name: &str) -> Result<String> {
     if !path.is_file() {
         return Ok(String::new());
     }
+    let csv = protomer_io::input::read_to_string(&path)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     data(
-        name,
-        &protomer_io::input::read_to_string(&path)
-            .with_context(|| format!("cannot read {}", path.display()))?,
+        &path.file_name().unwrap_or_default().to_string_lossy(),
+        &csv,
     )
 }
 

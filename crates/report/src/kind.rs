@@ -1,36 +1,23 @@
 //! The kind of results in a directory, with their settings.
 
+use crate::contents::ContentsOf;
 #[cfg(feature = "learning")]
 use crate::learning::{self, Learning};
 use anyhow::{Result, bail};
 use protomer::file_kind::FileKind;
-use protomer::stability::run::RunSettings;
-use protomer_lattices::lattice::settings::LatticeSettings;
+use protomer::stability::pair;
+use protomer_convex::{dynamics, hard_bodies};
+use protomer_lattices::{frameworks, lattice};
 use protomer_results::ResultKind;
-use protomer_results::keys::read_toml;
 use std::path::Path;
 
 /// The kind of results in a directory.
 #[derive(Debug)]
 pub enum Kind {
-    /// A simulation of bodies, or a sweep of simulations.
-    MonteCarlo(Box<RunSettings>),
-    /// The thermodynamics of two bodies.
-    Pair,
-    /// A run of a lattice.
-    Lattice(Box<LatticeSettings>),
-    /// A sweep of lattices.
-    LatticeSweep(Box<LatticeSettings>),
-    /// A run of hard bodies.
-    HardBodies,
-    /// A sweep of runs of hard bodies.
-    HardBodySweep,
-    /// The free energy of a crystal of hard bodies.
-    FreeEnergy,
-    /// A run of contact dynamics.
-    Dynamics,
-    /// The elastic constants of a network.
-    Framework,
+    /// A simulation of bodies, or a sweep of simulations, whose assembly may have moved.
+    Sweep,
+    /// Results whose crate states the contents of their page.
+    Stated(ContentsOf),
     /// The tables of a paper on networks.
     FrameworkTables,
     /// A set of voxels, a training, or a search for settings of a training.
@@ -52,19 +39,16 @@ pub fn of(directory: &Path) -> Result<Kind> {
             directory.display()
         );
     }
-    let settings = |name: &str| directory.join(name);
     Ok(match ResultKind::of(directory) {
-        Some(ResultKind::Sweep) => Kind::MonteCarlo(Box::new(read_toml(&settings("run.toml"))?)),
-        Some(ResultKind::Pair) => Kind::Pair,
-        Some(ResultKind::LatticeRun) => Kind::Lattice(Box::new(read_toml(&settings("run.toml"))?)),
-        Some(ResultKind::LatticeSweep) => {
-            Kind::LatticeSweep(Box::new(read_toml(&settings("run.toml"))?))
-        }
-        Some(ResultKind::HardBodies) => Kind::HardBodies,
-        Some(ResultKind::HardBodySweep) => Kind::HardBodySweep,
-        Some(ResultKind::FreeEnergy) => Kind::FreeEnergy,
-        Some(ResultKind::DynamicsRun) => Kind::Dynamics,
-        Some(ResultKind::ElasticConstants) => Kind::Framework,
+        Some(ResultKind::Sweep) => Kind::Sweep,
+        Some(ResultKind::Pair) => Kind::Stated(pair::page::contents),
+        Some(ResultKind::LatticeRun) => Kind::Stated(lattice::page::run::contents),
+        Some(ResultKind::LatticeSweep) => Kind::Stated(lattice::page::sweep::contents),
+        Some(ResultKind::HardBodies) => Kind::Stated(hard_bodies::page::run::contents),
+        Some(ResultKind::HardBodySweep) => Kind::Stated(hard_bodies::page::sweep::contents),
+        Some(ResultKind::FreeEnergy) => Kind::Stated(hard_bodies::page::free_energy::contents),
+        Some(ResultKind::DynamicsRun) => Kind::Stated(dynamics::page::contents),
+        Some(ResultKind::ElasticConstants) => Kind::Stated(frameworks::page::contents),
         Some(ResultKind::FrameworkTables) => Kind::FrameworkTables,
         Some(kind @ (ResultKind::Training | ResultKind::Search | ResultKind::VoxelSet)) => {
             return of_learning(&kind, directory);
@@ -77,7 +61,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
             "{} is one condition of a pair; give the directory of the pair, which holds run.toml",
             directory.display()
         ),
-        None if settings("run.toml").is_file() => bail!(
+        None if directory.join("run.toml").is_file() => bail!(
             "{} holds the settings of work that has not begun; the same command begins it, and then it has a page",
             directory.display()
         ),

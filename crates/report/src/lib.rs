@@ -2,20 +2,14 @@
 //! shapes, animated lattices, conditions, provenance, and failures.
 //!
 //! ```text
-//! directory --kind--> what it holds --monte_carlo, lattice, framework, training, ...--> sections --page--> report.html
+//! directory --kind--> what it holds --contents of its crate, or framework_tables, learning--> sections --page--> report.html
 //! ```
 //!
 //! | module | one idea |
 //! |---|---|
 //! | `kind` | what a directory holds |
-//! | `monte_carlo`, `lattice`, `framework`, `framework_tables`, `hard_bodies`, `dynamics`, `pair`, `learning` | the sections of each kind |
-//! | `verdict` | whether a run is in equilibrium, or a control passed, according to the run itself |
-//! | `traces` | the logs of simulations as a figure |
-//! | `scenes` | the bodies shown, and their positions |
-//! | `convex_bodies` | convex shapes and unions of them, from a trajectory |
-//! | `pair_surfaces` | two bodies in their best pose, coloured by the energies of residues |
-//! | `residues` | what holds an assembly together |
-//! | `companions` | what other verbs left in the directory of a run |
+//! | `contents` | pages whose contents the crate of the results states |
+//! | `framework_tables`, `learning` | the sections of each other kind |
 //! | `mesh_view` | meshes as data for the viewer |
 //! | `figures`, `data` | embedded figures, folded tables with a link to save them |
 //! | `provenance` | version, hashes, seed, how it ended |
@@ -24,42 +18,32 @@
 //! The same directory gives the same bytes. The page loads nothing: it carries a policy that
 //! forbids the browser to do so.
 
-mod companions;
-mod convex_bodies;
+mod contents;
 mod data;
-mod dynamics;
 mod figures;
-mod framework;
 mod framework_tables;
-mod hard_bodies;
 mod html;
 mod kind;
-mod lattice;
 #[cfg(feature = "learning")]
 mod learning;
 mod mesh_view;
-mod monte_carlo;
 mod page;
-mod pair;
-mod pair_surfaces;
 mod provenance;
-mod residues;
-mod scenes;
-mod traces;
-mod verdict;
 
 use anyhow::{Result, bail};
 use kind::Kind;
 use page::Page;
+use protomer::stability::sweep;
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
+use protomer_results::Record;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// The options of a report.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
-    /// The output file; by default `report.html` in the directory, or beside it for a set of
+    /// The output file; by default `report.html` in the directory, or next to it for a set of
     /// voxels.
     pub output: Option<PathBuf>,
     /// The assembly of a sweep or a simulation, if it has moved.
@@ -107,7 +91,7 @@ pub fn report(directory: &Path, request: &Request) -> Result<Written> {
 }
 
 /// `report.html` in the directory; a zarr group must not contain other files, so its page is
-/// written beside it: `SET.zarr.report.html`.
+/// written next to it: `SET.zarr.report.html`.
 fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
     match kind {
         #[cfg(feature = "learning")]
@@ -120,18 +104,16 @@ fn default_page(directory: &Path, kind: &Kind) -> PathBuf {
 
 fn page_of(directory: &Path, kind: &Kind, assembly: Option<&Path>) -> Result<Page> {
     match kind {
-        Kind::MonteCarlo(settings) => monte_carlo::page(directory, settings, assembly),
+        Kind::Sweep => {
+            let record = Record::read(directory)?;
+            let record = record.as_ref();
+            let contents = sweep::page::contents(directory, record, assembly)?;
+            contents::arranged(directory, record, contents)
+        }
         _ if assembly.is_some() => {
             bail!("{} has no assembly; omit --assembly", directory.display())
         }
-        Kind::Pair => pair::page(directory),
-        Kind::Lattice(settings) => lattice::page_of_run(directory, settings),
-        Kind::LatticeSweep(settings) => lattice::page_of_sweep(directory, settings),
-        Kind::HardBodies => hard_bodies::page_of_run(directory),
-        Kind::HardBodySweep => hard_bodies::page_of_sweep(directory),
-        Kind::FreeEnergy => hard_bodies::page_of_free_energy(directory),
-        Kind::Dynamics => dynamics::page(directory),
-        Kind::Framework => framework::page(directory),
+        Kind::Stated(contents) => contents::page(directory, *contents),
         Kind::FrameworkTables => framework_tables::page(directory),
         #[cfg(feature = "learning")]
         Kind::Learning(results) => results.page(directory),

@@ -1,77 +1,21 @@
 //! Meshes as data for the viewer: positions in 16 bits, a byte per vertex and colouring, base64.
 
-use super::page::Section;
 use base64::prelude::*;
+use protomer_common::page::Program;
+use protomer_common::page::scene::{Colouring, Film, Scene, Shown, ShownMesh};
 use protomer_io::written::json_in_html;
-use protomer_kernel::{Pose, TriangleMesh, Vec3};
+use protomer_kernel::{Pose, Vec3};
 use serde_json::{Value, json};
 
 /// Number of vertices up to which meshes have 16-bit indices.
 const NARROW: usize = 1 << 16;
 
-/// A mesh with its values.
-#[derive(Debug, Clone)]
-pub struct ShownMesh {
-    /// Name of the body.
-    pub name: String,
-    /// Surface of the body, Å.
-    pub mesh: TriangleMesh,
-    /// Values of the vertices for each colouring; NaN for none.
-    pub values: Vec<Vec<f64>>,
-}
-
-/// A colour scale.
-#[derive(Debug, Clone)]
-pub struct Colouring {
-    /// Name in the menu.
-    pub name: String,
-    /// Quantity and unit, below the scale.
-    pub unit: String,
-    /// The value at the upper end; the lower end is its negative.
-    pub limit: f64,
-    /// Colours of the lower end, the middle and the upper end.
-    pub colours: [&'static str; 3],
-}
-
-/// Bodies shown together.
-#[derive(Debug, Clone)]
-pub struct Scene {
-    /// Name in the menu.
-    pub name: String,
-    /// The mesh and the pose of each body.
-    pub bodies: Vec<(usize, Pose)>,
-    /// The colouring that is chosen with the scene; `None` for the one that is shown.
-    pub colouring: Option<usize>,
-    /// Motion of the bodies, if any.
-    pub film: Option<Film>,
-}
-
-/// Bodies that move.
-#[derive(Debug, Clone)]
-pub struct Film {
-    /// Text beside each frame, and the pose of each body in it.
-    pub frames: Vec<(String, Vec<Pose>)>,
-    /// Edge lengths of the box about the origin, Å.
-    pub box_angstrom: Option<[f64; 3]>,
-}
-
-/// The data of the viewer.
-#[derive(Debug, Clone, Default)]
-pub struct Shown {
-    /// The meshes.
-    pub meshes: Vec<ShownMesh>,
-    /// The colourings; the first is shown initially.
-    pub colourings: Vec<Colouring>,
-    /// The scenes; the first is shown initially.
-    pub scenes: Vec<Scene>,
-}
-
-/// The section with the viewer, followed by the HTML `below` it.
-pub fn section(shown: &Shown, below: &str) -> Section {
+/// The viewer.
+pub fn program(shown: &Shown) -> Program {
+    // Names come from files and stand in a script here.
     let data = json_in_html(&to_json(shown).to_string());
-    Section {
-        title: "Bodies".into(),
-        html: include_str!("mesh_view.html").to_owned() + below,
+    Program {
+        html: include_str!("mesh_view.html").to_owned(),
         style: include_str!("mesh_view.css").to_owned(),
         library: include_str!("mesh_view.js"),
         script: format!("viewMeshes(document.querySelector(\".mesh-view\"), {data});\n"),
@@ -99,6 +43,7 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
     let mesh = &shown.mesh;
     let Bounds { low, high } = bounds(mesh.vertices.iter());
     // All coordinates are scaled by the longest edge.
+    // One span for all axes, or the body would be distorted. A floor for a point.
     let span = (high - low).max().max(1e-3);
     let place = |x: f64, axis: usize| {
         ((x - low[axis]) / span * 65535.0)
@@ -111,6 +56,7 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
         .flat_map(|vertex| [0, 1, 2].map(|axis| place(vertex[axis], axis)))
         .flat_map(u16::to_le_bytes)
         .collect();
+    // 16-bit indices reach vertex 65 535.
     let wide = mesh.vertices.len() > NARROW;
     let corners = mesh.triangles.iter().flatten();
     let corners: Vec<u8> = match wide {
@@ -138,6 +84,7 @@ fn mesh_to_json(shown: &ShownMesh, colourings: &[Colouring]) -> Value {
 
 /// Level of a value: 1 to 255 from -limit to limit; 0 for no value.
 fn level(value: f64, limit: f64) -> u8 {
+    // 0 stands for no value, so values take 1 to 255 with zero in the middle, at 128.
     if value.is_nan() {
         0
     } else {
@@ -154,6 +101,8 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
                     .iter()
                     .flat_map(|shown| &shown.mesh.vertices),
             );
+            // One body turns about the middle of its mesh,
+            // several about the mean of their positions.
             pose.transform_point(&(0.5 * (low + high)))
         }
         bodies => {
@@ -171,6 +120,7 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     };
     let radius = scene.bodies.iter().map(reach).fold(1.0, f64::max);
     let body = |(mesh, pose): &(usize, Pose)| {
+        // Six digits: a quaternion to a millionth turns a body by less than a pixel.
         let [w, x, y, z] = pose.wxyz().map(|part| (part * 1e6).round() / 1e6);
         let position = rounded(&pose.position);
         json!([mesh, position[0], position[1], position[2], w, x, y, z])
@@ -188,7 +138,7 @@ fn scene_to_json(scene: &Scene, meshes: &[ShownMesh]) -> Value {
     json
 }
 
-/// Adds the frames, the texts beside them, and a view that holds all of them.
+/// Adds the frames, the texts next to them, and a view that holds all of them.
 fn add_film(json: &mut Value, film: &Film) {
     // Hundredths of an Å and thousandths of a quaternion are more than a screen shows.
     let pose = |pose: &Pose| -> Vec<f64> {
@@ -201,6 +151,7 @@ fn add_film(json: &mut Value, film: &Film) {
     json["frames"] = json!(film.frames.iter().map(frame).collect::<Vec<_>>());
     let positions = film.frames.iter().flat_map(|(_, poses)| poses);
     let Bounds { low, high } = bounds(positions.map(|pose| &pose.position));
+    // Bodies move through the whole box; without one the view must hold all frames.
     let (centre, width) = match film.box_angstrom {
         Some(lengths) => {
             json["box"] = json!(lengths.map(thousandths));
@@ -210,6 +161,7 @@ fn add_film(json: &mut Value, film: &Film) {
     };
     let around_a_body = json["radius"].as_f64().unwrap_or(1.0);
     json["centre"] = json!(rounded(&centre));
+    // Never smaller than the view of a single body.
     json["radius"] = thousandths((0.5 * width.norm()).max(around_a_body)).into();
 }
 
@@ -246,6 +198,7 @@ fn thousandths(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_kernel::TriangleMesh;
 
     #[test]
     fn values_keep_their_sign_and_nothing_stays_nothing() {

@@ -1,7 +1,7 @@
 //! The page around the sections.
 
 use super::html::{escape, list};
-use super::verdict::Verdict;
+use protomer_common::page::{Program, Verdict};
 
 const STYLE: &str = include_str!("page.css");
 /// Security policy of the page: nothing may be loaded; inline scripts and styles may run.
@@ -15,12 +15,8 @@ pub struct Section {
     pub title: String,
     /// Content of the section.
     pub html: String,
-    /// Style of the section; identical styles appear once.
-    pub style: String,
-    /// Functions that the script calls; identical libraries appear once.
-    pub library: &'static str,
-    /// The script that runs at the end.
-    pub script: String,
+    /// The programs in it, whose HTML is part of the content.
+    pub programs: Vec<Program>,
 }
 
 impl Section {
@@ -29,9 +25,7 @@ impl Section {
         Self {
             title: title.into(),
             html,
-            style: String::new(),
-            library: "",
-            script: String::new(),
+            programs: Vec::new(),
         }
     }
 }
@@ -71,12 +65,11 @@ impl Page {
             .iter()
             .map(|section| wrap(&section.title, &section.html))
             .collect();
-        let styles: String = self.distinct(|section| &section.style);
-        let libraries = self.distinct(|section| section.library);
+        let styles = self.distinct(|program| &program.style);
+        let libraries = self.distinct(|program| program.library);
         let scripts: String = self
-            .sections
-            .iter()
-            .map(|section| section.script.as_str())
+            .programs()
+            .map(|program| program.script.as_str())
             .collect();
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -94,7 +87,7 @@ impl Page {
     /// The verdict, then whether the work is complete. Complete work is green only if its verdict
     /// is good: a finished run may still be far from equilibrium.
     fn status(&self) -> String {
-        let verdict = self.verdict.as_ref().map(Verdict::to_html);
+        let verdict = self.verdict.as_ref().map(paragraph_of);
         let is_good = self.verdict.as_ref().is_none_or(Verdict::is_good);
         let completeness = match (self.problems.as_slice(), is_good) {
             ([], true) => {
@@ -106,15 +99,36 @@ impl Page {
         verdict.unwrap_or_default() + &completeness
     }
 
-    fn distinct(&self, part: fn(&Section) -> &str) -> String {
+    fn programs(&self) -> impl Iterator<Item = &Program> {
+        self.sections.iter().flat_map(|section| &section.programs)
+    }
+
+    fn distinct(&self, part: fn(&Program) -> &str) -> String {
         let mut parts: Vec<&str> = Vec::new();
-        for text in self.sections.iter().map(part) {
+        for text in self.programs().map(part) {
             if !parts.contains(&text) {
                 parts.push(text);
             }
         }
         parts.concat()
     }
+}
+
+/// A verdict in a paragraph of the colour of its answer.
+fn paragraph_of(verdict: &Verdict) -> String {
+    let (answer, class) = match verdict.answer {
+        Some(true) => ("yes", "good"),
+        Some(false) => ("no", "bad"),
+        None => ("unknown", "open"),
+    };
+    let mut letters = verdict.reason.chars();
+    let first = letters.next().map(char::to_uppercase);
+    let reason: String = first.into_iter().flatten().chain(letters).collect();
+    format!(
+        "<p class=\"{class}\"><strong>{}: {answer}.</strong> {}.</p>\n",
+        verdict.question,
+        escape(reason.trim_end_matches('.'))
+    )
 }
 
 fn wrap(title: &str, html: &str) -> String {
@@ -136,6 +150,31 @@ fn anchor(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_answer_comes_first_in_its_colour_and_is_not_repeated() {
+        for (answer, reason, html) in [
+            (
+                Some(false),
+                "not equilibrated: at 65 mM <2 pairs touch",
+                "<p class=\"bad\"><strong>Equilibrated: no.</strong> At 65 mM &lt;2 pairs touch.</p>\n",
+            ),
+            (
+                None,
+                "whether this is an equilibrium is not known: all runs start alike",
+                "<p class=\"open\"><strong>Equilibrated: unknown.</strong> All runs start alike.</p>\n",
+            ),
+            (
+                Some(true),
+                "runs agree.",
+                "<p class=\"good\"><strong>Equilibrated: yes.</strong> Runs agree.</p>\n",
+            ),
+        ] {
+            let verdict = Verdict::equilibrated(answer, reason);
+            assert_eq!(paragraph_of(&verdict), html);
+            assert_eq!(verdict.is_good(), answer == Some(true));
+        }
+    }
 
     fn page(verdict: Option<Verdict>, problems: &[&str]) -> String {
         let page = Page {

@@ -1,7 +1,7 @@
 //! `checkpoint.bin`: the state from which a run continues.
 
 use crate::{Error, Result};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_io::container::Container;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -55,6 +55,7 @@ impl<T: Serialize + DeserializeOwned> Checkpoint for T {
         };
         let mut header =
             serde_json::to_value(self).map_err(|error| unwritable(error.to_string()))?;
+        // Only objects have room for the identity.
         let Some(fields) = header.as_object_mut() else {
             return Err(unwritable("it is not a struct with named fields".into()));
         };
@@ -74,6 +75,7 @@ impl<T: Serialize + DeserializeOwned> Checkpoint for T {
         let owner = header
             .as_object_mut()
             .and_then(|fields| fields.remove(IDENTITY));
+        // A valid checkpoint of other work would continue it under this one's name.
         if owner.as_ref().and_then(serde_json::Value::as_str) != Some(identity) {
             return Err(Error::ForeignCheckpoint(path.to_owned()));
         }
@@ -128,7 +130,7 @@ pub fn require_lengths(lists: &[(&'static str, usize, usize)]) -> Result<()> {
 /// If the file cannot be written.
 pub fn write<C: Checkpoint>(path: &Path, kind: &str, identity: &str, checkpoint: &C) -> Result<()> {
     let bytes = checkpoint.to_bytes(kind, identity)?;
-    write_atomically(path, |file| file.write_all(&bytes))?;
+    write_bytes(path, &bytes)?;
     Ok(())
 }
 

@@ -8,6 +8,9 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+/// Name of the log in the directory of a run.
+pub const FILE: &str = "log.csv";
+
 /// One row of a log.
 pub trait Row: Sized {
     /// The names of the columns, in order.
@@ -19,6 +22,204 @@ pub trait Row: Sized {
 
     /// Parses cells; `None` if they are not a row.
     fn from_cells(cells: &[String]) -> Option<Self>;
+
+    /// The curves of a figure of the log, panel by panel.
+    fn curves() -> Vec<Curve<Self>> {
+        Vec::new()
+    }
+}
+
+/// A column of a log, or a part of one, as a curve of a figure.
+#[derive(Debug, Clone, Copy)]
+pub struct Curve<R> {
+    /// Label of the panel, with the unit; curves with the same label share a panel.
+    pub panel: &'static str,
+    /// Name in the legend; empty for a curve that needs none.
+    pub name: &'static str,
+    part: usize,
+    number: fn(&R, usize) -> Option<f64>,
+}
+
+impl<R> Curve<R> {
+    /// Curves of the parts of a column, by their names; without names, of its first part.
+    pub fn parts(
+        panel: &'static str,
+        names: &[&'static str],
+        number: fn(&R, usize) -> Option<f64>,
+    ) -> Vec<Self> {
+        let names = if names.is_empty() { &[""][..] } else { names };
+        let parts = names.iter().enumerate();
+        let curves = parts.map(|(part, name)| Self {
+            panel,
+            name: *name,
+            part,
+            number,
+        });
+        curves.collect()
+    }
+
+    /// Ordinate of a row; `None` if the row has none.
+    pub fn value(&self, row: &R) -> Option<f64> {
+        (self.number)(row, self.part)
+    }
+}
+
+/// A value of a column.
+pub trait Cell: Sized {
+    /// The text of the cell. Numbers must read back exactly.
+    fn write(&self) -> String;
+
+    /// Parses the text; `None` if it is of another kind.
+    fn read(text: &str) -> Option<Self>;
+
+    /// A number among those of the cell; `None` if there are fewer.
+    fn number(&self, part: usize) -> Option<f64> {
+        self.write().split(' ').nth(part)?.parse().ok()
+    }
+}
+
+macro_rules! numbers {
+    ($($type:ty),*) => {
+        $(impl Cell for $type {
+            fn write(&self) -> String {
+                self.to_string()
+            }
+
+            fn read(text: &str) -> Option<Self> {
+                text.parse().ok()
+            }
+        })*
+    };
+}
+
+numbers!(f64, i64, u64, usize);
+
+/// An empty cell where there is no number.
+impl Cell for Option<f64> {
+    fn write(&self) -> String {
+        self.map_or_else(String::new, |number| number.to_string())
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        match text {
+            "" => Some(None),
+            number => Some(Some(number.parse().ok()?)),
+        }
+    }
+}
+
+/// Several numbers in one cell, with blanks between them.
+impl Cell for Vec<f64> {
+    fn write(&self) -> String {
+        let words: Vec<String> = self.iter().map(f64::to_string).collect();
+        words.join(" ")
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        let words = text.split_whitespace();
+        words.map(|word| word.parse().ok()).collect()
+    }
+}
+
+/// Declares a struct that is a [`Row`], with a column for each field, in their order: a [`Cell`] under
+/// the name of the field, or under another name in parentheses.
+///
+/// The last fields may have values for the logs of earlier versions, which lack all of these columns. A
+/// field may state the panel of the figure of the log in which it is drawn, and the names of its parts
+/// there.
+///
+/// ```
+/// use protomer_results::{Row, log_row};
+///
+/// log_row! {
+///     /// Where a walker is.
+///     #[derive(Debug, PartialEq)]
+///     pub struct Place {
+///         /// Steps so far.
+///         pub step: u64,
+///         /// Distance from the start.
+///         pub position_metre("position_m"): f64 => "distance (m)",
+///         /// Velocity along each axis.
+///         pub velocity: Vec<f64> = vec![0.0, 0.0] => "velocity" as "x" | "y",
+///     }
+/// }
+///
+/// let place = Place { step: 3, position_metre: 0.1, velocity: vec![1.0, -0.5] };
+/// assert_eq!(Place::columns(), ["step", "position_m", "velocity"]);
+/// assert_eq!(place.to_cells(), ["3", "0.1", "1 -0.5"]);
+/// assert_eq!(Place::from_cells(&place.to_cells()).as_ref(), Some(&place));
+/// let earlier = ["3", "0.1"].map(String::from);
+/// assert_eq!(Place::from_cells(&earlier).unwrap().velocity, [0.0, 0.0]);
+/// assert_eq!(Place::from_cells(&earlier[..1]), None);
+///
+/// let curves = Place::curves();
+/// let drawn = curves.iter().map(|curve| (curve.panel, curve.name, curve.value(&place)));
+/// assert_eq!(
+///     drawn.collect::<Vec<_>>(),
+///     [
+///         ("distance (m)", "", Some(0.1)),
+///         ("velocity", "x", Some(1.0)),
+///         ("velocity", "y", Some(-0.5)),
+///     ]
+/// );
+/// ```
+#[macro_export]
+macro_rules! log_row {
+    (@column $field:ident) => {
+        stringify!($field)
+    };
+    (@column $field:ident $column:literal) => {
+        $column
+    };
+    (
+        $(#[$about:meta])*
+        $visible:vis struct $name:ident {
+            $(
+                $(#[$text:meta])*
+                $field_visible:vis $field:ident $(($column:literal))?: $type:ty
+                    $(= $earlier:expr)? $(=> $panel:literal $(as $($curve:literal)|+)?)?
+            ),* $(,)?
+        }
+    ) => {
+        $(#[$about])*
+        $visible struct $name {
+            $($(#[$text])* $field_visible $field: $type),*
+        }
+
+        impl $crate::Row for $name {
+            fn columns() -> Vec<&'static str> {
+                vec![$($crate::log_row!(@column $field $($column)?)),*]
+            }
+
+            fn to_cells(&self) -> Vec<String> {
+                vec![$($crate::log::Cell::write(&self.$field)),*]
+            }
+
+            fn from_cells(cells: &[String]) -> Option<Self> {
+                let all = Self::columns().len();
+                let later: &[&str] = &[$($(stringify!($earlier),)?)*];
+                if ![all, all - later.len()].contains(&cells.len()) {
+                    return None;
+                }
+                let mut cells = cells.iter();
+                Some(Self {
+                    $($field: match cells.next() {
+                        Some(cell) => $crate::log::Cell::read(cell)?,
+                        None => None $(.or(Some($earlier)))? ?,
+                    }),*
+                })
+            }
+
+            fn curves() -> Vec<$crate::log::Curve<Self>> {
+                let panels: Vec<Vec<$crate::log::Curve<Self>>> = vec![$($(
+                    $crate::log::Curve::parts($panel, &[$($($curve),+)?], |row: &Self, part| {
+                        $crate::log::Cell::number(&row.$field, part)
+                    }),
+                )?)*];
+                panels.into_iter().flatten().collect()
+            }
+        }
+    };
 }
 
 /// The part of a log that belongs to a checkpoint.
@@ -34,36 +235,25 @@ pub struct LogMark {
 /// A log that is being written.
 ///
 /// ```
-/// use protomer_results::{Log, LogMark, Row, log};
+/// use protomer_results::{Log, LogMark, log, log_row};
 ///
-/// #[derive(Debug, PartialEq)]
-/// struct Position(f64);
-///
-/// impl Row for Position {
-///     fn columns() -> Vec<&'static str> {
-///         vec!["position"]
-///     }
-///
-///     fn to_cells(&self) -> Vec<String> {
-///         vec![self.0.to_string()]
-///     }
-///
-///     fn from_cells(cells: &[String]) -> Option<Self> {
-///         let [position] = cells else { return None };
-///         position.parse().ok().map(Self)
+/// log_row! {
+///     #[derive(Debug, PartialEq)]
+///     struct Place {
+///         position: f64,
 ///     }
 /// }
 ///
 /// # let folder = tempfile::tempdir().unwrap();
 /// let path = folder.path().join("log.csv");
-/// let mut log = Log::open::<Position>(&path, &LogMark::default())?;
-/// log.append(&Position(0.1))?;
+/// let mut log = Log::open::<Place>(&path, &LogMark::default())?;
+/// log.append(&Place { position: 0.1 })?;
 /// let mark = log.sync()?;
-/// log.append(&Position(0.2))?;
+/// log.append(&Place { position: 0.2 })?;
 /// log.sync()?;
 /// // A run that continues from the first mark drops the second row.
-/// Log::open::<Position>(&path, &mark)?.sync()?;
-/// assert_eq!(log::read::<Position>(&path)?, [Position(0.1)]);
+/// Log::open::<Place>(&path, &mark)?.sync()?;
+/// assert_eq!(log::read::<Place>(&path)?, [Place { position: 0.1 }]);
 /// # Ok::<(), protomer_results::Error>(())
 /// ```
 #[derive(Debug)]
@@ -82,6 +272,7 @@ impl Log {
     /// If the file cannot be written, or was changed since the checkpoint; it is then left
     /// unchanged.
     pub fn open<R: Row>(path: &Path, mark: &LogMark) -> Result<Self> {
+        // The hash goes on from the part that is kept, so that `sync` need not read it again.
         let hash = match mark.bytes {
             0 => Sha256::new(),
             _ => hash_of_marked(path, mark)?,
@@ -93,6 +284,7 @@ impl Log {
             length: mark.bytes,
             hash,
         };
+        // A new log begins with its columns, an old one has them.
         if mark.bytes == 0 {
             log.write(&R::columns())?;
         }
@@ -114,6 +306,7 @@ impl Log {
     pub fn sync(&mut self) -> Result<LogMark> {
         let flushed = self.file.flush();
         flushed
+            // Data, not times: the length counts among the data.
             .and_then(|()| self.file.get_ref().sync_data())
             .map_err(Error::file("write the log", &self.path))?;
         Ok(LogMark {
@@ -139,6 +332,7 @@ fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
         .truncate(false)
         .write(true)
         .open(path)?;
+    // Rows after the checkpoint will be written again, and the same.
     file.set_len(bytes)?;
     file.seek(SeekFrom::End(0))?;
     Ok(file)
@@ -156,12 +350,14 @@ pub fn check(path: &Path, mark: &LogMark) -> Result<()> {
 fn hash_of_marked(path: &Path, mark: &LogMark) -> Result<Sha256> {
     let mut start = Vec::new();
     protomer_io::input::open(path)
+        // No more than the mark states: a log may be longer than memory has room for.
         .and_then(|file| file.take(mark.bytes).read_to_end(&mut start))
         .map_err(|source| Error::LostLog {
             path: path.to_owned(),
             source,
         })?;
     let hash = Sha256::new_with_prefix(&start);
+    // A shorter part is lost rows; another hash, another log.
     if start.len() as u64 != mark.bytes || hexadecimal(&hash) != mark.sha256 {
         return Err(Error::ChangedLog(path.to_owned()));
     }
@@ -188,6 +384,7 @@ pub fn read<R: Row>(path: &Path) -> Result<Vec<R>> {
 /// As [`read`].
 pub fn read_so_far<R: Row>(path: &Path) -> Result<Vec<R>> {
     let text = text_of(path)?;
+    // A killed process may leave half a row; the last line end is where it is whole.
     let complete = text.rfind('\n').map_or("", |end| &text[..end]);
     rows_of(path, complete)
 }
@@ -202,6 +399,7 @@ fn rows_of<R: Row>(path: &Path, text: &str) -> Result<Vec<R>> {
         line: index + 1,
         text: line.to_owned(),
     };
+    // The first line holds the names of the columns.
     let lines = text.lines().enumerate().skip(1);
     lines
         .map(|(index, line)| row_of(line).ok_or_else(|| not_a_row(index, line)))
@@ -216,29 +414,11 @@ fn row_of<R: Row>(line: &str) -> Option<R> {
 mod tests {
     use super::*;
 
-    #[derive(Debug, Clone, Copy, PartialEq)]
-    struct Step {
-        number: u64,
-        position: f64,
-    }
-
-    impl Row for Step {
-        fn columns() -> Vec<&'static str> {
-            vec!["number", "position"]
-        }
-
-        fn to_cells(&self) -> Vec<String> {
-            vec![self.number.to_string(), self.position.to_string()]
-        }
-
-        fn from_cells(cells: &[String]) -> Option<Self> {
-            let [number, position] = cells else {
-                return None;
-            };
-            Some(Self {
-                number: number.parse().ok()?,
-                position: position.parse().ok()?,
-            })
+    log_row! {
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        struct Step {
+            number: u64,
+            position: f64,
         }
     }
 

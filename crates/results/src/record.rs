@@ -109,7 +109,13 @@ impl Record {
 
     /// Whether the work is complete at this length; a run that has been extended is not.
     pub fn is_done_at(&self, length: u64) -> bool {
+        // The length may have grown since; then the run goes on.
         self.is_done() && self.done == Some(length)
+    }
+
+    /// The answer among the details; `None` before there is one, or if it is of another version.
+    pub fn answer<T: DeserializeOwned>(&self) -> Option<T> {
+        serde_json::from_value(self.details.clone()).ok()
     }
 
     /// The details as a value.
@@ -122,6 +128,21 @@ impl Record {
             line: 1,
             problem: format!("the details are damaged ({error}); start again with --force"),
         })
+    }
+
+    /// Cause that stopped a part, as in "50 mM, replica 1: *stopped by a signal after 3 of 9 sweeps*";
+    /// `None` if it is finished. `progress` is its progress according to its record.
+    pub fn problem_of_part(record: Option<&Self>, progress: &str) -> Option<String> {
+        let Some(record) = record else {
+            return Some("no record; it was not started, or was killed early".into());
+        };
+        match &record.exit {
+            Exit::Done => None,
+            Exit::Failed { error } => Some(format!("failed{progress}: {error}")),
+            Exit::Stopped { by: Some(cause) } => Some(format!("stopped by {cause}{progress}")),
+            Exit::Stopped { by: None } => Some(format!("stopped{progress}")),
+            Exit::Running => Some("at work, or killed".into()),
+        }
     }
 
     /// Refuses a directory that holds other work of this kind.
@@ -210,6 +231,7 @@ impl From<Record> for Form {
         let mut failure = None;
         match record.exit {
             Exit::Stopped { by: Some(reason) } => {
+                // Details of another form could not take the key.
                 if !details.is_object() {
                     details = json!({});
                 }
@@ -265,6 +287,7 @@ impl From<Form> for Record {
 
 fn take_stopper(details: &mut Value) -> Option<String> {
     let reason = details.as_object_mut()?.remove(STOPPED_BY)?;
+    // What `From<Record>` made an object only for this key becomes null again.
     if details.as_object().is_some_and(serde_json::Map::is_empty) {
         *details = Value::Null;
     }
@@ -294,6 +317,35 @@ mod tests {
             details,
             ..Record::new(&work, exit)
         }
+    }
+
+    #[test]
+    fn what_kept_a_part_from_its_end_is_said_with_how_far_it_came() {
+        let stopped = |by: Option<&str>| Exit::Stopped {
+            by: by.map(str::to_owned),
+        };
+        let cases = [
+            (Exit::Done, None),
+            (
+                stopped(Some("a signal")),
+                Some("stopped by a signal after 3 of 9 sweeps"),
+            ),
+            (stopped(None), Some("stopped after 3 of 9 sweeps")),
+            (
+                Exit::failed(&"the disk is full"),
+                Some("failed after 3 of 9 sweeps: the disk is full"),
+            ),
+            (Exit::Running, Some("at work, or killed")),
+        ];
+        for (exit, expected) in cases {
+            let problem =
+                Record::problem_of_part(Some(&record(exit, Value::Null)), " after 3 of 9 sweeps");
+            assert_eq!(problem.as_deref(), expected);
+        }
+        assert!(
+            Record::problem_of_part(None, "")
+                .is_some_and(|problem| problem.contains("not started"))
+        );
     }
 
     #[test]

@@ -52,22 +52,22 @@ pub struct Stack {
     pub pattern: Vec<usize>,
 }
 
-/// The symmetry required of an arrangement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Symmetry {
-    /// No symmetry.
-    None,
-    /// All rotations of the group about the axis.
-    Cyclic,
-    /// All operations of the group.
-    Dihedral,
+protomer_kernel::choices! {
+    /// Symmetry required of an arrangement.
+    pub enum Symmetry {
+        /// No symmetry: every arrangement with distinct contacts.
+        None = "none",
+        /// All rotations about the axis.
+        Cyclic = "cyclic",
+        /// The full group, including half turns.
+        Dihedral = "dihedral",
+    }
 }
 
 /// A nearest-neighbour contact, written so that turning the pair over does not change it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Contact {
-    /// Whether one body is above the other rather than beside it.
+    /// Whether one body is above the other rather than next to it.
     pub between_rings: bool,
     /// Body and direction (true: up) of the lower or clockwise-first of the two.
     pub first: (usize, bool),
@@ -116,6 +116,7 @@ impl Operation {
             permuted |= (arrangement >> from & 1) << to;
         }
         if self.turns_over {
+            // Only the bits of bodies: `!` turns the others on, too.
             !permuted & all_ones(self.image.len())
         } else {
             permuted
@@ -176,6 +177,7 @@ impl Stack {
 
     /// The body at a position of a ring.
     fn body(&self, ring: usize, position: usize) -> usize {
+        // The second ring is shifted by one.
         self.pattern[(position + ring) % self.pattern.len()]
     }
 
@@ -201,6 +203,8 @@ impl Stack {
         for shift in 0..n {
             group.extend(self.operation(false, |ring, position| (ring, (position + shift) % n)));
         }
+        // A half turn about an axis in the plane: position
+        // p goes to sum - p, and the rings change places.
         for sum in 0..n {
             group.extend(self.operation(true, |ring, position| {
                 (self.rings - 1 - ring, (sum + n - position) % n)
@@ -243,6 +247,7 @@ impl Stack {
         for operation in &group {
             let lengths = cycle_lengths(&operation.image);
             let has_odd_cycle = lengths.iter().any(|length| length % 2 == 1);
+            // Turned over, a cycle of odd length would have to be up and down at once.
             if !(operation.turns_over && has_odd_cycle) {
                 unchanged += 1_usize << lengths.len();
             }
@@ -306,6 +311,7 @@ impl Stack {
         }
         Arrangement {
             up,
+            // Orbit and stabiliser: their product is the order of the group.
             equivalent: group.len() / fixing,
             contacts,
         }
@@ -319,6 +325,7 @@ impl Stack {
         let mut contacts = BTreeMap::new();
         for (ring, position) in self.positions() {
             let first = member(ring, position);
+            // A ring of one has no neighbour; a ring of two has its one neighbour on both sides.
             if self.members > 1 {
                 let contact = Contact::new(false, first, member(ring, position + 1));
                 *contacts.entry(contact).or_default() += 1;

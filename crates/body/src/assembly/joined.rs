@@ -5,6 +5,7 @@ use super::cells::Cells;
 use super::units::Unit;
 use crate::structure::{ResidueClass, SelectedResidue};
 use protomer_kernel::Vec3;
+use protomer_kernel::disjoint_sets::DisjointSets;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -102,18 +103,13 @@ pub fn joined_units(units: &[Unit]) -> Vec<Joined> {
 
 /// The units that are joined, directly or through others, as lists of their numbers.
 pub fn joined_groups(units: usize, joined: &[Joined]) -> Vec<Vec<usize>> {
-    let mut group: Vec<usize> = (0..units).collect();
+    let mut sets = DisjointSets::new(units);
     for Joined { units: (a, b), .. } in joined {
-        let (keep, gone) = (group[*a].min(group[*b]), group[*a].max(group[*b]));
-        for number in &mut group {
-            if *number == gone {
-                *number = keep;
-            }
-        }
+        sets.join(*a as u32, *b as u32);
     }
-    let mut members: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (unit, group) in group.into_iter().enumerate() {
-        members.entry(group).or_default().push(unit);
+    let mut members: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for (unit, root) in sets.into_roots().into_iter().enumerate() {
+        members.entry(root).or_default().push(unit);
     }
     members
         .into_values()

@@ -11,7 +11,7 @@
 //!
 //! Minimising a sum of squares under such inequalities is a projection, which Hildreth's method finds
 //! (Naval Res. Logist. Q. 4, 79 (1957)): each inequality in turn adds what it lacks, or takes back what
-//! it gave. n and d are taken anew after each such solution.
+//! it gave. n and d are taken again after each such solution.
 //!
 //! The exact overlap test decides. A pair that still overlaps asks for a larger distance between its
 //! atoms, step by step, as its surfaces also touch between atoms; a pair that is free may keep the
@@ -44,21 +44,25 @@ pub struct Separation {
 }
 
 /// The first distance that the atoms of overlapping bodies are moved apart in excess of their
-/// radii, and the factor by which it grows as long as they overlap.
+/// radii, Å.
 const FIRST_MARGIN_ANGSTROM: f64 = 0.05;
+/// The factor by which that distance grows, before the first one is added to it again, as long as
+/// the bodies overlap.
 const MARGIN_GROWTH: f64 = 1.25;
 /// Largest margin, Å: beyond it small displacements do not help.
 const LARGEST_MARGIN_ANGSTROM: f64 = 8.0;
 /// Excess of the distance of two atoms over the one that they must keep, Å, up to which they are
 /// watched.
 const WATCHED_ANGSTROM: f64 = 1.0;
-/// Largest number of sweeps of Hildreth's method, and the violation of an inequality that may
-/// remain, Å.
+/// Largest number of sweeps of Hildreth's method.
 const MOST_SWEEPS: usize = 400;
+/// The violation of an inequality that may remain, Å.
 const TOLERANCE_ANGSTROM: f64 = 1e-3;
 
 /// Moves bodies apart by the least displacements found at which none overlap. Bodies that overlap no
 /// other stay where they are unless another one would be moved into them.
+///
+/// `overlap` decides about all pairs, those far apart too, so it should begin with bounding spheres.
 ///
 /// ```
 /// use protomer_body::assembly::{CoreAtoms, Placement, separate};
@@ -81,10 +85,13 @@ pub fn separate(
 ) -> Result<Separation> {
     let mut search = Search::new(bodies, placements, overlap);
     let mut motions = vec![Motion::default(); placements.len()];
+    // Each round asks for more distance where bodies still
+    // overlap, so the loop ends in a placement or in an error.
     while let Some(overlapping) = search.overlapping(&motions) {
         search.widen(&overlapping)?;
         motions = search.project(&motions);
     }
+    // The margins overshoot: the least part of the motion that is free of overlap is enough.
     let scale = bisect(0.0, 1.0, 1e-3, |scale| {
         search.overlapping(&scaled(&motions, scale)).is_some()
     });
@@ -130,8 +137,6 @@ struct Search<'a, F> {
     bodies: &'a [CoreAtoms],
     placements: &'a [Placement],
     overlap: F,
-    /// Pairs of placed bodies that are near enough to be tested.
-    near: Vec<(usize, usize)>,
     /// The margin of each pair that has overlapped, Å.
     margins: BTreeMap<(usize, usize), f64>,
     /// Radius of gyration of each kind, Å; at least 1, for bodies of few atoms.
@@ -140,21 +145,10 @@ struct Search<'a, F> {
 
 impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
     fn new(bodies: &'a [CoreAtoms], placements: &'a [Placement], overlap: F) -> Self {
-        let radii: Vec<f64> = bodies.iter().map(CoreAtoms::reach).collect();
-        let mut near = Vec::new();
-        for (second, (kind, pose)) in placements.iter().enumerate() {
-            for (first, (other_kind, other)) in placements[..second].iter().enumerate() {
-                let reach = radii[*kind] + radii[*other_kind] + 2.0 * LARGEST_MARGIN_ANGSTROM;
-                if (pose.position - other.position).norm() < reach {
-                    near.push((first, second));
-                }
-            }
-        }
         Self {
             bodies,
             placements,
             overlap,
-            near,
             margins: BTreeMap::new(),
             gyration: bodies.iter().map(CoreAtoms::gyration).collect(),
         }
@@ -178,10 +172,16 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
     /// The pairs that overlap; `None` if there are none.
     fn overlapping(&self, motions: &[Motion]) -> Option<Vec<(usize, usize)>> {
         let poses = self.moved(motions);
-        let pairs = self.near.iter().copied();
-        let pairs: Vec<(usize, usize)> = pairs
-            .filter(|(a, b)| (self.overlap)(&poses[*a], &poses[*b]))
-            .collect();
+        let mut pairs = Vec::new();
+        // All pairs: a body that lay deep in another may have
+        // moved farther than any list made at the start foresees.
+        for (second, placement) in poses.iter().enumerate() {
+            for (first, other) in poses[..second].iter().enumerate() {
+                if (self.overlap)(other, placement) {
+                    pairs.push((first, second));
+                }
+            }
+        }
         (!pairs.is_empty()).then_some(pairs)
     }
 
@@ -189,6 +189,8 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
     fn widen(&mut self, overlapping: &[(usize, usize)]) -> Result<()> {
         for pair in overlapping {
             let margin = self.margins.entry(*pair).or_insert(0.0);
+            // Grows faster than linearly, but never from
+            // zero: the first step is the constant alone.
             *margin = MARGIN_GROWTH * *margin + FIRST_MARGIN_ANGSTROM;
             if *margin > LARGEST_MARGIN_ANGSTROM {
                 return Err(BodyError::Interlocked {
@@ -209,6 +211,7 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         for _ in 0..MOST_SWEEPS {
             let mut lacking = 0.0_f64;
             for inequality in &mut inequalities {
+                // Sweep after sweep: Hildreth's method meets one inequality at a time.
                 lacking = lacking.max(inequality.meet(&mut motions));
             }
             if lacking < TOLERANCE_ANGSTROM {
@@ -216,6 +219,7 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
             }
         }
         for (motion, (kind, _)) in motions.iter_mut().zip(self.placements) {
+            // Sought in Å, so that translations and rotations weigh alike; back to radians.
             motion.rotation /= self.gyration[*kind];
         }
         motions
@@ -239,6 +243,7 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         let cells = Cells::new(positions, reach);
         cells.for_each_pair(reach, |one, other| {
             let (one, other) = (one.min(other), one.max(other));
+            // Atoms of one body keep their distances.
             if atoms[one].0 != atoms[other].0 {
                 inequalities.extend(self.inequality(present, &poses, atoms[one], atoms[other]));
             }
@@ -261,6 +266,8 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
         let sum = a.radius + b.radius;
         let wanted = match self.margins.get(&(first.0, second.0)) {
             Some(margin) => sum + margin,
+            // A pair that never overlapped only must not come closer
+            // than it is, where that is closer than the radii ask for.
             None => {
                 let native = [first, second].map(|(place, atom)| {
                     let (kind, pose) = &self.placements[place];
@@ -269,6 +276,7 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
                 sum.min((native[0] - native[1]).norm())
             }
         };
+        // Coinciding atoms have no direction; others of the two bodies decide.
         if distance > wanted + WATCHED_ANGSTROM || distance <= 0.0 {
             return None;
         }
@@ -278,6 +286,8 @@ impl<'a, F: Fn(&Placement, &Placement) -> bool> Search<'a, F> {
             b.arm.cross(&direction) / b.gyration,
         );
         let (of_a, of_b) = (&present[first.0], &present[second.0]);
+        // Linearised about the present motion while the total is sought:
+        // what it already adds to the distance goes to the other side.
         let already = direction.dot(&(of_a.translation - of_b.translation))
             + a.gyration * turns.0.dot(&of_a.rotation)
             - b.gyration * turns.1.dot(&of_b.rotation);
@@ -336,6 +346,7 @@ impl Inequality {
             + self.turns.0.dot(&motions[a].rotation)
             - self.turns.1.dot(&motions[b].rotation);
         let lacking = self.least - value;
+        // A multiplier is never negative: the bodies push each other and do not pull.
         let multiplier = (self.multiplier + lacking / self.square).max(0.0);
         let change = multiplier - self.multiplier;
         self.multiplier = multiplier;
@@ -348,13 +359,6 @@ impl Inequality {
 }
 
 impl CoreAtoms {
-    /// Radius about the origin that holds all atoms, Å.
-    fn reach(&self) -> f64 {
-        let atoms = self.positions.iter().zip(&self.radii_angstrom);
-        let reach = atoms.map(|(position, radius)| position.norm() + radius);
-        reach.fold(0.0, f64::max)
-    }
-
     /// Radius of gyration about the origin, Å; at least 1.
     fn gyration(&self) -> f64 {
         let squares: f64 = self.positions.iter().map(Vec3::norm_squared).sum();
@@ -429,6 +433,30 @@ mod tests {
         assert!((ball.position.x - 1.8 - share).abs() < 0.01, "{ball:?}");
         assert!((rod.position.x + share).abs() < 0.01, "{rod:?}");
         assert!(rod.rotation.angle() > 0.01, "{rod:?}");
+    }
+
+    /// Two balls of radius 30 Å whose centres are 5 Å apart, and a ball of radius 1 Å that is 17 Å from
+    /// the nearer one: it is hit only because that one must move by tens of ångström. With a, b and c the
+    /// displacements along the line, b - a = 55 and c - b = -17, the least squares at b = 24.
+    #[test]
+    fn a_body_that_moves_far_overlaps_none_that_was_far_from_it() {
+        let radii = [30.0, 1.0];
+        let bodies = radii.map(|radius| CoreAtoms {
+            positions: vec![Vec3::zeros()],
+            radii_angstrom: vec![radius],
+        });
+        let mut far = ball(53.0);
+        far.0 = 1;
+        let start = [ball(0.0), ball(5.0), far];
+        let overlap = |a: &Placement, b: &Placement| {
+            (a.1.position - b.1.position).norm() < radii[a.0] + radii[b.0]
+        };
+        let apart = separate(&bodies, &start, overlap).unwrap().placements;
+        assert!(!overlap(&apart[0], &apart[1]) && !overlap(&apart[1], &apart[2]));
+        for (place, moved) in [-31.0, 24.0, 7.0].into_iter().enumerate() {
+            let found = apart[place].1.position.x - start[place].1.position.x;
+            assert!((found - moved).abs() < 0.1, "{found} {moved}");
+        }
     }
 
     #[test]

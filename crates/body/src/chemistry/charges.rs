@@ -16,19 +16,17 @@ use super::protonation::{C_TERMINUS, Group, N_TERMINUS, protonated_fraction, sid
 use super::templates::{self, Template, forms};
 use super::treatment::{formal_charge_e, ion_of};
 use crate::structure::{Atom, ResidueClass, SelectedResidue};
-use serde::{Deserialize, Serialize};
 
-/// Distribution of the charge of a residue over its atoms.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ChargeModel {
-    /// AMBER ff94 partial charges on every heavy atom.
-    #[default]
-    ForceField,
-    /// Formal charges on the charged groups.
-    Formal,
-    /// No charges.
-    None,
+protomer_kernel::choices! {
+    /// Distribution of the charge of a residue over its atoms.
+    pub enum ChargeModel, default ForceField {
+        /// Partial charges of AMBER ff94 on every heavy atom.
+        ForceField = "force-field",
+        /// Formal charges on the charged groups.
+        Formal = "formal",
+        /// No charges.
+        None = "none",
+    }
 }
 
 /// The titratable groups of the side chain.
@@ -147,7 +145,7 @@ impl Charges<'_> {
         }
     }
 
-    /// The uncharged form of the parent, for residues with titratable groups of their own.
+    /// The uncharged form of the parent, for residues with their own titratable groups.
     fn neutral_template(&mut self, parent: AminoAcid) {
         let forms = forms(parent, false);
         let is_base = match side_chain_groups(parent).first() {

@@ -169,12 +169,14 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
     fn single_row(&mut self, first_tag: &'a str, first_line: usize) -> Result<()> {
         let (category, first_item) = split_tag(first_tag);
         let mut items = vec![first_item];
+        let mut item_line = first_line;
         let mut values = Vec::new();
         while let Some((token, line)) = self.next()? {
             match token {
                 Token::Value(value) if values.len() < items.len() => values.push(value),
                 Token::Tag(tag) if values.len() == items.len() && in_category(tag, &category) => {
                     items.push(split_tag(tag).1);
+                    item_line = line;
                 }
                 other => {
                     self.ahead = Some((other, line));
@@ -185,7 +187,7 @@ impl<'a, W: Fn(&str) -> bool, F: FnMut(&Row<'a, '_>) -> Result<()>> Parser<'a, '
         if values.len() < items.len() {
             let item = items.last().map_or("", String::as_str);
             let cause = format!("_{category}.{item} has no value");
-            return Err(self.error(first_line, cause, CUT_SHORT));
+            return Err(self.error(item_line, cause, CUT_SHORT));
         }
         if (self.wants)(&category) {
             (self.on_row)(&Row {
@@ -370,6 +372,11 @@ mod tests {
             ("data_x\nloop_\n_l.x\n_l.", 2, "no values"),
             ("data_x\nloop_", 2, "no values"),
             ("data_x\n_a.b", 2, "no value"),
+            (
+                "data_x\n_a.b 1\n_a.c 2\n_a.d\nloop_",
+                4,
+                "_a.d has no value",
+            ),
             ("data_x\n_a.b\n;never", 3, "semicolon"),
             ("data_x\n_a.b 'open\n", 2, "not closed"),
             ("data_x\nstray", 2, "stray"),

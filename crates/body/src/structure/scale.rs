@@ -6,6 +6,7 @@
 use super::messages::parse_error;
 use super::selected::SelectedResidue;
 use crate::Result;
+use protomer_kernel::statistics::median;
 
 /// Units by the length of the bonds N-CA (1.46 Å) and CA-C (1.52 Å) in them: smallest, largest, name,
 /// the factor to Å.
@@ -33,11 +34,14 @@ pub(crate) fn check(source: &str, residues: &[SelectedResidue]) -> Result<()> {
     if lengths.len() < FEWEST {
         return Ok(());
     }
-    refuse_unit(source, median(&mut lengths))
+    refuse_unit(source, &mut lengths)
 }
 
-/// Refuses a median length of the bonds of the backbone that is one of another unit.
-pub(crate) fn refuse_unit(source: &str, length: f64) -> Result<()> {
+/// Refuses bonds of the backbone whose median length is one of another unit.
+pub(crate) fn refuse_unit(source: &str, lengths: &mut [f64]) -> Result<()> {
+    let Some(length) = median(lengths, f64::total_cmp) else {
+        return Ok(());
+    };
     for (smallest, largest, unit, factor) in UNITS {
         if (smallest..=largest).contains(&length) {
             let cause = format!(
@@ -49,9 +53,4 @@ pub(crate) fn refuse_unit(source: &str, length: f64) -> Result<()> {
         }
     }
     Ok(())
-}
-
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

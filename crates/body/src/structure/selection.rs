@@ -24,17 +24,16 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
-/// Treatment of residues that lack heavy atoms.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum MissingAtoms {
-    /// Keep the residue as it is.
-    #[default]
-    Keep,
-    /// Leave the whole residue out.
-    Skip,
-    /// Refuse the structure, also for chain breaks.
-    Fail,
+protomer_kernel::choices! {
+    /// Treatment of residues that lack heavy atoms.
+    pub enum MissingAtoms, default Keep {
+        /// Keep the residue as it is.
+        Keep = "keep",
+        /// Leave the residue out.
+        Skip = "skip",
+        /// Refuse the structure, also for chain breaks.
+        Fail = "fail",
+    }
 }
 
 /// Selection of the part of a structure that becomes a body.

@@ -1,11 +1,11 @@
 //! How a body is made from a structure: atoms, charges and surface.
 
-use super::choices::{Charges, Missing};
+use super::settings::choice;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use protomer::bodies::chain_groups::ChainNames;
-use protomer_body::chemistry::{SiteSettings, parse_mutations};
-use protomer_body::structure::SelectionSettings;
+use protomer_body::chemistry::{ChargeModel, SiteSettings, parse_mutations};
+use protomer_body::structure::{MissingAtoms, SelectionSettings};
 use protomer_body::{BodySettings, HardCore, SurfaceSettings};
 use protomer_common::range;
 
@@ -38,8 +38,8 @@ pub struct SelectionArgs {
     #[arg(long)]
     keep_nucleic_acids: bool,
     /// Treatment of residues that lack heavy atoms.
-    #[arg(long, value_enum, default_value_t = Missing::Keep)]
-    missing: Missing,
+    #[arg(long, value_parser = choice::<MissingAtoms>(), default_value = "keep")]
+    missing: MissingAtoms,
 }
 
 /// Groups of chains, each of which makes up one body.
@@ -59,8 +59,8 @@ pub struct ChargeArgs {
     #[arg(long, default_value_t = 7.4, allow_negative_numbers = true, value_parser = range::PH.number())]
     ph: f64,
     /// Model of the charges.
-    #[arg(long, value_enum, default_value_t = Charges::ForceField)]
-    charges: Charges,
+    #[arg(long, value_parser = choice::<ChargeModel>(), default_value = "force-field")]
+    charges: ChargeModel,
     /// Point mutations, such as A:K45E,B:N12D; side chains are replaced in place.
     #[arg(long)]
     mutate: Option<String>,
@@ -134,7 +134,7 @@ impl SelectionArgs {
             keep_waters: self.keep_waters,
             keep_hydrogens: self.keep_hydrogens,
             keep_nucleic_acids: self.keep_nucleic_acids,
-            missing: self.missing.into(),
+            missing: self.missing,
         }
     }
 }
@@ -166,7 +166,7 @@ pub fn body_settings(
         selection: selection.settings(),
         sites: SiteSettings {
             ph: charges.ph,
-            charges: charges.charges.into(),
+            charges: charges.charges,
         },
         mutations: mutations.unwrap_or_default(),
         surface: SurfaceSettings {

@@ -6,6 +6,7 @@ pub mod choices;
 #[cfg(feature = "learning")]
 pub mod device;
 pub mod execution;
+pub mod hard_body;
 pub mod medium;
 pub mod model;
 pub mod scheduler;

@@ -1,11 +1,11 @@
 //! `protomer export`: back to atoms.
 
-use crate::flags::choices::{ExportValues, ExportViewer};
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
-use protomer::export::{ExportSettings, Frame, export};
+use protomer::export::{ExportSettings, Frame, ResidueValues, Viewer, export};
 use protomer_common::quantity;
 use std::path::PathBuf;
 
@@ -32,15 +32,15 @@ pub struct ExportArgs {
     #[arg(long)]
     assembly: Option<PathBuf>,
     /// Contents of the B factors of the residues; zero if omitted.
-    #[arg(long, value_enum)]
-    values: Option<ExportValues>,
+    #[arg(long, value_parser = choice::<ResidueValues>())]
+    values: Option<ResidueValues>,
     /// Shift copies by box lengths, so that a cluster across the border of a periodic box is in one
     /// piece.
     #[arg(long)]
     gather: bool,
     /// Write a script that opens the file, shows surfaces and colours each copy.
-    #[arg(long, value_enum)]
-    script: Option<ExportViewer>,
+    #[arg(long, value_parser = choice::<Viewer>())]
+    script: Option<Viewer>,
 }
 
 impl ExportArgs {
@@ -52,9 +52,9 @@ impl ExportArgs {
             salt_molar: self.salt,
             replica: self.replica,
             assembly: self.assembly.clone(),
-            values: self.values.map(Into::into),
+            values: self.values,
             gather: self.gather,
-            script: self.script.map(Into::into),
+            script: self.script,
             force: front.force(),
         };
         Ok(Reply::of(export(&settings)?))

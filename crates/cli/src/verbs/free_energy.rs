@@ -1,6 +1,7 @@
 //! `protomer free-energy`: the free energy of a crystal of hard bodies.
 
 use crate::flags::execution::ExecutionArgs;
+use crate::flags::hard_body::HardBodyArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
@@ -20,18 +21,8 @@ use std::path::PathBuf;
 /// ideal gas of the same density, ln ρ - 1.
 #[derive(Debug, Args)]
 pub struct FreeEnergyArgs {
-    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
-    /// by + are the convex pieces of one body.
-    #[arg(long, value_name = "FILE")]
-    shape: String,
-    /// Radius of the ball, or disk, that rounds it (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
-    rounding: f64,
+    #[command(flatten)]
+    body: HardBodyArgs,
     /// Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond; square, hexagonal; row),
     /// or the file of its unit cell.
     #[arg(long)]
@@ -64,8 +55,8 @@ pub struct FreeEnergyArgs {
 impl FreeEnergyArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = FreeEnergySettings {
-            shape: self.shape.clone(),
-            rounding_radius: self.rounding,
+            shape: self.body.shape.clone(),
+            rounding_radius: self.body.rounding,
             crystal: self.crystal.clone(),
             turn: self.turn.clone(),
             bodies: self.bodies,

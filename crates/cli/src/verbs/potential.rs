@@ -1,13 +1,14 @@
 //! `protomer potential`: the electrostatic potential around a structure.
 
-use crate::flags::choices::{BoundaryValues, DielectricSurface, Potential};
+use crate::flags::choices::{BoundaryValues, DielectricSurface};
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::potential::{PotentialSettings, potential, read_places};
 use protomer_common::{quantity, range};
-use protomer_field::{DielectricModel, SolveSettings};
+use protomer_field::{DielectricModel, PotentialModel, SolveSettings};
 use protomer_kernel::Electrolyte;
 use std::path::PathBuf;
 
@@ -21,8 +22,8 @@ pub struct PotentialArgs {
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: f64,
     /// Model of the potential.
-    #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
-    model: Potential,
+    #[arg(long, value_parser = choice::<PotentialModel>(), default_value = "poisson-boltzmann")]
+    model: PotentialModel,
     /// Grid spacing, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     spacing: f64,
@@ -67,7 +68,7 @@ impl PotentialArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         front.warn(quantity::salt_warning([self.salt]));
         let settings = PotentialSettings {
-            model: self.model.into(),
+            model: self.model,
             dielectric: self.dielectric()?,
             solve: SolveSettings {
                 spacing_angstrom: self.spacing,

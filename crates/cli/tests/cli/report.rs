@@ -5,7 +5,13 @@
 
 use crate::common::{CHARGES, TemporaryFolder, contents, is_ok, message};
 use protomer::bodies::body_file;
-use protomer_results::ResultKind;
+use protomer::scattering::ScatteringReport;
+use protomer::stability::reweighting::ReweightingResult;
+use protomer::stability::sweep::result::SweepResult;
+use protomer_convex::dynamics;
+use protomer_lattices::frameworks::report::Report;
+use protomer_results::{ResultKind, Row};
+use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -67,6 +73,19 @@ fn page(place: &TemporaryFolder, directory: &str) -> (String, Vec<String>) {
 fn status(html: &str) -> &str {
     let (_, rest) = html.split_once("<section id=\"status\">").unwrap();
     rest.split_once("</section>").unwrap().0
+}
+
+/// The texts of the first figure of a page; those of a label that is broken into lines follow each other.
+fn words(html: &str) -> String {
+    let (_, figure) = html.split_once("<svg").unwrap();
+    let (figure, _) = figure.split_once("</svg>").unwrap();
+    let pieces = figure.replace('\u{a0}', " ");
+    let texts = pieces.split('<').filter_map(|piece| piece.split_once('>'));
+    let texts = texts.map(|(_, text)| text.trim());
+    texts
+        .filter(|text| !text.is_empty())
+        .collect::<Vec<_>>()
+        .join(" ")
 }
 
 /// The columns of a table that a page carries.
@@ -493,6 +512,78 @@ fn bodies_that_are_gone_are_taken_from_the_trajectory_and_the_page_says_so() {
     assert!(read(&place.path("sweep/report.html")).contains("potential at 50 mM"));
 }
 
+/// No key of a result is lost and no number changes when a page reads it.
+#[test]
+fn results_are_read_back_as_they_were_written() {
+    fn same<T: Serialize>(file: &Path, value: T) {
+        let written: serde_json::Value = serde_json::from_str(&read(file)).unwrap();
+        let value = serde_json::to_value(value).unwrap();
+        assert_eq!(value, written, "{}", file.display());
+    }
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    is_ok(&place.run("reweight sweep -q -o curves"));
+    is_ok(&place.run("scattering sweep --q-points 5 -q -o light"));
+    is_ok(&place.run(
+        "framework honeycomb --theta 60 --kh 50 --ks 10000 --load y --stress 20GPa,40GPa -q -o pulled",
+    ));
+    let sweep = SweepResult::read(&place.path("sweep")).unwrap();
+    same(&place.path("sweep/sweep.json"), sweep.unwrap());
+    let curves = ReweightingResult::read(&place.path("curves")).unwrap();
+    same(&place.path("curves/reweighting.json"), curves.unwrap());
+    let light = ScatteringReport::read(&place.path("light")).unwrap();
+    same(&place.path("light/scattering.json"), light.unwrap());
+    let pulled = Report::read(&place.path("pulled")).unwrap();
+    same(&place.path("pulled/result.json"), pulled);
+}
+
+/// Takes keys out of a value, wherever they are.
+fn without(value: &mut serde_json::Value, keys: &[&str]) {
+    match value {
+        serde_json::Value::Object(object) => {
+            object.retain(|key, _| !keys.contains(&key.as_str()));
+            object.values_mut().for_each(|value| without(value, keys));
+        }
+        serde_json::Value::Array(values) => {
+            values.iter_mut().for_each(|value| without(value, keys));
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn a_sweep_of_an_earlier_version_has_a_page() {
+    let place = TemporaryFolder::new();
+    is_ok(&place.run(SWEEP));
+    let file = place.path("sweep/sweep.json");
+    let mut result: serde_json::Value = serde_json::from_str(&read(&file)).unwrap();
+    let later = [
+        "model",
+        "equilibrated",
+        "equilibration",
+        "half_salt_molar",
+        "half_salt_interval_molar",
+        "half_bound_salt_molar",
+        "half_bound_salt_interval_molar",
+        "half_salt_contacts",
+        "contacts",
+        "bound_fraction",
+        "contacts_mean",
+        "contacts_sd",
+        "bound_fraction_mean",
+        "bound_fraction_sd",
+    ];
+    without(&mut result, &later);
+    std::fs::write(&file, result.to_string()).unwrap();
+    let (html, sections) = page(&place, "sweep");
+    assert!(sections.contains(&"Conditions".to_owned()));
+    let status = status(&html);
+    assert!(
+        status.contains("An earlier version, which did not compare starts, ran this."),
+        "{status}"
+    );
+}
+
 #[test]
 fn a_stopped_sweep_says_what_is_not_done() {
     let place = TemporaryFolder::new();
@@ -600,6 +691,12 @@ fn contact_dynamics_has_its_course_and_bodies_of_every_kind() {
     carries(&html, &place.path("ellipsoids/log.csv"));
     assert!(html.contains("after 40 steps") && html.contains("<dt>Pressure</dt>"));
     assert_eq!(html.matches("<svg").count(), 2, "the course in two shapes");
+    let words = words(&html);
+    for curve in dynamics::log::LogRow::curves() {
+        for name in [curve.panel, curve.name] {
+            assert!(words.contains(name), "{name}");
+        }
+    }
 
     let mixture = "md run --shape polygon:4 --shape polygon:5 --share 3 --share 1 --bodies 36 --packing-fraction 0.3 \
                    --steps 20 --compress-steps 20 --equilibrate-steps 20 --trajectory-every 20 -q -o";
@@ -614,6 +711,30 @@ fn contact_dynamics_has_its_course_and_bodies_of_every_kind() {
         Some(3)
     );
     assert!(message(&place.run("report stopped")).contains("work that has not begun"));
+}
+
+#[test]
+fn hard_bodies_have_their_averages_their_course_and_their_bodies() {
+    let place = TemporaryFolder::new();
+    let cubes = "--shape cube --bodies 27 --equilibration 10 --sweeps 40 -q";
+    is_ok(&place.run(&format!(
+        "hpmc run --packing-fraction 0.1 --insertions 10 {cubes} -o cubes"
+    )));
+    let (html, sections) = page(&place, "cubes");
+    assert_eq!(sections, ["Status", "Results", "Bodies", "Provenance"]);
+    carries(&html, &place.path("cubes/log.csv"));
+    let words = words(&html);
+    for panel in ["compressibility factor", "insertion probability"] {
+        assert!(words.contains(panel), "{panel}");
+    }
+    assert!(!words.contains("mean height"), "there are no walls");
+
+    is_ok(&place.run(&format!(
+        "hpmc sweep --packing-fractions 0.05,0.1 {cubes} -o equation"
+    )));
+    let (html, sections) = page(&place, "equation");
+    assert_eq!(sections, ["Status", "Results", "Bodies", "Provenance"]);
+    carries(&html, &place.path("equation/equation.csv"));
 }
 
 #[test]

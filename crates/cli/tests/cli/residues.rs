@@ -1,6 +1,7 @@
 //! Residues of a run: the files, the report, and mutants simulated anew.
 
 use crate::common::{TemporaryFolder, is_ok, message};
+use protomer::stability::residues::ResiduesResult;
 use serde_json::Value;
 use std::path::Path;
 
@@ -117,6 +118,9 @@ fn effective_charges_are_not_shared_out_among_residues() {
         "{stated_kt} {model_kt}"
     );
     assert!((model_kt - plain["energy"]["total_kt"]["mean"].as_f64().unwrap()).abs() > 0.1);
+    // A page reads the value that was written.
+    let read: ResiduesResult = serde_json::from_value(found.clone()).unwrap();
+    assert_eq!(serde_json::to_value(read).unwrap(), found);
 }
 
 /// Half of the replicas of a sweep that is not equilibrated never met: they do not halve the energies.

@@ -919,7 +919,7 @@ fn drawn(starts: Starts, fractions: impl Fn(u32, usize) -> f64) -> Value {
     let figure = figure(&SweepResult {
         warnings: Vec::new(),
         version: String::new(),
-        model: "thesis",
+        model: "thesis".into(),
         input_sha256: String::new(),
         bodies: 8,
         concentration_molar: 1e-4,

@@ -10,8 +10,10 @@
 //! | [`start`] | bodies from the settings, and how dense they may begin |
 //! | [`log`], [`trajectory`] | the files of a run |
 //! | [`run`] | one run in its directory |
+//! | [`page`] | the page of a run |
 
 pub mod log;
+pub mod page;
 pub mod run;
 pub mod settings;
 pub mod start;

@@ -11,10 +11,11 @@
 use super::log::LogRow;
 use super::settings::{DynamicsSettings, EnsembleName};
 use super::start::{Begun, begin};
-use super::trajectory::Trajectory;
+use super::trajectory::{frame, open_trajectory};
 use anyhow::{Context, Error, Result};
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::ProcessClock;
+use protomer_io::gsd::FrameWriter;
 use protomer_kernel::statistics::block_standard_error;
 use protomer_md::bath::Ensemble;
 use protomer_md::drift::Drift;
@@ -26,8 +27,9 @@ use protomer_results::{
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-const LOG: &str = "log.csv";
-const TRAJECTORY: &str = "trajectory.gsd";
+const LOG: &str = log::FILE;
+/// Name of the trajectory.
+pub(super) const TRAJECTORY: &str = "trajectory.gsd";
 /// Steps between two looks at energy, temperature and pressure.
 const SAMPLE_EVERY: u64 = 10;
 /// Relaxation time of the bath of the preparation.
@@ -175,7 +177,7 @@ struct Open {
     engine: Engine,
     averages: Averages,
     log: Log,
-    trajectory: Option<Trajectory>,
+    trajectory: Option<FrameWriter>,
     speed: Speed,
 }
 
@@ -310,7 +312,7 @@ impl<'a> DynamicsRun<'a> {
                 .unsigned_abs()
                 .is_multiple_of(self.settings.trajectory_every)
         {
-            trajectory.append(step.unsigned_abs(), time, &open.engine)?;
+            trajectory.append(frame(step.unsigned_abs(), time, &open.engine))?;
         }
         Ok(())
     }
@@ -349,7 +351,7 @@ impl Run for DynamicsRun<'_> {
             0 => None,
             _ => {
                 let path = directory.join(TRAJECTORY);
-                Some(Trajectory::open(&path, &self.begun.bodies, frames)?)
+                Some(open_trajectory(&path, &self.begun.bodies, frames)?)
             }
         };
         let mut open = Open {

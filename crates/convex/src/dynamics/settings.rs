@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use protomer_common::range::{Count, NOT_NEGATIVE, POSITIVE, Range, STEPS};
-use protomer_common::settings::{Declared, Words};
+use protomer_common::settings::{Declared, Words, is_default};
 use protomer_md::bath::Ensemble;
 use protomer_md::pair::central::Central;
 use protomer_md::pair::radial::Attraction;
@@ -51,7 +51,7 @@ protomer_common::settings! {
         /// convex parts of a concave body joined by +. Several times for a mixture.
         shape: Words = "polygon:4";
         /// Relative number of bodies of each shape: once for each --shape.
-        share: Vec<f64>, in POSITIVE, otherwise "equal numbers";
+        share: Vec<f64>, in POSITIVE, otherwise "equal numbers", omit "is_default";
         /// Radius by which the shapes are rounded, in the unit of their points, before they are scaled.
         rounding: f64 = 0.0, in NOT_NEGATIVE;
         /// Keep the size of the shape instead of scaling it to area or volume one.
@@ -78,15 +78,16 @@ protomer_common::settings! {
         /// kT at the start and of the bath, in units of epsilon.
         temperature: f64 = 1.0, in POSITIVE;
         /// Pressure of npt, in units of epsilon per area or volume.
-        pressure: Option<f64>, in POSITIVE;
+        pressure: Option<f64>, in POSITIVE, omit "is_default";
         /// Relaxation time of the bath of nvt and npt.
         relaxation_time: f64 = 0.5, in POSITIVE;
         /// Friction of langevin and brownian, an inverse time.
         friction: f64 = 1.0, in POSITIVE;
         /// Seed of the random numbers.
-        seed: u64 = 1_u64;
+        seed: u64 = 1_u64, in Count::new(0, i64::MAX as u64);
         /// Packing fraction of the lattice at the start.
-        compress_from: Option<f64>, in Range::new(1e-9, 1.0, ""), otherwise "the densest without forces";
+        compress_from: Option<f64>, in Range::new(1e-9, 1.0, ""), otherwise "the densest without forces",
+            omit "is_default";
         /// Steps of the compression.
         compress_steps: u64 = 10_000_u64, in STEPS;
         /// Steps with a bath after the compression.
@@ -234,13 +235,13 @@ mod tests {
         };
         assert_eq!(
             complaint(endless),
-            "--steps is 18446744073709551615; give a whole number from 0 to 1000000000000"
+            "steps is 18446744073709551615; give a whole number from 0 to 1000000000000"
         );
         let repelled = DynamicsSettings {
             attraction: -1.0,
             ..settings
         };
-        assert!(complaint(repelled).contains("--attraction is -1"));
+        assert!(complaint(repelled).contains("attraction is -1"));
     }
 
     #[test]
@@ -252,63 +253,63 @@ mod tests {
                     temperature: 1e308,
                     ..settings()
                 },
-                "--temperature is 1e308; give 1e-9 to 1000000000",
+                "temperature is 1e308; give 1e-9 to 1000000000",
             ),
             (
                 DynamicsSettings {
                     rounding: 1e100,
                     ..settings()
                 },
-                "--rounding is 1e100",
+                "rounding is 1e100",
             ),
             (
                 DynamicsSettings {
                     time_step: 1e300,
                     ..settings()
                 },
-                "--time-step is 1e300",
+                "time_step is 1e300",
             ),
             (
                 DynamicsSettings {
                     attraction: 1e300,
                     ..settings()
                 },
-                "--attraction is 1e300",
+                "attraction is 1e300",
             ),
             (
                 DynamicsSettings {
                     attraction_cut_off: 1.0,
                     ..settings()
                 },
-                "--attraction-cut-off is 1",
+                "attraction_cut_off is 1",
             ),
             (
                 DynamicsSettings {
                     share: vec![1e308],
                     ..settings()
                 },
-                "--share is 1e308; give 1e-9",
+                "share is 1e308; give 1e-9",
             ),
             (
                 DynamicsSettings {
                     bodies: 1,
                     ..settings()
                 },
-                "--bodies is 1; give a whole number from 2",
+                "bodies is 1; give a whole number from 2",
             ),
             (
                 DynamicsSettings {
                     packing_fraction: 1e-308,
                     ..settings()
                 },
-                "--packing-fraction is 1e-308",
+                "packing_fraction is 1e-308",
             ),
             (
                 DynamicsSettings {
                     packing_fraction: f64::NAN,
                     ..settings()
                 },
-                "--packing-fraction is NaN",
+                "packing_fraction is NaN",
             ),
         ] {
             let error = wrong.check().unwrap_err().to_string();

@@ -13,34 +13,12 @@ use protomer_md::state::{Bodies, State};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A trajectory that is being written.
-#[derive(Debug)]
-pub struct Trajectory(FrameWriter);
-
-impl Trajectory {
-    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
-    ///
-    /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
-    pub fn open(path: &Path, bodies: &Bodies, frames: u64) -> Result<Self> {
-        Ok(Self(FrameWriter::open(path, header(bodies)?, frames)?))
-    }
-
-    /// Appends a state.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn append(&mut self, step: u64, time: f64, engine: &Engine) -> Result<()> {
-        Ok(self.0.append(frame(step, time, engine))?)
-    }
-
-    /// Flushes everything to disk and returns the number of frames.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn sync(&mut self) -> Result<u64> {
-        Ok(self.0.sync()?)
-    }
+/// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+///
+/// # Errors
+/// If the file cannot be written, or holds fewer frames than the checkpoint records.
+pub fn open_trajectory(path: &Path, bodies: &Bodies, frames: u64) -> Result<FrameWriter> {
+    Ok(FrameWriter::open(path, header(bodies)?, frames)?)
 }
 
 /// The data that is the same in every frame.
@@ -123,7 +101,7 @@ fn mesh(parts: &[Part]) -> Value {
 }
 
 /// The data that changes from frame to frame.
-fn frame(step: u64, time: f64, engine: &Engine) -> Vec<Chunk> {
+pub fn frame(step: u64, time: f64, engine: &Engine) -> Vec<Chunk> {
     let state = &engine.motion().state;
     let is_flat = engine.bodies().dimension() == 2;
     let lengths = lengths(state, is_flat);

@@ -7,7 +7,7 @@
 use super::result::{mean_and_error, tilt_factors};
 use super::settings::{check_bodies, check_packing_fraction, check_rounding};
 use super::start::{BodyShape, cell_text, unit_cell};
-use super::trajectory::Trajectory;
+use super::trajectory::{frame, open_trajectory};
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
@@ -21,17 +21,19 @@ use protomer_io::csv::{Cell, Table};
 use protomer_kernel::statistics::summarize;
 use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
-    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Row, Run,
-    Settings, Turn, Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Settings,
+    Turn, Work, drive, log, settings,
 };
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-const LOG: &str = "log.csv";
-const POINTS: &str = "points.csv";
-const CRYSTAL: &str = "crystal.gsd";
+const LOG: &str = log::FILE;
+/// Name of the table of strengths.
+pub(super) const POINTS: &str = "points.csv";
+/// Name of the file with the crystal.
+pub(super) const CRYSTAL: &str = "crystal.gsd";
 /// Sweeps that a row of the log is the mean of.
 const SWEEPS_PER_ROW: u64 = 50;
 /// Rows that a point of the integral is given at once.
@@ -114,45 +116,23 @@ impl Settings for FreeEnergySettings {
     /// Settings without the number of sweeps: more sweeps continue a run.
     fn essential(&self) -> Self {
         Self {
+            // Sweeps may grow when a run continues; all else shapes the result.
             sweeps: 0,
             ..self.clone()
         }
     }
 }
 
-/// One row of the log: a mean over some sweeps at a point of the integral.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExtentRow {
-    /// Number of the point, from the weakest springs.
-    pub point: usize,
-    /// Sweeps done at this point.
-    pub sweep: u64,
-    /// f, the energy of the springs per body over their strength, squared length.
-    pub extent: f64,
-}
-
-impl Row for ExtentRow {
-    fn columns() -> Vec<&'static str> {
-        vec!["point", "sweep", "extent"]
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        vec![
-            self.point.to_string(),
-            self.sweep.to_string(),
-            self.extent.to_string(),
-        ]
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        let [point, sweep, extent] = cells else {
-            return None;
-        };
-        Some(Self {
-            point: point.parse().ok()?,
-            sweep: sweep.parse().ok()?,
-            extent: extent.parse().ok()?,
-        })
+protomer_results::log_row! {
+    /// One row of the log: a mean over some sweeps at a point of the integral.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct ExtentRow {
+        /// Number of the point, from the weakest springs.
+        pub point: usize,
+        /// Sweeps done at this point.
+        pub sweep: u64,
+        /// f, the energy of the springs per body over their strength, squared length.
+        pub extent: f64,
     }
 }
 
@@ -365,6 +345,7 @@ fn in_dimension<const D: usize>(
         body: &body,
         crystal: &crystal,
     };
+    // Only now: what was checked above refuses without a directory being made.
     let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     execution.progress.begin(run.length(), "sweeps");
     drive(&run, path, execution)
@@ -403,6 +384,7 @@ impl<const D: usize> Open<D> {
     fn estimates(&self) -> Vec<Estimate> {
         let estimate = |series: &Vec<f64>| {
             let (mean, error) = mean_and_error(series);
+            // Too few rows for an error: the value itself as error sends work to this point first.
             let error = error.unwrap_or(mean);
             Estimate { mean, error }
         };
@@ -413,12 +395,14 @@ impl<const D: usize> Open<D> {
     fn rows(&self) -> Vec<u64> {
         let points = self.walkers.len();
         let parts = match self.series.iter().any(Vec::is_empty) {
+            // First the same for all: without a series there is no error to share by.
             true => vec![PARTS_PER_ROUND / points; points],
             false => {
                 let mut measured = Vec::new();
                 for (series, estimate) in self.series.iter().zip(self.estimates()) {
                     measured.push((series.len() as u64, estimate.error));
                 }
+                // Then where the error of the integral falls most for its cost.
                 share(&self.plan, &measured, PARTS_PER_ROUND)
             }
         };
@@ -446,10 +430,10 @@ impl<const D: usize> FreeEnergyRun<'_, D> {
 
     fn write_crystal(&self, open: &Open<D>, path: &Path) -> Result<()> {
         let system = self.crystal.system(self.body, &[])?;
-        let mut trajectory = Trajectory::open(path, &system, None, 0)?;
-        trajectory.append(0, &system)?;
+        let mut trajectory = open_trajectory(path, &system, None, 0)?;
+        trajectory.append(frame(0, &system))?;
         if let Some(weakest) = open.walkers.first() {
-            trajectory.append(weakest.sweeps(), weakest.system())?;
+            trajectory.append(frame(weakest.sweeps(), weakest.system()))?;
         }
         trajectory.sync()?;
         Ok(())
@@ -476,6 +460,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     /// Length of the run, with whole rounds.
     fn length(&self) -> u64 {
         let round = PARTS_PER_ROUND as u64 * ROWS_AT_ONCE * SWEEPS_PER_ROW;
+        // Rounds are whole, so the last one may exceed what was asked for.
         let points = STRENGTHS as u64;
         let production = points * self.settings.sweeps;
         points * self.settings.equilibration + production.div_ceil(round) * round
@@ -484,6 +469,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open<D>> {
         let (mark, plan, states) = match saved {
             Some(saved) => {
+                // A checkpoint of another version may have fewer points.
                 require_lengths(&[
                     ("strengths", saved.plan.points.len(), STRENGTHS),
                     ("crystals", saved.walkers.len(), STRENGTHS),
@@ -503,6 +489,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
         }
         let path = directory.join(LOG);
         let mut log = Log::open::<ExtentRow>(&path, &mark)?;
+        // Truncated and synced before it is read back: rows after the checkpoint must not count.
         log.sync()?;
         let mut series = vec![Vec::new(); walkers.len()];
         for row in log::read::<ExtentRow>(&path)? {
@@ -528,7 +515,10 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
         let remaining_sweeps = self.settings.equilibration.saturating_sub(equilibrated);
         if remaining_sweeps > 0 {
             open.walkers.par_iter_mut().for_each(|walker| {
+                // What makes sweeps fast is made anew here, so that
+                // a run goes on from a checkpoint as it would have.
                 walker.refresh();
+                // Tuned now, since steps may not change while something is measured.
                 walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
             });
             return Ok(());
@@ -545,6 +535,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             .zip(&rows)
             .map(measure)
             .collect();
+        // In the order of the points, whichever thread was first: the log is the same each time.
         for (point, extents) in measured.into_iter().enumerate() {
             for extent in extents {
                 open.series[point].push(extent);
@@ -579,6 +570,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             points.push(point);
         }
         let table = table_of(&points)?;
+        // Overwritten: the points of a shorter run are no longer true.
         write_once(&directory.join(POINTS), table.as_bytes(), true)?;
         self.write_crystal(open, &directory.join(CRYSTAL))?;
         let density = self.settings.packing_fraction / self.body.volume;
@@ -594,6 +586,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
             symmetry_order: self.measurement.symmetry().rotations().len(),
             free_energy_per_body_kt: terms.total_kt,
             free_energy_per_body_kt_error: terms.total_kt_error,
+            // The ideal gas of this density has A/(N kT) = ln ρ - 1.
             excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
             excess_free_energy_per_body_kt_error: terms.total_kt_error,
             terms,
@@ -603,6 +596,7 @@ impl<const D: usize> Run for FreeEnergyRun<'_, D> {
     }
 
     fn details(&self, open: &mut Open<D>, directory: &Path) -> Result<Value> {
+        // During equilibration there is nothing to tell yet.
         if open.series.iter().any(Vec::is_empty) {
             return Ok(Value::Null);
         }

@@ -10,12 +10,14 @@
 //! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
 //! | [`free_energy`] | the free energy of a crystal in its directory |
 //! | [`log`], [`trajectory`] | the files of a run |
+//! | [`page`] | the pages of runs, sweeps and free energies |
 //! | [`phases`] | coexisting phases: by theory, from tables, or from what sweeps and free energies measured |
 //! | [`static_free_volume`] | free volumes of crystals that do not move |
 
 pub mod equilibrium;
 pub mod free_energy;
 pub mod log;
+pub mod page;
 pub mod phases;
 pub mod result;
 pub mod run;

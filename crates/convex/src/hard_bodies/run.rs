@@ -12,7 +12,7 @@ use super::result::{
 };
 use super::settings::{Freedom, HardBodySettings};
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
-use super::trajectory::Trajectory;
+use super::trajectory::{frame, open_trajectory};
 use anyhow::{Context, Error, Result};
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
@@ -22,6 +22,7 @@ use protomer_hpmc::heights::Walls;
 use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
+use protomer_io::gsd::FrameWriter;
 use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Exit, Interrupt, Layout, Log, LogMark, Record, ResultKind,
@@ -31,8 +32,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 
-const LOG: &str = "log.csv";
-const TRAJECTORY: &str = "trajectory.gsd";
+const LOG: &str = log::FILE;
+/// Name of the trajectory.
+pub(super) const TRAJECTORY: &str = "trajectory.gsd";
 const PROFILE: &str = "profile.csv";
 /// Measurements between two looks at the clock. What makes a run fast is forgotten there, so that a run
 /// goes on from a checkpoint as it would have.
@@ -108,7 +110,7 @@ struct Open<const D: usize> {
     simulation: Simulation<D>,
     rows: Vec<LogRow>,
     log: Log,
-    trajectory: Option<Trajectory>,
+    trajectory: Option<FrameWriter>,
     /// Processor time of the moves, and how many, in this process.
     watch: Stopwatch,
     trials: u64,
@@ -162,6 +164,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             ResultsDirectory::enter(path, &LAYOUT, self.settings, &self.identity, execution)?;
         execution.progress.begin(self.length(), "sweeps");
         match drive(self, path, execution) {
+            // Stopped before there was a state: recorded by hand, as the run never began.
             Err(error) if is_stopped(&error) => {
                 let stopped = Record {
                     done: Some(0),
@@ -176,16 +179,19 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
 
     /// Sweeps at which the next block of a run ends.
     fn next_stop(&self, sweeps: u64) -> u64 {
+        // The next multiple above, also from a multiple.
         let after = |period: u64| (sweeps / period + 1) * period;
         let (start, block) = (
             self.settings.equilibration,
             SAMPLES_AT_ONCE * self.settings.sample_every,
         );
+        // Blocks count from the end of the equilibration, where measuring begins.
         let mut stop = match sweeps < start {
             true => after(block).min(start),
             false => start + ((sweeps - start) / block + 1) * block,
         };
         if self.settings.trajectory_every > 0 {
+            // Frames end a block as well, so a checkpoint can hold them.
             stop = stop.min(after(self.settings.trajectory_every));
         }
         stop.min(self.length())
@@ -199,11 +205,11 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         if let Some(walls) = walls {
             return Some(Equilibrium::of(&Series {
                 pressure: &series(&|row| {
-                    row.walls
-                        .map(|sample| sample.pressures[0] - sample.pressures[1])
+                    // Between walls the difference of pressures carries the weight of the bodies.
+                    Some(row.lower_wall_pressure? - row.upper_wall_pressure?)
                 })?,
                 expected_pressure: walls.weight_per_area,
-                observable: &series(&|row| row.walls.map(|sample| sample.mean_height))?,
+                observable: &series(&|row| row.mean_height)?,
                 observable_name: "mean height",
             }));
         }
@@ -211,6 +217,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let volume = self.body.volume;
         Some(Equilibrium::of(&Series {
             pressure: &series(&|row| {
+                // βP = Z ρ, with ρ = packing fraction / volume of a body.
                 Some(row.compressibility_factor * row.packing_fraction / volume)
             })?,
             expected_pressure: pressure.kt_per_volume,
@@ -222,12 +229,13 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
     /// Mean pressures on the walls, and mean height of the bodies.
     fn walls(&self, open: &Open<D>) -> Option<WallsResult> {
         let gravity = self.settings.gravity?;
-        let samples: Option<Vec<Walls>> = open.rows.iter().map(|row| row.walls).collect();
+        let samples: Option<Vec<Walls>> = open.rows.iter().map(LogRow::walls).collect();
         let samples = samples?;
         let mean = |quantity: fn(&Walls) -> f64| {
             mean_and_error(&samples.iter().map(quantity).collect::<Vec<f64>>())
         };
         let (lower, lower_error) = mean(|walls| walls.pressures[0]);
+        // Each wall bears what stands on it: their difference is the weight.
         let (upper, upper_error) = mean(|walls| walls.pressures[1]);
         let (height, height_error) = mean(|walls| walls.mean_height);
         let lengths = open.simulation.system().space().lengths();
@@ -257,6 +265,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             ) => BoxShrinks {
                 edge,
                 least,
+                // The engine names some number of bodies; a crystal needs whole cells of them.
                 bodies: crystal.fewest_bodies_from(bodies, &self.body, least),
             },
             (error, _) => error,
@@ -268,7 +277,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         if let Some(trajectory) = &mut open.trajectory
             && sweeps.is_multiple_of(self.settings.trajectory_every)
         {
-            trajectory.append(sweeps, open.simulation.system())?;
+            trajectory.append(frame(sweeps, open.simulation.system()))?;
         }
         Ok(())
     }
@@ -301,6 +310,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         let (mark, frames, simulation) = match saved {
             Some(saved) => {
                 let (state, bodies) = (&saved.state, settings.bodies);
+                // Before the state is used: lengths decide how it is indexed.
                 require_lengths(&[
                     ("coordinates", state.positions.len(), D * bodies),
                     ("orientations", state.orientations_wxyz.len(), bodies),
@@ -315,6 +325,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                     &self.body,
                     depletants,
                     &self.start,
+                    // Compressing a fluid takes long at high
+                    // density; it must hear a request to stop.
                     &|| self.interrupt.is_requested(),
                 )?;
                 (LogMark::default(), 0, new)
@@ -322,13 +334,14 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         };
         let path = directory.join(LOG);
         let mut log = Log::open::<LogRow>(&path, &mark)?;
+        // The file on disk must be as the checkpoint has it before rows are read back.
         log.sync()?;
         let trajectory = match settings.trajectory_every {
             0 => None,
             _ => {
                 let path = directory.join(TRAJECTORY);
                 let first = settings.equilibration;
-                Some(Trajectory::open(
+                Some(open_trajectory(
                     &path,
                     simulation.system(),
                     Some(first),
@@ -345,6 +358,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             trials: 0,
         };
         if is_new {
+            // The start is the first frame of a run without equilibration.
             self.write_frame(&mut open)?;
         }
         Ok(open)
@@ -356,6 +370,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
 
     fn advance(&self, open: &mut Open<D>, _turn: &Turn<'_>) -> Result<()> {
         let stop = self.next_stop(open.simulation.sweeps());
+        // See `SAMPLES_AT_ONCE`: a checkpoint after any block continues as if there had been none.
         open.simulation.refresh();
         while open.simulation.sweeps() < stop {
             let done = open.simulation.sweeps();
@@ -363,6 +378,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             let start = self.settings.equilibration;
             let next = match done < start {
                 true => stop.min(start),
+                // Up to the next sample: samples count from the end of the equilibration.
                 false => stop.min(start + ((done - start) / period + 1) * period),
             };
             let outcome = open.watch.time(|| open.simulation.run(next - done));
@@ -374,6 +390,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 let (lengths, tilt_factors) =
                     match self.settings.pressure.map(|pressure| pressure.freedom) {
                         None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
+                        // What is fixed is not written.
                         Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
                         Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
                     };
@@ -381,9 +398,11 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                     sweep: next,
                     compressibility_factor: sample.compressibility_factor,
                     insertion_probability: sample.insertion_probability,
-                    free_volume: sample.free_volume,
+                    free_volume_fraction: sample.free_volume,
                     packing_fraction: sample.packing_fraction,
-                    walls: sample.walls,
+                    lower_wall_pressure: sample.walls.map(|walls| walls.pressures[0]),
+                    upper_wall_pressure: sample.walls.map(|walls| walls.pressures[1]),
+                    mean_height: sample.walls.map(|walls| walls.mean_height),
                     box_lengths: lengths,
                     box_tilt_factors: tilt_factors,
                 };
@@ -399,6 +418,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             Some(trajectory) => trajectory.sync()?,
             None => 0,
         };
+        // In this order: frames and rows are on disk before the checkpoint counts them.
         Ok(Saved {
             log: open.log.sync()?,
             frames,
@@ -416,7 +436,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             .map(|series| mean_and_error(&series));
         let mut depletants = Vec::new();
         for (number, kind) in self.settings.depletants.iter().enumerate() {
-            let series: Vec<f64> = rows.iter().map(|row| row.free_volume[number]).collect();
+            let series: Vec<f64> = rows
+                .iter()
+                .map(|row| row.free_volume_fraction[number])
+                .collect();
             let (fraction, error) = mean_and_error(&series);
             depletants.push(DepletantResult {
                 radius: kind.radius,
@@ -434,10 +457,12 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         let packings: Vec<f64> = rows.iter().map(|row| row.packing_fraction).collect();
         let is_pressed = self.settings.pressure.is_some();
         let (packing, packing_error) = match is_pressed {
+            // The density was measured, and its error enters that of the pressure.
             true => mean_and_error(&packings),
             false => (self.settings.packing_fraction, None),
         };
         let (factor, factor_error) = match is_pressed {
+            // Pressure and density vary together; see `mean_and_error_following`.
             true => mean_and_error_following(&factors, &packings),
             false => mean_and_error(&factors),
         };
@@ -469,8 +494,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             insertion_probability: insertion.map(|(mean, _)| mean),
             insertion_probability_error: insertion.and_then(|(_, error)| error),
             excess_chemical_potential_kt: insertion
+                // No insertion succeeded: the potential is beyond what the run can tell.
                 .filter(|(mean, _)| *mean > 0.0)
                 .map(|(mean, _)| -mean.ln()),
+            // The error of -ln p is that of p over p.
             excess_chemical_potential_kt_error: insertion
                 .filter(|(mean, _)| *mean > 0.0)
                 .and_then(|(mean, error)| Some(error? / mean)),
@@ -520,6 +547,7 @@ fn start<const D: usize>(
         let cell = unit_cell(&settings.start, cell_text, &settings.turn)?;
         let crystal = Crystal::among(&cell, body, &settings.depletants, bodies, packing)?;
         // What cannot be is refused before a directory is made.
+        // Built once and thrown away: an impossible crystal is refused here.
         crystal.system(body, &settings.depletants)?;
         return Ok(Start::Crystal(crystal));
     }
@@ -542,10 +570,12 @@ fn start<const D: usize>(
 fn profile<const D: usize>(open: &Open<D>) -> String {
     let system = open.simulation.system();
     let parts = open.simulation.heights().parts();
+    // The heights run along the last axis, which has the walls.
     let height = system.space().lengths()[D - 1] / parts.len().max(1) as f64;
     let volume = system.volume() / parts.len().max(1) as f64;
     let mut table = String::from("height,number_density,packing_fraction\n");
     for (bin, part) in parts.iter().enumerate() {
+        // `part` is the share of the bodies in this layer.
         let density = part * system.len() as f64 / volume;
         let middle = (bin as f64 + 0.5) * height;
         let packing = density * system.body().volume;

@@ -8,42 +8,20 @@ use protomer_io::gsd::{Chunk, ChunkData, FrameWriter};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A trajectory that is being written.
-#[derive(Debug)]
-pub struct Trajectory(FrameWriter);
-
-impl Trajectory {
-    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one). It says in which sweep
-    /// the equilibration ends, if there is one.
-    ///
-    /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
-    pub fn open<const D: usize>(
-        path: &Path,
-        system: &System<D>,
-        equilibration_sweeps: Option<u64>,
-        frames: u64,
-    ) -> Result<Self> {
-        let mut header = header(system)?;
-        header.extend(equilibration_sweeps.map(equilibration));
-        Ok(Self(FrameWriter::open(path, header, frames)?))
-    }
-
-    /// Appends a state.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn append<const D: usize>(&mut self, sweep: u64, system: &System<D>) -> Result<()> {
-        Ok(self.0.append(frame(sweep, system))?)
-    }
-
-    /// Flushes everything to disk and returns the number of frames.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn sync(&mut self) -> Result<u64> {
-        Ok(self.0.sync()?)
-    }
+/// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one). It says in which sweep
+/// the equilibration ends, if there is one.
+///
+/// # Errors
+/// If the file cannot be written, or holds fewer frames than the checkpoint records.
+pub fn open_trajectory<const D: usize>(
+    path: &Path,
+    system: &System<D>,
+    equilibration_sweeps: Option<u64>,
+    frames: u64,
+) -> Result<FrameWriter> {
+    let mut header = header(system)?;
+    header.extend(equilibration_sweeps.map(equilibration));
+    Ok(FrameWriter::open(path, header, frames)?)
 }
 
 /// The sweep with which the equilibration ends: frames of later steps are of the measurement. Readers of GSD files
@@ -138,7 +116,7 @@ fn number_of(vertex: [f32; 3], vertices: &mut Vec<[f32; 3]>) -> usize {
 
 /// The data that changes from frame to frame; the box is centred on the origin, and given by its lengths and
 /// tilt factors.
-fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
+pub fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
     let space = system.space();
     let middle = space.at(&[0.5; D]);
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());

@@ -164,6 +164,7 @@ pub fn virial_coefficients(settings: &VirialSettings) -> Result<VirialReport> {
         bail!("there is no second shape to round; name it, or leave its rounding out");
     }
     for (quantity, count) in [("triples", settings.triples), ("rays", settings.rays)] {
+        // No triples at all means that none are wanted; a few give a mean without an error.
         if (1..FEWEST).contains(&count) {
             bail!("{count} {quantity} are too few for an error; give at least {FEWEST}");
         }
@@ -349,21 +350,25 @@ impl Member {
         if settings.rays == 0 {
             bail!("the coefficient among depletants needs rays; give at least {FEWEST}");
         }
+        // The integral over rays needs support functions, which only convex shapes have.
         let shapes = [self.convex()?, other.convex()?];
         let roundings = [self.rounding, other.rounding];
         let pair = DepletedPair::new(shapes, roundings, &settings.depletants)?;
+        // Each ray has its own stream of random numbers, so threads do not matter.
         let on_ray = |number| pair.on_ray(settings.seed, number);
         let gains: Vec<f64> = (0..settings.rays)
             .into_par_iter()
             .map(on_ray)
             .collect::<Result<_, _>>()?;
         let gain: RunningMoments = gains.into_iter().collect();
+        // Depletants so strong that the weight overflows: no number of rays helps.
         if !gain.mean().is_finite() {
             bail!(
                 "the depletants hold two bodies together by more than numbers can tell; give a lower fugacity"
             );
         }
         Ok(Some(OsmoticVirial {
+            // Depletants attract: they lower the coefficient of the hard bodies.
             osmotic_b2: hard - gain.mean(),
             osmotic_b2_error: gain.independent_standard_error(),
         }))
@@ -384,6 +389,7 @@ fn sample<const D: usize>(body: &HardBody<D>, count: u64, seed: u64) -> Result<S
         .try_fold(Triples::default, |triples, triple| {
             triple.map(|triple| triples.with(triple))
         })
+        // Sums of counts: their order does not matter, unlike that of floating-point numbers.
         .try_reduce(Triples::default, |a, b| Ok(a.merge(b)))?;
     let coefficients = triples.virials(body);
     Ok(Sampled {
@@ -393,12 +399,17 @@ fn sample<const D: usize>(body: &HardBody<D>, count: u64, seed: u64) -> Result<S
     })
 }
 
+/// B3 = ratio B2², with the errors of both.
+///
+/// They are independent, though both may come from the same triples: B2 is that of the number of draws,
+/// the ratio that of the places that were accepted, and in rejection sampling the number of draws says
+/// nothing about the place that ends them.
 fn third(b2: Estimate, ratio: Estimate) -> ThirdVirial {
-    let b3 = ratio.mean * b2.mean * b2.mean;
-    let relative = (ratio.error / ratio.mean).hypot(2.0 * b2.error / b2.mean);
+    let square = b2.mean * b2.mean;
     ThirdVirial {
-        b3,
-        b3_error: b3 * relative,
+        b3: ratio.mean * square,
+        // Absolute, not relative, errors: the ratio may be zero.
+        b3_error: (square * ratio.error).hypot(2.0 * ratio.mean * b2.mean * b2.error),
         b3_over_b2_squared: ratio.mean,
         b3_over_b2_squared_error: ratio.error,
     }
@@ -416,6 +427,17 @@ mod tests {
             second: second.map(str::to_owned),
             ..VirialSettings::default()
         }
+    }
+
+    #[test]
+    fn the_error_of_the_third_coefficient_is_that_of_a_product() {
+        let estimate = |mean, error| Estimate { mean, error };
+        // 0.01/0.2 and twice 0.1/4 of 0.2 · 16, both 0.05.
+        let found = third(estimate(4.0, 0.1), estimate(0.2, 0.01));
+        assert!((found.b3 - 3.2).abs() < 1e-12);
+        assert!((found.b3_error - 3.2 * 0.05 * 2.0_f64.sqrt()).abs() < 1e-12);
+        let none = third(estimate(4.0, 0.1), estimate(0.0, 0.01));
+        assert_eq!((none.b3, none.b3_error), (0.0, 0.16));
     }
 
     fn complaint(settings: VirialSettings) -> String {

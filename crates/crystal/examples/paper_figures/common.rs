@@ -1,6 +1,7 @@
 //! What all figures share: lattices, the choice of the time step, threads, tables.
 
 use protomer_crystal::lattice::{CollisionSettings, Edges, Engine, Force, Network, Square, State};
+use protomer_kernel::statistics::RunningMoments;
 use std::f64::consts::FRAC_PI_4;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -115,13 +116,11 @@ pub fn map<T: Send>(
 
 /// Mean and its standard error over independent numbers.
 pub fn mean(numbers: &[f64]) -> [f64; 2] {
-    let count = numbers.len() as f64;
-    let mean = numbers.iter().sum::<f64>() / count;
-    let squares: f64 = numbers.iter().map(|x| (x - mean).powi(2)).sum();
+    let moments = RunningMoments::in_two_passes(numbers);
     [
-        mean,
+        moments.mean(),
         if numbers.len() > 1 {
-            (squares / (count - 1.0) / count).sqrt()
+            moments.independent_standard_error()
         } else {
             f64::NAN
         },
@@ -130,8 +129,7 @@ pub fn mean(numbers: &[f64]) -> [f64; 2] {
 
 /// Standard deviation of a series about its mean.
 pub fn deviation(numbers: &[f64]) -> f64 {
-    let [mean, _] = mean(numbers);
-    (numbers.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / numbers.len() as f64).sqrt()
+    RunningMoments::in_two_passes(numbers).root_mean_square_deviation()
 }
 
 /// Writes a table with a head.

@@ -18,6 +18,7 @@
 use crate::lattice::force::{coherent_part, incoherent_part, incoherent_spread};
 use crate::lattice::state::angles;
 use crate::lattice::{Network, State};
+use protomer_kernel::statistics::RunningMoments;
 use serde::{Deserialize, Serialize};
 
 /// A determinant below this share of its largest term is zero: the two modes are one.
@@ -176,13 +177,7 @@ pub fn orientational_spread(network: &Network, positions: &[f64]) -> f64 {
 /// does not turn.
 pub fn spread_of_magnitudes(positions: &[f64]) -> f64 {
     let magnitudes: Vec<f64> = angles(positions).map(f64::abs).collect();
-    let count = magnitudes.len() as f64;
-    let mean = magnitudes.iter().sum::<f64>() / count;
-    let mut squares = 0.0;
-    for magnitude in magnitudes {
-        squares += (magnitude - mean).powi(2);
-    }
-    (squares / count).sqrt()
+    RunningMoments::in_two_passes(&magnitudes).root_mean_square_deviation()
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ use crate::lattice::contact::layout::Layout;
 use crate::lattice::{Corner, Network};
 use crate::{CrystalError, Result};
 use nalgebra::{Matrix2, Vector2};
+use protomer_kernel::statistics::jackknife_error;
 use serde::{Deserialize, Serialize};
 
 /// A determinant below this share of the squared trace means that the points lie on one line.
@@ -213,12 +214,16 @@ pub fn poisson_ratio(strains: &[[f64; 2]], blocks: usize) -> Result<PoissonRatio
         let left_out = Sums::of(&strains[range], origin);
         without.push(all.less(&left_out).ratios());
     }
+    let error = |which: usize| {
+        let ratios: Vec<f64> = without.iter().map(|ratios| ratios[which]).collect();
+        jackknife_error(&ratios).unwrap_or(f64::NAN)
+    };
     let [ratio_xy, ratio_yx] = all.ratios();
     Ok(PoissonRatio {
         xy: ratio_xy,
-        xy_error: jackknife_error(&without, 0),
+        xy_error: error(0),
         yx: ratio_yx,
-        yx_error: jackknife_error(&without, 1),
+        yx_error: error(1),
         r_squared: xy * xy / (xx * yy),
         samples,
     })
@@ -234,23 +239,13 @@ fn mean_strain(strains: &[[f64; 2]]) -> [f64; 2] {
     [x / count, y / count]
 }
 
-/// The jackknife: variance (B - 1)/B Σ (estimate without a block - their mean)².
-fn jackknife_error(without: &[[f64; 2]], which: usize) -> f64 {
-    let blocks = without.len() as f64;
-    let mean = without.iter().map(|ratios| ratios[which]).sum::<f64>() / blocks;
-    let mut squares = 0.0;
-    for ratios in without {
-        squares += (ratios[which] - mean).powi(2);
-    }
-    (squares * (blocks - 1.0) / blocks).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::lattice::{Edges, Square, State};
     use protomer_kernel::random::CounterRng;
+    use protomer_kernel::statistics::RunningMoments;
     use std::f64::consts::FRAC_PI_4;
 
     #[test]
@@ -356,10 +351,8 @@ mod tests {
     }
 
     fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares = values.iter().map(|value| (value - mean).powi(2));
-        (mean, (squares.sum::<f64>() / (count - 1.0)).sqrt())
+        let moments = RunningMoments::in_two_passes(values);
+        (moments.mean(), moments.standard_deviation())
     }
 
     /// Slope of the long axis of a cloud: what total least squares takes for -ν.

@@ -22,6 +22,7 @@
 use crate::error::{CrystalError, Result, require};
 use crate::lattice::{Network, state};
 use nalgebra::{Complex, DMatrix, DVector};
+use protomer_kernel::statistics::RunningMoments;
 use serde::{Deserialize, Serialize};
 
 /// Eigenvalues below this many roundings per square of the largest are zero.
@@ -68,16 +69,7 @@ pub fn largest_phase_difference(angles: &[f64]) -> f64 {
 /// assert!((root_mean_square_difference(&[0.1, 0.4]) - 0.3).abs() < 1e-15);
 /// ```
 pub fn root_mean_square_difference(angles: &[f64]) -> f64 {
-    let count = angles.len() as f64;
-    if count <= 1.0 {
-        return 0.0;
-    }
-    let mean = angles.iter().sum::<f64>() / count;
-    let mut squares = 0.0;
-    for angle in angles {
-        squares += (angle - mean).powi(2);
-    }
-    (2.0 * squares / (count - 1.0)).sqrt()
+    (2.0 * RunningMoments::in_two_passes(angles).variance()).sqrt()
 }
 
 /// Averages exp i(θ_a - θ_b) over a trajectory sample by sample, in constant memory.

@@ -20,7 +20,8 @@
 //! denominator of the first; loading along 1 stretches only the inclined ribs, so that ν12 = cot θ
 //! X1/X2. Where ribs hinge and stretch, compliances add (eqs. 16, 20), which is exact for this model.
 
-use serde::Serialize;
+use protomer_kernel::null;
+use serde::{Deserialize, Serialize};
 
 /// The lengths, angle and stiffnesses of a honeycomb.
 ///
@@ -54,17 +55,22 @@ pub struct Honeycomb {
 }
 
 /// Moduli along the two axes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AxialModuli {
     /// E_1 = E_y, GPa.
+    #[serde(deserialize_with = "null::as_nan")]
     pub e_y_gpa: f64,
     /// E_2 = E_z, GPa.
+    #[serde(deserialize_with = "null::as_nan")]
     pub e_z_gpa: f64,
     /// ν_12 = ν_yz.
+    #[serde(deserialize_with = "null::as_nan")]
     pub nu_yz: f64,
     /// ν_21 = ν_zy.
+    #[serde(deserialize_with = "null::as_nan")]
     pub nu_zy: f64,
     /// G_12 = G_yz, GPa.
+    #[serde(deserialize_with = "null::as_nan")]
     pub g_yz_gpa: f64,
 }
 

@@ -14,7 +14,7 @@ use super::model::Framework;
 use super::relaxation::relax_nodes;
 use crate::Result;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::SQRT_2;
 
 /// A relaxed stiffness below this part of the largest clamped one is zero.
@@ -53,7 +53,7 @@ pub struct Elasticity {
 }
 
 /// A strain that costs nothing.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Mechanism {
     /// The strain, largest component ±1, in the order of the [module](super).
     pub strain: Vec<f64>,
@@ -62,7 +62,7 @@ pub struct Mechanism {
 }
 
 /// Maxwell's count: coordinates against springs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MaxwellCount {
     /// Node coordinates and strains, less translations.
     pub freedoms: usize,
@@ -98,7 +98,9 @@ impl Elasticity {
         let d = energy.derivatives(configuration);
         let clamped = clamped_stiffness(dimension, &d);
         let relaxation = relax_nodes(energy, configuration, &d)?;
+        // What the nodes' own relaxation gives back.
         let mut relaxed = &clamped - d.mixed.transpose() * relaxation.response;
+        // Rounding of the response is not symmetric.
         relaxed = 0.5 * (&relaxed + relaxed.transpose());
         Ok(Self {
             dimension,
@@ -181,14 +183,15 @@ fn product_at(x: &[[f64; 3]; 3], y: &[[f64; 3]; 3], i: usize, j: usize) -> f64 {
     (0..3).map(|k| x[i][k] * y[k][j]).sum()
 }
 
-/// Strains whose relaxed stiffness is zero beside the largest clamped one, in an orthogonal basis
-/// of such strains.
+/// Strains whose relaxed stiffness is zero compared with the largest clamped one, in an orthogonal
+/// basis of such strains.
 fn mechanisms(dimension: usize, relaxed: &DMatrix<f64>, clamped: &DMatrix<f64>) -> Vec<Mechanism> {
     // In the basis where shear counts √2 ε, lengths of strains do not depend on the axes.
     let weight = DVector::from_fn(relaxed.nrows(), |index, _| {
         let (i, j) = strain_axes(dimension, index);
         if i == j { 1.0 } else { SQRT_2 }
     });
+    // Clamped constants set the scale: relaxed ones may all be zero.
     let largest = SymmetricEigen::new(weighted(clamped, &weight))
         .eigenvalues
         .amax();
@@ -196,6 +199,7 @@ fn mechanisms(dimension: usize, relaxed: &DMatrix<f64>, clamped: &DMatrix<f64>) 
     let mut mechanisms = Vec::new();
     for (index, value) in eigen.eigenvalues.iter().enumerate() {
         if *value <= ZERO_STIFFNESS * largest {
+            // Back from the basis in which shear counts √2.
             let strain = eigen.eigenvectors.column(index).component_mul(&weight);
             mechanisms.push(Mechanism {
                 strain: normalised(strain.as_slice()),
@@ -216,6 +220,7 @@ fn weighted(matrix: &DMatrix<f64>, weight: &DVector<f64>) -> DMatrix<f64> {
 fn normalised(strain: &[f64]) -> Vec<f64> {
     let mut most = 0.0_f64;
     for x in strain {
+        // Clearly larger only, so that of equals the first is chosen.
         if x.abs() > most.abs() + 1e-12 {
             most = *x;
         }

@@ -11,11 +11,11 @@
 
 pub use super::configuration::Configuration;
 use super::configuration::strained;
-use super::jet::Jet;
 use super::model::{Framework, Neighbour};
 use super::term::{Bond, Kind, Term};
 use crate::{CrystalError, Result};
 use nalgebra::DMatrix;
+use protomer_kernel::jet::Jet;
 use std::collections::HashMap;
 
 /// The energy of a network as a function of its nodes and cell. Rest lengths and angles "as built"
@@ -130,6 +130,7 @@ impl NetworkEnergy {
 
     /// Finds the places of the Hessian.
     fn lay_out(&mut self) {
+        // Diagonal blocks first, so that every node has one, also without terms.
         let mut layout = Layout::new(self.dimension);
         for node in 0..self.nodes {
             layout.block(node, node);
@@ -138,6 +139,7 @@ impl NetworkEnergy {
             let ends = term.ends();
             for row in &ends {
                 for column in &ends {
+                    // Lower triangle by nodes; the other half is not stored.
                     let block = (row >= column).then(|| layout.block(*row, *column));
                     term.blocks.push(block);
                 }
@@ -198,6 +200,7 @@ impl NetworkEnergy {
         for (i, x) in vector.iter_mut().enumerate().take(d) {
             *x = configuration.nodes_angstrom[d * bond.to + i]
                 - configuration.nodes_angstrom[d * bond.from + i];
+            // Images by whole cell vectors, which follow the strain as nodes do.
             for (count, row) in bond.image.iter().zip(&configuration.cell_angstrom) {
                 *x += f64::from(*count) * row[i];
             }
@@ -248,6 +251,7 @@ impl NetworkEnergy {
         sum.energy += local.value;
         for (p, bond) in term.bonds.iter().enumerate() {
             let d = self.dimension;
+            // ∂D/∂x is +1 at the end and -1 at the start of a bond.
             for i in 0..d {
                 sum.gradient[d * bond.to + i] += local.gradient[3 * p + i];
                 sum.gradient[d * bond.from + i] -= local.gradient[3 * p + i];
@@ -271,10 +275,12 @@ impl NetworkEnergy {
         let d = self.dimension;
         // B_a D and H B_a D over all vectors of the term.
         let strained_bonds: [f64; N] = flattened(&vectors.map(|vector| strained(d, a, &vector)));
+        // H times the strained bonds serves other strains and nodes alike.
         let pushed = local.hessian.map(|row| product(&row, &strained_bonds));
         for (g, change) in local.gradient.iter().zip(strained_bonds) {
             sum.strain_gradient[a] += g * change;
         }
+        // Symmetric: each pair once, written to both places.
         for b in 0..=a {
             let other: [f64; N] = flattened(&vectors.map(|vector| strained(d, b, &vector)));
             let second = product(&pushed, &other);
@@ -287,6 +293,7 @@ impl NetworkEnergy {
             let gradient = [0, 1, 2].map(|i| local.gradient[3 * p + i]);
             let strained_gradient = strained(d, a, &gradient);
             for i in 0..d {
+                // H B D + B g: the second term, as strains act on displaced nodes too.
                 let change = pushed[3 * p + i] + strained_gradient[i];
                 sum.mixed[(d * bond.to + i, a)] += change;
                 sum.mixed[(d * bond.from + i, a)] -= change;
@@ -303,10 +310,12 @@ impl NetworkEnergy {
                     continue;
                 };
                 let (p, q) = (row_end / 2, column_end / 2);
+                // Signs of both ends: +1 for two ends or two starts, -1 for one of each.
                 let same_sign = row_end % 2 == column_end % 2;
                 let sign = if same_sign { 1.0 } else { -1.0 };
                 let mut entry = start as usize;
                 for i in 0..d {
+                    // A diagonal block keeps its lower triangle only.
                     for j in 0..if row == column { i + 1 } else { d } {
                         hessian[entry] += sign * local.hessian[3 * p + i][3 * q + j];
                         entry += 1;

@@ -12,7 +12,6 @@
 //! | [`model`] | the network as data |
 //! | `check`, `supercell` | what is wrong with a network; the same network with a larger cell |
 //! | [`build`] | honeycombs, rotating squares and triangles, arrowheads, the rod lattice, FCC and diamond |
-//! | [`jet`] | numbers that carry their first and second derivatives |
 //! | `term` | one spring: its length or angle, and its energy with derivatives |
 //! | `configuration` | nodes and cell, and strains of them |
 //! | [`energy`] | energy, gradient and Hessian of a network |
@@ -36,7 +35,6 @@ mod check;
 mod configuration;
 pub mod elastic;
 pub mod energy;
-pub mod jet;
 pub mod load;
 pub mod model;
 pub mod moduli;

@@ -1,6 +1,6 @@
 //! One spring of a network: its length or angle, and its energy with derivatives.
 
-use super::jet::{Jet, cross, dot};
+use protomer_kernel::jet::{Jet, cross, dot};
 use std::f64::consts::{PI, TAU};
 
 /// Rest angles nearer to straight than this (rad) use the form that is smooth there.

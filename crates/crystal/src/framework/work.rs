@@ -5,14 +5,14 @@ use super::model::Framework;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Kind of stress, by the area to which it is referred.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum StressKind {
-    /// Force per area before loading (first Piola-Kirchhoff).
-    Nominal,
-    /// Force per area under load.
-    Cauchy,
+protomer_kernel::choices! {
+    /// Kind of stress, by the area to which it is referred.
+    pub enum StressKind {
+        /// Force per undeformed area (first Piola-Kirchhoff).
+        Nominal = "nominal",
+        /// Force per deformed area.
+        Cauchy = "cauchy",
+    }
 }
 
 /// A tension along an axis, and nothing across it.

@@ -86,14 +86,14 @@ impl Rod {
     }
 }
 
-/// Edges of a lattice: open or periodic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Edges {
-    /// Open edges, with nothing beyond them.
-    Open,
-    /// Periodic edges, with the opposite edge beyond each.
-    Periodic,
+protomer_kernel::choices! {
+    /// Edges of a lattice: open or periodic.
+    pub enum Edges {
+        /// Edges with nothing beyond them.
+        Open = "open",
+        /// Edges that continue at the opposite edge.
+        Periodic = "periodic",
+    }
 }
 
 /// Squares and the rods that join them.

@@ -32,30 +32,30 @@ const INSET_ANGSTROM: f64 = 2.0;
 /// Sites along an axis on which a charge is placed.
 const STENCIL: usize = 4;
 
-/// Measure of the outline from which the half-diagonal is taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Size {
-    /// The reach of the outline at the corners.
-    Corners,
-    /// The smallest square that holds the outline.
-    Outside,
-    /// The square with the area of the outline.
-    Area,
+protomer_kernel::choices! {
+    /// Measure of the outline from which the half-diagonal is taken.
+    pub enum Size {
+        /// The distance from the centre to the outline at the corners.
+        Corners = "corners",
+        /// Half-diagonal of the smallest square that contains the outline.
+        Outside = "outside",
+        /// Half-diagonal of the square with the area of the outline.
+        Area = "area",
+    }
 }
 
-/// The axis to look along.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Axis {
-    /// Found from the moments of inertia.
-    Auto,
-    /// The body's x axis.
-    X,
-    /// The body's y axis.
-    Y,
-    /// The body's z axis.
-    Z,
+protomer_kernel::choices! {
+    /// Axis of projection.
+    pub enum Axis {
+        /// The axis found from the moments of inertia.
+        Auto = "auto",
+        /// The body's x axis.
+        X = "x",
+        /// The body's y axis.
+        Y = "y",
+        /// The body's z axis.
+        Z = "z",
+    }
 }
 
 /// A body as the solid inside a mesh, with point charges.
@@ -126,13 +126,7 @@ impl BodySquare {
     /// use protomer_crystal::lattice::square_of_body::{Axis, BodySquare, Size, Solid};
     /// use protomer_kernel::{Vec3, mesh::TriangleMesh};
     /// // A cube with an edge of 10 Å.
-    /// let corner = |k: usize| Vec3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
-    /// let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    /// let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-    /// let mesh = TriangleMesh {
-    ///     vertices: (0..8).map(|k| 10.0 * corner(k)).collect(),
-    ///     triangles: faces.into_iter().flat_map(halves).collect(),
-    /// };
+    /// let mesh = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
     /// let mass_properties = mesh.mass_properties()?;
     /// let cube = Solid { mesh: &mesh, mass_properties: &mass_properties, charges: &[] };
     /// let square = BodySquare::of(&cube, Axis::Z, Size::Corners)?;
@@ -540,7 +534,8 @@ mod tests {
         assert!(largest < 8.0, "{largest}");
     }
 
-    /// The potential beside a square of a charge anywhere near that side, at 100 mM: as stated above.
+    /// The potential next to a square of a charge anywhere near that side, at 100 mM: as stated
+    /// above.
     #[test]
     fn the_potential_beside_a_square_is_that_of_its_charges() {
         let mut rng = CounterRng::new(12, 0, 0);

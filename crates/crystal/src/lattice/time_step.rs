@@ -28,7 +28,9 @@ const LONGEST_LEVER: f64 = 0.2;
 const LONGEST_STEP: f64 = 0.01;
 /// The largest relative change of the energy in a trial.
 const TRIAL_ERROR: f64 = 1e-3;
+/// Steps of a trial.
 const TRIAL_STEPS: u64 = 20;
+/// Largest number of times that the step is shortened, by about half.
 const MOST_HALVINGS: usize = 8;
 
 /// A time step for a run from this state under these forces at the temperature kT (0 without a heat
@@ -60,6 +62,7 @@ pub fn automatic_time_step(
     let rate = fastest_turning(&mut dynamics, state, kt);
     let mut step = round_down((TURN_PER_STEP / rate).min(LONGEST_STEP));
     for _ in 0..MOST_HALVINGS {
+        // A trial, as the bound from the energy misses squares that start to pull at their rods.
         if trial_error(&mut dynamics, state, step)? < TRIAL_ERROR {
             break;
         }
@@ -84,25 +87,33 @@ fn fastest_turning(dynamics: &mut Dynamics, state: &State, kt: f64) -> f64 {
         inertia += square.inertia;
         lightest = lightest.min(square.inertia);
     }
+    // All energy in the spins, equally shared, and kT for one square.
     let shared = (2.0 * most_energy / inertia + kt / lightest).sqrt();
     let mut lever = LONGEST_LEVER * largest;
     for rod in &network.rods {
         lever = lever.min(rod.length);
     }
+    // The corner of the largest square over the shortest rod.
     turning.max(spin.max(shared) * largest / lever)
 }
 
-/// Largest relative change of the energy in a few steps; infinite if one of them fails.
+/// Largest relative change of the energy in a few steps; infinite if one of them fails, or leaves an
+/// energy that is not a number.
 fn trial_error(dynamics: &mut Dynamics, first: &State, step: f64) -> Result<f64> {
     let mut state = first.clone();
     dynamics.prepare(&state)?;
     let start = energy(dynamics, &state);
     let mut largest = 0.0_f64;
     for _ in 0..TRIAL_STEPS {
+        // A step that fails counts as an infinite error: try a shorter one.
         if dynamics.step(&mut state, step).is_err() {
             return Ok(f64::INFINITY);
         }
-        largest = largest.max((energy(dynamics, &state) - start).abs());
+        let change = (energy(dynamics, &state) - start).abs();
+        if change.is_nan() {
+            return Ok(f64::INFINITY);
+        }
+        largest = largest.max(change);
     }
     Ok(if start > 0.0 { largest / start } else { 0.0 })
 }
@@ -133,8 +144,43 @@ fn round_down(step: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use crate::lattice::{Plan, Start, StartVelocities};
+
+    /// A force whose energy is a number only where the first square has this angle.
+    struct OnlyAt(f64);
+
+    impl Force for OnlyAt {
+        fn accelerate(&self, _: &Network, positions: &[f64], _: &mut [f64]) -> f64 {
+            if positions[2] == self.0 {
+                1.0
+            } else {
+                f64::NAN
+            }
+        }
+    }
+
+    #[test]
+    fn a_trial_whose_energy_is_no_number_fails() {
+        let plan = Plan {
+            rows: 2,
+            columns: 2,
+            rod_length: 1.0,
+            ..Plan::default()
+        };
+        let network = plan.network().unwrap();
+        let start = Start {
+            velocities: StartVelocities::Checkerboard { rate: 1.0 },
+            ..Start::default()
+        };
+        let state = start.build(&network, 0).unwrap().state;
+        let force = OnlyAt(state.positions[2]);
+        let mut dynamics = Dynamics::new(Arc::new(network), vec![Box::new(force)], &state).unwrap();
+        let error = trial_error(&mut dynamics, &state, 1e-4).unwrap();
+        assert_eq!(error, f64::INFINITY);
+    }
 
     #[test]
     fn steps_are_round() {

@@ -2,7 +2,7 @@
 
 use crate::common;
 
-use common::{drawn_start, lattice, two_squares};
+use common::{drawn_start, lattice, one_square, two_squares};
 use protomer_crystal::Result;
 use protomer_crystal::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
@@ -12,22 +12,10 @@ use protomer_crystal::analysis::strain::{
 };
 use protomer_crystal::analysis::synchronisation::{Synchronisation, angles, staggered};
 use protomer_crystal::lattice::{
-    Coherence, CollisionSettings, Dynamics, Engine, Force, Network, Square, Start, StartVelocities,
-    State,
+    Coherence, CollisionSettings, Dynamics, Engine, Force, Network, Start, StartVelocities, State,
 };
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::sync::Arc;
-
-fn one_square() -> Network {
-    Network {
-        rows: 1,
-        columns: 1,
-        squares: vec![Square::default()],
-        rods: Vec::new(),
-        cell: None,
-        places: None,
-    }
-}
 
 /// The cat map, (x, y) → (2x + y, x + y) mod 1, has λ = ln((3 + √5)/2) everywhere.
 #[test]

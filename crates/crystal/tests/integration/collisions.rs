@@ -2,7 +2,8 @@
 
 use crate::common;
 
-use common::{lattice, random_start};
+use common::brute_force::{corner, cut_squares, smallest_height};
+use common::{engine, lattice, random_start};
 use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::collision::detection::Detector;
 use protomer_crystal::lattice::collision::lcp;
@@ -13,7 +14,7 @@ use protomer_crystal::lattice::{
     CollisionSettings, Contact, Corner, Dynamics, Edges, Engine, Network, Square, State,
 };
 use protomer_kernel::random::CounterRng;
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI, SQRT_2};
+use std::f64::consts::{FRAC_PI_4, PI, SQRT_2};
 use std::sync::Arc;
 
 /// Squares without rods.
@@ -26,85 +27,6 @@ fn loose(count: usize, cell: Option<[f64; 2]>) -> Network {
         cell,
         places: None,
     }
-}
-
-fn corners(positions: &[f64], square: usize) -> [[f64; 2]; 4] {
-    let s = &positions[3 * square..3 * square + 3];
-    [45.0_f64, 135.0, 225.0, 315.0].map(|degrees| {
-        let angle = s[2] + degrees.to_radians();
-        [s[0] + angle.cos(), s[1] + angle.sin()]
-    })
-}
-
-fn corner(positions: &[f64], corner: Corner) -> [f64; 2] {
-    let degrees = [135.0_f64, 45.0, 225.0, -45.0][usize::from(corner.vertex) - 1];
-    let s = &positions[3 * corner.square..3 * corner.square + 3];
-    let angle = s[2] + degrees.to_radians();
-    [s[0] + angle.cos(), s[1] + angle.sin()]
-}
-
-/// Eq. 13 of the paper, over √2 l: how far a point is outside a square.
-fn outside(point: [f64; 2], positions: &[f64], square: usize) -> f64 {
-    let s = &positions[3 * square..3 * square + 3];
-    let (x, y) = (point[0] - s[0], point[1] - s[1]);
-    let (sine, cosine) = s[2].sin_cos();
-    (cosine * x + sine * y)
-        .abs()
-        .max((cosine * y - sine * x).abs())
-        - FRAC_1_SQRT_2
-}
-
-/// How much of a segment lies inside a square, as a share of its length: by clipping.
-fn share_inside(a: [f64; 2], b: [f64; 2], positions: &[f64], square: usize, margin: f64) -> f64 {
-    let s = &positions[3 * square..3 * square + 3];
-    let (sine, cosine) = s[2].sin_cos();
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    for axis in [
-        [cosine, sine],
-        [-sine, cosine],
-        [-cosine, -sine],
-        [sine, -cosine],
-    ] {
-        let height = |p: [f64; 2]| {
-            axis[0] * (p[0] - s[0]) + axis[1] * (p[1] - s[1]) - (FRAC_1_SQRT_2 - margin)
-        };
-        let (ha, hb) = (height(a), height(b));
-        if ha > 0.0 && hb > 0.0 {
-            return 0.0;
-        } else if ha > 0.0 {
-            from = from.max(ha / (ha - hb));
-        } else if hb > 0.0 {
-            to = to.min(ha / (ha - hb));
-        }
-    }
-    (to - from).max(0.0)
-}
-
-/// The deepest corner of any square in any other.
-fn smallest_height(network: &Network, positions: &[f64]) -> f64 {
-    let mut smallest = f64::INFINITY;
-    for p in 0..network.squares.len() {
-        for q in (0..network.squares.len()).filter(|q| *q != p) {
-            for corner in corners(positions, p) {
-                smallest = smallest.min(outside(corner, positions, q));
-            }
-        }
-    }
-    smallest
-}
-
-/// Rods that run through squares, their own included.
-fn cut_squares(network: &Network, positions: &[f64]) -> Vec<(usize, usize)> {
-    let mut cuts = Vec::new();
-    for (index, rod) in network.rods.iter().enumerate() {
-        let (a, b) = (corner(positions, rod.from), corner(positions, rod.to));
-        for p in 0..network.squares.len() {
-            if share_inside(a, b, positions, p, 1e-8) > 1e-6 {
-                cuts.push((index, p));
-            }
-        }
-    }
-    cuts
 }
 
 #[test]
@@ -448,13 +370,7 @@ fn two_free_squares_keep_energy_and_momenta() {
             state.momentum(&network),
             state.angular_momentum(&network),
         );
-        let mut engine = Engine::new(
-            network.clone(),
-            Vec::new(),
-            &state,
-            CollisionSettings::default(),
-        )
-        .unwrap();
+        let mut engine = engine(&network, &state);
         for _ in 0..300 {
             engine.step(&mut state, 0.02).unwrap();
         }
@@ -490,13 +406,7 @@ fn squares_in_a_periodic_cell_collide_with_images() {
         velocities: (0..12).map(|_| rng.uniform_in(-1.0, 1.0)).collect(),
     };
     let energy = state.kinetic_energy(&network);
-    let mut engine = Engine::new(
-        network.clone(),
-        Vec::new(),
-        &state,
-        CollisionSettings::default(),
-    )
-    .unwrap();
+    let mut engine = engine(&network, &state);
     for step in 0..8000 {
         engine.step(&mut state, 0.01).unwrap();
         if step % 50 == 0 {
@@ -641,13 +551,7 @@ fn long_runs_keep_squares_apart_and_rods_exact() {
         for seed in 1..=3 {
             let network = lattice(size, 3.0 / 22.0);
             let mut state = random_start(&network, seed);
-            let mut engine = Engine::new(
-                network.clone(),
-                Vec::new(),
-                &state,
-                CollisionSettings::default(),
-            )
-            .unwrap();
+            let mut engine = engine(&network, &state);
             let energy = state.kinetic_energy(&network);
             let mut worst = 0.0_f64;
             for index in 0..steps {
@@ -716,15 +620,7 @@ fn a_run_taken_up_again_goes_on_as_if_nothing_had_been() {
     for r0 in [3.0 / 22.0, 2.0] {
         let network = lattice(4, r0);
         let mut whole = random_start(&network, 9);
-        let start = |state: &State| {
-            Engine::new(
-                network.clone(),
-                Vec::new(),
-                state,
-                CollisionSettings::default(),
-            )
-            .unwrap()
-        };
+        let start = |state: &State| engine(&network, state);
         let mut engine = start(&whole);
         for _ in 0..700 {
             engine.step(&mut whole, 0.005).unwrap();
@@ -760,13 +656,7 @@ fn a_periodic_lattice_collides_across_its_edges() {
     }
     let mut dynamics = Dynamics::new(network.clone(), Vec::new(), &state).unwrap();
     dynamics.project_velocities(&mut state.velocities);
-    let mut engine = Engine::new(
-        network.clone(),
-        Vec::new(),
-        &state,
-        CollisionSettings::default(),
-    )
-    .unwrap();
+    let mut engine = engine(&network, &state);
     let energy = state.kinetic_energy(&network);
     let cell = network.cell.unwrap();
     for step in 0..4000 {
@@ -807,13 +697,7 @@ fn trajectories_through_collisions_converge_to_second_order() {
             .iter()
             .map(|finer| {
                 let mut state = random_start(&network, seed);
-                let mut engine = Engine::new(
-                    network.clone(),
-                    Vec::new(),
-                    &state,
-                    CollisionSettings::default(),
-                )
-                .unwrap();
+                let mut engine = engine(&network, &state);
                 let steps = 2000 * finer;
                 for _ in 0..steps {
                     engine.step(&mut state, until / f64::from(steps)).unwrap();

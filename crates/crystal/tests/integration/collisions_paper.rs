@@ -2,10 +2,10 @@
 
 use crate::common;
 
-use common::{lattice, random_start};
+use common::{engine, lattice, random_start};
 use protomer_crystal::lattice::paper::ansatz::Ansatz;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings, printed_normal};
-use protomer_crystal::lattice::{CollisionSettings, Corner, Dynamics, Engine};
+use protomer_crystal::lattice::{Corner, Dynamics};
 
 #[test]
 fn the_ansatz_is_singular_from_four_on_and_misses_rods_at_third_order() {
@@ -101,8 +101,7 @@ fn the_protocol_leaves_overlaps_and_the_engine_does_not() {
         }
     }
     let mut state = random_start(&network, 1);
-    let mut engine =
-        Engine::new(network, Vec::new(), &state, CollisionSettings::default()).unwrap();
+    let mut engine = engine(&network, &state);
     for _ in 0..300 {
         engine.step(&mut state, 0.01).unwrap();
     }
@@ -123,7 +122,7 @@ fn single_contacts_agree_with_the_engine() {
         PaperSettings { ansatz: false },
     )
     .unwrap();
-    let mut engine = Engine::new(network, Vec::new(), &b, CollisionSettings::default()).unwrap();
+    let mut engine = engine(&network, &b);
     while engine.statistics().impacts < 3 {
         paper.step(&mut a, 0.01).unwrap();
         engine.step(&mut b, 0.01).unwrap();

@@ -6,35 +6,7 @@ use serde_json::Value;
 use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 
-use crate::test_data;
-
-fn references() -> Vec<(String, Value)> {
-    let folder = test_data::test_data("reference/lattice");
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut files: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == "json")
-    });
-    files.sort();
-    let read = |path: std::path::PathBuf| {
-        let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
-        (
-            name,
-            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap(),
-        )
-    };
-    files.into_iter().map(read).collect()
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|x| x.as_f64().unwrap())
-        .collect()
-}
+use crate::common::references::{numbers, references};
 
 fn contacts(value: &Value) -> Vec<[usize; 3]> {
     let triple = |x: &Value| [0, 1, 2].map(|place| x[place].as_u64().unwrap() as usize);

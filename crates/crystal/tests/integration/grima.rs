@@ -1,30 +1,22 @@
 //! The dynamics against the coherent orbit, which is known exactly.
 
+use crate::common::lattice;
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::{Modes, orientational_spread};
 use protomer_crystal::lattice::{
-    Coherence, Dynamics, Edges, Force, Network, Square, Start, StartVelocities, State,
+    Coherence, Dynamics, Force, Network, Square, Start, StartVelocities, State,
 };
-use std::f64::consts::FRAC_PI_4;
 use std::sync::Arc;
 
 fn start(size: usize, rod_length: f64, angle: f64, rate: f64) -> (Arc<Network>, State) {
-    let network = Network::lattice(
-        size,
-        size,
-        rod_length,
-        Square::default(),
-        Edges::Open,
-        FRAC_PI_4,
-    )
-    .unwrap();
+    let network = lattice(size, rod_length);
     let start = Start {
         angle,
         velocities: StartVelocities::Checkerboard { rate },
         ..Start::default()
     };
     let state = start.build(&network, 0).unwrap().state;
-    (Arc::new(network), state)
+    (network, state)
 }
 
 /// The largest distance of θ_c from the orbit in a time, and the largest spread about the coherent
@@ -84,6 +76,7 @@ fn four_by_four_approaches_the_orbit_as_coherence_is_enforced() {
     }
 }
 
+use crate::common::references::numbers;
 use crate::test_data;
 
 #[test]
@@ -93,14 +86,6 @@ fn contact_times_and_velocities_are_those_computed_elsewhere() {
     for name in ["grima2_r0.05", "grima2_r0.1364", "grima2_r1"] {
         let text = std::fs::read(folder.join(format!("{name}.json"))).unwrap();
         let reference: serde_json::Value = serde_json::from_slice(&text).unwrap();
-        let numbers = |value: &serde_json::Value| -> Vec<f64> {
-            value
-                .as_array()
-                .unwrap()
-                .iter()
-                .map(|x| x.as_f64().unwrap())
-                .collect()
-        };
         let rod_length = reference["r0"].as_f64().unwrap();
         let (angles, rates) = (numbers(&reference["s0"]), numbers(&reference["v0"]));
         let orbit =

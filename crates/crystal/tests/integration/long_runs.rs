@@ -2,15 +2,16 @@
 
 use crate::common;
 
-use common::{drawn_start, lattice};
+use common::brute_force::{cut_squares, smallest_height};
+use common::{drawn_start, engine, lattice};
 use protomer_crystal::analysis::grima::{CoherentOrbit, smallest_angle};
 use protomer_crystal::analysis::modes::Modes;
 use protomer_crystal::lattice::collision::replay::first_contact;
 use protomer_crystal::lattice::paper::{PaperEngine, PaperSettings};
 use protomer_crystal::lattice::{
-    CollisionSettings, Corner, Dynamics, Engine, Network, Square, Start, StartVelocities,
+    CollisionSettings, Dynamics, Engine, Square, Start, StartVelocities,
 };
-use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
+use std::f64::consts::FRAC_PI_4;
 
 /// Processor time of this thread in seconds, where the system tells.
 fn thread_seconds() -> f64 {
@@ -19,76 +20,6 @@ fn thread_seconds() -> f64 {
         .next()
         .and_then(|word| word.parse::<f64>().ok())
         .map_or(f64::NAN, |count| 1e-9 * count)
-}
-
-fn corner(positions: &[f64], corner: Corner) -> [f64; 2] {
-    let degrees = [135.0_f64, 45.0, 225.0, -45.0][usize::from(corner.vertex) - 1];
-    let s = &positions[3 * corner.square..3 * corner.square + 3];
-    let angle = s[2] + degrees.to_radians();
-    [s[0] + angle.cos(), s[1] + angle.sin()]
-}
-
-/// The deepest corner of any square in any other, eq. 13 of the paper over √2 l: positive if there
-/// is none.
-fn smallest_height(network: &Network, positions: &[f64]) -> f64 {
-    let mut smallest = f64::INFINITY;
-    for striker in 0..network.squares.len() {
-        for target in (0..network.squares.len()).filter(|target| *target != striker) {
-            let s = &positions[3 * target..3 * target + 3];
-            let (sine, cosine) = s[2].sin_cos();
-            for vertex in 1..=4 {
-                let point = corner(
-                    positions,
-                    Corner {
-                        square: striker,
-                        vertex,
-                    },
-                );
-                let (x, y) = (point[0] - s[0], point[1] - s[1]);
-                let height = (cosine * x + sine * y)
-                    .abs()
-                    .max((cosine * y - sine * x).abs())
-                    - FRAC_1_SQRT_2;
-                smallest = smallest.min(height);
-            }
-        }
-    }
-    smallest
-}
-
-/// Rods that run through squares, their own included: the share of a rod inside, by clipping at the
-/// four sides.
-fn cut_squares(network: &Network, positions: &[f64]) -> Vec<(usize, usize)> {
-    let mut cuts = Vec::new();
-    for (index, rod) in network.rods.iter().enumerate() {
-        let (a, b) = (corner(positions, rod.from), corner(positions, rod.to));
-        for square in 0..network.squares.len() {
-            let s = &positions[3 * square..3 * square + 3];
-            let (sine, cosine) = s[2].sin_cos();
-            let (mut from, mut to) = (0.0_f64, 1.0_f64);
-            for axis in [
-                [cosine, sine],
-                [-sine, cosine],
-                [-cosine, -sine],
-                [sine, -cosine],
-            ] {
-                let outside = |p: [f64; 2]| {
-                    axis[0] * (p[0] - s[0]) + axis[1] * (p[1] - s[1]) - FRAC_1_SQRT_2 + 1e-8
-                };
-                let (x, y) = (outside(a), outside(b));
-                match (x > 0.0, y > 0.0) {
-                    (true, true) => to = -1.0,
-                    (true, false) => from = from.max(x / (x - y)),
-                    (false, true) => to = to.min(x / (x - y)),
-                    (false, false) => {}
-                }
-            }
-            if to - from > 1e-6 {
-                cuts.push((index, square));
-            }
-        }
-    }
-    cuts
 }
 
 const STEPS: usize = 100_000;
@@ -253,13 +184,7 @@ fn coherent_two_by_two_follows_the_exact_orbit_through_contacts() {
         let orbit = CoherentOrbit::new(2, 2, Square::default(), r0, FRAC_PI_4, -1.0).unwrap();
         let errors = [0.01, 0.005, 0.0025].map(|step| {
             let mut state = start.clone();
-            let mut engine = Engine::new(
-                network.clone(),
-                Vec::new(),
-                &state,
-                CollisionSettings::default(),
-            )
-            .unwrap();
+            let mut engine = engine(&network, &state);
             let mut worst = [0.0_f64; 2];
             for _ in 0..(10.0 / step) as usize {
                 engine.step(&mut state, step).unwrap();

@@ -2,39 +2,14 @@
 
 use protomer_crystal::lattice::{Coherence, Dynamics, Edges, Network, Square, State};
 use std::f64::consts::FRAC_PI_4;
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::test_data;
-
-fn files() -> Vec<PathBuf> {
-    let folder = test_data::test_data("reference/lattice");
-    let entries = std::fs::read_dir(folder).unwrap();
-    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
-    files.retain(|path| {
-        path.extension()
-            .is_some_and(|extension| extension == "json")
-    });
-    files.sort();
-    files
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    value
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|x| x.as_f64().unwrap())
-        .collect()
-}
+use crate::common::references::{numbers, references};
 
 #[test]
 #[ignore = "needs PROTOMER_TEST_DATA: reference/lattice"]
 fn trajectories_are_followed_to_second_order() {
-    for file in files() {
-        let reference: serde_json::Value =
-            serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
-        let name = file.file_stem().unwrap().to_str().unwrap();
+    for (name, reference) in references() {
         let size = reference["ns"].as_u64().unwrap() as usize;
         let r0 = reference["r0"].as_f64().unwrap();
         let network = Arc::new(

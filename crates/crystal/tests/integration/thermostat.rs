@@ -2,12 +2,11 @@
 
 use crate::common;
 
-use common::{drawn_start, lattice, two_squares};
+use common::{drawn_start, engine, lattice, one_square, two_squares};
 use nalgebra::{DMatrix, DVector};
 use protomer_crystal::lattice::pair::{ScreenedCharges, SquareCharge, pairs_within, rings};
 use protomer_crystal::lattice::{
-    CollisionSettings, Corner, Drag, Dynamics, Edges, Engine, Force, Langevin, Network, Rod,
-    Square, Start, State,
+    Corner, Drag, Dynamics, Edges, Force, Langevin, Network, Rod, Square, Start, State,
 };
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::statistics::summarize;
@@ -42,17 +41,9 @@ impl Force for Alignment {
     }
 }
 
-fn one_square() -> (Arc<Network>, State) {
-    let network = Network {
-        rows: 1,
-        columns: 1,
-        squares: vec![Square::default()],
-        rods: Vec::new(),
-        cell: None,
-        places: None,
-    };
+fn free_square() -> (Arc<Network>, State) {
     (
-        Arc::new(network),
+        Arc::new(one_square()),
         State {
             time: 0.0,
             positions: vec![0.0; 3],
@@ -63,7 +54,7 @@ fn one_square() -> (Arc<Network>, State) {
 
 #[test]
 fn drag_without_forces_is_exact_and_takes_momentum_evenly() {
-    let (network, mut state) = one_square();
+    let (network, mut state) = free_square();
     state.velocities = vec![1.0, -2.0, 3.0];
     let mut dynamics = Dynamics::new(network, Vec::new(), &state).unwrap();
     let drag = Drag::uniform(0.7).unwrap();
@@ -126,7 +117,7 @@ fn drag_is_of_second_order() {
 #[test]
 fn a_harmonic_oscillator_has_the_known_error_of_second_order() {
     for (step, seed) in [(1.0f64, 3), (0.5, 4)] {
-        let (network, mut state) = one_square();
+        let (network, mut state) = free_square();
         let mut dynamics = Dynamics::new(network, vec![Box::new(Spring(1.0))], &state).unwrap();
         let langevin = Langevin::new(0.6, 1.5, seed, 0).unwrap();
         let (mut positions, mut velocities) = (Vec::new(), Vec::new());
@@ -189,13 +180,7 @@ fn kinetic_energy_is_half_kt_per_degree_of_freedom() {
 fn kinetic_energy_is_the_same_with_collisions() {
     let network = lattice(2, 0.5);
     let mut state = Start::default().build(&network, 0).unwrap().state;
-    let mut engine = Engine::new(
-        network.clone(),
-        Vec::new(),
-        &state,
-        CollisionSettings::default(),
-    )
-    .unwrap();
+    let mut engine = engine(&network, &state);
     let langevin = Langevin::new(0.05, 1.0, 13, 0).unwrap();
     langevin.draw_velocities(engine.dynamics(), &mut state);
     let mut energies = Vec::new();

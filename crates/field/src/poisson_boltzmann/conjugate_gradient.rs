@@ -2,7 +2,7 @@
 //! 409 (1952)), in single precision, within refinement in double precision.
 //!
 //! Single precision halves what is read and written. It carries the residual along to some 10⁻⁶ of its
-//! start, so after a reduction to [`BEST_REDUCTION`] it is computed anew in double precision, and
+//! start, so after a reduction to [`BEST_REDUCTION`] it is computed again in double precision, and
 //! conjugate gradients start again from there (iterative refinement; Wilkinson, *Rounding Errors in
 //! Algebraic Processes*, 1963).
 
@@ -14,11 +14,14 @@ use rayon::prelude::*;
 
 /// Iterations after which the solver gives up.
 const MOST_ITERATIONS: usize = 300;
-/// The residual is computed anew after it has become this part of what it was.
+/// The residual is computed again after it has become this part of what it was.
 const BEST_REDUCTION: f64 = 1e-4;
 
 /// Solves A x = b on the inner points, where x is zero; its values on the faces stay as they are. Returns
 /// the iterations made.
+///
+/// # Errors
+/// [`FieldError::NotConverged`] after too many iterations, and for a residual that is not finite.
 pub(super) fn solve(
     a: &Operator,
     b: &[f64],
@@ -30,17 +33,27 @@ pub(super) fn solve(
     let start = norm;
     let goal = relative_tolerance * start;
     while norm > goal {
+        // Single precision carries the residual no further than this.
         let least = BEST_REDUCTION * norm;
         norm = solver.improve(x, norm, goal.max(least));
+        // A goal that is met in the last iteration is no failure.
         if solver.iterations >= MOST_ITERATIONS && norm > goal {
             return Err(FieldError::NotConverged {
                 iterations: MOST_ITERATIONS,
                 relative_residual: norm / start,
             });
         }
+        // The goal was below what single precision can carry: the true residual decides.
         if goal < least {
             norm = solver.find_residual(b, x);
         }
+    }
+    // NaN is not above the goal, and infinity is not above itself.
+    if !norm.is_finite() {
+        return Err(FieldError::NotConverged {
+            iterations: solver.iterations,
+            relative_residual: norm / start,
+        });
     }
     Ok(solver.iterations)
 }
@@ -76,6 +89,7 @@ impl<'a> Solver<'a> {
     /// Finds the residual b - A x on the inner points, and returns its norm.
     fn find_residual(&mut self, b: &[f64], x: &[f64]) -> f64 {
         let residual = self.preconditioner.right();
+        // In double precision and rounded once: its relative error is that of a single number.
         self.a.residual(x, b, residual);
         dot(residual, residual).sqrt()
     }
@@ -83,6 +97,7 @@ impl<'a> Solver<'a> {
     /// Improves x until the norm of the residual, now this, is at most `goal`, or too many iterations
     /// have been made. Returns the norm then.
     fn improve(&mut self, x: &mut [f64], norm: f64, goal: f64) -> f64 {
+        // The first β is rz/∞ = 0: the direction starts as z.
         let (mut norm, mut rz) = (norm, f64::INFINITY);
         self.direction.fill(0.0);
         while norm > goal && self.iterations < MOST_ITERATIONS {
@@ -90,10 +105,13 @@ impl<'a> Solver<'a> {
             let (r, z) = self.preconditioner.apply();
             let before = rz;
             rz = dot(r, z);
+            // β = (r·z)/(r·z before): Fletcher and Reeves, as A and the cycle are symmetric.
             set_direction(&mut self.direction, (rz / before) as f32, z);
             let curvature = self.a.apply(&self.direction, &mut self.product);
+            // x in double precision: corrections of later rounds are small against it.
             let step = rz / curvature;
             add_scaled(x, step, &self.direction);
+            // One pass: the residual and its norm.
             norm = subtract_scaled(self.preconditioner.right(), step as f32, &self.product).sqrt();
         }
         norm
@@ -204,5 +222,18 @@ mod tests {
         let b: Vec<f64> = (0..count).map(|_| rng.uniform_in(-1.0, 1.0)).collect();
         let error = solve(&a, &b, &mut vec![0.0; count], 1e-25).unwrap_err();
         assert!(matches!(error, FieldError::NotConverged { .. }), "{error}");
+    }
+
+    /// The second number is infinite in single precision.
+    #[test]
+    fn sources_that_are_not_finite_are_an_error() {
+        let (shape, count) = ([9; 3], 729);
+        let a = Operator::new(shape, [0; 3].map(|_| vec![80.0; count]), vec![0.0; count]);
+        for wrong in [f64::NAN, 1e300] {
+            let mut b = vec![0.0; count];
+            b[count / 2] = wrong;
+            let error = solve(&a, &b, &mut vec![0.0; count], 1e-6).unwrap_err();
+            assert!(matches!(error, FieldError::NotConverged { .. }), "{error}");
+        }
     }
 }

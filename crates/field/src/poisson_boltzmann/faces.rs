@@ -3,15 +3,15 @@
 //! The sum over screened atoms is smooth there: no charge is nearer than the margin. Faces are cut
 //! into patches whose half edge is 0.6 of their distance d from the nearest charge. On a patch with more
 //! than 7 x 7 points the sum is taken at 7 x 7 Chebyshev points and interpolated, which leaves some
-//! ρ⁻⁷ = 1.3 · 10⁻⁴ of what the nearest charges contribute (`chebyshev`, with ρ = 5/3 + √(1 + 25/9)). Far
-//! charges are seen as clusters (`charge_tree`), and sums are taken in single precision
-//! (`screened_sum`). In the tests, with random charges that largely cancel, the error stays below
-//! 3 · 10⁻⁴ of the largest potential on the faces.
+//! ρ⁻⁷ = 1.3 · 10⁻⁴ of what the nearest charges contribute ([`protomer_kernel::chebyshev`], with
+//! ρ = 5/3 + √(1 + 25/9)). Far charges are seen as clusters (`charge_tree`), and sums are taken in
+//! single precision (`screened_sum`). In the tests, with random charges that largely cancel, the error
+//! stays below 3 · 10⁻⁴ of the largest potential on the faces.
 
-use crate::chebyshev::Chebyshev;
 use crate::debye_huckel::Superposition;
 use crate::grid::{Grid, set_points};
 use protomer_kernel::Vec3;
+use protomer_kernel::chebyshev::Interpolation;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -25,6 +25,7 @@ pub(super) fn point_by_point(grid: &Grid, potential: impl Fn(&Vec3) -> f64 + Syn
     let mut values = vec![0.0; grid.len()];
     set_points(grid.shape, &mut values, |place, value| {
         let [i, j, k] = place;
+        // Inner points stay at zero, from which the solve starts.
         let on_face = (0..3).any(|axis| place[axis] == 0 || place[axis] + 1 == grid.shape[axis]);
         if on_face {
             *value = potential(&grid.point(i, j, k));
@@ -70,6 +71,7 @@ fn patches(grid: &Grid, atoms: &Superposition) -> Vec<Patch> {
             let distance = atoms.distance_from_plane(axis, place);
             let [rows, columns] = other_axes.map(|axis| grid.shape[axis]);
             let longest = (2.0 * HALF_EDGE * distance / grid.spacing_angstrom) as usize;
+            // The longest patch whose half edge is 0.6 of the distance; at least one point.
             let longest = longest.min(rows.max(columns)) + 1;
             for row in (0..rows).step_by(longest) {
                 for column in (0..columns).step_by(longest) {
@@ -119,14 +121,16 @@ impl Patch {
         let last = rows * columns - 1;
         let (low, high) = (self.place(grid, 0), self.place(grid, last));
         let merged_charges = atoms.seen_from(&low, &high);
+        // Interpolation would take as many sums as there are points.
         if rows * columns <= POINTS * POINTS {
             let places = (0..=last).map(|number| self.place(grid, number));
             return places.map(|place| merged_charges.at(&place)).collect();
         }
         let other_axes = [(self.axis + 1) % 3, (self.axis + 2) % 3];
-        let ends = other_axes.map(|axis| Chebyshev::<POINTS>::new(low[axis], high[axis]));
+        let ends = other_axes.map(|axis| Interpolation::<POINTS>::new(low[axis], high[axis]));
         let mut sampled = [[0.0; POINTS]; POINTS];
         let mut place = low;
+        // Samples at the Chebyshev points of both axes; the third coordinate is that of the face.
         for (along_columns, first) in sampled.iter_mut().zip(ends[0].points) {
             place[other_axes[0]] = first;
             for (value, second) in along_columns.iter_mut().zip(ends[1].points) {
@@ -140,6 +144,8 @@ impl Patch {
         let mut values = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             let of_row = ends[0].weights_at(low[other_axes[0]] + h * row as f64);
+            // Along one axis for the whole row, then along
+            // the other for each point: 7 + 7 products.
             let mut between = [0.0; POINTS];
             for (along_columns, weight) in sampled.iter().zip(of_row) {
                 for (value, sample) in between.iter_mut().zip(along_columns) {

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
-    /// 1 where the solvent-excluded surface passes through: |d| ≤ h/2 with d the distance of the
+    /// 1 where the solvent-excluded surface passes through: |d| < h/2 with d the distance of the
     /// centre from it.
     Shape,
     /// 1 where the centre is inside the surface.
@@ -56,15 +56,15 @@ impl Channel {
     }
 }
 
-/// Model of the potential.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PotentialModel {
-    /// The solution of the linearised Poisson-Boltzmann equation.
-    #[default]
-    PoissonBoltzmann,
-    /// The sum of screened Coulomb potentials in a uniform solvent.
-    DebyeHueckel,
+protomer_kernel::choices! {
+    /// Model of the potential.
+    pub enum PotentialModel, default PoissonBoltzmann {
+        /// The linearised Poisson-Boltzmann equation.
+        PoissonBoltzmann = "poisson-boltzmann",
+        /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: faster, but
+        /// ignores the dielectric boundary.
+        DebyeHueckel = "debye-hueckel",
+    }
 }
 
 /// An atom to be voxelised.
@@ -113,7 +113,7 @@ impl VoxelSettings {
 }
 
 /// Occupied voxels and the values of each channel there. Voxels inside the surface but off its shell
-/// are occupied only if [`Channel::Solid`] is asked for.
+/// are occupied only if [`Channel::Solid`] is requested.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Voxels {
     /// Numbers of the occupied voxels, ascending.
@@ -274,6 +274,7 @@ fn potentials(
     shell: &[u32],
     settings: &VoxelSettings,
 ) -> Result<Vec<f64>> {
+    // At the surface and not at the centre, which may lie inside, where φ rises to the charges.
     let nearest_on_surface = |voxel: &u32| solid.project(&lattice.centre(*voxel)).0;
     let places: Vec<Vec3> = shell.par_iter().map(nearest_on_surface).collect();
     Ok(match settings.potential {
@@ -303,6 +304,7 @@ fn scatter(all: &[u32], some: &[u32], values: &[f64]) -> Vec<f32> {
     let mut remaining = some.iter().zip(values).peekable();
     let mut spread = vec![0.0; all.len()];
     for (voxel, target) in all.iter().zip(&mut spread) {
+        // Both ascend: one pass, no search.
         if let Some((_, value)) = remaining.next_if(|(next, _)| *next == voxel) {
             *target = *value as f32;
         }

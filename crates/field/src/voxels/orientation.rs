@@ -3,19 +3,17 @@
 use nalgebra::{Matrix3, Rotation3};
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Rotation, Vec3};
-use serde::{Deserialize, Serialize};
 
-/// Orientation of a structure on the grid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Orientation {
-    /// Rotation drawn uniformly from all rotations, so that nothing of the deposited frame is left.
-    #[default]
-    Random,
-    /// Principal axes of the atoms along x, y and z, the longest along x.
-    Principal,
-    /// Orientation of the deposited structure, which is not turned.
-    Deposited,
+protomer_kernel::choices! {
+    /// Orientation of a structure on the grid.
+    pub enum Orientation, default Random {
+        /// A random rotation, derived from the seed and the structure's name.
+        Random = "random",
+        /// Principal axes along x, y, z, the longest along x.
+        Principal = "principal",
+        /// The orientation as deposited.
+        Deposited = "deposited",
+    }
 }
 
 impl Orientation {
@@ -31,6 +29,7 @@ impl Orientation {
     pub fn rotation(self, positions: &[Vec3], seed: u64, key: u64) -> Rotation {
         match self {
             Orientation::Random => {
+                // Both halves of the key reach the counter, the high one as the replica.
                 let high = (key >> 32) as u32;
                 CounterRng::for_purpose(seed, high, key, Purpose::VoxelOrientation).rotation()
             }
@@ -63,6 +62,7 @@ pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
     }
     let eigen = (covariance / count).symmetric_eigen();
     let mut order = [0, 1, 2];
+    // Descending variances.
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
     let mut axes = order.map(|axis| eigen.eigenvectors.column(axis).into_owned());
     for axis in &mut axes[..2] {
@@ -75,6 +75,7 @@ pub fn principal_axes(positions: &[Vec3]) -> (Rotation, [f64; 3]) {
         }
     }
     axes[2] = axes[0].cross(&axes[1]);
+    // A rotation matrix with the axes as rows brings them to x, y and z.
     let matrix = Matrix3::from_rows(&axes.map(|axis| axis.transpose()));
     let to_axes = Rotation::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
     (to_axes, order.map(|axis| eigen.eigenvalues[axis].max(0.0)))

@@ -1,8 +1,8 @@
 //! Free volume theory and common tangents against numbers of an independent program.
 
 use protomer_hpmc::free_volume_theory::{BodyMeasures, Mixture};
-use protomer_hpmc::jet::Jet;
 use protomer_hpmc::tangent::{Branch, coexistences, even_samples};
+use protomer_kernel::jet::Jet;
 use protomer_kernel::shape::builders::by_name;
 use protomer_kernel::shape::measures::Measures;
 use protomer_kernel::shape::polytope::Polytope;

@@ -90,6 +90,51 @@ fn pieces_have_the_coefficients_of_what_they_make() {
     );
 }
 
+/// In rejection sampling the number of draws says nothing about the places that end them, so the errors of
+/// B2 and of B3/B2² of a concave body are independent, though both come from the same triples.
+#[test]
+fn numbers_of_draws_and_overlaps_are_not_correlated() {
+    const COUNT: u64 = 20_000;
+    let arms = [
+        [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]],
+        [[0.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]],
+    ];
+    let arms = arms.map(|corners| Shape::flat(&corners).unwrap());
+    let body = HardBody::<2>::of_pieces(&arms, 0.0).unwrap();
+    let (mut draws, mut overlaps) = (Vec::new(), Vec::new());
+    for number in 0..COUNT {
+        let triple = draw_triple(&body, 3, number).unwrap();
+        draws.push(triple.draws as f64);
+        overlaps.push(f64::from(u8::from(triple.overlaps)));
+    }
+    let [x, y] =
+        [&draws, &overlaps].map(|series| series.iter().copied().collect::<RunningMoments>());
+    let pairs = draws.iter().zip(&overlaps);
+    let covariance: f64 = pairs.map(|(a, b)| (a - x.mean()) * (b - y.mean())).sum();
+    let scale = COUNT as f64 * x.standard_deviation() * y.standard_deviation();
+    let correlation = covariance / scale;
+    assert!(
+        scale > 0.0 && correlation.abs() < 4.0 / (COUNT as f64).sqrt(),
+        "{correlation}"
+    );
+}
+
+/// A few triples that all overlap, or of which none does, leave the coefficient uncertain.
+#[test]
+fn triples_that_are_all_alike_have_an_error() {
+    let body = HardBody::<3>::new(&by_name("cube").unwrap(), 0.0).unwrap();
+    for overlapping in [0, 20] {
+        let triples = Triples {
+            count: 20,
+            overlapping,
+            draws: 100,
+        };
+        let found = triples.virials(&body).b3_over_b2_squared;
+        // That of one triple of 20: 4/3 √(0.05 · 0.95 / 20).
+        assert!((found.error - 0.064_979).abs() < 1e-6, "{found:?}");
+    }
+}
+
 /// B2 of spheres in the potential of Asakura and Oosawa, by Simpson's rule.
 fn asakura_oosawa(radii: [f64; 2], depletant: Depletant) -> f64 {
     let [a, b] = radii.map(|radius| radius + depletant.radius);

@@ -46,6 +46,8 @@ impl FrameWriter {
             let writer = create(path)?;
             return Ok(Self { writer, header });
         }
+        // The frames to keep are copied: the old file stays
+        // whole until the new one takes its name.
         let mut old = GsdFile::open(path)?;
         let held = old.frames();
         if held < frames {
@@ -58,6 +60,7 @@ impl FrameWriter {
         for frame in 0..frames {
             writer.append_frame(&old.frame(frame)?)?;
         }
+        // On disk before the old file loses its name.
         writer.sync()?;
         writer.rename(path)?;
         Ok(Self { writer, header })
@@ -68,6 +71,7 @@ impl FrameWriter {
     /// # Errors
     /// As [`GsdWriter::append_frame`].
     pub fn append(&mut self, mut chunks: Vec<Chunk>) -> Result<()> {
+        // With the first frame only: readers take from there what later ones lack.
         if self.writer.frames() == 0 {
             chunks.extend(self.header.iter().cloned());
         }
@@ -100,6 +104,21 @@ impl Chunk {
         }
     }
 
+    /// The strings of [`Chunk::text`]; `None` for numbers.
+    pub fn texts(&self) -> Option<Vec<String>> {
+        let ChunkData::I8(letters) = &self.data else {
+            return None;
+        };
+        let text = |row: &[i8]| {
+            let bytes = row.iter().map(|letter| *letter as u8);
+            let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
+            String::from_utf8_lossy(&bytes).into_owned()
+        };
+        // Rows of equal length, filled up with zeros.
+        let rows = letters.chunks(self.columns.max(1) as usize);
+        Some(rows.map(text).collect())
+    }
+
     /// Strings as rows of equal length, each terminated by a zero byte.
     ///
     /// # Errors
@@ -112,6 +131,7 @@ impl Chunk {
             return Err(IoError::unwritable(cause, "give coarser meshes"));
         };
         let mut data = Vec::new();
+        // Equal rows: the schema stores strings as a matrix of bytes.
         for row in rows() {
             data.extend(row.bytes().map(|byte| byte as i8));
             data.resize(data.len() + longest + 1 - row.len(), 0);

@@ -66,17 +66,8 @@ impl TrajectoryReader {
         let Some(chunk) = self.file.chunk(0, "particles/types")? else {
             return Ok(Vec::new());
         };
-        let ChunkData::I8(letters) = chunk.data else {
-            return Err(self.other_content("names of kinds"));
-        };
-        let mut names = Vec::new();
-        for row in letters.chunks(chunk.columns.max(1) as usize) {
-            let bytes: Vec<u8> = row.iter().map(|letter| *letter as u8).collect();
-            let end = bytes.iter().position(|byte| *byte == 0);
-            let name = &bytes[..end.unwrap_or(bytes.len())];
-            names.push(String::from_utf8_lossy(name).into_owned());
-        }
-        Ok(names)
+        let names = chunk.texts();
+        names.ok_or_else(|| self.other_content("names of kinds"))
     }
 
     /// A frame, counted from zero.
@@ -101,6 +92,7 @@ impl TrajectoryReader {
             return Err(self.other_content("particles/typeid"));
         };
         let space = self.numbers(frame, "configuration/box")?;
+        // Three lengths; the tilts behind them are those of an upright box.
         let [x, y, z, ..] = space[..] else {
             return Err(self.other_content("box"));
         };
@@ -110,6 +102,7 @@ impl TrajectoryReader {
             positions.as_chunks::<3>().0,
             orientations.as_chunks::<4>().0,
         );
+        // A row for each body, or bodies and poses would be matched wrongly.
         if [positions.len(), orientations.len()] != [type_ids.len(); 2] {
             return Err(self.other_content("pose for each body"));
         }
@@ -140,7 +133,7 @@ impl TrajectoryReader {
         if values.iter().any(|value| !value.is_finite()) {
             return Err(self.error(
                 &format!("{name} has a value that is not a number"),
-                "write it anew",
+                "write it again",
             ));
         }
         Ok(values.into_iter().map(f64::from).collect())

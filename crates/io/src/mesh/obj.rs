@@ -23,7 +23,7 @@ use std::fmt::Write;
 /// [`IoError::Parse`](crate::IoError::Parse) names the line.
 pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     let text = text::decode(name, bytes)?;
-    let text = text.replace("\\\r\n", " ").replace("\\\n", " ");
+    let text = with_joined_lines(&text);
     let mut builder = MeshBuilder::new(name);
     // A face may only refer to vertices above it, so one pass is enough.
     for line in Line::significant(name, &text) {
@@ -44,11 +44,32 @@ pub fn read_obj(name: &str, bytes: &[u8]) -> Result<TriangleMesh> {
     builder.finish()
 }
 
+/// The text with each line that ends with a backslash joined to the next one. As many blank lines
+/// follow the joined ones, so that messages name the lines of the file.
+fn with_joined_lines(text: &str) -> String {
+    let mut joined = String::with_capacity(text.len());
+    let mut continued = 0;
+    // Line ends are `\n` alone in decoded text.
+    for line in text.split_inclusive('\n') {
+        if let Some(start) = line.strip_suffix("\\\n") {
+            joined.push_str(start);
+            joined.push(' ');
+            continued += 1;
+        } else {
+            joined.push_str(line);
+            joined.extend(std::iter::repeat_n('\n', continued));
+            continued = 0;
+        }
+    }
+    joined
+}
+
 /// The vertex, counted from zero, of a face corner written `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 fn corner(line: &Line, token: &str, vertices: i64) -> Result<i64> {
     let index = line.integer(token.split('/').next(), "a vertex index")?;
     match index {
         0 => Err(line.error("a face refers to vertex 0", "count vertices from one")),
+        // -1 is the latest vertex so far.
         negative if negative < 0 => Ok(vertices.saturating_add(negative)),
         positive => Ok(positive - 1),
     }

@@ -1,5 +1,6 @@
 //! Container files: round trips, and every kind of damage.
 
+use crate::common::cases;
 use proptest::prelude::*;
 use protomer_io::container::{Array, Container, Values};
 use sha2::{Digest, Sha256};
@@ -61,14 +62,6 @@ fn sign(mut bytes: Vec<u8>) -> Vec<u8> {
     let checksum = Sha256::digest(&bytes);
     bytes.extend_from_slice(&checksum);
     bytes
-}
-
-/// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
-fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES")
-        .ok()
-        .and_then(|cases| cases.parse().ok())
-        .unwrap_or(usual)
 }
 
 proptest! {

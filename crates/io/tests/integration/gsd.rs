@@ -1,5 +1,6 @@
 //! Trajectories: read back, continued byte for byte, cut and damaged.
 
+use crate::common::cases;
 use proptest::prelude::*;
 use protomer_io::gsd::trajectory::enclosing_box;
 use protomer_io::gsd::{
@@ -313,14 +314,6 @@ fn the_file_for_the_python_check() {
             "skipped: set PROTOMER_GSD_CHECK to a path to write the trajectory of check_gsd.py"
         ),
     }
-}
-
-/// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
-fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES")
-        .ok()
-        .and_then(|cases| cases.parse().ok())
-        .unwrap_or(usual)
 }
 
 proptest! {

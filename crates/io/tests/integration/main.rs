@@ -7,6 +7,7 @@
     reason = "tests fail by panicking"
 )]
 
+mod common;
 mod container;
 mod gsd;
 mod large;

@@ -1,5 +1,6 @@
 //! Mesh files: exact round trips, dialects, damage and nonsense.
 
+use crate::common::cases;
 use proptest::prelude::*;
 use protomer_io::mesh::{MeshFormat, ply, read_mesh, write_mesh};
 use protomer_kernel::{TriangleMesh, Vec3};
@@ -48,14 +49,6 @@ fn soup(mesh: &TriangleMesh) -> Vec<[Vec3; 3]> {
     (0..mesh.triangles.len())
         .map(|triangle| mesh.corners(triangle))
         .collect()
-}
-
-/// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
-fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES")
-        .ok()
-        .and_then(|cases| cases.parse().ok())
-        .unwrap_or(usual)
 }
 
 proptest! {
@@ -230,6 +223,11 @@ fn errors_say_where_and_what() {
             "m.obj",
             b"v 0 0 0\nf 1 2 3\n".to_vec(),
             "m.obj:2: a face refers to vertex 1 (counted from zero), but there are 1",
+        ),
+        (
+            "m.obj",
+            b"v 0 \\\n0 \\\n0\nv 1 0 0\nf 1 2 \\\r\n3\n".to_vec(),
+            "m.obj:5: a face refers to vertex 2 (counted from zero), but there are 2",
         ),
         (
             "m.obj",

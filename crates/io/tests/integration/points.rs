@@ -1,5 +1,6 @@
 //! PQR, XYZR and XYZQ: round trips, dialects, errors.
 
+use crate::common::cases;
 use proptest::prelude::*;
 use protomer_io::points::{PointRecord, read_points};
 use protomer_io::pqr::{read_pqr, write_pqr};
@@ -33,14 +34,6 @@ fn any_record() -> impl Strategy<Value = PointRecord> {
             }
         },
     )
-}
-
-/// Cases of a property: `PROPTEST_CASES` where it is set, for long runs by hand.
-fn cases(usual: u32) -> u32 {
-    std::env::var("PROPTEST_CASES")
-        .ok()
-        .and_then(|cases| cases.parse().ok())
-        .unwrap_or(usual)
 }
 
 proptest! {

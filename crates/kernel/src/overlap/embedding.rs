@@ -59,7 +59,9 @@ enum Part {
 /// The first two triangles found that meet elsewhere than in common corners and edges.
 fn meeting_triangles(shape: &CollisionShape) -> Option<[u32; 2]> {
     let (mesh, tree) = (&shape.mesh, &shape.tree);
+    // One body at rest: its coordinates reach twice its radius, and there is no offset.
     let rounding = (2.0 * shape.radius * ROUNDING) as f32;
+    // The tree against itself; every pair of triangles comes twice, and `first < second` takes one.
     let mut stack = vec![[Part::Node(tree.root()); 2]];
     while let Some(pair) = stack.pop() {
         match pair {
@@ -113,6 +115,7 @@ fn meet_beyond_common_corners([first, second]: &[Triangle; 2]) -> bool {
             false => remainder.push(corner),
         }
     }
+    // Equal coordinates, not equal numbers: shells that touch have vertices of their own.
     let others: Vec<_> = second
         .iter()
         .filter(|corner| !is_common(corner, first))
@@ -124,6 +127,7 @@ fn meet_beyond_common_corners([first, second]: &[Triangle; 2]) -> bool {
         ([_], [a, b], [p, q]) => {
             segment_meets_triangle(a, b, second) || segment_meets_triangle(p, q, first)
         }
+        // Over a common edge, triangles meet beyond it only if they lie folded onto each other.
         ([from, to], [a], [p]) => are_folded(from, to, a, p),
         // The same triangle, seen from both sides: parts that touch.
         _ => false,
@@ -132,10 +136,13 @@ fn meet_beyond_common_corners([first, second]: &[Triangle; 2]) -> bool {
 
 /// Whether walls and cavities alternate from outside to inside.
 fn check_nesting(shells: &[TriangleMesh]) -> Result<()> {
+    // A single shell has nothing to nest in; its orientation was checked with the topology.
     if let [_] = shells {
         return Ok(());
     }
     let mut solids = Vec::with_capacity(shells.len());
+    // Turned outwards, as the shape wants it; whether
+    // the shell is a wall or a cavity is asked below.
     for shell in shells {
         solids.push(CollisionShape::new(&outward(shell))?);
     }
@@ -146,6 +153,7 @@ fn check_nesting(shells: &[TriangleMesh]) -> Result<()> {
             depth += usize::from(is_inside);
         }
         let is_wall = shell.volume_angstrom3() > 0.0;
+        // An even depth is outside of all material, where only a wall may begin.
         if is_wall == (depth % 2 == 0) {
             continue;
         }
@@ -196,31 +204,7 @@ mod tests {
     use crate::random::CounterRng;
 
     fn cuboid(low: [f64; 3], high: [f64; 3]) -> TriangleMesh {
-        let (low, high) = (Vec3::from(low), Vec3::from(high));
-        let vertices = (0..8).map(|corner: u32| {
-            Vec3::from_fn(|axis, _| {
-                if corner >> axis & 1 == 0 {
-                    low[axis]
-                } else {
-                    high[axis]
-                }
-            })
-        });
-        let quads: [[u32; 4]; 6] = [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ];
-        TriangleMesh {
-            vertices: vertices.collect(),
-            triangles: quads
-                .iter()
-                .flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]])
-                .collect(),
-        }
+        TriangleMesh::cuboid(&Vec3::from(low), &Vec3::from(high))
     }
 
     fn together(parts: &[TriangleMesh]) -> TriangleMesh {

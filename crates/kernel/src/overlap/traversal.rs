@@ -19,6 +19,7 @@ pub(super) fn rounding_angstrom(
     second: &CollisionShape,
     pose: &RelativePose,
 ) -> f32 {
+    // Both radii and the offset bound every coordinate, so one number serves all discs of the pair.
     ((first.radius + second.radius + pose.translation.norm()) * ROUNDING) as f32
 }
 
@@ -39,6 +40,8 @@ pub(super) fn relate_surfaces(
     pose: &RelativePose,
     ceiling_angstrom: f64,
 ) -> SurfaceRelation {
+    // In f32 like the discs: every bound that leaves
+    // here carries the allowance for rounding already.
     let mut descent = Descent::new(first, second, pose, ceiling_angstrom.max(0.0) as f32);
     if SCRATCH.with_borrow_mut(|scratch| descent.run(scratch)) {
         SurfaceRelation::Intersecting
@@ -147,6 +150,7 @@ impl<'a> Descent<'a> {
         let Scratch { stack, batch } = scratch;
         stack.clear();
         stack.push(NodePair {
+            // The roots carry no bound yet: MIN keeps them below any threshold.
             separation: f32::MIN,
             a: self.first.tree.root(),
             b: self.second.tree.root(),
@@ -156,6 +160,9 @@ impl<'a> Descent<'a> {
             while batch.pairs.len() < BATCH
                 && let Some(pair) = stack.pop()
             {
+                // The threshold may have fallen since this pair
+                // was pushed. What is dropped unseen must still
+                // count, or the bound of the whole search would be too large.
                 if pair.separation >= self.threshold {
                     self.bound[0] = self.bound[0].min(pair.separation);
                 } else {
@@ -175,6 +182,7 @@ impl<'a> Descent<'a> {
     fn visit_batch(&mut self, batch: &mut Batch, stack: &mut Vec<NodePair>) -> bool {
         self.find_near_rows(batch, stack);
         self.find_hits(batch);
+        // All hits are known before anything is pushed: no load of a node waits for a comparison.
         for (&(slot, row), (near, separations)) in batch.rows.iter().zip(&batch.hits) {
             let pair = batch.pairs[slot as usize];
             let a = &self.first.tree.nodes[pair.a as usize];
@@ -188,6 +196,8 @@ impl<'a> Descent<'a> {
                         a: child_a,
                         b: child_b,
                     });
+                // Triangles whose discs are apart need no exact
+                // test; the gap of the discs is their bound.
                 } else if separation > 0.0 {
                     self.lower(separation);
                 } else if self.visit_triangles(child_a, child_b) {
@@ -206,15 +216,22 @@ impl<'a> Descent<'a> {
         for (slot, pair) in batch.pairs.iter().enumerate() {
             let a = &first.tree.nodes[pair.a as usize];
             let b = &second.tree.nodes[pair.b as usize];
+            // Turned once per pair here and used for up to eight rows in `find_hits`.
             batch.second_discs[slot] = self.motion.block(&b.discs);
             let b_bound = self.motion.disc(&b.bound);
+            // One test against b as a whole drops most
+            // children of a before any of the 64 child pairs.
             let separations = separations(&b_bound, &a.discs, self.rounding);
             batch.near_rows[slot] = self.near(&separations);
+            // Trees of different depth meet here. The eight
+            // lanes of the leaf are triangles, not nodes, so
+            // only the inner node is opened.
             if a.is_leaf != b.is_leaf {
                 self.expand_one(*pair, a, b, &batch.second_discs[slot], stack);
                 batch.near_rows[slot] = 0;
             }
         }
+        // A second loop: the rows of all pairs in one list let `find_hits` run without branches.
         for slot in 0..batch.pairs.len() {
             for row in Bits(batch.near_rows[slot]) {
                 batch.rows.push((slot as u8, row as u8));
@@ -232,6 +249,8 @@ impl<'a> Descent<'a> {
             let disc = a.discs.disc(row as usize);
             let separations = separations(&disc, &batch.second_discs[slot as usize], self.rounding);
             let near = self.near(&separations);
+            // Stored, not pushed, so that this loop has no
+            // side effects and the vector work overlaps.
             batch.hits.push((near, separations));
         }
     }
@@ -271,6 +290,8 @@ impl<'a> Descent<'a> {
         let mut excess = [0.0; WIDTH];
         for lane in 0..WIDTH {
             excess[lane] = separations[lane] - self.threshold;
+            // Selected without a branch: lanes below the
+            // threshold are examined further and must not enter.
             let skipped = if excess[lane] < 0.0 {
                 f32::MAX
             } else {
@@ -281,8 +302,10 @@ impl<'a> Descent<'a> {
         negative_lanes(excess)
     }
 
+    /// The least separation met; not negative, as the ceiling is not, and what was skipped is
+    /// beyond the threshold.
     fn bound(&self) -> f32 {
-        self.bound.iter().copied().fold(f32::MAX, f32::min).max(0.0)
+        self.bound.iter().copied().fold(f32::MAX, f32::min)
     }
 
     /// Records a separation and stops the descent into pairs much farther apart.
@@ -298,17 +321,22 @@ impl<'a> Descent<'a> {
         let second: Triangle = self
             .second
             .mesh
+            // In double precision from the original corners:
+            // only discs may be rounded, triangles are exact.
             .corners(second as usize)
             .map(|corner| self.pose.transform_point(&corner));
         if triangles_intersect(&first, &second) {
             return true;
         }
+        // Without a use for the bound, the fifteen projections are left out.
         let bound_is_wanted = self.threshold > f32::MIN_POSITIVE;
         let separation = if bound_is_wanted {
             separation_along_axes(&first, &second) as f32 - self.rounding
         } else {
             0.0
         };
+        // A negative gap means that no axis separates, not
+        // that they meet: exact signs said they do not.
         self.lower(separation.max(0.0));
         false
     }
@@ -321,6 +349,8 @@ fn threshold_for(separation: f32) -> f32 {
     const SHARE: f32 = 0.25;
     const FLOOR: f32 = 0.1;
     let threshold = SHARE * separation;
+    // Not zero: discs with a positive gap, however
+    // small, must be dropped and overlapping ones kept.
     if threshold < FLOOR {
         f32::MIN_POSITIVE
     } else {
@@ -375,6 +405,7 @@ mod tests {
                 (met, descent.bound().to_bits())
             });
             assert_eq!(results[0], results[1]);
+            assert!(f32::from_bits(results[0].1) >= 0.0);
             intersecting += usize::from(results[0].0);
         }
         assert!((40..360).contains(&intersecting), "{intersecting}");

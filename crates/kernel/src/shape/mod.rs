@@ -14,7 +14,7 @@
 //! | [`exact`] | the same, exactly |
 //! | [`swept`] | bodies swept by a ball, and the volume that two of them share |
 //!
-//! Shapes have no unit of length of their own.
+//! Shapes have no unit of length.
 //!
 //! ```
 //! use protomer_kernel::shape::{builders, measures::Measures};
@@ -75,6 +75,17 @@ impl Shape {
         match self {
             Shape::Flat(_) => 2,
             Shape::Solid(_) => 3,
+        }
+    }
+
+    /// The corners; those of a flat shape have z = 0.
+    pub fn corner_points(&self) -> Vec<Vec3> {
+        match self {
+            Shape::Flat(corners) => corners
+                .iter()
+                .map(|[x, y]| Vec3::new(*x, *y, 0.0))
+                .collect(),
+            Shape::Solid(hull) => hull.corners(),
         }
     }
 

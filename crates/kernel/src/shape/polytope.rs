@@ -65,11 +65,7 @@ impl Polytope {
     /// As [`Polytope::of`].
     pub fn placed(shape: &Shape) -> Result<(Self, Vec3)> {
         let polytope = Self::of(shape)?;
-        let first = match shape {
-            Shape::Flat(corners) => Vec3::new(corners[0][0], corners[0][1], 0.0),
-            Shape::Solid(hull) => hull.corners()[0],
-        };
-        let centroid = first - polytope.corners[0];
+        let centroid = shape.corner_points()[0] - polytope.corners[0];
         Ok((polytope, centroid))
     }
 
@@ -81,6 +77,7 @@ impl Polytope {
         for from in 0..corners.len() {
             let to = (from + 1) % corners.len();
             let edge = corners[to] - corners[from];
+            // Counter-clockwise corners: the edge turned by -90 degrees points outwards.
             let normal = Vec3::new(edge.y, -edge.x, 0.0).normalize();
             faces.push(Face {
                 offset: normal.dot(&corners[from]),
@@ -113,6 +110,8 @@ impl Polytope {
         for face in &faces {
             let next = face.corners.iter().cycle().skip(1);
             for (from, to) in face.corners.iter().zip(next) {
+                // Every edge belongs to two faces, in opposite
+                // directions; one of them has from < to.
                 if from < to {
                     edges.push([*from, *to]);
                 }
@@ -148,6 +147,8 @@ impl Polytope {
     pub fn face_towards(&self, direction: &Vec3) -> &Face {
         let mut best = (&self.faces[0], f64::NEG_INFINITY);
         for face in &self.faces {
+            // The plane n·x = h is met at t = h/(n·d), so the
+            // largest inverse is met first; h > 0 seen from the centroid.
             let inverse_length = face.normal.dot(direction) / face.offset;
             if inverse_length > best.1 {
                 best = (face, inverse_length);
@@ -159,6 +160,7 @@ impl Polytope {
 
 fn centroid_of_polygon(corners: &[[f64; 2]]) -> Vec3 {
     let (mut area, mut moment) = (0.0, [0.0; 2]);
+    // Relative to a corner: far from the origin, products of coordinates would cancel.
     let origin = corners[0];
     for pair in corners.windows(2) {
         let [a, b] = [pair[0], pair[1]].map(|x| [x[0] - origin[0], x[1] - origin[1]]);
@@ -197,6 +199,8 @@ fn coplanar(mesh: &TriangleMesh) -> Vec<Vec<usize>> {
         // A convex body has one face to a normal.
         let same = groups.iter_mut().find(|group| {
             let group_normal = normal(mesh, group[0]);
+            // Parallel and antiparallel faces have the same
+            // cross product; the sign tells them apart.
             triangle_normal.dot(&group_normal) > 0.0
                 && triangle_normal.cross(&group_normal).norm() < ONE_FACE
         });
@@ -219,6 +223,7 @@ fn rim(mesh: &TriangleMesh, triangles: &[usize]) -> Vec<usize> {
         }
     }
     for (from, to) in inner.keys() {
+        // An edge without its reverse in the group is on the rim.
         if !inner.contains_key(&(*to, *from)) {
             next.insert(*from, *to);
         }

@@ -278,31 +278,13 @@ fn a_carried_bound_outlives_only_motions_that_cannot_overlap() {
 
 /// A box with two triangles to each face, turned inside out for a cavity.
 fn block(low: Vec3, high: Vec3, inside_out: bool) -> TriangleMesh {
-    let corner = |i: usize| {
-        Vec3::from_fn(|axis, _| {
-            if i >> axis & 1 == 1 {
-                high[axis]
-            } else {
-                low[axis]
-            }
-        })
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let turned = triangles.map(|[a, b, c]| if inside_out { [b, a, c] } else { [a, b, c] });
-    TriangleMesh {
-        vertices: (0..8).map(corner).collect(),
-        triangles: turned.collect(),
+    let mut mesh = TriangleMesh::cuboid(&low, &high);
+    if inside_out {
+        for [a, b, _] in &mut mesh.triangles {
+            std::mem::swap(a, b);
+        }
     }
+    mesh
 }
 
 fn cube(half: f64) -> TriangleMesh {
@@ -378,7 +360,7 @@ fn one_inside_the_other_is_overlap_unless_in_a_cavity() {
     let filled = union(&hollow, &small); // a loose piece in the cavity, of one body
     expect(&filled, &cube(2.0), moved_by(0.0, 0.0, 0.0), true); // around the piece
     expect(&filled, &cube(0.5), moved_by(0.0, 0.0, 0.0), true); // in the piece
-    expect(&filled, &cube(0.5), moved_by(2.5, 0.0, 0.0), false); // beside it
+    expect(&filled, &cube(0.5), moved_by(2.5, 0.0, 0.0), false); // next to it
     let far_piece = union(
         &small,
         &block(

@@ -7,17 +7,18 @@ use protomer_common::range::Range;
 use protomer_crystal::framework::load::{Loaded, stretch_curve};
 use protomer_crystal::framework::{Framework, Load, StressKind};
 use protomer_io::csv::{Cell, Table};
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
 
 /// Range of stresses, far beyond what any network bears.
 const STRESS: Range = Range::new(-1e6, 1e6, "GPa");
 
 /// Strain against stress.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// The axis along which the load pulls.
-    pub axis: &'static str,
+    pub axis: String,
     /// The reference area of the requested stresses.
     pub stress_kind: StressKind,
     /// Points of the curve, one per stress.
@@ -25,17 +26,17 @@ pub struct Curve {
 }
 
 /// The equilibrium of the network under one stress.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Nominal stress: force per undeformed area, GPa.
     pub nominal_gpa: f64,
     /// Cauchy stress: force per deformed area, GPa.
     pub cauchy_gpa: f64,
     /// Strains `strain_y`, ...: the relative changes of length.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "strains")]
     pub strains: BTreeMap<String, f64>,
     /// Poisson's ratios `nu_yz`, ...: minus the ratio of transverse to axial strain, both finite.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "ratios")]
     pub ratios: BTreeMap<String, f64>,
     /// Energy of the cell, kcal/mol.
     pub energy_kcal_mol: f64,
@@ -47,6 +48,29 @@ pub struct CurvePoint {
     pub steps: usize,
     /// Largest residual force component on a node, kcal/mol/Å.
     pub largest_force_kcal_mol_angstrom: f64,
+}
+
+/// The strains among the keys of a point.
+fn strains<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    named(deserializer, "strain_")
+}
+
+/// Poisson's ratios among the keys of a point.
+fn ratios<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+    named(deserializer, "nu_")
+}
+
+/// The numbers whose names begin like this.
+fn named<'de, D: Deserializer<'de>>(
+    deserializer: D,
+    beginning: &str,
+) -> Result<BTreeMap<String, f64>, D::Error> {
+    let entries = BTreeMap::<String, Value>::deserialize(deserializer)?;
+    let entries = entries
+        .into_iter()
+        .filter(|(key, _)| key.starts_with(beginning));
+    let number = |value: Value| value.as_f64().unwrap_or(f64::NAN);
+    Ok(entries.map(|(key, value)| (key, number(value))).collect())
 }
 
 /// Stresses in GPa from a list such as `1GPa,2GPa,-500MPa`; a bare number is in GPa.
@@ -61,6 +85,7 @@ pub struct CurvePoint {
 pub fn stresses_gpa(text: &str) -> Result<Vec<f64>> {
     let one = |item: &str| -> Result<f64> {
         let item = item.trim();
+        // Divided, not multiplied by 0.001, so that 500 MPa is exactly 0.5 GPa.
         let (number, divisor) = match (item.strip_suffix("MPa"), item.strip_suffix("GPa")) {
             (Some(number), _) => (number, 1000.0),
             (_, Some(number)) => (number, 1.0),
@@ -104,17 +129,19 @@ pub fn load(
             kind,
         });
     }
+    // The loads in the order given: each begins at the equilibrium of the one before.
     let loaded = stretch_curve(network, &loads)?;
     let mut points = Vec::with_capacity(loaded.len());
     for (equilibrium, stress) in loaded.iter().zip(stresses_gpa) {
         points.push(point(network, equilibrium, index, *stress, kind));
     }
+    // Without a load the network stays as it is.
     let last = match loaded.last() {
         Some(equilibrium) => equilibrium.configuration.place(network),
         None => network.clone(),
     };
     let curve = Curve {
-        axis: names[index],
+        axis: names[index].to_owned(),
         stress_kind: kind,
         points,
     };
@@ -141,6 +168,7 @@ fn point(
     for (index, (name, strain)) in names.iter().zip(&equilibrium.stretch).enumerate() {
         strains.insert(format!("strain_{name}"), *strain);
         if index != axis {
+            // Both finite, not rates: ν = -ε_transverse / ε_axial.
             let ratio = -strain / equilibrium.stretch[axis];
             ratios.insert(format!("nu_{}{name}", names[axis]), ratio);
         }

@@ -4,11 +4,11 @@ use super::curve::Curve;
 use super::drawing::{self, LoadedNetwork};
 use super::figure::polar_figure;
 use super::network_file;
-use super::report::Report;
+use super::report::{FILE, Report};
 use anyhow::{Context, Result};
 use protomer_common::output_file::refuse_to_overwrite;
 use protomer_crystal::framework::Framework;
-use protomer_io::atomic::{sha256_hex, write_atomically};
+use protomer_io::atomic::{sha256_hex, write_bytes};
 use protomer_io::csv::{Cell, Table};
 use protomer_results::{Exit, Record, ResultKind, Work};
 use std::path::Path;
@@ -30,7 +30,7 @@ pub fn files(
     let mut files = Vec::new();
     let mut add = |name: &str, bytes: Vec<u8>| files.push((name.to_owned(), bytes));
     add(
-        "result.json",
+        FILE,
         (serde_json::to_string_pretty(report)? + "\n").into_bytes(),
     );
     add(
@@ -89,16 +89,15 @@ fn draw(report: &Report, unloaded: &Framework, loaded: Option<&Framework>) -> St
 
 fn stiffness_table(report: &Report) -> Result<Table> {
     let head = ["kind", "strain"]
-        .iter()
-        .chain(&report.strain_order)
-        .copied();
+        .into_iter()
+        .chain(report.strain_order.iter().map(String::as_str));
     let mut table = Table::new(head);
     for (kind, matrix) in [
         ("relaxed_gpa", &report.c_gpa),
         ("clamped_gpa", &report.c_clamped_gpa),
     ] {
         for (name, row) in report.strain_order.iter().zip(matrix) {
-            let first: [Cell; 2] = [kind.into(), (*name).into()];
+            let first: [Cell; 2] = [kind.into(), name.as_str().into()];
             table.push(
                 first
                     .into_iter()
@@ -123,7 +122,7 @@ pub fn write(folder: &Path, kind: ResultKind, files: &[NamedFile], force: bool) 
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
     for (name, bytes) in files {
-        write_atomically(&folder.join(name), |file| file.write_all(bytes))?;
+        write_bytes(&folder.join(name), bytes)?;
     }
     // Frameworks are never continued, so the hash of the results is their identity.
     let everything: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.clone()).collect();

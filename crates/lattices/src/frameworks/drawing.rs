@@ -4,6 +4,7 @@
 //! ones are drawn in the oblique projection with x coming towards the reader.
 
 use protomer_crystal::framework::{Framework, Neighbour};
+use protomer_plot::escaped;
 use std::fmt::Write;
 
 const WIDTH: f64 = 1200.0;
@@ -36,6 +37,7 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let counts = cell_counts(unloaded);
     let before = Patch::new(unloaded, &counts);
     let after = loaded.map(|loaded| Patch::new(loaded.network, &counts));
+    // Both patches share one scale, so that the strain is seen as it is.
     let patches = || [Some(&before), after.as_ref()].into_iter().flatten();
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for point in patches().flat_map(|patch| patch.lines.iter().flatten()) {
@@ -46,6 +48,7 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
     let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
     let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
+    // A patch without width must not divide by zero.
     let [scale_x, scale_y] = [0, 1].map(|axis| room[axis] / half[axis].max(1e-9));
     let scale = scale_x.min(scale_y);
     let place = |point: &[f64; 2]| {
@@ -53,20 +56,21 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
             scale * (point[0] - centre[0]),
             scale * (point[1] - centre[1]),
         ];
+        // SVG counts downwards.
         [0.5 * WIDTH + x, HEAD + 0.5 * (HEIGHT - HEAD) - y]
     };
     let mut text = format!(
         "<svg width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" \
          y=\"36\" font-size=\"24\">{}</text>\n",
-        escape(title)
+        escaped(title)
     );
     let legend = match loaded {
         None => String::new(),
         Some(loaded) => format!(
             "<text x=\"{MARGIN}\" y=\"62\" font-size=\"18\"><tspan fill=\"{BEFORE}\">unloaded</tspan> <tspan dx=\"16\" \
              fill=\"{AFTER}\">{}</tspan></text>\n",
-            escape(loaded.label)
+            escaped(loaded.label)
         ),
     };
     text += &legend;
@@ -78,6 +82,7 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
         if loaded.is_some() { 3.0 } else { 4.0 },
     );
     if let (Some(patch), Some(loaded)) = (&after, loaded) {
+        // The loaded network over the unloaded one.
         draw(&mut text, patch, &place, AFTER, 4.0);
         arrows(&mut text, &half.map(|x| scale * x), loaded);
     }
@@ -99,6 +104,7 @@ fn cell_counts(network: &Framework) -> Vec<usize> {
         counts.push(count.round().clamp(1.0, 12.0) as usize);
     }
     let nodes = network.nodes_angstrom.len();
+    // Halved along all vectors at once, which keeps the shape of the patch.
     while counts.iter().product::<usize>() * nodes > MOST_NODES && counts.iter().any(|c| *c > 1) {
         for count in &mut counts {
             *count = (*count / 2).max(1);
@@ -126,6 +132,7 @@ impl Patch {
         for point in lines.iter().flatten() {
             sum = [sum[0] + point[0], sum[1] + point[1]];
         }
+        // Each line has two ends.
         let ends = 2.0 * lines.len() as f64;
         let middle = sum.map(|sum| sum / ends);
         for point in lines.iter_mut().flatten() {
@@ -151,6 +158,7 @@ fn projected(network: &Framework, neighbour: &Neighbour, cell: &[usize]) -> [f64
     let mut place = [0.0; 3];
     for (component, x) in place.iter_mut().enumerate().take(dimension) {
         *x = network.nodes_angstrom[neighbour.node][component];
+        // Node plus the images of its cell: n + Σ (image + cell) a.
         for (axis, vector) in network.cell_angstrom.iter().enumerate() {
             let image = neighbour.image.get(axis).copied().unwrap_or(0);
             *x += (f64::from(image) + cell[axis] as f64) * vector[component];
@@ -220,10 +228,4 @@ fn arrows(text: &mut String, half: &[f64; 2], loaded: LoadedNetwork) {
             points.join(" ")
         );
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

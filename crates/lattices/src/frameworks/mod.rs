@@ -4,11 +4,12 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`network_file`] | networks as TOML |
-//! | [`report`] | elastic constants with their units, closed formulas beside them |
+//! | [`report`] | elastic constants with their units, closed formulas next to them |
 //! | [`curve`] | a network under increasing loads |
 //! | [`answer`] | the verb, and its answer as text and figure |
 //! | [`figure`], [`drawing`] | moduli against direction; the cells, unloaded and loaded |
 //! | [`directory`] | the files of a result |
+//! | [`page`] | the page of a result |
 //! | `text` | formatted numbers |
 //! | [`tables`] | tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed |
 
@@ -18,6 +19,7 @@ pub mod directory;
 pub mod drawing;
 pub mod figure;
 pub mod network_file;
+pub mod page;
 pub mod report;
 pub mod tables;
 mod text;

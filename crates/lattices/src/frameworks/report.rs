@@ -13,8 +13,11 @@ use protomer_crystal::framework::moduli::polar;
 use protomer_crystal::framework::{
     Elasticity, Framework, Mechanism, Moduli, gpa_per_kcal_mol_angstrom3,
 };
-use serde::Serialize;
+use protomer_results::keys::read_json;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Directions over half a turn in [`Report::polar`].
 const POLAR_DIRECTIONS: usize = 36;
@@ -36,7 +39,7 @@ pub struct Settings {
 }
 
 /// Ways of relaxing a network.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Relax {
     /// Relaxation of the nodes and the cell.
@@ -45,8 +48,11 @@ pub enum Relax {
     FixedCell,
 }
 
+/// Name of the file of the report.
+pub(super) const FILE: &str = "result.json";
+
 /// A network's elastic constants.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Report {
     /// Name of the builder or file.
     pub network: String,
@@ -54,7 +60,7 @@ pub struct Report {
     pub dimension: usize,
     /// Names of the components of strain and stress, in the order of all matrices; shear strains
     /// are engineering strains.
-    pub strain_order: Vec<&'static str>,
+    pub strain_order: Vec<String>,
     /// Number of nodes.
     pub nodes: usize,
     /// Number of rods.
@@ -80,7 +86,7 @@ pub struct Report {
     pub c_clamped_gpa: Vec<Vec<f64>>,
     /// Moduli `e_y_gpa`, `g_yz_gpa`, `nu_yz`, ...: null where a mechanism makes the modulus zero or
     /// undefined.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "moduli")]
     pub moduli: BTreeMap<String, Option<f64>>,
     /// Moduli by closed formulas.
     #[serde(flatten)]
@@ -112,7 +118,7 @@ pub struct Report {
 }
 
 /// One direction of [`Report::polar`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Direction {
     /// Angle between the load and the y axis, degrees.
     pub angle_deg: f64,
@@ -123,7 +129,7 @@ pub struct Direction {
 }
 
 /// Closed-form moduli of a honeycomb.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Analytic {
     /// Moduli with hinging and stretching together, exact.
     pub analytic: AnalyticModuli,
@@ -134,7 +140,7 @@ pub struct Analytic {
 }
 
 /// Closed-form moduli.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AnalyticModuli {
     /// Moduli along the axes.
     #[serde(flatten)]
@@ -145,7 +151,7 @@ pub struct AnalyticModuli {
 
 /// Energy and its derivatives with respect to the node coordinates, node by node, in the order of
 /// the axes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrintedDerivatives {
     /// Node positions, Å.
     pub nodes_angstrom: Vec<f64>,
@@ -219,7 +225,10 @@ pub fn analyse(
     let report = Report {
         network: name.to_owned(),
         dimension,
-        strain_order: strain_names(dimension).to_vec(),
+        strain_order: strain_names(dimension)
+            .iter()
+            .map(|name| (*name).to_owned())
+            .collect(),
         nodes: placed.nodes_angstrom.len(),
         rods: placed.rods.len(),
         hinges: placed.hinges.len(),
@@ -320,6 +329,14 @@ fn named_moduli(moduli: &Moduli, dimension: usize) -> BTreeMap<String, Option<f6
 }
 
 impl Report {
+    /// Reads the report in a directory.
+    ///
+    /// # Errors
+    /// If it is damaged, or there is none.
+    pub fn read(directory: &Path) -> protomer_results::Result<Self> {
+        read_json(&directory.join(FILE))
+    }
+
     /// Whether every node is free of forces, up to `REST_FORCE`.
     pub fn at_rest(&self) -> bool {
         self.largest_force_kcal_mol_angstrom <= REST_FORCE
@@ -431,7 +448,18 @@ fn matrix(rows: &[Vec<f64>]) -> String {
     lines.join("\n")
 }
 
-fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
+/// The moduli among the keys of a report.
+fn moduli<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<BTreeMap<String, Option<f64>>, D::Error> {
+    let entries = BTreeMap::<String, Value>::deserialize(deserializer)?;
+    let is_modulus = |key: &str| ["e_", "g_", "nu_"].iter().any(|name| key.starts_with(name));
+    let entries = entries.into_iter().filter(|(key, _)| is_modulus(key));
+    Ok(entries.map(|(key, value)| (key, value.as_f64())).collect())
+}
+
+/// The modulus under a key of [`Report::moduli`].
+pub fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
     Some(match key {
         "e_y_gpa" => moduli.e_y_gpa,
         "e_z_gpa" => moduli.e_z_gpa,
@@ -442,8 +470,8 @@ fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
     })
 }
 
-/// Label of a key: `e_y_gpa` becomes `E_y (GPa)`.
-fn label(key: &str) -> String {
+/// Label of a key of [`Report::moduli`]: `e_y_gpa` becomes `E_y (GPa)`.
+pub fn label(key: &str) -> String {
     let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
     let name = key
         .trim_end_matches("_gpa")

@@ -2,13 +2,13 @@
 //!
 //! Ranges are wide: they hold every lattice that makes sense and end where the arithmetic would.
 
-use super::settings::{LatticeSettings, OtherSquare, Screening, Start, TimeStep, Velocities};
+use super::settings::{LatticeSettings, OtherSquare, Screening, TimeStep, Velocities};
 use anyhow::{Result, bail};
-use protomer_common::range::{self, Range};
+use protomer_common::range::Range;
+use protomer_common::settings::Declared;
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::lattice::Square;
 use protomer_crystal::lattice::pair::SquareCharge;
-use std::f64::consts::PI;
 
 /// Upper limit for the number of squares, beyond any practical run.
 pub(super) const MOST_SQUARES: usize = 1_000_000;
@@ -19,12 +19,15 @@ const MOST_INTERVALS: usize = 10_000_000;
 
 /// Range of lengths in half-diagonals of the unit square.
 pub(super) const LENGTH: Range = Range::new(1e-4, 1e3, "");
+/// Range of the lengths of rods.
+pub(super) const ROD_LENGTH: Range =
+    Range::new(1e-4, 1e3, "(a rod without length has no direction)");
 /// Range of masses in masses of the unit square.
 const MASS: Range = Range::new(1e-6, 1e6, "");
 /// Range of moments of inertia.
 pub(super) const INERTIA: Range = Range::new(1e-9, 1e9, "");
 /// Range of angular velocities and friction.
-const RATE: Range = Range::new(1e-6, 1e6, "").or_zero();
+pub(super) const RATE: Range = Range::new(1e-6, 1e6, "").or_zero();
 /// Range of κ of the coherence potential.
 pub(super) const KAPPA: Range = Range::new(1e-12, 1e9, "").or_zero();
 /// Range of times.
@@ -36,7 +39,7 @@ pub(super) const TIME_STEP_LEAST: f64 = 1e-9;
 /// Range of positions, angles and their rates in a file.
 pub(super) const COORDINATE: Range = Range::new(-1e6, 1e6, "");
 /// Range of kT.
-const ENERGY: Range = Range::new(1e-9, 1e6, "");
+pub(super) const ENERGY: Range = Range::new(1e-9, 1e6, "");
 /// Range of lengths of proteins, and of the medium around them.
 const ANGSTROMS: Range = Range::new(1e-2, 1e6, "Å");
 /// Range of the charges of sites.
@@ -73,26 +76,7 @@ impl LatticeSettings {
                  the guide for the limit"
             );
         }
-        LENGTH.require("r0", self.r0)?;
-        KAPPA.require("kappa", self.kappa)?;
-        if let Start::Angle(angle) = self.start {
-            Range::new(-PI, PI, "rad").require("start", angle)?;
-        }
-        let spread = Range::new(0.0, PI, "rad");
-        spread.require("angle_spread", self.angle_spread)?;
-        RATE.require("speed", self.speed)?;
-        RATE.require("velocity_spread", self.velocity_spread)?;
-        TIME.require("time", self.time)?;
-        if let TimeStep::Fixed(step) = self.time_step {
-            TIME_STEP.require("time_step", step)?;
-        }
-        let rebound = Range::new(0.0, 1.0, "(0: no rebound, 1: elastic)");
-        rebound.require("restitution", self.restitution)?;
-        RATE.require("friction", self.friction)?;
-        if let Some(temperature) = self.temperature {
-            ENERGY.or_zero().require("temperature", temperature)?;
-        }
-        Ok(())
+        self.check_ranges()
     }
 
     fn check_counts(&self) -> Result<()> {
@@ -103,11 +87,6 @@ impl LatticeSettings {
                 self.columns
             );
         }
-        if let Some(steps) = self.steps
-            && steps > MOST_STEPS
-        {
-            bail!("steps is {steps}; ask for at most {MOST_STEPS}");
-        }
         if let TimeStep::Fixed(step) = self.time_step
             && self.time / step > MOST_STEPS as f64
         {
@@ -115,11 +94,6 @@ impl LatticeSettings {
                 "a time of {} in steps of {step} takes more than {MOST_STEPS} steps; give a larger time_step",
                 self.time
             );
-        }
-        range::STEPS.require("log_every", self.log_every)?;
-        range::STEPS.require("trajectory_every", self.trajectory_every)?;
-        if self.log_every == 0 {
-            bail!("log_every is 0; it must be at least 1");
         }
         Ok(())
     }

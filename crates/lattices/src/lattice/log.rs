@@ -3,83 +3,52 @@
 use protomer_crystal::analysis::modes::{ModeEnergies, Modes, OutOf, orientational_spread};
 use protomer_crystal::analysis::strain::{biot_strain, corners, deformation_gradient};
 use protomer_crystal::lattice::{Mover, Network, State};
-use protomer_results::Row;
 
-/// One row of the log. Reduced units.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct LogRow {
-    /// Number of steps done.
-    pub step: u64,
-    /// Time.
-    pub time: f64,
-    /// Kinetic energy.
-    pub kinetic_energy: f64,
-    /// Energy of the potentials.
-    pub potential_energy: f64,
-    /// Sum of the kinetic energy and the energy of the potentials.
-    pub energy: f64,
-    /// Mean orientation ⟨θ⟩₀.
-    pub uniform: f64,
-    /// Amplitude ⟨θ⟩₁ of (-1)^(i+j).
-    pub checkerboard: f64,
-    /// Amplitude of (-1)^j.
-    pub vertical: f64,
-    /// Amplitude of (-1)^i.
-    pub horizontal: f64,
-    /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode;
-    /// NaN if nothing rotates.
-    pub checkerboard_fraction: f64,
-    /// Share of the checkerboard mode in the energy as a whole, without that of the uniform mode.
-    pub checkerboard_fraction_of_total: f64,
-    /// Standard deviation of the angles about the coherent state.
-    pub angle_spread: f64,
-    /// Strain along x since the start, from the corners of all squares.
-    pub strain_xx: f64,
-    /// Strain along y since the start.
-    pub strain_yy: f64,
-    /// Shear since the start.
-    pub strain_xy: f64,
-    /// Strain along x since the last row.
-    pub step_strain_xx: f64,
-    /// Strain along y since the last row.
-    pub step_strain_yy: f64,
-    /// Largest deviation of a rod from its length.
-    pub rod_violation: f64,
-    /// Number of collisions so far.
-    pub events: u64,
+protomer_results::log_row! {
+    /// One row of the log. Reduced units.
+    #[derive(Debug, Clone, Copy, PartialEq, Default)]
+    pub struct LogRow {
+        /// Number of steps done.
+        pub step: u64,
+        /// Time.
+        pub time: f64,
+        /// Kinetic energy.
+        pub kinetic_energy: f64,
+        /// Energy of the potentials.
+        pub potential_energy: f64,
+        /// Sum of the kinetic energy and the energy of the potentials.
+        pub energy: f64,
+        /// Mean orientation ⟨θ⟩₀.
+        pub uniform: f64,
+        /// Amplitude ⟨θ⟩₁ of (-1)^(i+j).
+        pub checkerboard: f64,
+        /// Amplitude of (-1)^j.
+        pub vertical: f64,
+        /// Amplitude of (-1)^i.
+        pub horizontal: f64,
+        /// Share of the checkerboard mode in the rotational energy, without that of the uniform mode;
+        /// NaN if nothing rotates.
+        pub checkerboard_fraction: f64,
+        /// Share of the checkerboard mode in the energy as a whole, without that of the uniform mode.
+        pub checkerboard_fraction_of_total: f64,
+        /// Standard deviation of the angles about the coherent state.
+        pub angle_spread: f64,
+        /// Strain along x since the start, from the corners of all squares.
+        pub strain_xx: f64,
+        /// Strain along y since the start.
+        pub strain_yy: f64,
+        /// Shear since the start.
+        pub strain_xy: f64,
+        /// Strain along x since the last row.
+        pub step_strain_xx: f64,
+        /// Strain along y since the last row.
+        pub step_strain_yy: f64,
+        /// Largest deviation of a rod from its length.
+        pub rod_violation: f64,
+        /// Number of collisions so far.
+        pub events: u64,
+    }
 }
-
-/// A column: its name and its value in a row.
-type Column = (
-    &'static str,
-    fn(&LogRow) -> f64,
-    fn(&mut LogRow) -> &mut f64,
-);
-
-macro_rules! columns {
-    ($($name:ident),*) => { [$((stringify!($name), |row| row.$name, |row| &mut row.$name)),*] };
-}
-
-/// The columns between `step` and `events`.
-const NUMBERS: [Column; 17] = columns![
-    time,
-    kinetic_energy,
-    potential_energy,
-    energy,
-    uniform,
-    checkerboard,
-    vertical,
-    horizontal,
-    checkerboard_fraction,
-    checkerboard_fraction_of_total,
-    angle_spread,
-    strain_xx,
-    strain_yy,
-    strain_xy,
-    step_strain_xx,
-    step_strain_yy,
-    rod_violation
-];
 
 impl LogRow {
     /// Computes the row of a state; strains are relative to the positions at the start and at
@@ -121,40 +90,6 @@ impl LogRow {
     }
 }
 
-impl Row for LogRow {
-    fn columns() -> Vec<&'static str> {
-        let numbers = NUMBERS.iter().map(|(name, ..)| *name);
-        std::iter::once("step")
-            .chain(numbers)
-            .chain(["events"])
-            .collect()
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        let mut cells = vec![self.step.to_string()];
-        for (_, number, _) in NUMBERS {
-            cells.push(number(self).to_string());
-        }
-        cells.push(self.events.to_string());
-        cells
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        let [step, numbers @ .., events] = cells else {
-            return None;
-        };
-        let mut row = Self {
-            step: step.parse().ok()?,
-            events: events.parse().ok()?,
-            ..Self::default()
-        };
-        for ((_, _, place), number) in NUMBERS.iter().zip(numbers) {
-            *place(&mut row) = number.parse().ok()?;
-        }
-        (numbers.len() == NUMBERS.len()).then_some(row)
-    }
-}
-
 /// Components xx, yy and xy of the strain from one array of positions to another; NaN where it is
 /// undefined.
 fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
@@ -170,6 +105,7 @@ fn strain(network: &Network, from: &[f64], to: &[f64]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_results::Row;
 
     #[test]
     fn rows_survive_a_round_trip() {

@@ -17,6 +17,7 @@
 //! | [`exponent`] | the Lyapunov exponent of a run of a sweep |
 //! | [`sweep`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
+//! | [`page`] | the pages of runs and sweeps |
 //! | [`square_of_body`] | the square that represents a body |
 
 pub mod animation;
@@ -25,6 +26,7 @@ pub mod directory;
 pub mod exponent;
 pub mod limits;
 pub mod log;
+pub mod page;
 pub mod replay;
 pub mod run;
 pub mod settings;

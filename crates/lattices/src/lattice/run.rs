@@ -12,12 +12,13 @@
 use super::log::LogRow;
 use super::settings::{LatticeSettings, TimeStep};
 use super::start::{Begun, begin_unless, is_stopped, time_step};
-use super::trajectory::Trajectory;
+use super::trajectory::{frame, open_trajectory};
 use anyhow::{Error, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_crystal::CrystalError;
 use protomer_crystal::lattice::paper::PaperStatistics;
 use protomer_crystal::lattice::{Mover, State};
+use protomer_io::gsd::FrameWriter;
 use protomer_results::checkpoint::require_lengths;
 use protomer_results::{
     CHECKPOINT, End, Execution, Interrupt, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run,
@@ -230,7 +231,7 @@ struct Open {
     logged: Vec<f64>,
     progress: Progress,
     log: Log,
-    trajectory: Option<Trajectory>,
+    trajectory: Option<FrameWriter>,
     /// Whether every output due at this state has been written.
     is_complete: bool,
     /// Number of parts in which every step is taken.
@@ -336,9 +337,11 @@ impl<'a> LatticeRun<'a> {
     fn energy_error(&self, open: &mut Open) -> f64 {
         let first = open.progress.first_energy;
         let kinetic = open.state.kinetic_energy(open.mover.network());
-        let change = (open.mover.energy(&open.state) - first).abs();
-        let scale = first.abs().max(kinetic);
-        if change > 0.0 { change / scale } else { 0.0 }
+        relative_change(
+            open.mover.energy(&open.state),
+            first,
+            first.abs().max(kinetic),
+        )
     }
 
     /// Whether a shorter step may be tried: the step must be automatic.
@@ -372,11 +375,19 @@ impl<'a> LatticeRun<'a> {
             && step.is_multiple_of(self.settings.trajectory_every)
         {
             let energy = open.mover.energy(&open.state);
-            trajectory.append(step, open.mover.network(), &open.state, energy)?;
+            trajectory.append(frame(step, open.mover.network(), &open.state, energy))?;
         }
         open.is_complete = true;
         Ok(())
     }
+}
+
+/// Difference of two energies over a scale; zero if they are equal, even without a scale, and NaN if
+/// one of them is.
+fn relative_change(energy: f64, first: f64, scale: f64) -> f64 {
+    let change = (energy - first).abs();
+    // NaN is not above zero, so "above zero" would take it for no change.
+    if change == 0.0 { 0.0 } else { change / scale }
 }
 
 impl Progress {
@@ -443,7 +454,7 @@ impl Run for LatticeRun<'_> {
             0 => None,
             _ => {
                 let path = directory.join(TRAJECTORY);
-                Some(Trajectory::open(&path, &self.begun.network, saved.frames)?)
+                Some(open_trajectory(&path, &self.begun.network, saved.frames)?)
             }
         };
         let mut open = Open {
@@ -555,5 +566,17 @@ impl Run for LatticeRun<'_> {
             return Some(self.saved_at_start(&mut mover, 2 * open.sub_steps));
         }
         open.is_complete.then(|| self.save(open).ok()).flatten()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_energy_that_is_no_number_is_no_small_error() {
+        assert!(relative_change(f64::NAN, 1.0, 1.0).is_nan());
+        assert_eq!(relative_change(1.5, 1.0, 2.0), 0.25);
+        assert_eq!(relative_change(0.0, 0.0, 0.0), 0.0);
     }
 }

@@ -1,6 +1,9 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
+use super::limits::{ENERGY, KAPPA, RATE, ROD_LENGTH, TIME, TIME_STEP};
 use anyhow::Result;
+use protomer_common::range::{Range, STEPS};
+use protomer_common::settings::{Holds, is_default};
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
 use protomer_crystal::lattice::pair::SquareCharge;
 use protomer_crystal::lattice::paper::PaperSettings;
@@ -9,105 +12,89 @@ use protomer_crystal::lattice::{
     StartVelocities,
 };
 pub use protomer_crystal::lattice::{ListedRod, OtherSquare, Screening};
+use protomer_kernel::setting::{Choices, Kind, Setting};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::{FRAC_PI_4, PI};
 
-/// Settings of a run. They contain everything that can change a result, and nothing else. Reduced
-/// units: the half-diagonal of a square is 1, its mass is 1.
-///
-/// ```
-/// use protomer_lattices::lattice::settings::LatticeSettings;
-/// let settings = LatticeSettings { rows: 4, columns: 6, kappa: 0.5, ..LatticeSettings::default() };
-/// settings.check()?;
-/// assert!(LatticeSettings { r0: 0.0, ..settings }.check().is_err());
-/// # Ok::<(), anyhow::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct LatticeSettings {
-    /// Number of rows of squares.
-    pub rows: usize,
-    /// Number of columns of squares.
-    pub columns: usize,
-    /// Length of the rods, r0.
-    pub r0: f64,
-    /// κ of the coherence potential, an inverse time squared.
-    pub kappa: f64,
-    /// The boundary condition.
-    pub edges: Edges,
-    /// The orientation of the squares at the start.
-    pub start: Start,
-    /// Standard deviation of random angles added to the start; short rods allow less.
-    pub angle_spread: f64,
-    /// The velocities at the start.
-    pub velocities: Velocities,
-    /// Initial angular velocity: that of every square (checkerboard), or the largest drawn
-    /// (random).
-    pub speed: f64,
-    /// Standard deviation of random numbers added to the angular velocities of a checkerboard
-    /// start; all velocities are then scaled so that the mean of ω² stays that of the speed.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub velocity_spread: f64,
-    /// Time up to which to run.
-    pub time: f64,
-    /// Number of steps up to which to run, instead of a time.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub steps: Option<u64>,
-    /// Time step.
-    pub time_step: TimeStep,
-    /// Whether squares are impenetrable.
-    pub collisions: bool,
-    /// Coefficient of restitution of the collisions: 1 is elastic.
-    pub restitution: f64,
-    /// Whether to use the collisions of the paper (one mean collision time per step, equalities)
-    /// instead of one event after another.
-    pub paper: bool,
-    /// Temperature kT of a heat bath, in units of mass times (half-diagonal per time)²; needs a
-    /// friction.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub temperature: Option<f64>,
-    /// Friction, an inverse time. Without a temperature it only slows the squares down.
-    pub friction: f64,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Steps between two rows of the log.
-    pub log_every: u64,
-    /// Steps between two frames of the trajectory; zero for no trajectory.
-    pub trajectory_every: u64,
-    /// Length of one reduced unit in Å, where the lattice represents real bodies; only
-    /// screened charges need it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub half_diagonal_angstrom: Option<f64>,
-    /// Missing squares, whose rods are missing too: row and column, counted from 0 at the upper
-    /// left.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub removed_squares: Vec<[usize; 2]>,
-    /// Missing rods: row, column and vertex of each end.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub removed_rods: Vec<[usize; 3]>,
-    /// The square.
-    pub square: Square,
-    /// Squares that differ from `square`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub other_squares: Vec<OtherSquare>,
-    /// The rods, if they differ from those of the lattice.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rods: Option<Vec<ListedRod>>,
-    /// Charges on every square, which act if there is a `screening`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub charges: Vec<SquareCharge>,
-    /// Interaction of the charges.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub screening: Option<Screening>,
-    /// The parameters that a sweep varies.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sweep: Option<SweepAxes>,
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
+protomer_common::settings! {
+    /// Settings of a run. They contain everything that can change a result, and nothing else. Reduced
+    /// units: the half-diagonal of a square is 1, its mass is 1.
+    ///
+    /// ```
+    /// use protomer_lattices::lattice::settings::LatticeSettings;
+    /// let settings = LatticeSettings { rows: 4, columns: 6, kappa: 0.5, ..LatticeSettings::default() };
+    /// settings.check()?;
+    /// assert!(LatticeSettings { r0: 0.0, ..settings }.check().is_err());
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    pub struct LatticeSettings {
+        /// Rows of squares.
+        rows: usize = 10_usize;
+        /// Columns of squares.
+        columns: usize = 10_usize;
+        /// Length of the rods; the half-diagonal of a square is 1.
+        r0: f64 = 3.0 / 22.0, in ROD_LENGTH, otherwise "3/22";
+        /// κ of the potential that favours coherent motion of the squares, an inverse time squared.
+        kappa: f64 = 0.0, in KAPPA;
+        /// Boundary condition.
+        edges: Edges = Edges::Open;
+        /// Orientation at the start: open, closed, or an angle in radians.
+        start: Start = Start::Named(NamedStart::Open), in Range::new(-PI, PI, "rad");
+        /// Standard deviation of random angles added to the start, radians; short rods allow less.
+        angle_spread: f64 = 0.0, in Range::new(0.0, PI, "rad");
+        /// Velocities at the start.
+        velocities: Velocities = Velocities::Checkerboard;
+        /// Angular velocity of every square (checkerboard), or the largest drawn (random).
+        speed: f64 = 1.0, in RATE;
+        /// Standard deviation of random numbers added to the angular velocities of a checkerboard start;
+        /// all velocities are then scaled so that the mean of ω² stays that of the speed.
+        velocity_spread: f64 = 0.0, in RATE, omit "is_default";
+        /// Run to this time.
+        time: f64 = 10.0, in TIME;
+        /// Run to this many steps instead.
+        steps: Option<u64>, in STEPS, omit "is_default";
+        /// Time step: auto, or a number.
+        time_step: TimeStep = TimeStep::AUTO, in TIME_STEP, flag "dt", value "TIME_STEP";
+        /// Whether squares are impenetrable.
+        collisions: bool = true, off "Let squares pass through each other";
+        /// Coefficient of restitution: 1 is elastic.
+        restitution: f64 = 1.0, in Range::new(0.0, 1.0, "(0: no rebound, 1: elastic)");
+        /// Collide as the paper does, with one mean collision time per step, instead of one event after
+        /// another.
+        paper: bool;
+        /// kT of a heat bath, in units of mass times (half-diagonal per time)²; needs --friction.
+        temperature: Option<f64>, in ENERGY.or_zero(), omit "is_default";
+        /// Friction, an inverse time; without a temperature it only slows the squares down.
+        friction: f64 = 0.0, in RATE;
+        /// Seed of the random numbers.
+        seed: u64 = 1_u64;
+        /// Steps between rows of the log.
+        log_every: u64 = 10_u64, in STEPS.at_least(1);
+        /// Steps between frames of the trajectory; 0 for none.
+        trajectory_every: u64 = 50_u64, in STEPS;
+        /// Length of one reduced unit in Å, where the lattice represents real bodies; only
+        /// screened charges need it.
+        half_diagonal_angstrom: Option<f64>, omit "is_default", from file;
+        /// Missing squares, whose rods are missing too: row and column, counted from 0 at the upper
+        /// left.
+        removed_squares: Vec<[usize; 2]>, omit "is_default", from file;
+        /// Missing rods: row, column and vertex of each end.
+        removed_rods: Vec<[usize; 3]>, omit "is_default", from file;
+        /// Square.
+        square: Square, from file;
+        /// Squares that differ from `square`.
+        other_squares: Vec<OtherSquare>, omit "is_default", from file;
+        /// Rods, if they differ from those of the lattice.
+        rods: Option<Vec<ListedRod>>, omit "is_default", from file;
+        /// Charges on every square, which act if there is a `screening`.
+        charges: Vec<SquareCharge>, omit "is_default", from file;
+        /// Interaction of the charges.
+        screening: Option<Screening>, omit "is_default", from file;
+        /// Parameters that a sweep varies.
+        sweep: Option<SweepAxes>, omit "is_default", from file;
+    }
 }
 
 /// Orientation of the squares at the start, θ = ± an angle, which has a name or is given in
@@ -124,14 +111,14 @@ pub enum Start {
     Angle(f64),
 }
 
-/// The two ends of the coherent motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NamedStart {
-    /// θ = ± π/4: the squares stand corner to corner.
-    Open,
-    /// θ = 0: the squares stand side to side, as far apart as the rods are long.
-    Closed,
+protomer_kernel::choices! {
+    /// Ends of the coherent motion.
+    pub enum NamedStart {
+        /// θ = ± π/4: the squares stand corner to corner.
+        Open = "open",
+        /// θ = 0: the squares stand side to side, as far apart as the rods are long.
+        Closed = "closed",
+    }
 }
 
 impl Start {
@@ -145,35 +132,19 @@ impl Start {
     }
 }
 
-/// Parses `open`, `closed` or an angle in radians.
-impl std::str::FromStr for Start {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "open" => Ok(Start::Named(NamedStart::Open)),
-            "closed" => Ok(Start::Named(NamedStart::Closed)),
-            _ => match text.parse::<f64>() {
-                Ok(angle) if angle.is_finite() => Ok(Start::Angle(angle)),
-                _ => Err("give open, closed, or an angle in radians such as 0.3".into()),
-            },
-        }
+protomer_kernel::choices! {
+    /// Velocities at the start, projected onto those that the rods allow.
+    pub enum Velocities {
+        /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
+        /// closes, from any other it opens.
+        Checkerboard = "checkerboard",
+        /// Every ω drawn evenly from -speed to speed.
+        Random = "random",
+        /// All velocities are zero.
+        Rest = "rest",
+        /// Thermal velocities at the temperature of the heat bath.
+        Thermal = "thermal",
     }
-}
-
-/// The initial velocities, projected onto those that the rods allow.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Velocities {
-    /// Every square turns against its neighbours, ω = ±(-1)^(i+j) speed: from the open state it
-    /// closes, from any other it opens.
-    Checkerboard,
-    /// Every ω drawn evenly from -speed to speed.
-    Random,
-    /// All velocities are zero.
-    Rest,
-    /// Thermal velocities at the temperature of the heat bath.
-    Thermal,
 }
 
 /// A time step.
@@ -186,12 +157,12 @@ pub enum TimeStep {
     Fixed(f64),
 }
 
-/// An automatic time step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum NamedTimeStep {
-    /// A step that is short enough for the fastest-turning rod.
-    Auto,
+protomer_kernel::choices! {
+    /// Automatic time step.
+    pub enum NamedTimeStep {
+        /// A step that is short enough for the fastest-turning rod.
+        Auto = "auto",
+    }
 }
 
 impl TimeStep {
@@ -199,18 +170,45 @@ impl TimeStep {
     pub const AUTO: Self = TimeStep::Named(NamedTimeStep::Auto);
 }
 
-/// Parses `auto` or a number.
-impl std::str::FromStr for TimeStep {
-    type Err = String;
+/// Makes a setting of an enum with a name and a number; the words say how to write it.
+macro_rules! name_or_number {
+    ($setting:ident: $name:ident, $number:ident, $words:literal) => {
+        impl std::str::FromStr for $setting {
+            type Err = String;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        match (text, text.parse::<f64>()) {
-            ("auto", _) => Ok(Self::AUTO),
-            (_, Ok(step)) if step.is_finite() => Ok(TimeStep::Fixed(step)),
-            _ => Err("give auto, or a number such as 1e-3".into()),
+            fn from_str(text: &str) -> Result<Self, String> {
+                match (Choices::from_name(text), text.parse::<f64>()) {
+                    (Some(name), _) => Ok(Self::$name(name)),
+                    (None, Ok(number)) if number.is_finite() => Ok(Self::$number(number)),
+                    _ => Err($words.into()),
+                }
+            }
         }
-    }
+
+        impl Setting for $setting {
+            const KIND: Kind = Kind::NameOrNumber(|text| text.parse().map(|_: Self| ()));
+
+            fn text(&self) -> Option<String> {
+                match self {
+                    Self::$name(name) => name.text(),
+                    Self::$number(number) => number.text(),
+                }
+            }
+        }
+
+        impl Holds<$setting> for Range {
+            fn require_setting(&self, key: &str, setting: &$setting) -> Result<()> {
+                match setting {
+                    $setting::$name(_) => Ok(()),
+                    $setting::$number(number) => self.require(key, *number),
+                }
+            }
+        }
+    };
 }
+
+name_or_number!(Start: Named, Angle, "give open, closed, or an angle in radians such as 0.3");
+name_or_number!(TimeStep: Named, Fixed, "give auto, or a number such as 1e-3");
 
 /// The parameters that a sweep varies: every r0 with every κ, once per seed.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -226,43 +224,6 @@ pub struct SweepAxes {
     /// of a run is added to the seed here.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lyapunov: Option<LyapunovSettings>,
-}
-
-impl Default for LatticeSettings {
-    fn default() -> Self {
-        Self {
-            rows: 10,
-            columns: 10,
-            r0: 3.0 / 22.0,
-            kappa: 0.0,
-            edges: Edges::Open,
-            start: Start::Named(NamedStart::Open),
-            angle_spread: 0.0,
-            velocities: Velocities::Checkerboard,
-            speed: 1.0,
-            velocity_spread: 0.0,
-            time: 10.0,
-            steps: None,
-            time_step: TimeStep::AUTO,
-            collisions: true,
-            restitution: 1.0,
-            paper: false,
-            temperature: None,
-            friction: 0.0,
-            seed: 1,
-            log_every: 10,
-            trajectory_every: 50,
-            half_diagonal_angstrom: None,
-            removed_squares: Vec::new(),
-            removed_rods: Vec::new(),
-            square: Square::default(),
-            other_squares: Vec::new(),
-            rods: None,
-            charges: Vec::new(),
-            screening: None,
-            sweep: None,
-        }
-    }
 }
 
 impl Settings for LatticeSettings {

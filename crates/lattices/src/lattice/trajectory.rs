@@ -13,40 +13,12 @@ use std::path::Path;
 /// Diameter of the dots on the corners.
 const DOT_DIAMETER: f64 = 0.04;
 
-/// A trajectory that is being written.
-#[derive(Debug)]
-pub struct Trajectory(FrameWriter);
-
-impl Trajectory {
-    /// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
-    ///
-    /// # Errors
-    /// If the file cannot be written, or holds fewer frames than the checkpoint records.
-    pub fn open(path: &Path, network: &Network, frames: u64) -> Result<Self> {
-        Ok(Self(FrameWriter::open(path, header(network)?, frames)?))
-    }
-
-    /// Appends a state.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn append(
-        &mut self,
-        step: u64,
-        network: &Network,
-        state: &State,
-        energy: f64,
-    ) -> Result<()> {
-        Ok(self.0.append(frame(step, network, state, energy))?)
-    }
-
-    /// Flushes everything to disk and returns the number of frames.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn sync(&mut self) -> Result<u64> {
-        Ok(self.0.sync()?)
-    }
+/// Opens the trajectory and cuts it to its first `frames` frames (zero starts a new one).
+///
+/// # Errors
+/// If the file cannot be written, or holds fewer frames than the checkpoint records.
+pub fn open_trajectory(path: &Path, network: &Network, frames: u64) -> Result<FrameWriter> {
+    Ok(FrameWriter::open(path, header(network)?, frames)?)
 }
 
 /// The position of a corner of a square with x, y, θ.
@@ -133,7 +105,7 @@ fn polygon(size: f64) -> String {
 }
 
 /// The data that changes from frame to frame.
-fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
+pub fn frame(step: u64, network: &Network, state: &State, energy: f64) -> Vec<Chunk> {
     let (mut places, mut angles) = (Vec::new(), Vec::new());
     for square in state.positions.chunks_exact(3) {
         places.push([square[0], square[1]]);

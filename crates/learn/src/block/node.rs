@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 pub(super) struct Node {
     convolution: Convolution,
     norm: Option<GroupNorm>,
-    /// Whether a gradient may be asked for.
+    /// Whether a gradient may be requested.
     tracked: bool,
     records: OnceLock<Vec<Kept>>,
 }
@@ -58,6 +58,8 @@ impl Node {
         settings: &BlockSettings,
     ) -> crate::Result<Tensor> {
         let finishing = match (settings.groups, settings.pool) {
+            // With a normalisation the ReLU and the pooling come after
+            // it, so the convolution must deliver plain numbers.
             (Some(_), _) => Finishing::Plain,
             (None, true) => Finishing::Pool,
             (None, false) => Finishing::Relu,
@@ -69,12 +71,15 @@ impl Node {
         };
         let weight = parameters.weight.contiguous()?;
         let vectors = match (&norm, &parameters.norm) {
+            // An operation of the graph takes three arguments
+            // at most: the three vectors travel as one.
             (Some(_), Some((scale, shift))) => Tensor::cat(&[&parameters.bias, scale, shift], 0)?,
             _ => parameters.bias.contiguous()?,
         };
         let node = Self {
             convolution,
             norm,
+            // Without a gradient to come, the forward pass keeps nothing.
             tracked: input.track_op() || weight.track_op() || vectors.track_op(),
             records: OnceLock::new(),
         };
@@ -106,6 +111,7 @@ impl Node {
             };
         };
         let [bias, weights, biases] = [0, 1, 2].map(|i| of_sample(vectors, i, norm.channels));
+        // The plain grid is kept for the backward pass, which needs x̂ again.
         let mut grid = Buffer::stale(norm.channels * norm.voxels());
         let finish = Finish::Plain(&mut grid);
         let occupied = self
@@ -130,16 +136,20 @@ impl Node {
         input_gradient: Option<&mut [f32]>,
     ) -> Gradients {
         let (Some(norm), Some(Normed { grid, moments })) = (&self.norm, normed) else {
+            // Nothing was kept for a normalisation, so there is none.
             return self.convolution.backward(sample, weights, input_gradient);
         };
         let scale = of_sample(vectors, 1, norm.channels);
+        // Zeros: `GroupNorm::backward` writes only where a gradient arrives.
         let mut grid_gradient = Buffer::zeros(norm.channels * norm.voxels());
         let norm_gradients = norm.backward(grid, moments, scale, &sample, &mut grid_gradient);
+        // The convolution before the normalisation sees its gradient in place of the block's.
         let sample = Sample {
             gradient: &grid_gradient,
             ..sample
         };
         let mut gradients = self.convolution.backward(sample, weights, input_gradient);
+        // In the order in which `apply` joined the vectors: bias, scale, shift.
         for value in norm_gradients.into_iter().flatten() {
             gradients.vectors.push(value as f32);
         }
@@ -200,6 +210,7 @@ impl CustomOp3 for Node {
         let weight = contiguous(weight, weight_layout)?;
         let vectors = contiguous(vectors, vectors_layout)?;
         let geometry = &self.convolution.geometry;
+        // Packed once for all samples of the batch, outside the parallel loop.
         let packed = geometry.pack(weight);
         let to = self.out_length();
         let samples = input_layout.dims().first().copied().unwrap_or(0);
@@ -213,6 +224,8 @@ impl CustomOp3 for Node {
                 self.tracked.then_some(record)
             })
             .collect();
+        // A node belongs to one place of one graph. Run
+        // twice, its records would be those of another input.
         if self.tracked
             && self
                 .records
@@ -234,12 +247,14 @@ impl CustomOp3 for Node {
         result: &Tensor,
         gradient: &Tensor,
     ) -> Result<ThreeGradients> {
+        // Shape and records must be of the same batch, or samples would be mixed up.
         let Some(records) = self.records.get() else {
-            bail!("a gradient was asked for, but nothing was tracked")
+            bail!("a gradient was requested, but nothing was tracked")
         };
         if Some(records.len()) != input.dims().first().copied() {
             return Err(wrong_storage());
         }
+        // The gradient of a view may arrive strided, while the kernels read rows.
         let gradient = gradient.contiguous()?;
         let numbers = [result, &gradient, vectors].map(Numbers::of);
         let [result, gradient, of_vectors] = &numbers;

@@ -9,7 +9,7 @@ mod screening;
 mod statistics;
 
 pub use screening::{Quarantined, read_checked, screen};
-pub use statistics::{MOST_VALUES, median, where_defined};
+pub use statistics::{MOST_VALUES, where_defined};
 
 use crate::error::damaged;
 use crate::{Result, SampleSource, SparseGrid};

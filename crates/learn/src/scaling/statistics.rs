@@ -3,6 +3,7 @@
 use super::screening::read_checked;
 use crate::error::refuse;
 use crate::{Result, SampleSource};
+use protomer_kernel::statistics::median;
 use rayon::prelude::*;
 
 /// Largest number of values for a median, evenly spread over the samples, to bound memory.
@@ -71,11 +72,11 @@ pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> 
 pub(super) fn robust_scale(mut values: Vec<f32>) -> f64 {
     let sizes: f64 = values.iter().map(|value| f64::from(value.abs())).sum();
     let mean_size = sizes / values.len().max(1) as f64;
-    let middle = median(&mut values);
+    let middle = median(&mut values, f32::total_cmp).unwrap_or(0.0);
     for value in &mut values {
         *value = (*value - middle).abs();
     }
-    let deviation = f64::from(median(&mut values));
+    let deviation = f64::from(median(&mut values, f32::total_cmp).unwrap_or(0.0));
     if deviation > 0.0 {
         deviation
     } else if mean_size > 0.0 {
@@ -83,20 +84,4 @@ pub(super) fn robust_scale(mut values: Vec<f32>) -> f64 {
     } else {
         1.0
     }
-}
-
-/// The median, the upper of the two in the middle for an even count; zero for none. The values are
-/// left in another order.
-///
-/// ```
-/// use protomer_learn::scaling::median;
-///
-/// assert_eq!(median(&mut [5.0, 1.0, 9.0]), 5.0);
-/// ```
-pub fn median(values: &mut [f32]) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }

@@ -240,6 +240,24 @@ fn variables(
         .collect()
 }
 
+/// Outputs and gradients of two implementations agree.
+fn require_equal(
+    case: &str,
+    (output, gradients): (&Tensor, &[Vec<f64>]),
+    (expected_output, expected_gradients): (&Tensor, &[Vec<f64>]),
+) {
+    assert!(
+        difference(&numbers(output), &numbers(expected_output)) < 1e-5,
+        "{case}"
+    );
+    for (which, (gradient, expected)) in gradients.iter().zip(expected_gradients).enumerate() {
+        // A convolution's bias in front of a normalisation over its own channel has gradient 0.
+        let scale = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let error = difference(gradient, expected) * scale / scale.max(1.0);
+        assert!(error < 2e-5, "{case} gradient {which}: {error}");
+    }
+}
+
 #[test]
 fn the_fused_block_has_the_gradients_of_the_composed_one() {
     for level in Level::available() {
@@ -272,20 +290,8 @@ fn the_fused_block_has_the_gradients_of_the_composed_one() {
                     );
                     let (z, expected) =
                         gradients(|x, p| block::composed(x, p, &settings), &variables, false);
-                    assert!(
-                        difference(&numbers(&y), &numbers(&z)) < 1e-5,
-                        "{level:?} shape {i} {settings:?}"
-                    );
-                    for (which, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                        // A convolution's bias in front of a normalisation over its own channel has
-                        // gradient 0.
-                        let scale = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-                        let error = difference(found, expected) * scale / scale.max(1.0);
-                        assert!(
-                            error < 2e-5,
-                            "{level:?} shape {i} {settings:?} gradient {which}: {error}"
-                        );
-                    }
+                    let case = format!("{level:?} shape {i} {settings:?}");
+                    require_equal(&case, (&y, &found), (&z, &expected));
                 }
             }
         }
@@ -322,18 +328,8 @@ fn gradients_skip_empty_parts_without_a_trace() {
                             &all[1..],
                             true,
                         );
-                        assert!(
-                            difference(&numbers(&y), &numbers(&z)) < 1e-5,
-                            "{level:?} shape {i} {settings:?}"
-                        );
-                        for (which, (found, expected)) in found.iter().zip(&expected).enumerate() {
-                            let scale = expected.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-                            let error = difference(found, expected) * scale / scale.max(1.0);
-                            assert!(
-                                error < 2e-5,
-                                "{level:?} shape {i} {settings:?} gradient {which}: {error}"
-                            );
-                        }
+                        let case = format!("{level:?} shape {i} {settings:?}");
+                        require_equal(&case, (&y, &found), (&z, &expected));
                     }
                 }
             }

@@ -6,13 +6,15 @@
 use super::state::{Contributions, PairContribution, StateEnergies};
 use crate::System;
 use crate::energy::terms::EnergyParts;
+use protomer_kernel::null;
 use protomer_kernel::statistics::RunningMoments;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A mean with its standard error; none for fewer than two blocks.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Mean {
     /// The mean.
+    #[serde(deserialize_with = "null::as_nan")]
     pub mean: f64,
     /// Standard error of the mean.
     pub error: Option<f64>,
@@ -47,6 +49,7 @@ struct Pairs {
 const OF_RESIDUE: usize = 5;
 /// Numbers of a pair: charges, contacts, how many touch, whether any does.
 const OF_PAIR: usize = 4;
+/// Means of a block, as listed for [`Averages::blocks`].
 const TOTALS: usize = 7;
 
 /// Mean contribution of one residue, per copy.
@@ -79,8 +82,8 @@ struct BlockSums {
     block: Vec<f64>,
     in_block: usize,
     blocks: usize,
-    mean: Vec<f64>,
-    squares: Vec<f64>,
+    /// Means of the ended blocks.
+    of_blocks: Vec<RunningMoments>,
 }
 
 impl Averages {
@@ -326,8 +329,7 @@ impl BlockSums {
             block: vec![0.0; numbers],
             in_block: 0,
             blocks: 0,
-            mean: vec![0.0; numbers],
-            squares: vec![0.0; numbers],
+            of_blocks: vec![RunningMoments::default(); numbers],
         }
     }
 
@@ -340,15 +342,11 @@ impl BlockSums {
         }
     }
 
-    /// Welford's update with the mean of the block.
     fn end_block(&mut self) {
         self.blocks += 1;
-        let (frames, blocks) = (self.in_block as f64, self.blocks as f64);
-        for (index, sum) in self.block.iter_mut().enumerate() {
-            let of_block = *sum / frames;
-            let before = of_block - self.mean[index];
-            self.mean[index] += before / blocks;
-            self.squares[index] += before * (of_block - self.mean[index]);
+        let frames = self.in_block as f64;
+        for (sum, of_blocks) in self.block.iter_mut().zip(&mut self.of_blocks) {
+            of_blocks.push(*sum / frames);
             *sum = 0.0;
         }
         self.in_block = 0;
@@ -359,11 +357,10 @@ impl BlockSums {
     }
 
     fn mean_with_error(&self, index: usize) -> Mean {
-        let blocks = self.blocks as f64;
-        let square = self.squares[index] / (blocks - 1.0) / blocks;
+        let of_blocks = &self.of_blocks[index];
         Mean {
             mean: self.mean(index),
-            error: (self.blocks > 1).then(|| square.sqrt()),
+            error: (self.blocks > 1).then(|| of_blocks.independent_standard_error()),
         }
     }
 }

@@ -6,7 +6,6 @@
 //! is certain.
 
 pub mod certified;
-mod chebyshev;
 mod direct;
 mod far_energies;
 mod far_field;
@@ -137,7 +136,7 @@ pub trait EnergyModel: Send {
 
     /// Takes the energies over from [`pairs`](EnergyModel::pairs) of the same system, so that a
     /// continued run makes the decisions of the uninterrupted one, bit for bit. A model whose
-    /// energies are exact functions of the poses may compute them anew instead.
+    /// energies are exact functions of the poses may compute them again instead.
     ///
     /// # Errors
     /// As [`reset`](EnergyModel::reset).
@@ -183,7 +182,7 @@ pub trait EnergyModel: Send {
     }
 
     /// The energies of all pairs in range, ascending by (first, second). The system is the one whose
-    /// moves the model has followed; what it does not keep is found anew.
+    /// moves the model has followed; what it does not keep is computed again.
     fn pairs(&self, system: &System) -> Vec<PairEnergy>;
 
     /// The energy of these pairs of the bodies of the last [`reset`](EnergyModel::reset) at other
@@ -242,6 +241,7 @@ pub(crate) fn compared_kt(
     threshold_kt: f64,
     rise_kt: impl Fn(Effort) -> Result<f64>,
 ) -> Result<f64> {
+    // The quick error of a pair is about 10⁻³ kT, a tenth of the margin.
     let quick = rise_kt(Effort::Quick)?;
     match (quick - threshold_kt).abs() < MARGIN_KT {
         true => rise_kt(Effort::Full),
@@ -263,6 +263,7 @@ impl Pairs<'_> {
         match self {
             Pairs::All => true,
             Pairs::With(bodies) => {
+                // Ascending by contract, so a bisection; groups may hold hundreds of bodies.
                 bodies.binary_search(&first).is_ok() || bodies.binary_search(&second).is_ok()
             }
         }
@@ -294,6 +295,7 @@ fn all_pairs<T: Clone>(
     let mut energies = PairTable::new(system.len());
     for first in 0..system.len() {
         for second in first + 1..system.len() {
+            // Pairs out of range take no place in the table: it is sparse in large systems.
             if let Some(value) = energy(&system.pair(first, second))? {
                 energies.set(first, second, value);
             }

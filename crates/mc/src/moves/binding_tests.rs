@@ -8,9 +8,11 @@ use crate::energy::{DirectSum, EnergyModel};
 use crate::hard::overlapping_pairs;
 use crate::observables::{contacts, r_g_angstrom};
 use crate::system::System;
+use crate::test_support::octahedron;
 use crate::{BodyType, Interaction, Settings, Simulation};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::{CounterRng, Purpose};
+use protomer_kernel::statistics::RunningMoments;
 use protomer_kernel::{Boundary, Pose, Rotation, TriangleMesh, Vec3};
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -29,25 +31,9 @@ fn yukawa() -> Yukawa {
 
 /// A lopsided octahedron with charges off its centre.
 fn body(name: &str, sign: f64, length_angstrom: f64) -> Arc<BodyType> {
-    let axes = [Vec3::x(), Vec3::y(), Vec3::z()];
-    let mut vertices: Vec<Vec3> = axes
-        .iter()
-        .flat_map(|axis| [4.0 * axis, -4.0 * axis])
-        .collect();
-    vertices[0] *= length_angstrom / 4.0;
-    let mesh = with_middles(TriangleMesh {
-        vertices,
-        triangles: vec![
-            [0, 2, 4],
-            [2, 1, 4],
-            [1, 3, 4],
-            [3, 0, 4],
-            [2, 0, 5],
-            [1, 2, 5],
-            [3, 1, 5],
-            [0, 3, 5],
-        ],
-    });
+    let mut mesh = octahedron(4.0);
+    mesh.vertices[0] *= length_angstrom / 4.0;
+    let mesh = with_middles(mesh);
     // Not the same for both signs, or a swap would leave the energy as it is.
     let place = match sign > 0.0 {
         true => 3.0 * Vec3::x(),
@@ -114,12 +100,12 @@ struct Estimate {
 }
 
 fn estimates(batches: &[[f64; 3]]) -> [Estimate; 3] {
-    let number = batches.len() as f64;
     std::array::from_fn(|k| {
-        let mean = batches.iter().map(|batch| batch[k]).sum::<f64>() / number;
-        let squares = batches.iter().map(|batch| (batch[k] - mean).powi(2));
-        let error = (squares.sum::<f64>() / (number - 1.0) / number).sqrt();
-        Estimate { mean, error }
+        let moments: RunningMoments = batches.iter().map(|batch| batch[k]).collect();
+        Estimate {
+            mean: moments.mean(),
+            error: moments.independent_standard_error(),
+        }
     })
 }
 

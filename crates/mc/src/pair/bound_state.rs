@@ -20,6 +20,7 @@ use crate::{McError, Result};
 use nalgebra::{UnitQuaternion, Vector6};
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::{CounterRng, Purpose};
+use protomer_kernel::statistics::RunningMoments;
 use protomer_kernel::{Pose, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -225,7 +226,9 @@ impl Region {
 
     /// The widest rotation within the limit, rad.
     fn widest_turn_rad(&self) -> f64 {
+        // 1 - cos θ at which the turn alone moves the points by the limit.
         let versine = self.limit_angstrom.powi(2) / (4.0 / 3.0 * self.square_of_gyration_angstrom2);
+        // Beyond 2 even a half turn stays within the limit: small bodies.
         if versine < 2.0 {
             (1.0 - versine).acos()
         } else {
@@ -236,6 +239,7 @@ impl Region {
     /// Whether a place is within the limit, and its rotation vector the only one of its rotation.
     fn holds(&self, place: &Vector6<f64>) -> bool {
         let (_, turn) = parts(place);
+        // |turn| ≤ π: every rotation has one vector, so none is counted twice.
         turn.norm() <= PI && self.square_displacement(place) < self.limit_angstrom.powi(2)
     }
 
@@ -246,6 +250,8 @@ impl Region {
         let widest = self.widest_turn_rad();
         let step = widest / INTERVALS as f64;
         let mut sum = 0.0;
+        // The midpoint rule in the angle; the integrand
+        // is smooth but at its end, where it vanishes.
         for interval in 0..INTERVALS {
             let angle = (interval as f64 + 0.5) * step;
             let turned = square_displacement(0.0, angle, self.square_of_gyration_angstrom2);
@@ -270,6 +276,8 @@ impl Region {
             let shift = rng.vector_in_ball(self.limit_angstrom);
             let turn = rng.vector_in_ball(widest);
             let place = joined(&shift, &turn);
+            // Rejection turns evenly drawn vectors into evenly
+            // drawn rotations; the density is at most one.
             if rng.uniform() < rotation_density(turn.norm()) && self.holds(&place) {
                 return place;
             }
@@ -292,6 +300,7 @@ impl Region {
         let mut ln_volume = (self.volume_angstrom3() * share).ln();
         let mut poses = Vec::new();
         let mut ln_integral = f64::NEG_INFINITY;
+        // A guess: twice the wanted steps, as if half of them were accepted; it adapts.
         let mut steps = WANTED_STEPS * 2.0;
         for step in 1.. {
             if !goes_on() {
@@ -299,8 +308,10 @@ impl Region {
             }
             let (highest, lowest_kt) = ends(&live);
             let removed = live[highest];
+            // Each removal shrinks the volume by 1 - 1/N on average, in logarithms.
             let ln_next = ln_volume + (-1.0 / count as f64).ln_1p();
             let ln_weight = ln_difference(ln_volume, ln_next) - removed.energy_kt;
+            // All live poses at the lowest energy could add no more than this part: enough.
             if ln_next - lowest_kt < ln_integral + LEFT.ln() {
                 break;
             }
@@ -309,16 +320,20 @@ impl Region {
             ln_volume = ln_next;
             let mut rng = stream(step);
             let walk = self.walk(energy_kt, &live, highest, steps as u32, &mut rng);
+            // The removed pose's place is filled by a walk
+            // from one of the others, below the same energy.
             evaluations += walk.evaluations;
             steps = walk.next_steps(steps);
             live[highest] = walk.end;
         }
+        // What is left of the volume, shared by the live poses.
         for left in live {
             let ln_weight = ln_volume - (count as f64).ln() - left.energy_kt;
             ln_integral = ln_sum(ln_integral, ln_weight);
             poses.push((left, ln_weight));
         }
         let information = information(&poses, ln_integral, self.volume_angstrom3() * share);
+        // H/N of the shrinkage, and the error of the share without overlap.
         let variance = (information.max(0.0) + (1.0 - share)) / count as f64;
         Some(Nested {
             poses,
@@ -339,6 +354,7 @@ impl Region {
         let mut live = Vec::with_capacity(count);
         let mut tries = 0;
         while live.len() < count {
+            // No room within the limit, or asked to stop.
             if tries > MOST_TRIES * count as u64 || !goes_on() {
                 return None;
             }
@@ -370,6 +386,7 @@ impl Region {
         steps: u32,
         rng: &mut CounterRng,
     ) -> Walk {
+        // Any live pose but the highest, without a loop of rejections.
         let other = |rng: &mut CounterRng| (highest + 1 + rng.index(live.len() - 1)) % live.len();
         let limit = live[highest];
         let mut walk = Walk {
@@ -380,16 +397,21 @@ impl Region {
         };
         for _ in 0..steps {
             let (a, b) = (other(rng), other(rng));
+            // Lengths over a range of scales: the live poses
+            // may lie in a ridge or in several places.
             let scale =
                 SHORTEST.powf(rng.uniform()) * (if rng.uniform() < 0.5 { 1.0 } else { -1.0 });
             let place = walk.end.place + scale * (live[a].place - live[b].place);
+            // Drawn before any test: how many numbers a step takes must not depend on its outcome.
             let (mark, uniform) = (rng.uniform(), rng.uniform());
             let density = |place: &Vector6<f64>| rotation_density(parts(place).1.norm());
+            // a = b is no step. The density makes the walk even in rotations, not in their vectors.
             if a == b || !self.holds(&place) || uniform * density(&walk.end.place) > density(&place)
             {
                 continue;
             }
             walk.evaluations += 1;
+            // An overlap is infinite energy: never below.
             let Some(energy_kt) = energy_kt(&self.pose(&place)) else {
                 continue;
             };
@@ -398,6 +420,8 @@ impl Region {
                 energy_kt,
                 mark,
             };
+            // Energies only need to be below the limit: within
+            // it the walk is even, without a temperature.
             if moved.is_below(limit.energy_kt, limit.mark) {
                 walk.end = moved;
                 walk.accepted += 1;
@@ -413,9 +437,8 @@ impl Region {
             .iter()
             .fold(f64::NEG_INFINITY, |sum, run| ln_sum(sum, run.ln_integral));
         let ln_mean = all - count.ln();
-        let logs = runs.iter().map(|run| run.ln_integral);
-        let mean = logs.clone().sum::<f64>() / count;
-        let spread = logs.map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0) / count;
+        let logs: Vec<f64> = runs.iter().map(|run| run.ln_integral).collect();
+        let spread = RunningMoments::in_two_passes(&logs).variance() / count;
         let expected = runs.iter().map(|run| run.variance).sum::<f64>() / count.powi(2);
         let mut state = BoundState {
             ln_association_angstrom3: ln_mean,
@@ -446,6 +469,7 @@ impl Region {
         }
         state.displacement_angstrom = state.displacement_angstrom.sqrt();
         for (number, run) in runs.iter().enumerate() {
+            // Each run gives poses in proportion to its part of the integral.
             let share = (run.ln_integral - all).exp();
             let wanted = (share * (SAMPLES * runs.len()) as f64).round() as usize;
             let mut rng =
@@ -482,8 +506,11 @@ struct Walk {
 impl Walk {
     /// Steps of the next walk: enough for the wanted accepted ones, changed slowly.
     fn next_steps(&self, present: f64) -> f64 {
+        // Half a step more, so that a walk without success does not divide by zero.
         let rate = (f64::from(self.accepted) + 0.5) / f64::from(self.steps);
         let wanted = (WANTED_STEPS / rate).clamp(STEPS.0, STEPS.1);
+        // One part in twenty per walk: the length follows
+        // the shrinking volume, not the luck of a walk.
         present + 0.05 * (wanted - present)
     }
 }
@@ -500,6 +527,7 @@ fn joined(shift: &Vec3, turn: &Vec3) -> Vector6<f64> {
 
 /// Density of even rotations over rotation vectors, relative to that of small ones: 2 (1 - cos θ)/θ².
 fn rotation_density(angle_rad: f64) -> f64 {
+    // The quotient of two small numbers would lose its digits.
     match angle_rad < 1e-4 {
         true => 1.0,
         false => 2.0 * (1.0 - angle_rad.cos()) / angle_rad.powi(2),
@@ -527,6 +555,7 @@ fn information(poses: &[(Live, f64)], ln_integral: f64, volume_angstrom3: f64) -
 /// ln(exp a + exp b).
 fn ln_sum(a: f64, b: f64) -> f64 {
     let (large, small) = (a.max(b), a.min(b));
+    // -∞ less -∞ would be no number.
     match large == f64::NEG_INFINITY {
         true => large,
         false => large + (small - large).exp().ln_1p(),

@@ -27,6 +27,7 @@ const LEAST_COSINE: f64 = 0.5;
 const LLOYD_STEPS: usize = 4;
 /// The charges of patches are found to this fraction.
 const RESIDUAL: f64 = 1e-7;
+/// Largest number of steps in which they are found.
 const MOST_STEPS: usize = 500;
 /// Beyond this, erf(x) is 1 to rounding.
 const FAR: f64 = 6.0;
@@ -50,11 +51,13 @@ impl Patches {
             .iter()
             .map(|triangle| area(corners(triangle)))
             .sum();
+        // Small against a patch, so that patches may become round and equal.
         let largest = total / (PLACES_PER_PATCH * count as f64);
         let (mut places, mut areas) = (Vec::new(), Vec::new());
         for triangle in &mesh.triangles {
             let whole = corners(triangle);
             // In cuts² parts that are not larger than this.
+            // Triangles of a mesh differ in size; parts are nearly equal in area.
             let cuts = (area(whole) / largest).sqrt().ceil().max(1.0);
             let parts = parts(whole, cuts as usize);
             areas.resize(areas.len() + parts.len(), area(whole) / parts.len() as f64);
@@ -62,6 +65,7 @@ impl Patches {
         }
         let mut centres = far_apart(&places, count);
         let mut owners = nearest(&places, &centres);
+        // Lloyd's iteration: centres to the middle of their places, places to the nearest centre.
         for _ in 0..LLOYD_STEPS {
             centres = middles(&places, &areas, &owners, &centres);
             owners = nearest(&places, &centres);
@@ -70,6 +74,7 @@ impl Patches {
         for (owner, area) in owners.iter().zip(&areas) {
             sums[*owner] += area;
         }
+        // A centre may lose all its places to its neighbours.
         let filled = centres
             .into_iter()
             .zip(sums)
@@ -123,6 +128,7 @@ impl Matrix {
         let size = centres.len();
         let mut entries = vec![0.0; size * size];
         for i in 0..size {
+            // Only the lower half is computed; the matrix is symmetric.
             for j in 0..=i {
                 let distance = (centres[i] - centres[j]).norm();
                 let width = (widths_squared[i] + widths_squared[j]).sqrt();
@@ -141,6 +147,7 @@ impl Matrix {
 
     /// The vector x with Ax = (1, 1, ...), by conjugate gradients with the diagonal as a guess of A.
     fn solved_for_ones(&self) -> Option<Vec<f64>> {
+        // Jacobi preconditioning: patches differ in area and so in their own potential.
         let diagonal: Vec<f64> = (0..self.size)
             .map(|i| self.entries[i * self.size + i])
             .collect();
@@ -155,6 +162,7 @@ impl Matrix {
         let mut residual = vec![1.0; self.size];
         let mut direction = scaled(&residual);
         let mut size = dot(&residual, &direction);
+        // In the norm of the preconditioner, in which `size` is measured.
         let goal = RESIDUAL * RESIDUAL * size;
         for _ in 0..MOST_STEPS {
             let image = self.times(&direction);
@@ -165,6 +173,7 @@ impl Matrix {
             }
             let next = scaled(&residual);
             let next_size = dot(&residual, &next);
+            // Patches without area have a diagonal of infinity.
             if !next_size.is_finite() {
                 return None;
             }
@@ -189,7 +198,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 fn potential(distance: f64, width: f64) -> f64 {
     let x = distance / width;
     match x {
+        // erf is one to rounding: most pairs take this way.
         _ if x > FAR => 1.0 / distance,
+        // The limit 2/(√π w), as erf(x)/r would divide zero by zero.
         _ if x < 1e-4 => 2.0 / (PI.sqrt() * width),
         _ => erf(x) / distance,
     }
@@ -199,6 +210,7 @@ fn potential(distance: f64, width: f64) -> f64 {
 /// positive.
 fn erf(x: f64) -> f64 {
     let (mut term, mut sum, mut n) = (x, x, 0.0);
+    // All terms positive: no cancellation, whatever x.
     while term > 1e-17 * sum {
         n += 1.0;
         term *= 2.0 * x * x / (2.0 * n + 1.0);
@@ -215,6 +227,7 @@ fn parts([a, b, c]: [Vec3; 3], cuts: usize) -> Vec<Vec3> {
         for j in 0..cuts - i {
             let (row, column) = (i as f64, j as f64);
             centres.push(point(row + 1.0 / 3.0, column + 1.0 / 3.0));
+            // Upright triangles and, but for the last of a row, inverted ones: cuts² in all.
             if i + j + 1 < cuts {
                 centres.push(point(row + 2.0 / 3.0, column + 2.0 / 3.0));
             }
@@ -231,6 +244,7 @@ fn moved_outward(mesh: &TriangleMesh, distance: f64) -> Vec<Vec3> {
     for triangle in &mesh.triangles {
         let corners = triangle.map(|corner| mesh.vertices[corner as usize]);
         let [a, b, c] = corners;
+        // A triangle without area has no normal and no weight.
         let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else {
             continue;
         };
@@ -256,6 +270,7 @@ fn moved_outward(mesh: &TriangleMesh, distance: f64) -> Vec<Vec3> {
 fn far_apart(places: &[Vec3], count: usize) -> Vec<Vec3> {
     let mut chosen = Vec::new();
     let mut squared = vec![f64::INFINITY; places.len()];
+    // Each new centre only shortens distances, so one array of squares is kept up to date.
     while chosen.len() < count.min(places.len()) {
         let farthest = (0..places.len()).max_by(|a, b| squared[*a].total_cmp(&squared[*b]));
         let Some(farthest) = farthest else { break };
@@ -279,6 +294,7 @@ fn nearest(places: &[Vec3], centres: &[Vec3]) -> Vec<usize> {
                 (best, least) = (index, squared);
             }
         }
+        // `<`: of equally near centres, the first.
         owners.push(best);
     }
     owners
@@ -291,6 +307,7 @@ fn middles(places: &[Vec3], areas: &[f64], owners: &[usize], centres: &[Vec3]) -
         sums[*owner].0 += place * *area;
         sums[*owner].1 += area;
     }
+    // A place of the surface, not the mean, which lies inside the body.
     let mut middles = centres.to_vec();
     let mut least = vec![f64::INFINITY; centres.len()];
     for (place, owner) in places.iter().zip(owners) {
@@ -414,21 +431,7 @@ mod tests {
 
     #[test]
     fn a_cube_has_its_published_capacity_however_coarse_its_mesh() {
-        let corner = |n: u32| Vec3::new(f64::from(n & 1), f64::from(n >> 1 & 1), f64::from(n >> 2));
-        let mut cube = TriangleMesh {
-            vertices: (0..8).map(|n| corner(n) * 10.0).collect(),
-            triangles: Vec::new(),
-        };
-        for [a, b, c, d] in [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ] {
-            cube.triangles.extend([[a, b, c], [a, c, d]]);
-        }
+        let cube = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
         // Hwang and Mascagni, J. Appl. Phys. 95, 3798 (2004): 0.660 678 edges.
         let found = capacity(&cube, 128) / 10.0;
         println!("cube: {found:.5} edges");

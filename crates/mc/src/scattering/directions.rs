@@ -1,7 +1,8 @@
 //! Averages over all orientations, as sums over directions.
 
+use protomer_kernel::quadrature::gauss_legendre;
 use protomer_kernel::{Rotation, Vec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Directions with weights whose sum is 1. They stand for all directions in averages of functions
 /// that are equal at q and -q, as intensities are.
@@ -26,15 +27,14 @@ impl Directions {
         let heights = (degree / 2 + 1).next_multiple_of(2);
         let around = degree + 1;
         let mut directions = Vec::with_capacity(heights / 2 * around);
-        for (z, weight) in gauss_legendre(heights) {
-            if z < 0.0 {
-                continue;
-            }
+        // From the pole to the equator: the lower half of the rule, turned over.
+        for node in gauss_legendre(heights).iter().take(heights / 2) {
+            let z = -node.place;
             let radius = (1.0 - z * z).sqrt();
             for step in 0..around {
                 let (sine, cosine) = (TAU * step as f64 / around as f64).sin_cos();
                 let direction = Vec3::new(radius * cosine, radius * sine, z);
-                directions.push((direction, weight / around as f64));
+                directions.push((direction, node.weight / around as f64));
             }
         }
         Self(directions)
@@ -81,33 +81,6 @@ impl Directions {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
-}
-
-/// Zeros of the Legendre polynomial of degree n, with weights whose sum is 2, by Newton's method.
-fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
-    let mut points = Vec::with_capacity(n);
-    for index in 0..n {
-        let mut z = (PI * (index as f64 + 0.75) / (n as f64 + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..100 {
-            let (mut before, mut value) = (0.0, 1.0);
-            for k in 0..n {
-                let k = k as f64;
-                (before, value) = (
-                    value,
-                    ((2.0 * k + 1.0) * z * value - k * before) / (k + 1.0),
-                );
-            }
-            slope = n as f64 * (z * value - before) / (z * z - 1.0);
-            let step = value / slope;
-            z -= step;
-            if step.abs() < 1e-15 {
-                break;
-            }
-        }
-        points.push((z, 2.0 / ((1.0 - z * z) * slope * slope)));
-    }
-    points
 }
 
 #[cfg(test)]

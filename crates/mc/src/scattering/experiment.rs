@@ -142,6 +142,7 @@ impl Experiment {
     /// For settings out of range, bodies without volume, and a box too small for any wave vector.
     pub fn new(bodies: &[Arc<Body>], boundary: &Boundary, settings: Settings) -> Result<Self> {
         settings.check()?;
+        // A periodic state has only wave vectors of its box; others see the edges.
         let shells = match boundary {
             Boundary::Periodic { lengths_angstrom } => Some(shells(
                 (*lengths_angstrom).into(),
@@ -224,6 +225,7 @@ impl Experiment {
     }
 
     fn in_box(&self, system: &System, shells: &[Shell]) -> (Vec<f64>, Vec<f64>) {
+        // Averages over the directions of each shell.
         let positions = positions(system);
         let (mut structure_factor, mut intensity) = (Vec::new(), Vec::new());
         let total = self.squared_volumes(system);
@@ -243,6 +245,7 @@ impl Experiment {
     fn in_open_space(&self, system: &System, number: u64) -> (Vec<f64>, Vec<f64>) {
         let positions = positions(system);
         let centre = positions.iter().sum::<Vec3>() / positions.len() as f64;
+        // The radius of everything decides how many directions an average needs.
         let mut radius = 0.0_f64;
         for (body, position) in positions.iter().enumerate() {
             let body_radius = self.kinds[system.type_index(body)]
@@ -256,9 +259,12 @@ impl Experiment {
         let (mut structure_factor, mut intensity) = (Vec::new(), Vec::new());
         for q in &self.q_per_angstrom {
             structure_factor.push(open(&positions, *q));
+            // |amplitude|² is a polynomial of about this degree in the direction.
             let degree = (2.0 * q * radius).ceil() as usize + FURTHER_DEGREES;
             let is_few = Directions::count(degree) <= self.settings.directions;
             let directions = match is_few {
+                // Exact where few directions suffice; else a set that is turned at
+                // random for each state, which has no bias in the mean over states.
                 true => Directions::exact_to_degree(degree),
                 false => few.turned(&rng.rotation()),
             };
@@ -288,6 +294,7 @@ impl Experiment {
     }
 
     fn amplitude_of(&self, kind: usize, pose: &Pose, wave_vector: &Vec3) -> Complex<f64> {
+        // The wave vector is turned into the body, not the body's scatterers into space.
         let body_wave_vector = pose.rotation.inverse_transform_vector(wave_vector);
         let phase = wave_vector.dot(&pose.position);
         self.kinds[kind].scatterers.amplitude(&body_wave_vector)
@@ -297,6 +304,7 @@ impl Experiment {
     fn measured(&self, system: &System, cluster: &Cluster) -> ClusterMeasure {
         let kind = |body: &usize| system.type_index(*body);
         if let [only] = cluster.members[..] {
+            // Single bodies, most of all clusters: everything is known beforehand.
             let kind = &self.kinds[kind(&only)];
             let volume = kind.scatterers.volume_angstrom3();
             let q = self.settings.light_q_per_angstrom;
@@ -308,6 +316,7 @@ impl Experiment {
         }
         let mut poses = Vec::with_capacity(cluster.members.len());
         for (body, position) in cluster.members.iter().zip(&cluster.positions_angstrom) {
+            // Positions along contacts, as a cluster may reach across the box.
             let pose = Pose {
                 position: *position,
                 ..*system.pose(*body)
@@ -315,6 +324,7 @@ impl Experiment {
             poses.push((kind(body), pose));
         }
         let radius = match cluster.is_endless {
+            // Through the boundary to itself: it has no end, and no hydrodynamic radius.
             true => None,
             false => self.capacity(&poses),
         };
@@ -336,6 +346,7 @@ impl Experiment {
             bodies.iter().map(|(patches, _)| patches.len()).sum()
         };
         let last = PATCHES.len() - 1;
+        // As fine as can be solved together.
         let level = (0..last).find(|level| count(&with(*level)) <= MOST_PATCHES);
         capacity_angstrom(&with(level.unwrap_or(last)))
     }
@@ -375,7 +386,7 @@ impl Kind {
             .map(|fine| capacity_angstrom(&[(fine, Pose::identity())]));
         let Some(capacity_angstrom) = capacity.flatten().filter(|_| !scatterers.is_empty()) else {
             return Err(McError::BadSystem(format!(
-                "body '{}' has no surface whose hydrodynamic radius can be found; make it anew with \
+                "body '{}' has no surface whose hydrodynamic radius can be found; make it again with \
                  'protomer ingest'",
                 body.name
             )));

@@ -70,23 +70,7 @@ fn hard_convex_bodies_have_the_coefficient_of_isihara() {
 
 /// A cube of 10 Å: eight vertices, so that faces in contact have none near each other.
 fn cube() -> Arc<BodyType> {
-    let corner = |number: u32| {
-        let side = |bit: u32| if number >> bit & 1 == 1 { 5.0 } else { -5.0 };
-        Vec3::new(side(0), side(1), side(2))
-    };
-    let faces = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
-    let mesh = TriangleMesh {
-        vertices: (0..8).map(corner).collect(),
-        triangles: faces.into_iter().flat_map(halves).collect(),
-    };
+    let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
     Arc::new(BodyType::new("cube", &mesh, &[]).unwrap())
 }
 

@@ -50,15 +50,9 @@ fn sphere(radius: f64) -> TriangleMesh {
 }
 
 fn ball(radius: f64) -> Arc<Body> {
-    let mesh = sphere(radius);
     Arc::new(Body {
         name: "ball".into(),
-        mass_properties: mesh.mass_properties().unwrap(),
-        mesh,
-        core: None,
-        sites: Vec::new(),
-        residues: Vec::new(),
-        provenance: Provenance::default(),
+        ..solid(sphere(radius))
     })
 }
 
@@ -189,7 +183,7 @@ fn the_intensity_of_few_turned_directions_has_no_systematic_error() {
 
 #[test]
 fn a_lattice_has_bragg_peaks_and_nothing_else() {
-    // Simple cubic, 4 x 3 x 2 cells of 50 Å, in a box of its own.
+    // Simple cubic, 4 x 3 x 2 cells of 50 Å, in a separate box.
     let cells = [4, 3, 2];
     let lengths = cells.map(|count| 50.0 * f64::from(count));
     let mut places = Vec::new();

@@ -1,4 +1,5 @@
-//! Contact terms beside charges: the energies that a simulation keeps, and the law of mass action.
+//! Contact terms in addition to charges: the energies that a simulation keeps, and the law of
+//! mass action.
 
 use crate::common;
 
@@ -190,13 +191,7 @@ fn two_bodies_in_a_box_are_in_contact_as_the_association_constant_says() {
         }
         shares.push(bound as f64 / f64::from(samples));
     }
-    let count = f64::from(blocks);
-    let mean = shares.iter().sum::<f64>() / count;
-    let mut squares = 0.0;
-    for share in &shares {
-        squares += (share - mean).powi(2);
-    }
-    let error = (squares / (count * (count - 1.0))).sqrt();
+    let Estimate { mean, error } = Estimate::of(&shares);
     let of_pair =
         expected * found.association_volume_error_angstrom3 / found.association_volume_angstrom3;
     let allowed = 3.0 * error.hypot(of_pair);

@@ -14,6 +14,7 @@
 
 use nalgebra::Matrix3;
 use protomer_kernel::Vec3;
+use protomer_kernel::quadrature::{Node, gauss_legendre};
 use protomer_kernel::shape::polytope::{Face, Polytope};
 
 /// Gauss-Legendre points along an edge of a triangle of directions.
@@ -226,7 +227,7 @@ impl Fan {
     fn narrow_triangle([a, b, c]: [Vec3; 3]) -> Self {
         let determinant = a.dot(&b.cross(&c)).abs();
         let mut fan = Self::none();
-        let points = gauss_legendre();
+        let points = unit_rule();
         for (x, weight) in &points {
             for (y, other) in &points {
                 // From the square to the triangle: the second coordinate shrinks with the first.
@@ -251,26 +252,11 @@ impl Fan {
     }
 }
 
-/// Places and weights between 0 and 1, by Newton's method on Legendre's polynomial.
-pub(crate) fn gauss_legendre() -> [(f64, f64); POINTS] {
-    let mut points = [(0.0, 0.0); POINTS];
-    for (number, point) in points.iter_mut().enumerate() {
-        let guess = (number as f64 + 0.75) / (POINTS as f64 + 0.5);
-        let mut x = (std::f64::consts::PI * guess).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let (mut before, mut value) = (1.0, x);
-            for degree in 2..=POINTS {
-                let k = degree as f64;
-                let next = ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k;
-                (before, value) = (value, next);
-            }
-            slope = POINTS as f64 * (x * value - before) / (x * x - 1.0);
-            x -= value / slope;
-        }
-        *point = (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope));
-    }
-    points
+/// The rule of Gauss and Legendre between 0 and 1: places and weights.
+pub(crate) fn unit_rule() -> Vec<(f64, f64)> {
+    let nodes = gauss_legendre(POINTS).into_iter();
+    let from_zero = |node: Node| (0.5 * (1.0 + node.place), 0.5 * node.weight);
+    nodes.map(from_zero).collect()
 }
 
 /// Normals of the faces that share an edge.

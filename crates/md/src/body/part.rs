@@ -1,6 +1,6 @@
 //! A convex part of a rigid body: a polytope, a disk, a ball or an ellipsoid, rounded or not.
 
-use super::moments::{Moments, gauss_legendre};
+use super::moments::{Moments, unit_rule};
 use protomer_kernel::Vec3;
 use protomer_kernel::shape::polytope::Polytope;
 use std::f64::consts::{PI, TAU};
@@ -157,8 +157,9 @@ impl Part {
 /// Integrates over all directions.
 fn over_directions(integrand: impl Fn(&Vec3) -> [f64; 2]) -> [f64; 2] {
     let mut sums = [0.0; 2];
+    let rule = unit_rule();
     for part in 0..ALONG {
-        for (place, weight) in gauss_legendre() {
+        for (place, weight) in &rule {
             let z = -1.0 + 2.0 * (part as f64 + place) / ALONG as f64;
             let axis_distance = (1.0 - z * z).sqrt();
             for k in 0..AROUND {

@@ -7,7 +7,7 @@
 
 use super::{Felt, Hint, Law, SURELY_BEYOND, TurnedPart};
 use crate::pair::Form;
-use crate::pair::features::precedes;
+use crate::pair::features::{on_segment, precedes};
 use protomer_kernel::Vec3;
 
 /// A plane that separates two bodies.
@@ -33,6 +33,7 @@ pub fn felt(
     hint: &mut Hint,
 ) -> Felt {
     let apart = first.part.circumradius + second.part.circumradius + law.radial.range();
+    // Spheres first: no look at corners for pairs that are far apart.
     if between.norm_squared() > apart * apart {
         return Felt::nothing();
     }
@@ -44,6 +45,7 @@ pub fn felt(
     if first.part.is_round() || second.part.is_round() {
         return of_disks(&first, &second, sum);
     }
+    // A margin on the reach: a pair that is surely beyond leaves no force, whatever the rounding.
     let separation = match separation(&first, &second, between, law.reach * SURELY_BEYOND, hint) {
         Some(separation) if separation.gap <= 0.0 => return Felt::touching(),
         Some(separation) => separation,
@@ -62,9 +64,11 @@ pub fn felt(
     let bottom = separation.top + separation.gap;
     for corner in other.corners {
         let place = way + corner;
+        // Higher above the face than the reach: no point of the body with the face is near enough.
         if separation.normal.dot(&place) - separation.top >= law.reach {
             continue;
         }
+        // A corner inside the other body: they overlap.
         let Some((foot, dimensions)) = foot(with_face, &place) else {
             return Felt::touching();
         };
@@ -78,6 +82,7 @@ pub fn felt(
             sum.repel(on_first, on_second, distance);
         }
     }
+    // Now the corners of the body with the face, against the other body.
     for corner in with_face.corners {
         if bottom - separation.normal.dot(corner) >= law.reach {
             continue;
@@ -96,6 +101,7 @@ pub fn felt(
         }
     }
     let ((distance, _), on_first, on_second) = closest;
+    // `Smooth` has added every corner above; the others act between the closest points.
     if distance < law.reach {
         match form {
             Form::Smooth => {}
@@ -128,8 +134,10 @@ fn separation(
         }
         lowest + normal.dot(&way) - body.part.offsets[number]
     };
+    // The number may be of other bodies if the list has changed; it is only a place to begin.
     let remembered = (hint.face as usize).min(faces + second.normals.len() - 1);
     let mut best = (remembered, gap(remembered));
+    // Still separated by the same face: one pass over corners, no search.
     if best.1 > reach {
         return None;
     }
@@ -137,6 +145,7 @@ fn separation(
         let gap = gap(face);
         if gap > best.1 {
             best = (face, gap);
+            // Beyond the reach: no better face is needed.
             if gap > reach {
                 break;
             }
@@ -148,6 +157,7 @@ fn separation(
         false => (first, best.0),
         true => (second, best.0 - faces),
     };
+    // A face that separates by more than the reach was remembered above for the next step.
     (best.1 <= reach).then(|| Separation {
         normal: body.normals[number],
         gap: best.1,
@@ -165,6 +175,7 @@ fn nearest(body: &TurnedPart<'_>, point: &Vec3) -> Option<Vec3> {
 /// or a corner.
 fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let (normals, corners) = (body.normals, body.corners);
+    // The face that sees the point best: its foot is on it or near.
     let mut best = (0, f64::NEG_INFINITY);
     for (face, normal) in normals.iter().enumerate() {
         let height = normal.x * point.x + normal.y * point.y - body.part.offsets[face];
@@ -181,9 +192,11 @@ fn foot(body: &TurnedPart<'_>, point: &Vec3) -> Option<(Vec3, usize)> {
     let mut came = 0;
     for _ in 0..count {
         let from = corners[face];
+        // The next corner without a division.
         let edge = corners[if face + 1 == count { 0 } else { face + 1 }] - from;
         let place = (point - from).dot(&edge) / edge.norm_squared();
         if place < 0.0 {
+            // Came from the other side: the foot is the corner between.
             if came > 0 {
                 return Some((from, 0));
             }
@@ -237,6 +250,7 @@ impl Sum<'_> {
             return;
         }
         let x = distance - self.law.radii;
+        // Cores that touch through their layers: no finite energy.
         if x <= 0.0 {
             self.felt = Felt::touching();
             return;
@@ -246,6 +260,7 @@ impl Sum<'_> {
         let separation = on_first - on_second - self.between;
         let force = separation * (-slope / distance);
         self.felt.force += force;
+        // Torques in a plane have one component.
         self.felt.torques[0].z += on_first.x * force.y - on_first.y * force.x;
         self.felt.torques[1].z -= on_second.x * force.y - on_second.y * force.x;
     }
@@ -263,11 +278,11 @@ impl Sum<'_> {
             towards(second, &(on_first - self.between)),
         ];
         for corner in faces[0] {
-            let foot = on_segment(&(corner - self.between), faces[1]);
+            let foot = on_segment(&faces[1], &(corner - self.between));
             self.repel(corner, foot, self.distance(&corner, &foot));
         }
         for corner in faces[1] {
-            let foot = on_segment(&(corner + self.between), faces[0]);
+            let foot = on_segment(&faces[0], &(corner + self.between));
             self.repel(foot, corner, self.distance(&foot, &corner));
         }
     }
@@ -284,10 +299,4 @@ fn towards(body: &TurnedPart<'_>, direction: &Vec3) -> [Vec3; 2] {
     }
     let next = (best.0 + 1) % body.corners.len();
     [body.corners[best.0], body.corners[next]]
-}
-
-fn on_segment(point: &Vec3, [from, to]: [Vec3; 2]) -> Vec3 {
-    let edge = to - from;
-    let place = (point - from).dot(&edge) / edge.norm_squared();
-    from + place.clamp(0.0, 1.0) * edge
 }

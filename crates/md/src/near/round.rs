@@ -37,6 +37,10 @@ pub fn felt(
     if squared > apart * apart {
         return Felt::nothing();
     }
+    // Each centre is inside its body, and there is no direction between two that coincide.
+    if squared == 0.0 {
+        return Felt::touching();
+    }
     let reach = law.reach * SURELY_BEYOND;
     let gap = Gap {
         axes: [first.normals, second.normals],
@@ -44,6 +48,7 @@ pub fn felt(
         size: squared.sqrt(),
     };
     let straight = between / gap.size;
+    // A remembered direction has length one; at first it is the zero vector.
     let start = match hint.direction.norm_squared() > 0.5 {
         true => hint.direction,
         false => straight,
@@ -94,9 +99,11 @@ impl Gap<'_> {
     fn widest(&self, start: Vec3, reach: f64) -> Along {
         let mut current = self.along(start);
         for _ in 0..MOST_STEPS {
+            // Beyond the reach in one direction is beyond it in all that matter.
             if current.value > reach {
                 break;
             }
+            // The gradient of the gap; its part along n does not change the direction.
             let gradient = self.between - current.points[0] - current.points[1];
             let slope = gradient - current.direction * current.direction.dot(&gradient);
             if slope.norm() <= CONVERGED * self.size {
@@ -132,6 +139,7 @@ impl Gap<'_> {
         let n = current.direction;
         let projector = Matrix3::identity() - n * n.transpose();
         let mut curvature = Matrix3::zeros();
+        // Second derivatives of both supports: A/h - p pᵀ/h.
         for (axes, point) in self.axes.iter().zip(&current.points) {
             let height = point.dot(&n);
             if height > 0.0 {
@@ -142,6 +150,7 @@ impl Gap<'_> {
             }
         }
         let matrix = projector * curvature * projector
+            // A floor keeps the matrix positive where bodies overlap and the gap is negative.
             + Matrix3::identity() * current.value.max(LEAST_CURVATURE * self.size);
         matrix.try_inverse().map(|inverse| inverse * slope)
     }
@@ -150,6 +159,7 @@ impl Gap<'_> {
     /// on; `None` if rounding leaves none.
     fn higher(&self, current: &Along, step: &Vec3) -> Option<Along> {
         let mut share = 1.0;
+        // Halvings: the whole step is right near the maximum, shorter ones far from it.
         for _ in 0..30 {
             let next = self.along((current.direction + share * step).normalize());
             if next.value > current.value {
@@ -171,6 +181,7 @@ fn support(axes: &[Vec3], direction: &Vec3) -> (f64, Vec3) {
     let mut squared = 0.0;
     for axis in axes {
         let projection = axis.dot(direction);
+        // A n / h with A = Σ a aᵀ.
         point += projection * axis;
         squared += projection * projection;
     }

@@ -170,6 +170,27 @@ fn the_energy_is_that_of_the_slow_distance_and_forces_are_its_gradient() {
     }
 }
 
+/// Without a direction between the centres the bodies overlap all the same.
+#[test]
+fn bodies_with_one_centre_touch() {
+    for dimension in [2, 3] {
+        let kinds = kinds(dimension);
+        for pair in [[&kinds[0], &kinds[1]], [&kinds[0], &kinds[2]]] {
+            let middle = Pose::identity();
+            let apart = Pose {
+                position: Vec3::new(1.4, 0.0, 0.0),
+                ..middle
+            };
+            let mut remembered = Hint::default();
+            feel(pair, [&middle, &apart], &mut remembered);
+            for mut hint in [Hint::default(), remembered] {
+                let felt = feel(pair, [&middle, &middle], &mut hint);
+                assert_eq!(felt, Felt::touching());
+            }
+        }
+    }
+}
+
 #[test]
 fn what_was_learnt_changes_nothing() {
     let kinds = kinds(3);

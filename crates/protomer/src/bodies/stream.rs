@@ -112,7 +112,7 @@ fn resumable(error: anyhow::Error) -> anyhow::Error {
     error.context("the stream has ended early; once this is mended, the same command continues it")
 }
 
-/// Ingests every file of a part into `folder`. With `execution.start_anew` the tables begin anew.
+/// Ingests every file of a part into `folder`. With `execution.start_anew` the tables begin again.
 ///
 /// # Errors
 /// If the folder or a body cannot be written, the folder is in use by another process or holds the
@@ -186,16 +186,20 @@ impl Stream<'_> {
         let start = Instant::now();
         let bodies = self.jobs.iter().map(|(_, name)| name.as_str());
         self.paths
+            // What a killed run left unfinished, before anything is converted again.
             .remove_unfinished(self.folder, &bodies.collect())?;
         let mut done = self.begin(execution.start_anew)?;
+        // Cut to what was vouched for: rows beyond belong to files that are done again.
         let mut tables = Tables::open(&self.paths, [&done.table, &done.warnings_table])?;
         let taken_over = done.ok + done.failed;
         let progress = execution.progress.as_ref();
         progress.begin(self.jobs.len() as u64, "structures");
+        // Rows are matched with files by their place, so files must still be what they were.
         if self.check_inputs(taken_over, &execution.interrupt)? == End::Stopped {
             return Ok(self.report(StreamState::Stopped, taken_over, &done, start));
         }
         progress.advance(taken_over as u64);
+        // A block is the unit of loss: what a kill undoes.
         let block = FILES_PER_THREAD * rayon::current_num_threads();
         let mut state = StreamState::Finished;
         for jobs in self.jobs[taken_over..].chunks(block) {
@@ -204,8 +208,10 @@ impl Stream<'_> {
                 break;
             }
             let end = self.convert(jobs, execution, &mut done, &mut tables);
+            // Tables on disk first, then what vouches for their lengths.
             (done.table, done.warnings_table) = tables.sync()?;
             self.save(&done)?;
+            // Only now: rows before the error are safe.
             if end? == End::Stopped {
                 state = StreamState::Stopped;
                 break;
@@ -225,6 +231,7 @@ impl Stream<'_> {
     ) -> Result<End<()>> {
         let cannot_go_on = AtomicBool::new(false);
         let one = |(file, name): &(&PathBuf, String)| {
+            // Nobody begins a further file once writing has failed.
             if execution.interrupt.is_requested() || cannot_go_on.load(Ordering::Relaxed) {
                 return Ok(End::Stopped);
             }
@@ -235,6 +242,7 @@ impl Stream<'_> {
         };
         let ends: Vec<Result<End<FileOutcome>>> = jobs.par_iter().map(one).collect();
         let mut ends = ends.into_iter();
+        // Only rows without a gap before them: continuation counts files from the beginning.
         for end in ends.by_ref() {
             match end {
                 Ok(End::Finished(outcome)) => done.add(&outcome, tables)?,
@@ -260,10 +268,11 @@ impl Stream<'_> {
             if interrupt.is_requested() {
                 return Ok(End::Stopped);
             }
+            // A file that is gone has no digest, which differs from any.
             let now = InputFile::sha256_of(file).unwrap_or_default();
             if now != row.sha256() {
                 bail!(
-                    "{} has changed since {} was made of it; choose another folder, or begin anew \
+                    "{} has changed since {} was made of it; choose another folder, or start again \
                      with --force",
                     file.display(),
                     self.paths.table.display()
@@ -296,7 +305,7 @@ impl Stream<'_> {
         }
     }
 
-    /// Progress of earlier runs; none if the tables begin anew.
+    /// Progress of earlier runs; none if the tables begin again.
     fn begin(&self, start_anew: bool) -> Result<Done> {
         let path = &self.paths.done;
         if start_anew || !path.exists() {
@@ -313,10 +322,10 @@ impl Stream<'_> {
         let text = protomer_io::input::read_to_string(path)
             .with_context(|| format!("cannot read {shown}"))?;
         let done: Done = serde_json::from_str(&text)
-            .with_context(|| format!("{shown} is damaged; begin anew with --force"))?;
+            .with_context(|| format!("{shown} is damaged; start again with --force"))?;
         if done.identity != self.identity || done.ok + done.failed > self.jobs.len() {
             bail!(
-                "{shown} belongs to other files or settings; choose another folder, or begin anew \
+                "{shown} belongs to other files or settings; choose another folder, or start again \
                  with --force"
             );
         }

@@ -28,7 +28,7 @@ use anyhow::{Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, WrittenChain};
 use protomer_common::answer::{Answer, counted};
 use protomer_common::output_file::{refuse_to_replace, require_folder, write_once};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use serde::Serialize;
 use source::Source;
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ pub struct ExportSettings {
 pub struct ExportReport {
     /// The structure file.
     pub file: PathBuf,
-    /// The script beside the structure file.
+    /// The script next to the structure file.
     pub script: Option<PathBuf>,
     /// Number of copies of bodies.
     pub copies: usize,
@@ -188,7 +188,7 @@ pub fn write_structure(
     placed: &PlacedBodies,
 ) -> Result<Vec<WrittenChain>> {
     let (text, chains) = rendered(format, placed)?;
-    write_atomically(path, |file| file.write_all(text.as_bytes()))?;
+    write_bytes(path, text.as_bytes())?;
     Ok(chains)
 }
 

@@ -6,13 +6,14 @@ use protomer_io::written::script_words;
 use protomer_kernel::name::printable;
 use std::path::{Path, PathBuf};
 
-/// A program that shows molecules.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Viewer {
-    /// UCSF ChimeraX, which opens `.cxc` files.
-    Chimerax,
-    /// PyMOL, which runs `.pml` files.
-    Pymol,
+protomer_kernel::choices! {
+    /// Program that shows molecules.
+    pub enum Viewer {
+        /// UCSF ChimeraX: a .cxc file.
+        Chimerax = "chimerax",
+        /// PyMOL: a .pml file.
+        Pymol = "pymol",
+    }
 }
 
 /// A copy of a body in the file.

@@ -2,13 +2,14 @@
 
 use protomer_body::{Body, Residue};
 
-/// A property of residues.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ResidueValues {
-    /// The net charge at the body's pH, e.
-    Charge,
-    /// The Kyte-Doolittle index; zero where the scale has no value.
-    Hydropathy,
+protomer_kernel::choices! {
+    /// Property of residues.
+    pub enum ResidueValues {
+        /// The net charge of the residue at the pH of the body, e.
+        Charge = "charge",
+        /// The Kyte-Doolittle hydropathy index; zero where it has none.
+        Hydropathy = "hydropathy",
+    }
 }
 
 impl ResidueValues {

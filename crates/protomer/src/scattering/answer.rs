@@ -1,18 +1,24 @@
 //! The answer: text, tables, figure.
 
-use super::Estimate;
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::csv::{Cell, Table};
+use protomer_kernel::null;
+use protomer_mc::contributions::Mean;
 use protomer_mc::scattering::experiment;
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
-use serde::Serialize;
+use protomer_results::keys::read_json_if_present;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Cluster sizes that the text lists.
 const MOST_SIZES: usize = 8;
 
+/// Name of the file of the report.
+pub(super) const FILE: &str = "scattering.json";
+
 /// Report on the scattering of an assembly or a trajectory.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScatteringReport {
     /// Version of the program.
     pub version: String,
@@ -29,12 +35,12 @@ pub struct ScatteringReport {
     /// Averages at each salt concentration, or of the assembly.
     pub states: Vec<StateRow>,
     /// Warnings about the averages.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
 /// A kind of body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyRow {
     /// Name of the body.
     pub name: String,
@@ -45,7 +51,7 @@ pub struct BodyRow {
 }
 
 /// One salt concentration, averaged over frames and replicas.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StateRow {
     /// Salt concentration, mol/L; null for an assembly.
     #[serde(rename = "salt_M")]
@@ -55,13 +61,14 @@ pub struct StateRow {
     /// Frames of all replicas.
     pub frames: usize,
     /// Bodies per cluster.
-    pub mean_cluster_size: Estimate,
+    pub mean_cluster_size: Mean,
     /// Size of the cluster of a body, averaged over bodies.
-    pub weighted_cluster_size: Estimate,
-    /// Hydrodynamic radius as dynamic light scattering averages it, Å: Σ I / Σ (I/R) over clusters.
-    pub hydrodynamic_radius_angstrom: Estimate,
-    /// Second cumulant over the square of the first.
-    pub polydispersity: f64,
+    pub weighted_cluster_size: Mean,
+    /// Hydrodynamic radius as dynamic light scattering averages it, Å: Σ I / Σ (I/R) over clusters. The
+    /// mean is not a number, null in JSON, if all clusters are endless.
+    pub hydrodynamic_radius_angstrom: Mean,
+    /// Second cumulant over the square of the first; null if all clusters are endless.
+    pub polydispersity: Option<f64>,
     /// Clusters per frame that touch their own image, and count neither for radius nor polydispersity.
     pub endless_clusters: f64,
     /// The distribution of sizes.
@@ -71,7 +78,7 @@ pub struct StateRow {
 }
 
 /// Clusters of one size.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SizeRow {
     /// Bodies of such a cluster.
     pub bodies: usize,
@@ -86,17 +93,19 @@ pub struct SizeRow {
 }
 
 /// One wave number.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurveRow {
     /// Wave number, Å⁻¹; in a periodic box the mean of the wave vectors of a shell.
     pub q_per_angstrom: f64,
     /// S(q) between the origins of the bodies.
+    #[serde(deserialize_with = "null::as_nan")]
     pub structure_factor: f64,
     /// Standard error of S(q); null for one frame.
     pub structure_factor_error: Option<f64>,
     /// P(q) of the bodies, weighted with their squared volumes.
     pub form_factor: f64,
     /// I(q) of all bodies over the sum of their squared volumes.
+    #[serde(deserialize_with = "null::as_nan")]
     pub intensity: f64,
     /// Standard error of I(q); null for one frame.
     pub intensity_error: Option<f64>,
@@ -151,6 +160,14 @@ impl Answer for ScatteringReport {
 }
 
 impl ScatteringReport {
+    /// Reads the report in a folder; `None` if there is none.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub fn read(folder: &Path) -> protomer_results::Result<Option<Self>> {
+        read_json_if_present(&folder.join(FILE))
+    }
+
     fn what_was_measured(&self) -> String {
         let bodies = match self.bodies {
             1 => "1 body".into(),

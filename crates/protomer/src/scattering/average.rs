@@ -1,21 +1,12 @@
 //! Means over frames and replicas with their errors.
 
 use protomer_kernel::statistics::summarize;
+use protomer_mc::contributions::Mean;
 use protomer_mc::scattering::experiment::Measured;
-use serde::Serialize;
-
-/// A mean and its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Mean.
-    pub mean: f64,
-    /// Standard error; `None` if one frame is all there is.
-    pub error: Option<f64>,
-}
 
 /// The mean over all frames of all replicas. Its error is the larger of two: that of the correlated
 /// series within the replicas, and that of the replicas' scatter.
-pub(super) fn estimate(replicas: &[Vec<f64>]) -> Estimate {
+pub(super) fn estimate(replicas: &[Vec<f64>]) -> Mean {
     let frames: usize = replicas.iter().map(Vec::len).sum();
     let mean = replicas.iter().flatten().sum::<f64>() / frames as f64;
     let (mut within, mut between) = (0.0, 0.0);
@@ -34,15 +25,16 @@ pub(super) fn estimate(replicas: &[Vec<f64>]) -> Estimate {
         (false, true) => Some(between),
         (false, false) => None,
     };
-    Estimate { mean, error }
+    Mean { mean, error }
 }
 
-/// The ratio of two means; its error is that of the part in which they do not go together.
+/// The ratio of two means; its error is that of the part in which they do not go together. Both means
+/// zero give no number, and no error.
 pub(super) fn ratio(
     replicas: &[Vec<Measured>],
     above: &dyn Fn(&Measured) -> f64,
     below: &dyn Fn(&Measured) -> f64,
-) -> Estimate {
+) -> Mean {
     let series = |value: &dyn Fn(&Measured) -> f64| -> Vec<Vec<f64>> {
         let over = replicas.iter();
         over.map(|frames| frames.iter().map(value).collect())
@@ -53,9 +45,9 @@ pub(super) fn ratio(
     let apart = estimate(&series(&|state| {
         (above(state) - quotient * below(state)) / bottom
     }));
-    Estimate {
+    Mean {
         mean: quotient,
-        error: apart.error,
+        error: apart.error.filter(|error| error.is_finite()),
     }
 }
 

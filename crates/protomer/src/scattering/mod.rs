@@ -1,30 +1,33 @@
-//! What scattering sees of an assembly or a trajectory: curves to lay beside those of X-rays and
-//! light.
+//! What scattering sees of an assembly or a trajectory: curves to compare with those of X-rays
+//! and light.
 //!
 //! | module | one idea |
 //! |---|---|
 //! | `source` | the frames of an assembly file, a simulation or a sweep |
 //! | `average` | means over frames and replicas with errors |
 //! | `answer` | the answer: text, tables, figure |
+//! | `page` | what the page of a run shows of it |
 
 mod answer;
 mod average;
+pub(crate) mod page;
 mod source;
 
 pub use answer::{BodyRow, CurveRow, ScatteringReport, SizeRow, StateRow};
-pub use average::Estimate;
 pub use protomer_mc::scattering::experiment::Settings as ExperimentSettings;
 pub(crate) use source::Source;
 
 use crate::stability::compare::NOT_ONE_STATE;
+use crate::stability::sweep::result::SweepResult;
+use answer::FILE;
 use anyhow::{Context, Result, bail};
 use average::{estimate, ratio};
 use protomer_common::output_file::write_folder;
+use protomer_mc::contributions::Mean;
 use protomer_mc::scattering::experiment::{self, ClusterMeasure, Experiment, Measured};
 use protomer_mc::{BodyType, System};
-use protomer_results::{Progress, keys};
+use protomer_results::Progress;
 use rayon::prelude::*;
-use serde_json::Value;
 use source::Series;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -128,6 +131,7 @@ pub fn scattering(
     for series in &source.series {
         let measured = measured(&source, &kinds, &experiment, series, progress)?;
         match states.last_mut() {
+            // Series of one salt follow each other, replica by replica.
             Some((salt, replicas)) if *salt == series.salt_molar => replicas.push(measured),
             _ => states.push((series.salt_molar, vec![measured])),
         }
@@ -165,11 +169,11 @@ pub fn scattering(
 
 /// A warning for a sweep whose replicas are not in one state.
 fn warnings(input: &Path) -> Result<Vec<String>> {
-    let answer: Option<Value> = match input.is_dir() {
-        true => keys::read_json_if_present(&input.join("sweep.json"))?,
+    let sweep = match input.is_dir() {
+        true => SweepResult::read(input)?,
         false => None,
     };
-    let disagree = answer.is_some_and(|answer| answer["equilibrated"] == false);
+    let disagree = sweep.is_some_and(|sweep| sweep.stability.equilibrated == Some(false));
     let warning = disagree.then(|| format!("warning: {NOT_ONE_STATE}"));
     Ok(warning.into_iter().collect())
 }
@@ -192,6 +196,8 @@ fn measured(
 ) -> Result<Vec<Measured>> {
     let measure = |(number, poses): (usize, &Vec<_>)| -> Result<Measured> {
         let system: System = source.system(kinds, poses)?;
+        // By number over all series: each frame has its
+        // own random directions, whichever thread has it.
         let measured = experiment.measure(&system, series.first_number + number as u64);
         progress.advance(1);
         Ok(measured)
@@ -206,7 +212,7 @@ fn state_row(
     experiment: &Experiment,
     form_factor: &[f64],
 ) -> StateRow {
-    let over_frames = |value: &dyn Fn(&Measured) -> f64| -> Estimate {
+    let over_frames = |value: &dyn Fn(&Measured) -> f64| -> Mean {
         let series = replicas
             .iter()
             .map(|frames| frames.iter().map(value).collect());
@@ -241,6 +247,7 @@ fn state_row(
         });
     }
     let light = |power: i32| move |state: &Measured| light(state, power);
+    // Γ ∝ Σ I / R: the radius that light scattering states is Σ I / Σ (I / R).
     let radius = ratio(replicas, &light(0), &light(1));
     StateRow {
         salt_molar,
@@ -292,8 +299,9 @@ fn light(state: &Measured, power: i32) -> f64 {
     sum
 }
 
-/// The second cumulant over the square of the first, from the rates of all clusters: μ₂/Γ².
-fn polydispersity(replicas: &[Vec<Measured>]) -> f64 {
+/// The second cumulant over the square of the first, from the rates of all clusters: μ₂/Γ²; `None` if
+/// no cluster has a radius.
+fn polydispersity(replicas: &[Vec<Measured>]) -> Option<f64> {
     let moment = |power: i32| -> f64 {
         replicas
             .iter()
@@ -302,7 +310,8 @@ fn polydispersity(replicas: &[Vec<Measured>]) -> f64 {
             .sum()
     };
     let (intensity, rate, square) = (moment(0), moment(1), moment(2));
-    (square * intensity / (rate * rate) - 1.0).max(0.0)
+    // μ₂/Γ² = <R⁻²><1> / <R⁻¹>² - 1; not negative but for rounding.
+    (rate > 0.0).then(|| (square * intensity / (rate * rate) - 1.0).max(0.0))
 }
 
 fn write(report: &ScatteringReport, directory: &Path, force: bool) -> Result<()> {
@@ -311,9 +320,43 @@ fn write(report: &ScatteringReport, directory: &Path, force: bool) -> Result<()>
     let files = [
         ("scattering.csv", report.curves()?.into_bytes()),
         ("clusters.csv", report.clusters()?.into_bytes()),
-        ("scattering.json", (json + "\n").into_bytes()),
+        (FILE, (json + "\n").into_bytes()),
         ("scattering.svg", figure.to_svg()?.into_bytes()),
         ("scattering.png", figure.to_png()?),
     ];
     write_folder(directory, &files, force)
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    /// A frame of clusters with these radii, Å, which all scatter alike.
+    fn frame(radii_angstrom: &[Option<f64>]) -> Measured {
+        let cluster = |radius: &Option<f64>| ClusterMeasure {
+            bodies: 2,
+            hydrodynamic_radius_angstrom: *radius,
+            light_angstrom6: 1.0,
+        };
+        Measured {
+            structure_factor: Vec::new(),
+            intensity: Vec::new(),
+            clusters: radii_angstrom.iter().map(cluster).collect(),
+        }
+    }
+
+    #[test]
+    fn clusters_without_a_radius_have_no_polydispersity() {
+        let endless = [vec![frame(&[None]); 2], vec![frame(&[None]); 2]];
+        assert_eq!(polydispersity(&endless), None);
+        let of_power = |power: i32| move |state: &Measured| light(state, power);
+        let radius = ratio(&endless, &of_power(0), &of_power(1));
+        assert!(radius.mean.is_nan() && radius.error.is_none(), "{radius:?}");
+        let alike = [vec![frame(&[Some(20.0), None, Some(20.0)])]];
+        assert!(polydispersity(&alike).unwrap() < 1e-12);
+        // Rates 1 and 2: mean 3/2, variance 1/4.
+        let unlike = [vec![frame(&[Some(20.0), Some(10.0)])]];
+        assert!((polydispersity(&unlike).unwrap() - 1.0 / 9.0).abs() < 1e-12);
+    }
 }

@@ -1,13 +1,14 @@
 //! Several sweeps in one figure: which arrangement is stable over the wider range of salt?
 
 use crate::file_kind::FileKind;
+use crate::stability::sweep::result::SweepResult;
+use crate::stability::sweep::table::SaltRow;
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::write_once;
 use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
 use protomer_results::{ResultKind, keys};
 use serde::Serialize;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// Warning about the means of a sweep that is not equilibrated.
@@ -153,27 +154,17 @@ fn read_sweep(directory: &Path) -> Result<ComparedSweep> {
     let path = directory.join("sweep.json");
     let text = protomer_io::input::read_to_string(&path)
         .with_context(|| format!("cannot read {}; finish the sweep first", path.display()))?;
-    let sweep: Value = keys::from_json(&path, text.as_bytes())?;
-    let salts = sweep["salts"].as_array();
-    let salts = salts.with_context(|| format!("{} lists no salts", path.display()))?;
+    let sweep: SweepResult = keys::from_json(&path, text.as_bytes())?;
+    let column = |value: fn(&SaltRow) -> f64| sweep.salts.iter().map(value).collect();
     let absolute = std::path::absolute(directory)?;
     let name = absolute.file_name().unwrap_or_default().to_string_lossy();
     Ok(ComparedSweep {
         name: name.replace('_', " "),
-        equilibrated: sweep["equilibrated"].as_bool(),
-        salt_molar: column(salts, "salt_M"),
-        r_g_mean_angstrom: column(salts, "r_g_mean_angstrom"),
-        r_g_sd_angstrom: column(salts, "r_g_sd_angstrom"),
-        native_contacts_mean: column(salts, "native_contacts_mean"),
-        native_contacts_sd: column(salts, "native_contacts_sd"),
+        equilibrated: sweep.stability.equilibrated,
+        salt_molar: column(|row| row.salt_molar),
+        r_g_mean_angstrom: column(|row| row.r_g_mean_angstrom),
+        r_g_sd_angstrom: column(|row| row.r_g_sd_angstrom),
+        native_contacts_mean: column(|row| row.native_contacts_mean),
+        native_contacts_sd: column(|row| row.native_contacts_sd),
     })
-}
-
-/// A column of the rows; NaN for null.
-fn column(rows: &[Value], key: &str) -> Vec<f64> {
-    let mut values = Vec::with_capacity(rows.len());
-    for row in rows {
-        values.push(row[key].as_f64().unwrap_or(f64::NAN));
-    }
-    values
 }

@@ -62,12 +62,13 @@ impl Default for InteractionSettings {
 }
 
 /// The screened Coulomb interaction at one salt concentration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ScreenedCoulomb {
     /// Electrolyte that screens the charges.
     #[serde(flatten)]
     pub electrolyte: Electrolyte,
     /// Cut-off, Å; infinite for none, which JSON has as null.
+    #[serde(deserialize_with = "protomer_kernel::null::as_infinity")]
     pub cutoff_angstrom: f64,
 }
 

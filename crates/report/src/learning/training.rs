@@ -1,10 +1,10 @@
 //! The page of a training.
 
-use crate::html::{definitions, escape, list, paragraph, significant, significant_or_dash, table};
+use crate::html::{definitions, escape, list, paragraph, significant, table};
 use crate::page::{Page, Section};
-use crate::verdict::Verdict;
 use crate::{data, figures, provenance};
 use anyhow::Result;
+use protomer_common::page::{Verdict, significant_or_dash};
 use protomer_learn::bootstrap::Interval;
 use protomer_learn::number_scores::NumberScores;
 use protomer_results::Record;

@@ -1,12 +1,11 @@
 //! The page of a search for settings.
 
 use super::training;
-use crate::html::{
-    definitions, escape, folded_text, paragraph, significant, significant_or_dash, table,
-};
+use crate::html::{definitions, escape, folded_text, paragraph, significant, table};
 use crate::page::{Page, Section};
 use crate::{data, figures, provenance};
 use anyhow::{Context, Result};
+use protomer_common::page::significant_or_dash;
 use protomer_io::csv::cells;
 use protomer_results::Record;
 use protomer_training::learning::train::TrainSettings;

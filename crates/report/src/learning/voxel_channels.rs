@@ -7,7 +7,7 @@ use protomer_learn::SampleSource;
 use protomer_learn::scaling::{ChannelScaling, ScalingMode, Transform};
 use protomer_training::voxels::samples::VoxelSet;
 use rayon::prelude::*;
-use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// Maximum number of samples read, so that a page takes seconds.
 const MOST_SAMPLES: usize = 200;
@@ -22,11 +22,11 @@ struct Values {
     high: f64,
 }
 
-/// The section; the samples read are evenly spaced over the set.
+/// The section, with the meanings of the channels; the samples read are evenly spaced over the set.
 ///
 /// # Errors
 /// Names the damaged file.
-pub fn section(set: &VoxelSet) -> Result<Section> {
+pub fn section(set: &VoxelSet, meanings: &BTreeMap<String, String>) -> Result<Section> {
     let step = set.reader().len().div_ceil(MOST_SAMPLES).max(1);
     let read: Vec<usize> = (0..set.reader().len()).step_by(step).collect();
     if read.is_empty() {
@@ -48,12 +48,6 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
     };
     let of_samples = read.par_iter().map(of_sample).collect::<Result<Vec<_>>>()?;
     let scaling = ChannelScaling::fit(set, &read, ScalingMode::Robust)?;
-    let meanings = set
-        .reader()
-        .attributes()
-        .get("channel_meanings")
-        .cloned()
-        .unwrap_or_default();
     let rows = set
         .channels()
         .iter()
@@ -65,14 +59,8 @@ pub fn section(set: &VoxelSet) -> Result<Section> {
                 .filter_map(|sample| sample.get(channel))
                 .copied()
                 .reduce(Values::and);
-            let mut row = vec![
-                name.clone(),
-                meanings
-                    .get(name)
-                    .and_then(Value::as_str)
-                    .unwrap_or("–")
-                    .to_owned(),
-            ];
+            let meaning = meanings.get(name).map_or("–", String::as_str);
+            let mut row = vec![name.clone(), meaning.to_owned()];
             row.extend(
                 values.map_or_else(|| [const { String::new() }; 4], |values| values.shown()),
             );

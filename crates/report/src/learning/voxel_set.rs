@@ -7,6 +7,7 @@ use crate::{data, figures, provenance};
 use anyhow::{Context, Result};
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Point, Series};
+use protomer_training::voxels::attributes::Stated;
 use protomer_training::voxels::origin::{Missing, origins};
 use protomer_training::voxels::records::{Exclusion, SampleRecord};
 use protomer_training::voxels::row::Row;
@@ -34,20 +35,17 @@ pub fn page(directory: &Path) -> Result<Page> {
     let settings = set::settings_of(reader)?;
     let excluded = protomer_training::voxels::records::exclusions(reader)?;
     let samples = set::samples_of(reader)?;
-    let channels = voxel_channels::section(&opened)?;
-    let text = |key: &str| {
-        reader
-            .attributes()
-            .get(key)
-            .and_then(Value::as_str)
-            .unwrap_or("–")
-            .to_owned()
-    };
+    let stated = Stated::read(directory)?;
+    let channels = voxel_channels::section(&opened, &stated.channel_meanings)?;
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".into());
     let more = vec![
-        ("program", text("made_by")),
+        ("program", or_dash(stated.made_by)),
         ("command", "protomer voxelize".into()),
-        ("SHA-256 of the manifest", text("manifest_sha256")),
-        ("identity (SHA-256 of settings and input)", text("identity")),
+        ("SHA-256 of the manifest", or_dash(stated.manifest_sha256)),
+        (
+            "identity (SHA-256 of settings and input)",
+            or_dash(stated.identity),
+        ),
         ("seed", settings.seed.to_string()),
     ];
     let written_down =
@@ -415,7 +413,10 @@ fn conditions(settings: &VoxelizeSettings) -> Section {
             ("potential", word(serde_json::to_value(settings.potential))),
             (
                 "salt",
-                format!("{} mM", crate::html::millimolar(settings.salt_molar)),
+                format!(
+                    "{} mM",
+                    protomer_common::page::millimolar(settings.salt_molar)
+                ),
             ),
             ("temperature", format!("{} K", settings.temperature_kelvin)),
             ("pH", settings.ph.to_string()),

@@ -173,78 +173,13 @@ fn other_work_and_changed_files_are_refused() {
     walk(&plan, folder.path(), &Execution::default()).unwrap();
 }
 
-/// A walk whose steps are long: one that is asked to stop within its first step has nothing to save.
-struct LongSteps {
+/// A walk with steps of another kind.
+struct Changed<F> {
     walk: Walk,
-    interrupt: Interrupt,
+    advance: F,
 }
 
-impl Run for LongSteps {
-    type State = <Walk as Run>::State;
-    type Checkpoint = <Walk as Run>::Checkpoint;
-    type Answer = <Walk as Run>::Answer;
-    type Error = Error;
-
-    fn work(&self) -> Work {
-        self.walk.work()
-    }
-
-    fn length(&self) -> u64 {
-        self.walk.length()
-    }
-
-    fn open(&self, directory: &Path, saved: Option<Self::Checkpoint>) -> Result<Self::State> {
-        self.walk.open(directory, saved)
-    }
-
-    fn done(&self, state: &Self::State) -> u64 {
-        self.walk.done(state)
-    }
-
-    fn advance(&self, _state: &mut Self::State, _turn: &Turn) -> Result<()> {
-        self.interrupt.request();
-        Ok(())
-    }
-
-    fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint> {
-        assert!(self.done(state) > 0, "nothing has been done yet");
-        self.walk.save(state)
-    }
-
-    fn answer(&self, state: &mut Self::State, directory: &Path) -> Result<Self::Answer> {
-        self.walk.answer(state, directory)
-    }
-}
-
-#[test]
-fn a_run_stopped_within_its_first_step_is_stopped_and_not_failed() {
-    let folder = tempfile::tempdir().unwrap();
-    let interrupt = Interrupt::default();
-    let execution = Execution {
-        interrupt: interrupt.clone(),
-        // A checkpoint is always due.
-        checkpoint_interval: std::time::Duration::ZERO,
-        ..Execution::default()
-    };
-    let walk = Walk { seed: 1, steps: 9 };
-    let run = LongSteps { walk, interrupt };
-    assert_eq!(
-        drive(&run, folder.path(), &execution).unwrap(),
-        End::Stopped
-    );
-    let record = Record::read(folder.path()).unwrap().unwrap();
-    assert_eq!(record.exit.word(), "stopped");
-    assert!(!folder.path().join("checkpoint.bin").exists());
-}
-
-/// A walk whose process ends in the middle of a step, a moment after a signal.
-struct Deaf {
-    walk: Walk,
-    interrupt: Interrupt,
-    deaf_from: u64,
-}
-
-impl Run for Deaf {
+impl<F: Fn(&mut <Walk as Run>::State, &Turn) -> Result<()>> Run for Changed<F> {
     type State = <Walk as Run>::State;
     type Checkpoint = <Walk as Run>::Checkpoint;
     type Answer = <Walk as Run>::Answer;
@@ -267,21 +202,44 @@ impl Run for Deaf {
     }
 
     fn advance(&self, state: &mut Self::State, turn: &Turn) -> Result<()> {
-        if self.done(state) == self.deaf_from {
-            self.interrupt.request();
-            self.interrupt.record_stop();
-            panic!("the process ends");
-        }
-        self.walk.advance(state, turn)
+        (self.advance)(state, turn)
     }
 
     fn save(&self, state: &mut Self::State) -> Result<Self::Checkpoint> {
+        assert!(self.done(state) > 0, "nothing has been done yet");
         self.walk.save(state)
     }
 
     fn answer(&self, state: &mut Self::State, directory: &Path) -> Result<Self::Answer> {
         self.walk.answer(state, directory)
     }
+}
+
+#[test]
+fn a_run_stopped_within_its_first_step_is_stopped_and_not_failed() {
+    let folder = tempfile::tempdir().unwrap();
+    let interrupt = Interrupt::default();
+    let execution = Execution {
+        interrupt: interrupt.clone(),
+        // A checkpoint is always due.
+        checkpoint_interval: std::time::Duration::ZERO,
+        ..Execution::default()
+    };
+    let run = Changed {
+        walk: Walk { seed: 1, steps: 9 },
+        // A long step, which the request to stop meets: there is nothing to save.
+        advance: |_: &mut <Walk as Run>::State, _: &Turn| -> Result<()> {
+            interrupt.request();
+            Ok(())
+        },
+    };
+    assert_eq!(
+        drive(&run, folder.path(), &execution).unwrap(),
+        End::Stopped
+    );
+    let record = Record::read(folder.path()).unwrap().unwrap();
+    assert_eq!(record.exit.word(), "stopped");
+    assert!(!folder.path().join("checkpoint.bin").exists());
 }
 
 #[test]
@@ -296,10 +254,17 @@ fn work_whose_process_ends_in_the_middle_of_a_step_is_recorded_as_stopped() {
         checkpoint_interval: std::time::Duration::ZERO,
         ..Execution::default()
     };
-    let run = Deaf {
+    let run = Changed {
         walk: plan.clone(),
-        interrupt: interrupt.clone(),
-        deaf_from: 4,
+        // The process ends in the middle of a step, a moment after a signal.
+        advance: |state: &mut <Walk as Run>::State, turn: &Turn| -> Result<()> {
+            if plan.done(state) == 4 {
+                interrupt.request();
+                interrupt.record_stop();
+                panic!("the process ends");
+            }
+            plan.advance(state, turn)
+        },
     };
     let process = std::panic::AssertUnwindSafe(|| drive(&run, &ended, &execution));
     assert!(std::panic::catch_unwind(process).is_err());
@@ -338,7 +303,7 @@ fn a_campaign_whose_process_ends_in_the_middle_of_a_step_is_recorded_as_stopped(
     assert_eq!(exit(), Exit::Done);
 }
 
-/// A walk that knows by a file of its own that it is finished, whatever its record says.
+/// A walk that knows by a separate file that it is finished, whatever its record says.
 struct Marked(Walk);
 
 impl Run for Marked {

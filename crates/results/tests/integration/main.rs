@@ -2,6 +2,5 @@
 
 #![allow(clippy::panic, clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod killed;
 mod life;
 mod walk;

@@ -11,11 +11,13 @@ use super::settings::{Spacing, VoxelizeSettings};
 use super::statistics::Statistics;
 use anyhow::Result;
 use protomer_field::voxels::Channel;
+use protomer_io::zarr;
 use protomer_results::ResultKind;
 use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// Settings, manifests and identity of a set: all that it is made of besides its content.
 #[derive(Debug, Clone, Copy)]
@@ -85,6 +87,31 @@ impl<'a> Attributes<'a> {
             warnings: content.warnings(),
             statistics,
         })
+    }
+}
+
+/// Attributes of [`Attributes`] that tell a reader where a set comes from; sets of earlier versions may
+/// lack some.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Stated {
+    /// Program and version that made the set.
+    pub made_by: Option<String>,
+    /// Hash of settings and input.
+    pub identity: Option<String>,
+    /// Hash of the manifest; empty for several manifests.
+    pub manifest_sha256: Option<String>,
+    /// Meaning of the values of each channel.
+    #[serde(default)]
+    pub channel_meanings: BTreeMap<String, String>,
+}
+
+impl Stated {
+    /// Reads them from a set.
+    ///
+    /// # Errors
+    /// If the attributes are damaged.
+    pub fn read(set: &Path) -> Result<Self> {
+        Ok(zarr::attributes(set)?)
     }
 }
 

@@ -82,8 +82,10 @@ impl Default for Counts {
 
 impl Counts {
     fn add(&mut self, bits: u16) {
+        // The high byte is the page: sign, exponent and two bits, which values of a channel share.
         let [page, place] = bits.to_be_bytes().map(usize::from);
         let page = &mut self.0[page];
+        // Most pages are never met and take no memory.
         if page.is_empty() {
             page.resize(256, 0);
         }
@@ -129,6 +131,7 @@ impl Gathering {
 
     /// Adds a sample, if it belongs to the training part.
     pub fn add(&mut self, sample: usize, voxels: &Voxels) {
+        // Only the training part: statistics of the others would leak into it.
         if self.samples.binary_search(&sample).is_err() {
             return;
         }
@@ -168,6 +171,7 @@ fn training_part(
         clusters.push(row.cluster);
     }
     let (labels, clusters) = (labels.finish(), clusters.finish());
+    // By ranks, so that names of clusters need not be in memory.
     let split = Split::by_ranks(&labels, &clusters, seed, Fractions::default());
     let training = split.ok().map(|split| split.training);
     Ok(training.filter(|training| !training.is_empty()))
@@ -175,11 +179,14 @@ fn training_part(
 
 impl Gathered {
     fn add(&mut self, values: &[f32]) {
+        // Rounded as they are stored: the statistics are those of what a reader finds.
         for bits in values.iter().map(|value| stored_bits(*value)) {
             let value = of_stored_bits(bits);
             let (low, high) = self.range.unwrap_or((value, value));
             self.range = Some((low.min(value), high.max(value)));
             if self.voxels == 0 {
+                // The first value as the shift: variance from
+                // sums of squares would cancel otherwise.
                 self.first = f64::from(value);
             }
             let difference = f64::from(value) - self.first;
@@ -196,9 +203,11 @@ impl Gathered {
         };
         let count = self.voxels as f64;
         let shift = self.shifted / count;
+        // var = <(x - x₀)²> - <x - x₀>².
         let variance = (self.squares / count - shift * shift).max(0.0);
         let mut counted = self.counts.values();
         let middle = median(&mut counted);
+        // The same counts serve for the distances from the median.
         for (value, _) in &mut counted {
             *value = (*value - middle).abs();
         }
@@ -217,6 +226,7 @@ impl Gathered {
 /// The median of values that occur so many times each, the upper of the two in the middle.
 fn median(counted: &mut [(f32, u64)]) -> f32 {
     counted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    // Half of all lie below the upper middle.
     let mut remaining_count = counted.iter().map(|(_, count)| count).sum::<u64>() / 2;
     for (value, count) in &*counted {
         if remaining_count < *count {
@@ -324,9 +334,10 @@ mod tests {
             gathered.add(&values);
             let statistics = gathered.finish();
             let mut list = values.clone();
-            let middle = protomer_learn::scaling::median(&mut list);
+            let middle = protomer_kernel::statistics::median(&mut list, f32::total_cmp).unwrap();
             let mut distances: Vec<f32> = values.iter().map(|x| (x - middle).abs()).collect();
-            let deviation = protomer_learn::scaling::median(&mut distances);
+            let deviation =
+                protomer_kernel::statistics::median(&mut distances, f32::total_cmp).unwrap();
             assert_eq!(statistics.median, Some(f64::from(middle)));
             assert_eq!(statistics.median_deviation, Some(f64::from(deviation)));
         }

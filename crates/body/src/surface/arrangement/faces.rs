@@ -6,6 +6,7 @@ use super::join::Joined;
 use super::spherical::{self, Edge, Loop};
 use super::{Arc, Face};
 use protomer_kernel::Vec3;
+use protomer_kernel::disjoint_sets::DisjointSets;
 use std::f64::consts::PI;
 
 /// A solid angle may leave [0, 4π] by this much through rounding.
@@ -27,6 +28,7 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
     let mut faces: Vec<Face> = Vec::new();
     let mut face_of_half_arc = vec![u32::MAX; next.len()];
     let mut defects = 0;
+    // Sorted by atom: each group holds the half-arcs on one ball.
     for group in half_arcs_by_atom(&joined.arcs).chunk_by(|a, b| a.0 == b.0) {
         let (loops, members) = loops_of(group, &next, &joined.arcs, balls);
         for region in spherical::regions(&loops) {
@@ -39,6 +41,8 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
             }
             let solid_angle = spherical::solid_angle(&boundary);
             let possible = -SOLID_ANGLE_TOLERANCE..=4.0 * PI + SOLID_ANGLE_TOLERANCE;
+            // A solid angle beyond 0 to 4π means that loops
+            // were grouped wrongly or an arc is missing.
             defects += u32::from(!possible.contains(&solid_angle));
             faces.push(Face {
                 atom: group[0].0,
@@ -48,6 +52,7 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
             });
         }
     }
+    // Nothing touches these: the whole ball is one face without a boundary.
     for &atom in &joined.free_atoms {
         faces.push(Face {
             atom,
@@ -57,6 +62,7 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
         });
     }
     let (shells, arc_shells) = number_shells(&mut faces, &face_of_half_arc);
+    // After the shells were numbered: numbers follow the faces in the order of tracing.
     faces.sort_by_key(|face| face.atom);
     Traced {
         faces,
@@ -70,6 +76,7 @@ pub(crate) fn trace(balls: &Balls, joined: &Joined) -> Traced {
 /// on the right if the arc is run through clockwise about the axis, from its end to its start; on
 /// the second atom's ball the other way.
 fn successors(joined: &Joined) -> Vec<u32> {
+    // A whole circle follows itself, so each half-arc does until a vertex says otherwise.
     let mut next: Vec<u32> = (0..2 * joined.arcs.len() as u32).collect();
     for (number, vertex) in joined.vertices.iter().enumerate() {
         for atom in vertex.atoms {
@@ -81,6 +88,8 @@ fn successors(joined: &Joined) -> Vec<u32> {
                 };
                 let starts_here = arc.vertices.is_some_and(|v| v[0] == number as u32);
                 let half = 2 * arc_number + side as u32;
+                // On the first ball an arc is run through from
+                // its end to its start, on the second forwards.
                 if (side == 0) == starts_here {
                     arriving = Some(half)
                 } else {
@@ -124,7 +133,9 @@ fn loops_of(
             half_arcs.push(half);
             edges.push(edge(&arcs[half as usize / 2], half as usize % 2, balls));
             let following = next[half as usize];
+            // Half-arcs of one atom ascend within its group.
             let Ok(index) = group.binary_search_by_key(&following, |entry| entry.1) else {
+                // Not on this ball: the loop stays open, and its solid angle shows it as a defect.
                 break;
             };
             place = index;
@@ -153,6 +164,7 @@ fn edge(arc: &Arc, side: usize, balls: &Balls) -> Edge {
         };
     }
     let scale = balls.radii[second].recip();
+    // Seen from the other ball the plane lies at the distance of the centres less its height.
     let distance = (balls.centres[second] - balls.centres[first]).norm();
     let (height, radius) = ((distance - arc.height) * scale, arc.radius * scale);
     Edge {
@@ -166,15 +178,14 @@ fn edge(arc: &Arc, side: usize, balls: &Balls) -> Edge {
 
 /// Numbers the connected components: an arc joins the two faces that it bounds.
 fn number_shells(faces: &mut [Face], face_of_half_arc: &[u32]) -> (u32, Vec<u32>) {
-    let mut parents: Vec<u32> = (0..faces.len() as u32).collect();
+    let mut sets = DisjointSets::new(faces.len());
     for pair in face_of_half_arc.chunks_exact(2) {
-        let (a, b) = (root(&mut parents, pair[0]), root(&mut parents, pair[1]));
-        parents[a.max(b) as usize] = a.min(b);
+        sets.join(pair[0], pair[1]);
     }
     let mut numbers = vec![u32::MAX; faces.len()];
     let mut shells = 0;
     for (number, face) in faces.iter_mut().enumerate() {
-        let representative = root(&mut parents, number as u32) as usize;
+        let representative = sets.root(number as u32) as usize;
         if numbers[representative] == u32::MAX {
             numbers[representative] = shells;
             shells += 1;
@@ -183,16 +194,8 @@ fn number_shells(faces: &mut [Face], face_of_half_arc: &[u32]) -> (u32, Vec<u32>
     }
     let mut arc_shells = Vec::with_capacity(face_of_half_arc.len() / 2);
     for pair in face_of_half_arc.chunks_exact(2) {
+        // Both faces of an arc are in one shell.
         arc_shells.push(faces[pair[0] as usize].shell);
     }
     (shells, arc_shells)
-}
-
-/// The representative of an element, shortening the way to it.
-pub(crate) fn root(parents: &mut [u32], mut element: u32) -> u32 {
-    while parents[element as usize] != element {
-        parents[element as usize] = parents[parents[element as usize] as usize];
-        element = parents[element as usize];
-    }
-    element
 }

@@ -7,7 +7,7 @@
 //! which is linear in the number of atoms; the pieces are then joined by their names alone
 //! (`join`): each vertex must be met by exactly three circles, otherwise a coincidence was not
 //! resolved and everything is repeated with a larger perturbation (`balls`). Faces are traced when they
-//! are first asked for (`faces`): a signed distance does without them.
+//! are first requested (`faces`): a signed distance does without them.
 
 mod balls;
 mod cells;
@@ -22,7 +22,6 @@ pub(crate) use balls::{hashed_fraction, invalid};
 pub(crate) use cells::CellList;
 use circle::Cap;
 use faces::Traced;
-pub(crate) use faces::root;
 use join::Joined;
 use protomer_kernel::Vec3;
 use std::sync::OnceLock;
@@ -113,6 +112,8 @@ impl Arrangement {
         probe_radius_angstrom: f64,
     ) -> Result<Self> {
         let exact = Balls::new(centres, radii_angstrom, probe_radius_angstrom)?;
+        // Each amplitude gives every radius another hash, so that a
+        // coincidence that survives one does not survive the next.
         for amplitude in PERTURBATIONS_ANGSTROM {
             let balls = exact.perturbed(amplitude);
             let Some(joined) = join::join(&balls) else {

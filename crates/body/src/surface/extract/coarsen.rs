@@ -9,6 +9,7 @@
 
 use super::dual::{Dual, NOTHING, Tile};
 use super::lattice::Cell;
+use protomer_kernel::disjoint_sets::DisjointSets;
 
 /// The vertices merged into each other.
 pub(super) struct Patches {
@@ -27,6 +28,7 @@ impl Patches {
         let mut patches = Self { patch, size, apart };
         let doubled_euler = patches.doubled_euler_numbers(dual);
         for (patch, euler) in doubled_euler.into_iter().enumerate() {
+            // A union that is no disk (2 (V - E + F) = 2) would close a hole or join two sheets.
             if euler != 2 {
                 patches.take_apart(patch as u32);
             }
@@ -71,6 +73,7 @@ impl Patches {
     /// 2 (V - E + F) of each closed patch: its tiles are the vertices of the dual, its edges those
     /// of the dual (each on two quadrangles), its vertices the quadrangles.
     fn doubled_euler_numbers(&self, dual: &Dual) -> Vec<i32> {
+        // Doubled, since an edge of the patch's rim lies on one quadrangle here and on one beyond.
         let mut sum = vec![0; self.patch.len()];
         for patch in &self.patch {
             sum[*patch as usize] += 2;
@@ -78,6 +81,8 @@ impl Patches {
         for quad in &dual.quads {
             let corners = quad.corners.map(|vertex| self.patch[vertex as usize]);
             for i in 0..4 {
+                // A quadrangle is one vertex of each patch that
+                // it touches, however many of its corners belong.
                 if !corners[..i].contains(&corners[i]) {
                     sum[corners[i] as usize] += 2;
                 }
@@ -85,6 +90,7 @@ impl Patches {
                     continue; // no edge: a cube's tile that is there twice
                 }
                 let (a, b) = (corners[i], corners[(i + 1) % 4]);
+                // Half an edge: the other half comes from the quadrangle on its other side.
                 sum[a as usize] -= 1;
                 if a != b {
                     sum[b as usize] -= 1;
@@ -107,9 +113,11 @@ pub(super) struct Widths {
 fn united(dual: &Dual, widths: &Widths) -> Vec<u32> {
     let coarse_cell = |tile: &Tile, width: i32| tile.cell.map(|x| x.div_euclid(width));
     let (large, small) = (widths.of_large_shells, widths.of_small_shells);
+    // One width for all: shells need not be told apart.
     if large == small {
         return forest(dual, |tile, _| coarse_cell(tile, large));
     }
+    // With one cell for everything the trees are the connected shells.
     let shells = forest(dual, |_, _| [0; 3]);
     let tiles = sizes(&shells);
     forest(dual, |tile, vertex| {
@@ -120,7 +128,7 @@ fn united(dual: &Dual, widths: &Widths) -> Vec<u32> {
 
 /// Root, for each vertex, of a tree that holds its neighbours in the same cell.
 fn forest(dual: &Dual, cell: impl Fn(&Tile, usize) -> Cell) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..dual.tiles.len() as u32).collect();
+    let mut sets = DisjointSets::new(dual.tiles.len());
     let mut cells = Vec::with_capacity(dual.tiles.len());
     for (vertex, tile) in dual.tiles.iter().enumerate() {
         cells.push(cell(tile, vertex));
@@ -129,15 +137,11 @@ fn forest(dual: &Dual, cell: impl Fn(&Tile, usize) -> Cell) -> Vec<u32> {
         for i in 0..4 {
             let (a, b) = (quad.corners[i], quad.corners[(i + 1) % 4]);
             if a != b && cells[a as usize] == cells[b as usize] {
-                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-                parent[a.max(b) as usize] = a.min(b);
+                sets.join(a, b);
             }
         }
     }
-    for vertex in 0..parent.len() {
-        parent[vertex] = root(&mut parent, vertex as u32);
-    }
-    parent
+    sets.into_roots()
 }
 
 /// Number of vertices of each root.
@@ -147,14 +151,6 @@ fn sizes(roots: &[u32]) -> Vec<usize> {
         sizes[*root as usize] += 1;
     }
     sizes
-}
-
-fn root(parent: &mut [u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        parent[vertex as usize] = parent[parent[vertex as usize] as usize];
-        vertex = parent[vertex as usize];
-    }
-    vertex
 }
 
 /// Number of polygons at each edge.
@@ -186,6 +182,7 @@ impl EdgeCounts {
             entry.count += 1;
             return entry.count;
         }
+        // A list for each lower vertex: few edges each, and no hash.
         let head = &mut self.head[low as usize];
         self.entries.push(EdgeCount {
             other: high,

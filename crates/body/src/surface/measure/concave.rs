@@ -13,6 +13,7 @@ use crate::surface::arrangement::circle::{
 use crate::surface::arrangement::spherical::{self, Loop};
 use crate::surface::arrangement::{Arrangement, CellList, hashed_fraction};
 use protomer_kernel::Vec3;
+use protomer_kernel::quadrature::points_on_sphere;
 use std::f64::consts::{PI, TAU};
 
 /// Shifts of the cutting planes, in probe radii, tried in turn: probes on one circle all cut
@@ -67,6 +68,7 @@ impl<'a> Probes<'a> {
         let whole = cone_solid_angle(&directions);
         let [a, b, c] = legs;
         let volume = a.dot(&b.cross(&c)).abs();
+        // Volume of the parallelepiped over its base area: the probe's height above the plane.
         let reaches_through = volume < probe * (b - a).cross(&(c - a)).norm();
         if !reaches_through {
             return Patch::uncut(probe, whole);
@@ -81,12 +83,14 @@ impl<'a> Probes<'a> {
             let Some((solid_angle, is_cut)) = cut_solid_angle(&caps) else {
                 continue;
             };
+            // More than the whole cone: the loops were put together wrongly, try another shift.
             if !possible.contains(&solid_angle) {
                 continue;
             }
             if !is_cut && solid_angle > 0.0 {
                 return Patch::uncut(probe, whole);
             }
+            // A plane shifted by s moves its circle, at most 2π p long, by p s.
             let error = TAU * probe * probe * shift;
             return Patch::cut(probe, solid_angle.max(0.0), &caps, &cutters, error);
         }
@@ -115,6 +119,7 @@ impl<'a> Probes<'a> {
     fn caps(&self, directions: &[Vec3; 3], place: &Vec3, cutters: &[u32], shift: f64) -> Vec<Cap> {
         let reach = 2.0 * self.accessible.probe_radius_angstrom();
         let [a, b, c] = directions;
+        // The cone's planes face outwards whichever way the three atoms run.
         let side = a.dot(&b.cross(c)).signum();
         let mut caps = Vec::with_capacity(CONE_PLANES + cutters.len());
         for (owner, (first, second)) in (0..).zip([(a, b), (b, c), (c, a)]) {
@@ -126,6 +131,7 @@ impl<'a> Probes<'a> {
         }
         for (owner, &cutter) in (CONE_PLANES as u32..).zip(cutters) {
             let offset = self.positions[cutter as usize] - place;
+            // Half-way to the other probe, in probe radii: |u - v| / (2 p).
             let distance = offset.norm();
             let height = distance / reach + shift * hashed_fraction(u64::from(cutter));
             if distance > 0.0 && height < 1.0 {
@@ -162,6 +168,7 @@ impl Patch {
             };
             let area = plane_face_area(caps, index);
             moment += cap.height * area;
+            // Rounding may leave a plane that only touches; it cuts nothing.
             if area > 1e-12 {
                 cut_by.push(cutters[cutter]);
             }
@@ -227,6 +234,7 @@ fn plane_face_area(caps: &[Cap], index: usize) -> f64 {
     let half_planes = half_planes(caps, index, &frame);
     let mut chords = 0.0;
     for (chord, half_plane) in half_planes.iter().enumerate() {
+        // Green's theorem: a straight edge at distance d adds d · length / 2, an arc s² angle / 2.
         chords += half_plane.distance * chord_length(&half_planes, chord, frame.radius);
     }
     0.5 * (frame.radius * frame.radius * angle + chords)
@@ -240,12 +248,15 @@ struct HalfPlane {
 
 /// The half-planes that the other caps leave of the plane of a cap, about the centre of its disc.
 fn half_planes(caps: &[Cap], index: usize, frame: &CircleFrame) -> Vec<HalfPlane> {
+    // Below this the plane is parallel and has no line in this one.
     const PARALLEL: f64 = 1e-14;
     let mut half_planes = Vec::with_capacity(caps.len());
     for (other, cap) in caps.iter().enumerate() {
         let (x, y) = (cap.axis.dot(&frame.e1), cap.axis.dot(&frame.e2));
         let length = (x * x + y * y).sqrt();
         if other != index && length > PARALLEL {
+            // A line of the plane of the cap: points at h n
+            // + s with s·axis <= cap.height - h (n·axis).
             let distance = cap.height - frame.height * cap.axis.dot(&frame.axis);
             half_planes.push(HalfPlane {
                 normal: [x / length, y / length],
@@ -262,6 +273,7 @@ fn chord_length(half_planes: &[HalfPlane], chord: usize, radius: f64) -> f64 {
         normal: [x, y],
         distance,
     } = half_planes[chord];
+    // The line misses the disc.
     let square = radius * radius - distance * distance;
     if square <= 0.0 {
         return 0.0;
@@ -276,6 +288,7 @@ fn chord_length(half_planes: &[HalfPlane], chord: usize, radius: f64) -> f64 {
         // The edge's points are d (x, y) + t (-y, x).
         let slope = ny * x - nx * y;
         let room = limit - distance * (nx * x + ny * y);
+        // Parallel lines: either all of this one is kept, or nothing.
         if slope.abs() < 1e-14 {
             if room < 0.0 {
                 return 0.0;
@@ -291,17 +304,13 @@ fn chord_length(half_planes: &[HalfPlane], chord: usize, radius: f64) -> f64 {
 
 /// Solid angle by counting points spread evenly over the sphere, and its statistical error.
 fn sampled_solid_angle(caps: &[Cap]) -> (f64, f64) {
-    let golden = PI * (3.0 - 5.0_f64.sqrt());
     let mut inside = 0_u32;
-    for n in 0..SAMPLES {
-        let z = 1.0 - (2.0 * f64::from(n) + 1.0) / f64::from(SAMPLES);
-        let (sine, cosine) = (golden * f64::from(n)).sin_cos();
-        let out = (1.0 - z * z).sqrt();
-        let u = Vec3::new(out * cosine, out * sine, z);
+    for u in points_on_sphere(SAMPLES as usize) {
         let is_inside = caps.iter().all(|cap| cap.axis.dot(&u) <= cap.height);
         inside += u32::from(is_inside);
     }
     let step = 4.0 * PI / f64::from(SAMPLES);
     let inside = f64::from(inside);
+    // Counting: about √n of n points.
     (step * inside, step * inside.sqrt().max(1.0))
 }

@@ -22,8 +22,8 @@ mod concave;
 mod torus;
 
 use super::arrangement::Arrangement;
-use super::arrangement::root;
 use protomer_kernel::Vec3;
+use protomer_kernel::disjoint_sets::DisjointSets;
 use std::ops::{Add, AddAssign};
 
 /// Relative error that rounding leaves in sums over many patches.
@@ -121,12 +121,12 @@ impl Measure {
             ..Self::default()
         };
         measure.add_faces(accessible);
-        let mut merged: Vec<u32> = (0..accessible.shell_count() as u32).collect();
+        let mut merged = DisjointSets::new(accessible.shell_count());
         if accessible.probe_radius_angstrom() > 0.0 {
             measure.add_arcs(accessible);
             measure.add_vertices(accessible, &mut merged);
         }
-        measure.merge(&mut merged);
+        measure.merge(merged);
         measure.estimate_errors(accessible);
         measure
     }
@@ -173,7 +173,9 @@ impl Measure {
             let inner = (outer - accessible.probe_radius_angstrom()).max(0.0);
             let shell = &mut self.shells[face.shell as usize];
             let centre = accessible.centres()[face.atom as usize];
+            // Relative to the shell's first atom: large coordinates would cancel in the sum.
             let offset = centre - *origins[face.shell as usize].get_or_insert(centre);
+            // Divergence theorem: V = ⅓ ∮ x·n dA with x = offset + R u on the ball.
             let enclosed = (outer.powi(3) * face.solid_angle
                 + outer.powi(2) * offset.dot(&face.vector_angle))
                 / 3.0;
@@ -181,6 +183,7 @@ impl Measure {
             shell.sas_volume_angstrom3 += enclosed;
             shell.convex_area_angstrom2 += inner * inner * face.solid_angle;
             shell.ses_volume_angstrom3 +=
+                // The layer between R and r over this solid angle.
                 enclosed - (outer.powi(3) - inner.powi(3)) * face.solid_angle / 3.0;
             let (closure, extent) = &mut closures[face.shell as usize];
             *closure += outer.powi(2) * face.vector_angle;
@@ -215,7 +218,7 @@ impl Measure {
         }
     }
 
-    fn add_vertices(&mut self, accessible: &Arrangement, merged: &mut [u32]) {
+    fn add_vertices(&mut self, accessible: &Arrangement, merged: &mut DisjointSets) {
         let shell_of = |vertex: u32| {
             let arc = accessible.vertices()[vertex as usize].arcs[0];
             accessible.shell_of_arc(arc as usize).unwrap_or(0)
@@ -225,8 +228,7 @@ impl Measure {
             let patch = probes.patch(number);
             let shell = shell_of(number);
             for &cutter in &patch.cut_by {
-                let (a, b) = (root(merged, shell), root(merged, shell_of(cutter)));
-                merged[a.max(b) as usize] = a.min(b);
+                merged.join(shell, shell_of(cutter));
             }
             self.cut_concave_patches += usize::from(!patch.cut_by.is_empty());
             self.sampled_patches += usize::from(patch.is_sampled);
@@ -240,10 +242,10 @@ impl Measure {
     }
 
     /// Adds up shells that count as one.
-    fn merge(&mut self, merged: &mut [u32]) {
+    fn merge(&mut self, mut merged: DisjointSets) {
         let mut sums: Vec<Option<SurfaceMeasure>> = vec![None; self.shells.len()];
         for (number, shell) in self.shells.iter().enumerate() {
-            let sum = &mut sums[root(merged, number as u32) as usize];
+            let sum = &mut sums[merged.root(number as u32) as usize];
             *sum = Some(sum.unwrap_or_default() + *shell);
         }
         self.shells = sums.into_iter().flatten().collect();
@@ -258,10 +260,12 @@ impl Measure {
         let mut smallest = f64::INFINITY;
         for face in accessible.faces() {
             let expanded = accessible.expanded_radii_angstrom()[face.atom as usize];
+            // The smallest radius bends the most: dA/dr = 2 A / r is largest there.
             smallest = smallest.min(expanded - probe);
         }
         let mut curvature = 0.0;
         for radius in [smallest, probe] {
+            // A point has no area of its own, and would make the estimate infinite.
             if radius > 1e-3 {
                 curvature += 2.0 / radius;
             }

@@ -2,6 +2,7 @@ use super::*;
 use crate::surface::test_support::{clusters, fraction, read_reference, reference_file};
 use crate::surface::{ImplicitSolid, SesSolid};
 use protomer_kernel::Rotation;
+use protomer_kernel::quadrature::points_on_sphere;
 
 fn measure(centres: &[Vec3], radii: &[f64], probe: f64) -> Measure {
     Measure::new(&Arrangement::new(centres, radii, probe).unwrap())
@@ -155,18 +156,10 @@ fn measures_do_not_depend_on_place_and_orientation() {
 }
 
 /// Atoms spread over a sphere, near enough to each other to close it.
-fn hollow(radius: f64, count: u32) -> Vec<Vec3> {
-    let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-    let place = |n: u32| {
-        let z = 1.0 - (2.0 * f64::from(n) + 1.0) / f64::from(count);
-        let (sine, cosine) = (golden * f64::from(n)).sin_cos();
-        Vec3::new(
-            (1.0 - z * z).sqrt() * cosine,
-            (1.0 - z * z).sqrt() * sine,
-            z,
-        ) * radius
-    };
-    (0..count).map(place).collect()
+fn hollow(radius: f64, count: usize) -> Vec<Vec3> {
+    points_on_sphere(count)
+        .map(|point| point * radius)
+        .collect()
 }
 
 #[test]

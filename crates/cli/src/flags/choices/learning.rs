@@ -1,16 +1,6 @@
 //! Choices of the verbs of voxel sets and networks.
 
 choices! {
-    /// Division of samples into training, validation and test parts.
-    Split for protomer_training::learning::train::SplitBy {
-        /// Whole clusters: relatives are never on both sides.
-        Cluster,
-        /// Single samples: scores above those of a split by cluster measure leakage.
-        Sample,
-    }
-}
-
-choices! {
     /// Channels of voxels.
     VoxelChannel for protomer_field::voxels::Channel {
         /// 1 where the solvent-excluded surface passes through the voxel.
@@ -23,18 +13,6 @@ choices! {
         Hydropathy,
         /// Edge of the voxels, Å: shows the size of structures scaled to the grid.
         Spacing,
-    }
-}
-
-choices! {
-    /// The orientation of structures.
-    VoxelOrientation for protomer_field::voxels::Orientation {
-        /// A random rotation, derived from the seed and the structure's name.
-        Random,
-        /// Principal axes along x, y, z.
-        Principal,
-        /// The orientation as deposited.
-        Deposited,
     }
 }
 

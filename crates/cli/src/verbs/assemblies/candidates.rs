@@ -1,13 +1,14 @@
 //! `protomer candidates`: the up/down arrangements of a ring or stack that are different under its
 //! symmetry.
 
-use crate::flags::choices::AskedSymmetry;
+use crate::flags::settings::choice;
 use crate::flags::space::SpaceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::candidates::{CandidatesSettings, candidates};
+use protomer_body::assembly::Symmetry;
 use protomer_common::range;
 use std::path::PathBuf;
 
@@ -25,8 +26,8 @@ pub struct CandidatesArgs {
     #[arg(long, default_value_t = 1)]
     stack: usize,
     /// Symmetry required of an arrangement.
-    #[arg(long, value_enum, default_value_t = AskedSymmetry::Dihedral)]
-    symmetry: AskedSymmetry,
+    #[arg(long, value_parser = choice::<Symmetry>(), default_value = "dihedral")]
+    symmetry: Symmetry,
     /// Gap between neighbours in the ring, and between the rings, beyond contact, Å.
     #[arg(long, default_value_t = 0.5, value_parser = range::GAP.number())]
     gap: f64,
@@ -43,7 +44,7 @@ impl CandidatesArgs {
             bodies: self.bodies.clone(),
             ring: self.ring,
             stack: self.stack,
-            symmetry: self.symmetry.into(),
+            symmetry: self.symmetry,
             gap_angstrom: self.gap,
             box_angstrom: self.space.box_angstrom()?,
             output: self.output.clone(),

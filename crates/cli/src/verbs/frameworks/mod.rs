@@ -3,7 +3,7 @@
 mod builders;
 
 use crate::Cli;
-use crate::flags::choices::Stress;
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
@@ -82,8 +82,8 @@ pub struct AnalysisArgs {
     #[arg(long, global = true, requires = "load", allow_hyphen_values = true)]
     stress: Option<String>,
     /// Reference area of the stress [default: nominal].
-    #[arg(long, global = true, value_enum)]
-    stress_kind: Option<Stress>,
+    #[arg(long, global = true, value_parser = choice::<StressKind>())]
+    stress_kind: Option<StressKind>,
     /// Report energy, forces and Hessian (with --json or -o).
     #[arg(long, global = true)]
     derivatives: bool,
@@ -260,7 +260,7 @@ impl AnalysisArgs {
         Ok(Some(LoadSettings {
             axis: axis.clone(),
             stresses_gpa: curve::stresses_gpa(stress)?,
-            kind: self.stress_kind.map_or(StressKind::Nominal, Into::into),
+            kind: self.stress_kind.unwrap_or(StressKind::Nominal),
         }))
     }
 

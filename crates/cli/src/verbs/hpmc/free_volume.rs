@@ -1,5 +1,6 @@
 //! `protomer hpmc free-volume`: free volumes of crystals that do not move.
 
+use crate::flags::hard_body::FreeVolumeGridArgs;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -32,24 +33,8 @@ pub struct FreeVolumeArgs {
     /// Turn every body first: a quaternion W,X,Y,Z.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     turn: Vec<f64>,
-    /// The part of space that the bodies fill; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "FRACTION,…",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    packing_fraction: Vec<f64>,
-    /// Radius of the depletants; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "RADIUS,…",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    depletant_radius: Vec<f64>,
+    #[command(flatten)]
+    grid: FreeVolumeGridArgs,
     /// Lines along the shortest edge of the unit cell.
     #[arg(long, default_value_t = 100, value_name = "NUMBER")]
     lines: usize,
@@ -63,8 +48,8 @@ impl FreeVolumeArgs {
                 rounding_radius: self.rounding,
                 crystal: self.crystal.clone(),
                 turn: self.turn.clone(),
-                packing_fractions: self.packing_fraction.clone(),
-                depletant_radii: self.depletant_radius.clone(),
+                packing_fractions: self.grid.packing_fraction.clone(),
+                depletant_radii: self.grid.depletant_radius.clone(),
                 lines: self.lines,
             },
         )?))

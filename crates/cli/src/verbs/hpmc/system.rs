@@ -1,5 +1,6 @@
 //! Flags of the bodies, their box and what is measured, shared by `run` and `sweep`.
 
+use crate::flags::hard_body::HardBodyArgs;
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer_convex::hard_bodies::settings::{
@@ -10,18 +11,8 @@ use protomer_convex::hard_bodies::start::FLUID;
 /// Bodies, their box, and what is measured.
 #[derive(Debug, Args)]
 pub struct SystemArgs {
-    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
-    /// by + are the convex pieces of one body.
-    #[arg(long, value_name = "FILE")]
-    shape: String,
-    /// Radius of the ball, or disk, that rounds it (Minkowski sum).
-    #[arg(
-        long,
-        default_value_t = 0.0,
-        value_name = "RADIUS",
-        allow_negative_numbers = true
-    )]
-    rounding: f64,
+    #[command(flatten)]
+    body: HardBodyArgs,
     /// Number of bodies.
     #[arg(long, default_value_t = 216)]
     bodies: usize,
@@ -103,8 +94,8 @@ impl SystemArgs {
     /// The settings of a run, but for its packing fraction, pressure and seed.
     pub fn settings(&self) -> Result<HardBodySettings> {
         Ok(HardBodySettings {
-            shape: self.shape.clone(),
-            rounding_radius: self.rounding,
+            shape: self.body.shape.clone(),
+            rounding_radius: self.body.rounding,
             bodies: self.bodies,
             equilibration: self.equilibration,
             sweeps: self.sweeps,

@@ -7,11 +7,11 @@ mod run;
 mod square;
 mod sweep;
 
-use crate::flags::choices::{SquareSize, ViewAxis};
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
+use protomer_lattices::lattice::square_of_body::{Axis, Size};
 use std::path::PathBuf;
 
 /// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
@@ -46,10 +46,7 @@ impl LatticeArgs {
             (Some(LatticeVerb::Replay(args)), _) => args.run(),
             (Some(LatticeVerb::Respond(args)), _) => args.run(),
             (Some(LatticeVerb::Bench(args)), _) => args.run(),
-            (None, Some(body)) => {
-                let (axis, size) = (ViewAxis::Auto.into(), SquareSize::Corners.into());
-                square::square(body, axis, size, None, front)
-            }
+            (None, Some(body)) => square::square(body, Axis::Auto, Size::Corners, None, front),
             (None, None) => bail!(
                 "give a subcommand: lattice run, sweep, animate, square, replay, respond or bench"
             ),

@@ -1,6 +1,6 @@
 //! `protomer lattice square`: the square that represents a body.
 
-use crate::flags::choices::{SquareSize, ViewAxis};
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
@@ -16,11 +16,11 @@ pub struct SquareArgs {
     /// Body file.
     body: PathBuf,
     /// Axis of projection.
-    #[arg(long, value_enum, default_value_t = ViewAxis::Auto)]
-    axis: ViewAxis,
+    #[arg(long, value_parser = choice::<Axis>(), default_value = "auto")]
+    axis: Axis,
     /// Definition of the half-diagonal.
-    #[arg(long, value_enum, default_value_t = SquareSize::Corners)]
-    size: SquareSize,
+    #[arg(long, value_parser = choice::<Size>(), default_value = "corners")]
+    size: Size,
     /// Write the configuration to this file instead of stdout.
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -28,8 +28,13 @@ pub struct SquareArgs {
 
 impl SquareArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        let (axis, size) = (self.axis.into(), self.size.into());
-        square(&self.body, axis, size, self.output.as_deref(), front)
+        square(
+            &self.body,
+            self.axis,
+            self.size,
+            self.output.as_deref(),
+            front,
+        )
     }
 }
 

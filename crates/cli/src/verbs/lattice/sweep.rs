@@ -1,6 +1,6 @@
 //! `protomer lattice sweep`: rod lengths, κ and seeds.
 
-use super::run::{DirectoryArgs, SettingsArgs};
+use super::run::{DirectoryArgs, LatticeFlags};
 use crate::flags::override_with;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -32,7 +32,7 @@ pub struct SweepArgs {
     #[arg(long, requires = "lyapunov")]
     lyapunov_intervals: Option<usize>,
     #[command(flatten)]
-    settings: SettingsArgs,
+    settings: LatticeFlags,
 }
 
 /// Upper limit for the number of seeds.

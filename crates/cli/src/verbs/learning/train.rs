@@ -1,10 +1,11 @@
 //! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares
 //! with it.
 
-use crate::flags::choices::learning::{LearningTarget, Scaling, Split};
+use crate::flags::choices::learning::{LearningTarget, Scaling};
 use crate::flags::device::DeviceArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::override_with;
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, anyhow, bail};
@@ -18,7 +19,7 @@ use protomer_learn::targets::Target;
 use protomer_learn::{BlockSettings, Device};
 use protomer_results::{End, Execution, ResultKind};
 use protomer_training::learning::train::{
-    ControlRun, Job, Metrics, TrainSettings, channels_of, open_set, run_control, run_job,
+    ControlRun, Job, Metrics, SplitBy, TrainSettings, channels_of, open_set, run_control, run_job,
 };
 use std::path::{Path, PathBuf};
 
@@ -39,8 +40,8 @@ pub struct TaskArgs {
     #[arg(long, value_delimiter = ',')]
     channels: Option<Vec<String>>,
     /// Unit of the split [default: cluster].
-    #[arg(long, value_enum)]
-    split_by: Option<Split>,
+    #[arg(long, value_parser = choice::<SplitBy>())]
+    split_by: Option<SplitBy>,
     /// Seed of the split [default: that of --seed, or the one a configuration names].
     #[arg(long)]
     split_seed: Option<u64>,
@@ -74,7 +75,7 @@ impl TaskArgs {
         if let Some(channels) = &self.channels {
             settings.training.channels.clone_from(channels);
         }
-        override_with(&mut settings.split_by, self.split_by.map(Into::into));
+        override_with(&mut settings.split_by, self.split_by);
         settings.split_seed = self.split_seed.or(settings.split_seed);
         if let Some(shares) = &self.fractions {
             let [training, validation, test] = shares[..] else {

@@ -1,5 +1,6 @@
 //! `protomer shape free-volume`: free volumes of depletants by scaled particle theory.
 
+use crate::flags::hard_body::FreeVolumeGridArgs;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
@@ -21,24 +22,8 @@ pub struct FreeVolumeArgs {
         allow_negative_numbers = true
     )]
     rounding: f64,
-    /// The part of space that the bodies fill; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "FRACTION,…",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    packing_fraction: Vec<f64>,
-    /// Radius of the depletants; several with commas between them.
-    #[arg(
-        long,
-        value_delimiter = ',',
-        value_name = "RADIUS,…",
-        required = true,
-        allow_negative_numbers = true
-    )]
-    depletant_radius: Vec<f64>,
+    #[command(flatten)]
+    grid: FreeVolumeGridArgs,
 }
 
 impl FreeVolumeArgs {
@@ -46,8 +31,8 @@ impl FreeVolumeArgs {
         Ok(Reply::data(scaled_particles(
             &self.shape,
             self.rounding,
-            &self.packing_fraction,
-            &self.depletant_radius,
+            &self.grid.packing_fraction,
+            &self.grid.depletant_radius,
         )?))
     }
 }

@@ -1,8 +1,8 @@
 //! `protomer bench`: trial moves per CPU-second.
 
-use crate::flags::choices::{BenchPart, Energy};
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
+use crate::flags::settings::choice;
 use crate::flags::solute::{Charges, ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
@@ -12,7 +12,7 @@ use crate::reply::{Outcome, Reply};
 use anyhow::{Result, bail};
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
-use protomer::stability::bench::suite::{SuiteSettings, run_suite};
+use protomer::stability::bench::suite::{Part, SuiteSettings, run_suite};
 use protomer::stability::bench::{BenchSettings, bench};
 use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
@@ -42,13 +42,13 @@ pub struct BenchArgs {
     moves: Option<u64>,
     /// Method of computing energies [default: the fastest way that decides as the direct sum;
     /// without an assembly, each way].
-    #[arg(long, value_enum, requires = "assembly")]
-    energy: Option<Energy>,
+    #[arg(long, value_parser = choice::<EnergyMode>(), requires = "assembly")]
+    energy: Option<EnergyMode>,
     #[command(flatten)]
     tolerance: ToleranceArgs,
     /// Only this table (repeat for several).
-    #[arg(long, value_enum, conflicts_with = "assembly")]
-    part: Vec<BenchPart>,
+    #[arg(long, value_parser = choice::<Part>(), conflicts_with = "assembly")]
+    part: Vec<Part>,
     /// Numbers of charges per body in the tables [default: 500,3000].
     #[arg(long, value_delimiter = ',', conflicts_with = "assembly")]
     charges: Vec<usize>,
@@ -80,7 +80,7 @@ impl BenchArgs {
     }
 
     fn on_assembly(&self, path: &Path, front: &Front) -> Result<Reply> {
-        let energy = self.energy.map(Into::into);
+        let energy = self.energy;
         let interaction = match energy {
             Some(energy) => self.conditions.interaction_for(energy)?,
             None => self.conditions.interaction()?,
@@ -149,13 +149,12 @@ impl BenchArgs {
                 "--charges has {charges}; give numbers from 1 to {MOST_CHARGES}, such as 500,3000"
             );
         }
-        let parts = self.part.iter().map(|part| (*part).into()).collect();
         let tolerance_kt = EnergyMode::Approximate.tolerance_kt(self.tolerance.tolerance)?;
         Ok(SuiteSettings {
             parts: if self.part.is_empty() {
                 usual.parts
             } else {
-                parts
+                self.part.clone()
             },
             charges: if self.charges.is_empty() {
                 usual.charges

@@ -1,8 +1,8 @@
 //! `protomer inspect`: overlaps, energies and size of an assembly.
 
-use crate::flags::choices::Energy;
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
+use crate::flags::settings::choice;
 use crate::flags::solute::ChargesArgs;
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
@@ -13,6 +13,7 @@ use anyhow::Result;
 use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::inspect::{inspect, inspection_settings};
+use protomer::stability::run::EnergyMode;
 use protomer_common::{quantity, range};
 use std::path::PathBuf;
 
@@ -22,8 +23,8 @@ pub struct InspectArgs {
     /// Assembly file.
     assembly: PathBuf,
     /// Energy model [default: direct].
-    #[arg(long, value_enum)]
-    energy: Option<Energy>,
+    #[arg(long, value_parser = choice::<EnergyMode>())]
+    energy: Option<EnergyMode>,
     #[command(flatten)]
     tolerance: ToleranceArgs,
     /// Surfaces closer than this are in contact, Å.
@@ -42,7 +43,7 @@ pub struct InspectArgs {
 }
 
 impl InspectArgs {
-    /// Whether energies are asked for, as by any flag of the charges or the medium; overlaps and
+    /// Whether energies are requested, as by any flag of the charges or the medium; overlaps and
     /// contacts need no salt.
     fn asks_for_energies(&self) -> bool {
         let asked_for_charges = self.energy.is_some()
@@ -62,7 +63,7 @@ impl InspectArgs {
         let assembly = Assembly::read(&self.assembly)?;
         front.warn(self.model.core_warning(&assembly));
         let engine = self.tables.engine(assembly, front)?;
-        let energy = self.energy.unwrap_or(Energy::Direct).into();
+        let energy = self.energy.unwrap_or(EnergyMode::Direct);
         let interaction = match self.asks_for_energies() {
             true => Some(self.conditions.interaction_for(energy)?),
             false => None,

@@ -1,15 +1,16 @@
 //! `protomer residues`: which residues hold an assembly together.
 
 use crate::flags::cache::CacheArgs;
-use crate::flags::choices::ExportViewer;
 use crate::flags::medium::ConditionArgs;
 use crate::flags::model::ModelArgs;
+use crate::flags::settings::choice;
 use crate::flags::solute::ChargesArgs;
 use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer::export::Viewer;
 use protomer::stability::residues::{PoseSettings, ResiduesSettings, residues};
 use protomer::stability::run::{EnergyMode, RunSettings};
 use protomer_common::{quantity, range};
@@ -42,8 +43,8 @@ pub struct ResiduesArgs {
     #[arg(long, default_value_t = 200, value_parser = range::OBJECTS.number::<usize>())]
     frames: usize,
     /// Write a script that shows the structure, coloured by energy.
-    #[arg(long, value_enum)]
-    script: Option<ExportViewer>,
+    #[arg(long, value_parser = choice::<Viewer>())]
+    script: Option<Viewer>,
     /// Assembly file of a run, if it has moved.
     #[arg(long)]
     assembly: Option<PathBuf>,
@@ -85,7 +86,7 @@ impl ResiduesArgs {
             most_frames: self.frames,
             mutations: self.mutations,
             recommends_touching: self.include_touching,
-            script: self.script.map(Into::into),
+            script: self.script,
             force: front.force(),
         };
         let store = self.cache.effective_store(front);

@@ -1,14 +1,12 @@
 //! `protomer simulate`: one simulation in its directory, and the flags that `sweep` shares with it.
 
-use crate::flags::choices::Energy;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::{ConditionArgs, MediumArgs};
 use crate::flags::model::ModelArgs;
-use crate::flags::override_with;
+use crate::flags::settings::SettingsArgs;
 use crate::flags::solute::{ChargesArgs, Insides};
 use crate::flags::tables::TablesArgs;
 use crate::flags::terms::TermsArgs;
-use crate::flags::tolerance::ToleranceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
@@ -18,7 +16,8 @@ use protomer::stability::contacts::ContactCore;
 use protomer::stability::effective;
 use protomer::stability::run::{EnergyMode, Engine, RunSettings};
 use protomer::stability::sweep::{figure, resolved, simulate};
-use protomer_common::{quantity, range};
+use protomer_common::quantity;
+use protomer_kernel::setting::Choices;
 use protomer_results::{End, keys};
 use std::path::{Path, PathBuf};
 
@@ -33,37 +32,8 @@ pub struct RunArgs {
     /// Configuration (TOML), such as the run.toml of another run; flags override it.
     #[arg(long)]
     pub config: Option<PathBuf>,
-    /// Total number of production sweeps (each one trial move per body, plus the cluster
-    /// moves) [default: 2000].
-    #[arg(long, value_parser = range::STEPS.number::<u64>())]
-    pub sweeps: Option<u64>,
-    /// Sweeps before production, in which step sizes are tuned and then frozen [default: 500].
-    #[arg(long, value_parser = range::STEPS.number::<u64>())]
-    pub equilibration: Option<u64>,
-    /// Geometric cluster moves per sweep [default: 1].
-    #[arg(long)]
-    pub cluster_moves: Option<u32>,
-    /// Moves per sweep that form and dissolve contacts: bodies put beside others or far from them,
-    /// turns about contacts, groups, swaps [default: 0].
-    #[arg(long)]
-    pub binding_moves: Option<u32>,
-    /// Seed of the random numbers [default: 1].
-    #[arg(long)]
-    pub seed: Option<u64>,
-    /// Surfaces closer than this are in contact, Å [default: 5].
-    #[arg(long, value_parser = range::CONTACT_GAP.number())]
-    pub contact_gap: Option<f64>,
-    /// Sweeps between rows of the log [default: 10].
-    #[arg(long, value_parser = range::STEPS.number::<u64>())]
-    pub log_every: Option<u64>,
-    /// Sweeps between frames of the trajectory; 0 for none [default: 100].
-    #[arg(long, value_parser = range::STEPS.number::<u64>())]
-    pub trajectory_every: Option<u64>,
-    /// Energy model [default: the fastest that makes the decisions of the direct sum].
-    #[arg(long, value_enum)]
-    pub energy: Option<Energy>,
     #[command(flatten)]
-    pub tolerance: ToleranceArgs,
+    flags: SettingsArgs<RunSettings>,
     #[command(flatten)]
     pub model: ModelArgs,
     #[command(flatten)]
@@ -83,21 +53,12 @@ impl RunArgs {
             None => RunSettings::default(),
             Some(path) => keys::read_toml(path)?,
         };
-        override_with(&mut settings.sweeps, self.sweeps);
-        override_with(&mut settings.equilibration_sweeps, self.equilibration);
-        override_with(&mut settings.cluster_moves_per_sweep, self.cluster_moves);
-        override_with(&mut settings.binding_moves_per_sweep, self.binding_moves);
-        override_with(&mut settings.seed, self.seed);
-        override_with(&mut settings.contact_gap_angstrom, self.contact_gap);
-        override_with(&mut settings.log_every, self.log_every);
-        override_with(&mut settings.trajectory_every, self.trajectory_every);
-        let energy = self.energy.map(Into::into);
-        if energy.is_some() && energy != settings.energy {
+        let energy = settings.energy;
+        self.flags.override_in(&mut settings)?;
+        if settings.energy != energy && !self.flags.has("tolerance_kt") {
             // The tolerance of a configuration applies only to its own energy mode.
-            settings.energy = energy;
             settings.tolerance_kt = None;
         }
-        settings.tolerance_kt = self.tolerance.tolerance.or(settings.tolerance_kt);
         // Stored even if it is the default, so that a run keeps it if the default changes.
         settings.tolerance_kt = settings.tolerance_of_energy_kt()?;
         let charges = self.model.charges(&self.charges);
@@ -223,6 +184,7 @@ impl SimulateArgs {
                 settings.salt_molar.len()
             );
         }
+        settings.check()?;
         Ok(settings)
     }
 }

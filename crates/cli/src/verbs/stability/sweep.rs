@@ -1,10 +1,9 @@
 //! `protomer sweep`: stability against salt.
 
 use super::simulate::{RunArgs, figure_of, late_warnings, say_energies, say_limits};
-use crate::flags::choices::ReplicaStarts;
 use crate::flags::medium::MediumArgs;
-use crate::flags::override_with;
 use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::{Owner, SettingsArgs};
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
@@ -12,7 +11,7 @@ use clap::Args;
 use protomer::assemblies::assembly_file::Assembly;
 use protomer::stability::run::RunSettings;
 use protomer::stability::sweep::{resolved, run_shard, run_sweep};
-use protomer_common::{quantity, range};
+use protomer_common::quantity;
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
 
@@ -25,16 +24,8 @@ pub struct SweepArgs {
     /// Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8.
     #[arg(long, allow_hyphen_values = true)]
     salt: Option<String>,
-    /// Independent replicas per salt concentration.
-    #[arg(long)]
-    replicas: Option<u32>,
-    /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for none
-    /// [default: 0].
-    #[arg(long, value_name = "SWEEPS", value_parser = range::STEPS.number::<u64>())]
-    exchange_every: Option<u64>,
-    /// Starting states of the replicas [default: assembly].
-    #[arg(long, value_enum)]
-    starts: Option<ReplicaStarts>,
+    #[command(flatten)]
+    flags: SettingsArgs<RunSettings, Sweep>,
     /// Run only a part of the simulations, such as 2/8, alongside other processes in the same
     /// directory; the command without this flag collects the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
@@ -45,6 +36,14 @@ pub struct SweepArgs {
     run: RunArgs,
     #[command(flatten)]
     medium: MediumArgs,
+}
+
+/// Owner of the flags that `simulate` has not.
+#[derive(Debug)]
+struct Sweep;
+
+impl Owner for Sweep {
+    const VERB: Option<&'static str> = Some("sweep");
 }
 
 impl SweepArgs {
@@ -101,9 +100,7 @@ impl SweepArgs {
         } else if self.run.config.is_none() {
             bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
         }
-        override_with(&mut settings.replicas, self.replicas);
-        override_with(&mut settings.exchange_every, self.exchange_every);
-        override_with(&mut settings.starts, self.starts.map(Into::into));
+        self.flags.override_in(&mut settings)?;
         settings.check()?;
         Ok(settings)
     }

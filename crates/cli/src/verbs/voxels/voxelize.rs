@@ -1,8 +1,8 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
-use crate::flags::choices::Potential;
-use crate::flags::choices::learning::{VoxelChannel, VoxelOrientation};
+use crate::flags::choices::learning::VoxelChannel;
 use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::{Outcome, Reply};
 use anyhow::{Error, Result, anyhow, bail};
@@ -11,6 +11,8 @@ use protomer::bodies::folder::{BodyFolder, has_tables};
 use protomer_body::surface::ExactSurface;
 use protomer_body::{Draft, SurfaceSettings};
 use protomer_common::{quantity, range};
+use protomer_field::PotentialModel;
+use protomer_field::voxels::Orientation;
 use protomer_results::{FileRecord, Shard};
 use protomer_training::voxels::body_store::BodyStore;
 use protomer_training::voxels::manifest::Manifest;
@@ -45,14 +47,14 @@ pub struct VoxelizeArgs {
     )]
     channels: Vec<VoxelChannel>,
     /// The orientation of structures.
-    #[arg(long, value_enum, default_value_t = VoxelOrientation::Random)]
-    orientation: VoxelOrientation,
+    #[arg(long, value_parser = choice::<Orientation>(), default_value = "random")]
+    orientation: Orientation,
     /// Seed of the random orientations.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Model of the potential; the equation is solved on a grid of 1 Å.
-    #[arg(long, value_enum, default_value_t = Potential::PoissonBoltzmann)]
-    potential: Potential,
+    #[arg(long, value_parser = choice::<PotentialModel>(), default_value = "poisson-boltzmann")]
+    potential: PotentialModel,
     /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
     #[arg(long, value_parser = quantity::salt_molar, default_value = "150mM", allow_hyphen_values = true)]
     salt: f64,
@@ -172,9 +174,9 @@ impl VoxelizeArgs {
             size: self.size,
             spacing: self.spacing,
             channels: self.channels.iter().map(|name| (*name).into()).collect(),
-            orientation: self.orientation.into(),
+            orientation: self.orientation,
             seed: self.seed,
-            potential: self.potential.into(),
+            potential: self.potential,
             salt_molar: self.salt,
             temperature_kelvin: self.temperature,
             ph: self.ph,

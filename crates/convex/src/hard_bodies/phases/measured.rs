@@ -6,19 +6,21 @@ use crate::hard_bodies::free_energy::FreeEnergyResult;
 use crate::hard_bodies::start::FLUID;
 use crate::hard_bodies::sweep::EquationOfState;
 use anyhow::{Context, Result, bail};
-use protomer_hpmc::jet::Jet;
 use protomer_hpmc::measured_phase::{Anchor, Estimated, MeasuredPhase, PhaseCurves, State};
 use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
+use protomer_kernel::jet::Jet;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_results::{Record, ResultKind, keys};
 use std::path::{Path, PathBuf};
 
 /// Samples of a branch.
 const SAMPLES: usize = 20_000;
-/// Draws of all measured values within their errors, and samples of a branch in one.
+/// Number of draws of all measured values within their errors.
 const DRAWS: usize = 200;
+/// Number of samples of a branch in one draw.
 const SAMPLES_OF_A_DRAW: usize = 2000;
+/// Seed of the draws.
 const SEED: u64 = 1;
 /// Bodies whose volumes differ by less than this part are the same.
 const SAME_VOLUME: f64 = 1e-9;
@@ -39,6 +41,7 @@ pub struct PhaseDirectories {
 /// # Errors
 /// Names the directory that holds something else or lacks what is needed, and says how to get it.
 pub fn phases_of_measurements(from: &PhaseDirectories, reservoirs: &[f64]) -> Result<Phases> {
+    // At an empty reservoir no free volume is needed.
     let needs_free_volumes = reservoirs.iter().any(|reservoir| *reservoir != 0.0);
     let mut branches = Vec::new();
     if let Some(sweep) = &from.fluid {
@@ -50,6 +53,7 @@ pub fn phases_of_measurements(from: &PhaseDirectories, reservoirs: &[f64]) -> Re
     let Some(first) = branches.first() else {
         bail!("there are no phases; give the sweep of a fluid or of a crystal");
     };
+    // All beside the first: two pairs that agree with it agree with each other.
     for branch in &branches {
         branch.check_beside(first, needs_free_volumes)?;
     }
@@ -112,10 +116,12 @@ impl MeasuredBranch {
         }
         check_volume(
             free_energy,
+            // The volume of a body, from the density: the record does not state it.
             result.packing_fraction / result.number_density,
             sweep,
             equation.body_volume,
         )?;
+        // Outside the measured range the integration would begin at an extrapolated point.
         let range = packing_fractions(&equation);
         if range.is_none_or(|[low, high]| !(low..=high).contains(&result.packing_fraction)) {
             bail!(
@@ -203,6 +209,7 @@ impl MeasuredBranch {
 
 /// Refuses bodies of one name that are not the same: another rounding, or a file that has changed.
 fn check_volume(one: &Path, volume: f64, other: &Path, volume_there: f64) -> Result<()> {
+    // Relative: shapes have any unit.
     if (volume / volume_there - 1.0).abs() < SAME_VOLUME {
         return Ok(());
     }
@@ -231,6 +238,7 @@ fn read_sweep(directory: &Path) -> Result<EquationOfState> {
         );
     };
     let run = &equation.settings.run;
+    // The pressure in the sweep must be that of the bodies alone.
     if run.gravity.is_some() || run.depletants.iter().any(|kind| kind.fugacity != 0.0) {
         bail!(
             "{} is a sweep under gravity or among depletants; give one of the bodies alone \
@@ -267,6 +275,7 @@ fn packing_fractions(equation: &EquationOfState) -> Option<[f64; 2]> {
 fn states(equation: &EquationOfState) -> Result<Vec<State>> {
     let mut states = Vec::new();
     for point in &equation.points {
+        // An error of zero means one sample; the fit would take it for certain.
         let estimated = |value: f64, error: Option<f64>| match error {
             Some(standard_error) if standard_error > 0.0 => Ok(Estimated {
                 value,
@@ -284,6 +293,8 @@ fn states(equation: &EquationOfState) -> Result<Vec<State>> {
                 point.compressibility_factor_error,
             )?,
             free_volume_fraction: match point.free_volume_fraction {
+                // A volume of zero has no logarithm, and
+                // means that no point of the sample was free.
                 Some(0.0) => bail!(
                     "no point was free for the depletants at the packing fraction {}, and a curve goes through \
                      logarithms; sweep again with more --points, or without that density",
@@ -315,6 +326,7 @@ impl<'a> MeasuredMixture<'a> {
     ) -> Result<Self> {
         let body_volume = equation.body_volume;
         let depletant_volumes_per_body = depletant_radius.map_or(0.0, |radius| {
+            // Depletants in the volume of a body, per unit of their packing fraction.
             body_volume / ball_volume(equation.dimension, radius)
         });
         let mut measured = Vec::with_capacity(branches.len());
@@ -323,6 +335,8 @@ impl<'a> MeasuredMixture<'a> {
             measured.push(curves.with_context(|| branch.sweep.display().to_string())?);
         }
         let mut draws = Vec::with_capacity(DRAWS);
+        // One stream for each draw: all reservoirs see the same
+        // draws, so that curves over the reservoir are smooth.
         for draw in 0..DRAWS as u64 {
             let mut rng = CounterRng::for_purpose(SEED, 0, draw, Purpose::Bootstrap);
             let drawn = branches.iter().zip(&measured);
@@ -343,6 +357,7 @@ impl<'a> MeasuredMixture<'a> {
             bail!("a reservoir cannot have the packing fraction {reservoir}; give zero or more");
         }
         // Depletants in the volume of a body.
+        // The reservoir's depletants are ideal: their density is their pressure.
         let density = reservoir * self.depletant_volumes_per_body;
         let tangents = self.tangents(&self.measured, density, SAMPLES);
         let draws = self.draws.iter();
@@ -372,6 +387,7 @@ impl<'a> MeasuredMixture<'a> {
         samples: usize,
     ) -> Vec<tangent::Coexistence> {
         let energy = |curve: &PhaseCurves, x: Jet| {
+            // The semi-grand potential: the depletants are free to come and go.
             curve.grand_potential(x, self.body_volume, depletants_per_body_volume)
         };
         let energies: Vec<_> = curves
@@ -408,6 +424,7 @@ fn uncertainty(
         let difference = |n: usize| (other.densities[n] - coexistence.densities[n]).abs();
         difference(0) + difference(1)
     };
+    // A draw may have several coexistences of these phases, or none.
     let nearest = |draw: &Vec<tangent::Coexistence>| {
         let same = draw
             .iter()
@@ -420,6 +437,7 @@ fn uncertainty(
         let count = same.len() as f64;
         let mean = same.iter().map(value).sum::<f64>() / count;
         let squares = same.iter().map(|draw| (value(draw) - mean).powi(2));
+        // Of draws, not of means: the scatter itself is the error.
         (squares.sum::<f64>() / (count - 1.0)).sqrt()
     };
     Uncertainty {

@@ -3,9 +3,9 @@
 use super::{Coexistence, Phases};
 use anyhow::{Context, Result, bail};
 use protomer_common::input::InputFile;
-use protomer_hpmc::jet::Jet;
 use protomer_hpmc::spline::Spline;
 use protomer_hpmc::tangent::{self, Branch, even_samples};
+use protomer_kernel::jet::Jet;
 use std::path::PathBuf;
 
 /// Samples of a table's spline.
@@ -66,6 +66,7 @@ fn read_table(name: &str, text: &str) -> Result<Spline> {
         match numbers.as_deref() {
             Some([]) => {}
             Some([density, energy])
+                // Ascending densities, as the spline needs them; NaN ascends from nothing.
                 if energy.is_finite() && x.last().is_none_or(|last| last < density) =>
             {
                 x.push(*density);

@@ -16,7 +16,7 @@ use super::start::{BodyShape, FLUID, cell_text};
 use anyhow::{Context, Error, Result, bail};
 use equation::integrate;
 use protomer_common::answer::Answer;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_kernel::shape::measures::Measures;
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Settings, Work, conduct,
@@ -64,6 +64,7 @@ impl Settings for HardBodySweepSettings {
     /// Settings that must stay the same: more sweeps, conditions and seeds continue a sweep.
     fn essential(&self) -> Self {
         let over_pressure = !self.pressures_kt_per_volume.is_empty();
+        // Everything that varies within a sweep is blanked, so that it can be extended.
         Self {
             packing_fractions: Vec::new(),
             pressures_kt_per_volume: Vec::new(),
@@ -120,6 +121,7 @@ impl HardBodySweepSettings {
         if self.seeds.is_empty() {
             bail!("there are no seeds; give at least one");
         }
+        // Saturating: the product may overflow before it is compared.
         if values.len().saturating_mul(self.seeds.len()) > MOST_RUNS {
             bail!(
                 "{} conditions with {} seeds each are too many; ask for at most {MOST_RUNS} runs",
@@ -151,6 +153,7 @@ impl HardBodySweepSettings {
                 settings.check()?;
                 let folder = format!("{name}_{value}");
                 let directory = directory.join(folder).join(format!("seed_{seed}"));
+                // Two runs in one folder would wait for each other's lock.
                 if tasks.iter().any(|task| task.directory == directory) {
                     bail!("{name} {value} with seed {seed} is listed twice; list it once");
                 }
@@ -167,6 +170,7 @@ impl HardBodySweepSettings {
 
 /// Whether this is the folder of one condition: `packing_0.3` or `pressure_2`.
 fn is_condition(path: &Path) -> bool {
+    // Checked by the number too: folders of the user stay.
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let value = name
         .strip_prefix("packing_")
@@ -239,6 +243,7 @@ impl Sweep<'_> {
         let run = &self.settings.run;
         let is_plain = run.start == FLUID
             && run.gravity.is_none()
+            // Depletants of fugacity 0 only measure free volumes.
             && run.depletants.iter().all(|kind| kind.fugacity == 0.0);
         let measures = match &self.shape {
             BodyShape::Shape(shape) if is_plain && !self.settings.packing_fractions.is_empty() => {
@@ -288,6 +293,7 @@ impl Campaign for Sweep<'_> {
         directory: &Path,
         execution: &Execution,
     ) -> Result<End<HardBodyResult>> {
+        // The directory was cleared with the sweep, and progress counts runs here.
         let end = run_hard_bodies(&task.settings, directory, &execution.of_part());
         execution.progress.advance(1);
         end.with_context(|| directory.display().to_string())
@@ -304,6 +310,7 @@ impl Campaign for Sweep<'_> {
             .iter()
             .map(|runs: &Vec<HardBodyResult>| StatePoint::of(runs))
             .collect();
+        // At constant pressure the order of densities is only known afterwards.
         points.sort_by(|a, b| a.packing_fraction.total_cmp(&b.packing_fraction));
         let b2_over_volume = self.b2_over_volume()?;
         if let Some(b2_over_volume) = b2_over_volume {
@@ -324,9 +331,7 @@ impl Campaign for Sweep<'_> {
 fn write_results(equation: &EquationOfState, directory: &Path) -> Result<()> {
     let json = serde_json::to_string_pretty(equation)?;
     for (name, text) in [(TABLE, equation.table()?), (JSON, format!("{json}\n"))] {
-        write_atomically(&directory.join(name), |file| {
-            file.write_all(text.as_bytes())
-        })?;
+        write_bytes(&directory.join(name), text.as_bytes())?;
     }
     if let Some(figure) = equation.figure() {
         figure.write_svg(&directory.join("equation.svg"))?;

@@ -24,6 +24,7 @@ impl<'a> Grid<'a> {
         let (low, extent) = extent(places, periodic);
         // Squares that have flown far apart must not ask for more cells than there are points.
         let most = 2.0 * (places.len() as f64).sqrt().ceil() + 1.0;
+        // Cells are at least as wide as the reach.
         let counts = extent.map(|extent| (extent / reach).floor().clamp(1.0, most) as usize);
         let width = [extent[0] / counts[0] as f64, extent[1] / counts[1] as f64];
         let mut grid = Self {
@@ -42,6 +43,7 @@ impl<'a> Grid<'a> {
 
     /// Counting sort of the points by their cells.
     fn sort_points(&mut self) {
+        // Points of a cell lie together: `starts` says where.
         let mut starts = vec![0; self.counts[0] * self.counts[1] + 1];
         for place in self.places {
             starts[self.cell(*place) + 1] += 1;
@@ -62,7 +64,8 @@ impl<'a> Grid<'a> {
         let index = ((place - self.low[axis]) / self.width[axis]).floor();
         let count = self.counts[axis];
         if self.periodic.is_some() {
-            index.rem_euclid(count as f64) as usize % count
+            // Below the count: the remainder of two whole numbers is exact.
+            index.rem_euclid(count as f64) as usize
         } else {
             index.clamp(0.0, (count - 1) as f64) as usize
         }
@@ -78,6 +81,7 @@ impl<'a> Grid<'a> {
         if self.periodic.is_none() {
             return (middle.saturating_sub(1)..=(middle + 1).min(count - 1)).collect();
         }
+        // Fewer than three cells: neighbours would be named twice.
         if count < 3 {
             return (0..count).collect();
         }
@@ -113,6 +117,7 @@ impl<'a> Grid<'a> {
 
     /// The images of a point this far away, in cells of this edge, that are within reach.
     fn images_within(&self, away: f64, edge: f64) -> RangeInclusive<i64> {
+        // Whole numbers of edges within the reach.
         let low = ((-self.reach - away) / edge).ceil() as i64;
         let high = ((self.reach - away) / edge).floor() as i64;
         low..=high
@@ -131,4 +136,19 @@ fn extent(places: &[Vector], periodic: Option<Vector>) -> (Vector, Vector) {
     let of_points = [high[0] - low[0], high[1] - low[1]];
     let extent = periodic.unwrap_or(of_points);
     (low, extent.map(|length| length.max(1e-9)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_next_to_the_edges_of_a_periodic_cell_have_a_column() {
+        let places = [[0.0, 0.0], [2.9, 2.9], [0.5, 1.5]];
+        let grid = Grid::new(&places, 1.0, Some([3.0, 3.0]));
+        assert_eq!(grid.counts, [3, 3]);
+        for (place, column) in [(-1e-20, 2), (0.0, 0), (3.0, 0), (2.999, 2), (-3e9, 0)] {
+            assert_eq!(grid.column(place, 0), column, "{place}");
+        }
+    }
 }

@@ -1,7 +1,11 @@
 //! Openings that several tests share.
 
+pub mod brute_force;
+pub mod references;
+
 use protomer_crystal::lattice::{
-    Corner, Dynamics, Edges, Network, Rod, Square, Start, StartVelocities, State,
+    CollisionSettings, Corner, Dynamics, Edges, Engine, Network, Rod, Square, Start,
+    StartVelocities, State,
 };
 use protomer_kernel::random::CounterRng;
 use std::f64::consts::FRAC_PI_4;
@@ -40,6 +44,29 @@ pub fn drawn_start(network: &Network, seed: u64, sum_of_squares: Option<f64>) ->
     .build(network, 0)
     .unwrap()
     .state
+}
+
+/// The engine of elastic collisions, prepared at a state.
+pub fn engine(network: &Arc<Network>, state: &State) -> Engine {
+    Engine::new(
+        network.clone(),
+        Vec::new(),
+        state,
+        CollisionSettings::default(),
+    )
+    .unwrap()
+}
+
+/// One unit square that nothing holds.
+pub fn one_square() -> Network {
+    Network {
+        rows: 1,
+        columns: 1,
+        squares: vec![Square::default()],
+        rods: Vec::new(),
+        cell: None,
+        places: None,
+    }
 }
 
 /// Two unit squares joined by one rod at these corners.

@@ -61,6 +61,7 @@ impl Pieces {
         let corners = body.corners_at(pose);
         let (mut inside, mut plates, mut rods) = (Vec::new(), Vec::new(), Vec::new());
         for face in &body.faces {
+            // For a polygon the strips along its edges are the rods; only solids have plates.
             let normal = pose.rotation * face.normal;
             let rim: Vec<Vec3> = face.corners.iter().map(|corner| corners[*corner]).collect();
             inside.push(HalfSpace::below(normal, &rim[0]));
@@ -82,13 +83,7 @@ impl Pieces {
 
     /// The pieces of a point, a segment or, in space, a polygon.
     fn of_thin(shape: &Shape, radius: f64, pose: &Pose) -> (Vec<Vec3>, Self) {
-        let corners = match shape {
-            Shape::Flat(corners) => corners
-                .iter()
-                .map(|[x, y]| Vec3::new(*x, *y, 0.0))
-                .collect(),
-            Shape::Solid(hull) => hull.corners(),
-        };
+        let corners = shape.corner_points();
         let mean = corners.iter().sum::<Vec3>() / corners.len() as f64;
         let place = |corner: &Vec3| pose.transform_point(&(corner - mean));
         let corners: Vec<Vec3> = corners.iter().map(place).collect();
@@ -110,6 +105,8 @@ impl Pieces {
             let mut back = corners.clone();
             back.reverse();
             pieces.solids = vec![
+                // Both sides of a polygon in space; the rim is
+                // reversed so that its planes face outwards again.
                 plate(&corners, normal, radius),
                 plate(&back, -normal, radius),
             ];
@@ -124,6 +121,7 @@ impl Pieces {
     /// Interval of a line between its entry and its exit, as distances from its origin along a
     /// direction of length one.
     pub(super) fn interval(&self, origin: &Vec3, direction: &Vec3) -> Option<[f64; 2]> {
+        // The union is convex, so first entry and last exit are all there is: no gaps inside.
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
         let mut take = |interval: Option<[f64; 2]>| {
             if let Some([enters, leaves]) = interval {
@@ -134,6 +132,7 @@ impl Pieces {
         for solid in &self.solids {
             take(in_solid(solid, origin, direction));
         }
+        // Without a radius, balls and rods have no volume, and rounding would let lines graze them.
         if self.radius > 0.0 {
             for centre in &self.balls {
                 take(in_ball(centre, self.radius, origin, direction));
@@ -149,10 +148,12 @@ impl Pieces {
 /// The points over a face, not higher than the radius.
 fn plate(rim: &[Vec3], normal: Vec3, radius: f64) -> Vec<HalfSpace> {
     let mut planes = vec![
+        // Starts at the face, not below: the inside is a solid of its own.
         HalfSpace::below(-normal, &rim[0]),
         HalfSpace::below(normal, &(rim[0] + radius * normal)),
     ];
     for (from, to) in rim.iter().zip(rim.iter().cycle().skip(1)) {
+        // Outward normals that are not of length one; `in_solid` needs only signs and quotients.
         planes.push(HalfSpace::below((to - from).cross(&normal), from));
     }
     planes
@@ -163,6 +164,7 @@ fn in_solid(planes: &[HalfSpace], origin: &Vec3, direction: &Vec3) -> Option<[f6
     for plane in planes {
         let speed = plane.normal.dot(direction);
         let room = plane.height - plane.normal.dot(origin);
+        // Parallel: the line is on one side for its whole length.
         if speed.abs() <= PARALLEL * plane.normal.norm() {
             if room < 0.0 {
                 return None;
@@ -179,6 +181,7 @@ fn in_solid(planes: &[HalfSpace], origin: &Vec3, direction: &Vec3) -> Option<[f6
 fn in_ball(centre: &Vec3, radius: f64, origin: &Vec3, direction: &Vec3) -> Option<[f64; 2]> {
     let to_centre = centre - origin;
     let middle = to_centre.dot(direction);
+    // r² less the squared distance of the line from the centre.
     let squared = radius * radius - (to_centre - middle * direction).norm_squared();
     (squared >= 0.0).then(|| [middle - squared.sqrt(), middle + squared.sqrt()])
 }
@@ -197,9 +200,11 @@ impl Rod {
         let (speed_along, start) = (direction.dot(&self.axis), to_start.dot(&self.axis));
         // At right angles to the axis.
         let speed_squared = 1.0 - speed_along * speed_along;
+        // Distances along the line: where it is nearest to the axis, and what is left across it.
         let middle = to_start.dot(direction) - start * speed_along;
         let away_squared = to_start.norm_squared() - start * start;
         let (mut enters, mut leaves) = (f64::NEG_INFINITY, f64::INFINITY);
+        // Along the axis: inside for ever or never.
         if speed_squared <= PARALLEL {
             if away_squared > radius * radius {
                 return None;
@@ -213,9 +218,11 @@ impl Rod {
             let half = (squared / speed_squared).sqrt();
             (enters, leaves) = (middle - half, middle + half);
         }
+        // Across the axis: the flat ends are not met, and one sign decides.
         if speed_along.abs() <= PARALLEL {
             return (start <= 0.0 && start + self.length >= 0.0).then_some([enters, leaves]);
         }
+        // The order of the ends depends on the sense of the line.
         let ends = [start / speed_along, (start + self.length) / speed_along];
         enters = enters.max(ends[0].min(ends[1]));
         leaves = leaves.min(ends[0].max(ends[1]));

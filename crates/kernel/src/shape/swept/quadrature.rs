@@ -1,13 +1,7 @@
 //! The integral of a function that is smooth but for kinks.
 
-/// Positive nodes, and their weights, of the Gauss-Legendre rule of ten nodes on (-1, 1).
-const RULE: [(f64, f64); 5] = [
-    (0.148_874_338_981_631_21, 0.295_524_224_714_752_87),
-    (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
-    (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
-    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
-    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
-];
+use crate::quadrature::GAUSS_TEN;
+
 /// Largest number of panels; a kink needs about one per digit of the result.
 const MOST_PANELS: usize = 4000;
 
@@ -22,11 +16,13 @@ struct Panel {
     difference: f64,
 }
 
+/// The Gauss-Legendre rule of ten nodes.
 fn rule(function: &mut impl FnMut(f64) -> f64, from: f64, to: f64) -> f64 {
     let (centre, half) = (f64::midpoint(from, to), 0.5 * (to - from));
     let mut sum = 0.0;
-    for (node, weight) in RULE {
-        sum += weight * (function(centre - half * node) + function(centre + half * node));
+    for node in GAUSS_TEN {
+        let offset = half * node.place;
+        sum += node.weight * (function(centre - offset) + function(centre + offset));
     }
     half * sum
 }
@@ -50,10 +46,14 @@ impl Panel {
 pub(super) fn integral(mut function: impl FnMut(f64) -> f64, places: &[f64], accuracy: f64) -> f64 {
     let mut panels = Vec::new();
     for pair in places.windows(2) {
+        // Each half is judged against the rule on the whole;
+        // halves are kept as the wholes of the next level.
         let whole = rule(&mut function, pair[0], pair[1]);
         panels.push(Panel::new(&mut function, pair[0], pair[1], whole));
     }
     loop {
+        // Sums are formed afresh every time: a running sum
+        // would gather rounding over thousands of panels.
         let (mut sum, mut doubt, mut worst) = (0.0, 0.0, 0);
         for (number, panel) in panels.iter().enumerate() {
             sum += panel.halves[0] + panel.halves[1];
@@ -62,6 +62,8 @@ pub(super) fn integral(mut function: impl FnMut(f64) -> f64, places: &[f64], acc
                 worst = number;
             }
         }
+        // The differences exceed the errors by far for
+        // smooth functions, so this is on the safe side.
         if doubt <= accuracy * f64::abs(sum) || panels.len() >= MOST_PANELS {
             return sum;
         }

@@ -26,7 +26,7 @@ use anyhow::{Context, Error, Result};
 use plan::is_condition;
 use protomer_crystal::CrystalError;
 use protomer_crystal::analysis::lyapunov::LyapunovSettings;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{write_atomically, write_bytes};
 use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Work, conduct, log, settings,
 };
@@ -243,9 +243,7 @@ fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> R
         ),
     ];
     for (name, text) in tables {
-        write_atomically(&directory.join(name), |file| {
-            file.write_all(text.as_bytes())
-        })?;
+        write_bytes(&directory.join(name), text.as_bytes())?;
     }
     write_atomically(&directory.join("lattice.json"), |file| {
         writeln!(file, "{json}")

@@ -9,7 +9,7 @@
 //! What is stored is less: T_i(x) T_j(y) T_k(z) with j + k < n, in single precision. No Chebyshev polynomial is
 //! larger than 1, so that the error of this is at most the sum of the coefficients' changes.
 
-use crate::energy::chebyshev::Chebyshev;
+use protomer_kernel::chebyshev::Chebyshev;
 use protomer_kernel::fused::add_f64;
 
 /// Points along each axis, n.
@@ -32,6 +32,7 @@ impl Series {
             let is_stored = j + k < POINTS;
             for (lane, coefficient) in of_x.iter().enumerate() {
                 let stored = if is_stored { *coefficient as f32 } else { 0.0 };
+                // |T_i T_j T_k| ≤ 1, so the sum of changes bounds the error everywhere in the cell.
                 change += (coefficient - f64::from(stored)).abs();
                 if is_stored {
                     rows[row][lane] = stored;
@@ -58,7 +59,7 @@ impl Interpolation {
         let lebesgue = Chebyshev::<POINTS>::lebesgue_constant();
         let axes = 1.0 + lebesgue + lebesgue * lebesgue;
         Self {
-            chebyshev: Chebyshev::new(),
+            chebyshev: Chebyshev::default(),
             error_factor: axes / f64::from(1_u32 << (POINTS - 1)),
             amplification: lebesgue.powi(3),
         }
@@ -81,9 +82,11 @@ impl Interpolation {
 #[inline(always)]
 pub(super) fn value<const FUSED: bool>(Series(rows): &Series, coordinates: [f64; 3]) -> f64 {
     let [of_x, of_y, of_z] = coordinates.map(polynomials);
+    // The lanes are the orders in x, so sums over y and z never cross lanes.
     let (mut lanes, mut first) = ([0.0; POINTS], 0);
     for k in 0..POINTS {
         let mut in_plane = [0.0; POINTS];
+        // j + k < n: the triangle that is stored; row number `first` + j.
         for j in 0..POINTS - k {
             for lane in 0..POINTS {
                 let coefficient = f64::from(rows[first + j][lane]);
@@ -91,10 +94,12 @@ pub(super) fn value<const FUSED: bool>(Series(rows): &Series, coordinates: [f64;
             }
         }
         first += POINTS - k;
+        // T_k(z) once per plane, outside of the loop over j.
         for lane in 0..POINTS {
             lanes[lane] = add_f64::<FUSED>(in_plane[lane], of_z[k], lanes[lane]);
         }
     }
+    // Orders in x last, in a fixed order for the same bits.
     let mut sum = 0.0;
     for lane in 0..POINTS {
         sum = add_f64::<FUSED>(lanes[lane], of_x[lane], sum);

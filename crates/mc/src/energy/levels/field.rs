@@ -13,7 +13,7 @@ use super::packed::{Head, Packed, pack};
 use super::sampler::Sites;
 use super::split::Split;
 use crate::charges::ChargeCloud;
-use crate::energy::chebyshev::Chebyshev;
+use protomer_kernel::chebyshev::Chebyshev;
 
 /// The near part ends this many innermost cells from a charge.
 const CELLS_PER_NEAR_RADIUS: f64 = 2.0;
@@ -103,6 +103,7 @@ impl Shell {
 
     /// The place of the cell that holds a point.
     fn place_of(&self, x: &[f64; 3]) -> usize {
+        // Positive within the box, so truncation is the floor.
         let cell = |axis: usize| ((x[axis] - self.low[axis]) / self.edge) as usize;
         let [nx, ny, _] = self.cells.map(|cells| cells as usize);
         cell(0) + nx * (cell(1) + ny * cell(2))
@@ -116,6 +117,7 @@ fn middle(corners: &[[f64; 2]; 3]) -> [f64; 3] {
 /// Whether a cell is so far from the charges that it serves also where smaller ones could.
 fn is_roomy(sites: &Sites, corners: &[[f64; 2]; 3]) -> bool {
     let edge = (corners[0][1] - corners[0][0]) as f32;
+    // Half the diagonal: the farthest place of the cell from its centre.
     let half_diagonal = edge * 3.0_f32.sqrt() / 2.0;
     sites.nearest(middle(corners).map(|x| x as f32)) as f32 - half_diagonal > ROOM * edge
 }
@@ -124,7 +126,7 @@ impl Field {
     /// The table of these charges out to `reach_angstrom` from them.
     pub fn new(charges: &ChargeCloud, split: &Split, reach_angstrom: f64) -> Self {
         let mut field = Self::boxes(charges, split.radius_angstrom, reach_angstrom);
-        let chebyshev = Chebyshev::new();
+        let chebyshev = Chebyshev::default();
         let sites = Sites::new(charges);
         let centres = field.number_cells(&sites);
         let weights = truncation_weights();
@@ -162,6 +164,7 @@ impl Field {
             let edge = edge * f64::from(1_u32 << k);
             let margin = MARGIN_CELLS * edge;
             // Planes of the boxes coincide: all have one through the centre.
+            // Even numbers of cells, half of them on each side of the centre.
             let cells = half.map(|half| 2 * ((half + margin) / edge).ceil() as u32);
             let low = centre - cells.map(f64::from) * (edge / 2.0);
             let strides = [1, cells.x, cells.x * cells.y];
@@ -182,6 +185,7 @@ impl Field {
         Self {
             centre: centre.map(|x| x as f32).into(),
             half: half.map(|x| x as f32).into(),
+            // Slightly larger than exact: the outermost part of the margin leads to the next box.
             inverse_margin: (1.0 / ((1.0 - UNUSED_MARGIN) * MARGIN_CELLS * edge)) as f32,
             edge: edge as f32,
             shells,
@@ -201,6 +205,7 @@ impl Field {
             let shell = self.shells[k];
             for place in 0..shell.cells.iter().product() {
                 let corners = shell.corners(place);
+                // A smaller box serves here; as this cell is not roomy, no smaller one leads to it.
                 let number = if k > 0 && self.covers(k - 1, &corners) && !is_roomy(sites, &corners)
                 {
                     COVERED
@@ -228,6 +233,7 @@ impl Field {
 
     /// Gives the places whose cells are too roomy the larger cell that holds their middle.
     fn lead_outwards(&mut self) {
+        // From the outermost box inwards: the larger cell must have its number before it is copied.
         for k in (0..self.shells.len()).rev() {
             let shell = self.shells[k];
             for place in 0..shell.cells.iter().product() {
@@ -237,6 +243,7 @@ impl Field {
                 }
                 if let Some((next, larger)) = self.around(k + 1, &middle(&shell.corners(place))) {
                     let larger = self.index[next.first as usize + larger];
+                    // Adding one in the high bits counts how many boxes farther out the cell is.
                     self.index[number] = larger + (1 << CELL_BITS);
                 }
             }
@@ -257,11 +264,13 @@ impl Field {
     /// if one is beyond the table. Each operation runs over all points, as suits vector units.
     #[inline(always)]
     pub fn locate(&self, x: &[[f32; BLOCK]; 3]) -> Option<Spots> {
+        // 0.5 has the exponent of box 0, which serves everything nearer too.
         let mut excess = [0.5; BLOCK];
         for axis in 0..3 {
             let (centre, half) = (self.centre[axis], self.half[axis]);
             for lane in 0..BLOCK {
                 let outside = ((x[axis][lane] - centre).abs() - half) * self.inverse_margin;
+                // Written as a selection, so that it becomes a maximum of vectors.
                 excess[lane] = if outside > excess[lane] {
                     outside
                 } else {
@@ -269,10 +278,12 @@ impl Field {
                 };
             }
         }
+        // Box k has 2^k times the innermost margin: the exponent of the excess is its number.
         let number = excess.map(power_of_two_above);
         let most = highest(&number);
         let shells = self.shells.get(..=most as usize)?;
         let (mut place, mut strides) = ([0_i32; BLOCK], [[0_i32; BLOCK]; 3]);
+        // Gathers from a short table; everything before and after it runs in vectors.
         for lane in 0..BLOCK {
             let shell = &shells[number[lane] as usize];
             place[lane] = shell.origin;
@@ -285,12 +296,14 @@ impl Field {
             for lane in 0..BLOCK {
                 let scale = inverse * power_of_two(-(number[lane] as i32));
                 u[axis][lane] = (x[axis][lane] - self.centre[axis]) * scale;
+                // Floor by rounding of u - 1/2: the low bits of the sum hold the integer.
                 let rounded = (u[axis][lane] - 0.5) + ROUNDER;
                 below[axis][lane] = rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i32;
                 place[lane] += below[axis][lane] * strides[axis][lane];
             }
         }
         let mut cell = [0_u32; BLOCK];
+        // A second gather, this time far from the processor; the check costs less than the miss.
         for lane in 0..BLOCK {
             let entry = self.index.get(place[lane] as usize);
             cell[lane] = entry.copied().unwrap_or(COVERED);
@@ -298,10 +311,12 @@ impl Field {
         let (mut coordinates, mut edge) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
         for lane in 0..BLOCK {
             let larger = cell[lane] >> CELL_BITS;
+            // The number of the cell, without the bits that say how much larger it is.
             cell[lane] &= (1 << CELL_BITS) - 1;
             edge[lane] = self.edge * power_of_two((number[lane] + larger) as i32);
             for axis in 0..3 {
                 // Rounding must not decide which larger cell stands for a smaller one: that one does.
+                // An arithmetic shift halves towards minus infinity: the corner of the larger cell.
                 let corner = (below[axis][lane] >> larger) as f32;
                 let scaled = u[axis][lane] * power_of_two(-(larger as i32));
                 coordinates[axis][lane] = 2.0 * (scaled - corner) - 1.0;
@@ -363,9 +378,11 @@ impl Field {
     pub fn distance_bound(&self, x: [f32; 3]) -> f32 {
         match self.cell_at(x) {
             Some((cell, edge, coordinates)) => {
+                // Triangle inequality: the point is 0.5 edge |coordinates| from the cell's centre.
                 self.distance[cell] - 0.5 * edge * length(coordinates)
             }
             None => {
+                // Beyond the table: the distance to the charges' box is a bound as well.
                 let outside = |axis: usize| (x[axis] - self.centre[axis]).abs() - self.half[axis];
                 outside(0).max(outside(1)).max(outside(2))
             }
@@ -424,6 +441,7 @@ fn truncation_weights() -> Vec<[f64; 2]> {
         let orders = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
         let halves = orders.iter().filter(|n| **n > 0).count() as i32;
         let mean_square = 0.5_f64.powi(halves);
+        // The last order along an axis stands for the truncated ones, which are smaller.
         let is_last = orders.contains(&(FINE - 1)) || !Fine::keeps(orders);
         [!Packed::keeps(orders), is_last].map(|counts| if counts { mean_square } else { 0.0 })
     };
@@ -434,6 +452,7 @@ fn truncation_weights() -> Vec<[f64; 2]> {
 #[inline(always)]
 fn power_of_two_above(x: f32) -> u32 {
     let x = if x > 0.5 { x } else { 0.5 };
+    // The exponent of x in [2^(k-1), 2^k) is k + 126 in its biased form.
     (x.to_bits() >> 23) - 126
 }
 

@@ -9,16 +9,18 @@ use crate::energy::SitePotential;
 use nalgebra::{DMatrix, DVector};
 use protomer_kernel::Vec3;
 use protomer_kernel::potential::Yukawa;
-use std::f64::consts::PI;
+use protomer_kernel::quadrature::points_on_sphere;
 
 /// Distance at which equivalent charges are fitted, in radii of the node.
 pub(super) const FIT_DISTANCE: f32 = 1.5;
 
 const NEAR_POINTS: usize = 120;
 const FAR_POINTS: usize = 24;
-/// The far sphere, in radii, and how much an error there weighs.
+/// Radius of the far sphere, in radii of the node.
 const FAR_DISTANCE: f64 = 6.0;
+/// Weight of an error on the far sphere.
 const FAR_WEIGHT: f64 = 100.0;
+/// Largest number of steps of a fit.
 const STEPS: usize = 40;
 /// Equivalent charges stay within this many radii.
 const LARGEST_DISTANCE: f64 = 0.95;
@@ -41,6 +43,7 @@ pub(super) fn fit(
     let problem = Problem::new(charges, centre, radius, potential);
     let mut present = problem.start(charges, count);
     let mut cost = problem.residual(&present).norm_squared();
+    // Nearly Gauss-Newton at the start.
     let mut damping = 1e-3;
     let mut slopes = problem.slopes(&present);
     for _ in 0..STEPS {
@@ -50,6 +53,7 @@ pub(super) fn fit(
         };
         let trial_cost = problem.residual(&trial).norm_squared();
         if trial_cost < cost {
+            // Success: trust the quadratic model more. Failure below: shorter and steeper steps.
             (present, cost, damping) = (trial, trial_cost, damping * 0.2);
             slopes = problem.slopes(&present);
         } else {
@@ -85,6 +89,7 @@ impl<'a> Problem<'a> {
     fn new(charges: &[(Vec3, f64)], centre: &Vec3, radius: f64, potential: &'a Yukawa) -> Self {
         let near = sphere(NEAR_POINTS, f64::from(FIT_DISTANCE) * radius, 1.0);
         let far = sphere(FAR_POINTS, FAR_DISTANCE * radius, FAR_WEIGHT);
+        // Weights multiply residuals: the far sphere counts FAR_WEIGHT² in the squared error.
         let points: Vec<(Vec3, f64)> = near.chain(far).map(|(x, w)| (centre + x, w)).collect();
         let wanted = points
             .iter()
@@ -107,12 +112,15 @@ impl<'a> Problem<'a> {
                 .map(|(y, _)| (x - y).norm_squared())
                 .fold(f64::INFINITY, f64::min)
         };
+        // Farthest-point sampling: no two start in one
+        // place, where the fit could not separate them.
         while chosen.len() < count.min(charges.len()) {
             let farthest = charges
                 .iter()
                 .max_by(|a, b| gap(&a.0, &chosen).total_cmp(&gap(&b.0, &chosen)));
             chosen.push((farthest.map_or(self.centre, |(x, _)| *x), 0.0));
         }
+        // Every charge goes to its nearest representative, so the monopole is right at the start.
         for (x, q) in charges {
             let near = |a: &&mut (Vec3, f64), b: &&mut (Vec3, f64)| {
                 (a.0 - x)
@@ -140,6 +148,7 @@ impl<'a> Problem<'a> {
             for (k, (y, charge)) in charges.iter().enumerate() {
                 let apart = y - x;
                 let [value, slope] = self.potential.taylor::<2>(apart.norm_squared());
+                // Columns 4k: by the charge; 4k + 1 to 4k + 3: by its place, through t = r².
                 jacobian[(row, 4 * k)] = weight * value;
                 for axis in 0..3 {
                     // dt/dy = 2 (y - x).
@@ -164,17 +173,20 @@ impl<'a> Problem<'a> {
         let mut normal = slopes.normal.clone();
         let scale = normal.diagonal().max();
         for k in 0..normal.nrows() {
+            // Marquardt's scaling, and a floor for columns of charges that are zero.
             normal[(k, k)] += damping * normal[(k, k)] + 1e-12 * scale;
         }
         let change = normal.cholesky()?.solve(&slopes.gradient);
         let shifted_charges = charges.iter().enumerate().map(|(k, (y, charge))| {
             let shift = Vec3::new(change[4 * k + 1], change[4 * k + 2], change[4 * k + 3]);
+            // Minus: `gradient` is Jᵀr, and the step is -(JᵀJ)⁻¹ Jᵀr.
             (self.inside(y - shift), charge - change[4 * k])
         });
         Some(shifted_charges.collect())
     }
 
     fn inside(&self, x: Vec3) -> Vec3 {
+        // On or outside the sphere, a charge would come close to the points of the fit.
         let from_centre = x - self.centre;
         let farthest = LARGEST_DISTANCE * self.radius;
         match from_centre.norm() > farthest {
@@ -189,16 +201,7 @@ fn field(charges: &[(Vec3, f64)], x: &Vec3, potential: &Yukawa) -> f64 {
     charges.iter().map(contribution).sum()
 }
 
-/// Points spread evenly over a sphere about the origin, along a spiral.
+/// Points spread evenly over a sphere about the origin, with a weight.
 fn sphere(count: usize, radius: f64, weight: f64) -> impl Iterator<Item = (Vec3, f64)> {
-    let golden = PI * (3.0 - 5.0_f64.sqrt());
-    (0..count).map(move |i| {
-        let z = 1.0 - (2 * i + 1) as f64 / count as f64;
-        let ring_radius = (1.0 - z * z).sqrt();
-        let angle = golden * i as f64;
-        (
-            Vec3::new(ring_radius * angle.cos(), ring_radius * angle.sin(), z) * radius,
-            weight,
-        )
-    })
+    points_on_sphere(count).map(move |point| (point * radius, weight))
 }

@@ -6,8 +6,8 @@ use super::motion::{Block, length};
 use super::split::Split;
 use crate::charges::ChargeCloud;
 use crate::energy::SitePotential;
-use crate::energy::chebyshev::Chebyshev;
 use protomer_kernel::Vec3;
+use protomer_kernel::chebyshev::Chebyshev;
 use protomer_kernel::fused::add;
 use protomer_kernel::vectorised;
 
@@ -79,10 +79,13 @@ impl Sites {
             |axis: usize, i: usize| (centre[axis] + 0.5 * edge * chebyshev.points[i]) as f32;
         let middle = centre.map(|x| x as f32);
         // Beyond the near part's range from all of the cell, the smooth part is the potential itself.
+        // Range, half the diagonal of the cell, and room for rounding.
         let range = split.radius_angstrom as f32 + 0.5 * edge as f32 * 3.0_f32.sqrt() + ROUNDING;
+        // A block as a whole: sixteen charges in a sphere take one test.
         let is_near = |block: &&Sixteen| apart(block.centre, middle) < range + block.radius;
         let (near, far): (Vec<&Sixteen>, Vec<&Sixteen>) = self.blocks.iter().partition(is_near);
         let mut values = Vec::with_capacity(FINE * FINE * FINE);
+        // Place = i + 6 (j + 6 k), as `series` expects it.
         for place in 0..FINE * FINE * FINE {
             let [i, j, k] = [place % FINE, place / FINE % FINE, place / (FINE * FINE)];
             let place = [coordinate(0, i), coordinate(1, j), coordinate(2, k)];
@@ -136,6 +139,7 @@ impl Split {
     ) -> f32 {
         let mut sum = [0.0; BLOCK];
         let smooth = |square| self.smooth_f32::<FUSED>(square);
+        // Near blocks need the selection inside the range; the others go without it.
         near.iter()
             .for_each(|block| add_charges::<FUSED>(block, x, smooth, &mut sum));
         let whole = |square| self.potential.at_square_f32::<FUSED>(square);

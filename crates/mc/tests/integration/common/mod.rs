@@ -2,6 +2,7 @@
 
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::random::CounterRng;
+use protomer_kernel::statistics::RunningMoments;
 use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
 use protomer_mc::energy::{DirectSum, EnergyModel};
 use protomer_mc::hard::overlapping_pairs;
@@ -131,16 +132,10 @@ pub struct Estimate {
 impl Estimate {
     /// From independent samples.
     pub fn of(samples: &[f64]) -> Self {
-        let count = samples.len() as f64;
-        let mean = samples.iter().sum::<f64>() / count;
-        let variance = samples
-            .iter()
-            .map(|sample| (sample - mean).powi(2))
-            .sum::<f64>()
-            / (count - 1.0);
+        let moments = RunningMoments::in_two_passes(samples);
         Self {
-            mean,
-            error: (variance / count).sqrt(),
+            mean: moments.mean(),
+            error: moments.independent_standard_error(),
         }
     }
 

@@ -13,27 +13,27 @@ use anyhow::{Context, Result};
 use protomer_common::cpu_time::Stopwatch;
 use protomer_io::atomic::sha256_hex;
 use protomer_kernel::potential::Yukawa;
+use protomer_kernel::setting::Choices;
 use protomer_mc::energy::{DirectSum, EnergyModel};
 use protomer_mc::simulation::require_room;
 use protomer_mc::{BodyType, Simulation, System};
 use protomer_results::Execution;
 use rayon::prelude::*;
-use serde::Serialize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// One table of the benchmark.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Part {
-    /// Moves per CPU-second of each energy mode against the number of charges.
-    Charges,
-    /// Parts of a move with energies by levels.
-    Parts,
-    /// Cost of a move against the number of bodies, at the same density.
-    Bodies,
-    /// Wall-clock time of independent replicas against the number of threads.
-    Threads,
+protomer_kernel::choices! {
+    /// One table of the benchmark.
+    pub enum Part {
+        /// Moves per CPU-second of each energy mode against the number of charges.
+        Charges = "charges",
+        /// The parts that make up a move with energies by levels.
+        Parts = "parts",
+        /// Cost of a move against the number of bodies, at the same density.
+        Bodies = "bodies",
+        /// Wall-clock time of independent replicas against the number of threads.
+        Threads = "threads",
+    }
 }
 
 impl Part {
@@ -442,7 +442,7 @@ struct Replicas {
     decisions: Vec<u8>,
 }
 
-/// Makes moves in independent replicas on a pool of its own; the simulations are set up before the
+/// Makes moves in independent replicas on a separate pool; the simulations are set up before the
 /// clock starts.
 fn run_replicas(
     prepared: &Prepared,

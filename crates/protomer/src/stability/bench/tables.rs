@@ -3,6 +3,7 @@
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::EnergyMode;
 use protomer_common::answer::{Answer, columns};
+use protomer_kernel::setting::Choices;
 use serde::Serialize;
 
 /// Moves per CPU-second of one energy mode.

@@ -18,7 +18,7 @@ use anyhow::{Result, bail};
 use problem::Problem;
 use protomer_body::Body;
 use protomer_field::effective_charges::{EffectiveCharges, LARGEST_RELATIVE_RESIDUAL};
-use protomer_kernel::Electrolyte;
+use protomer_kernel::{Electrolyte, null};
 use serde::{Deserialize, Serialize};
 
 /// The inside of bodies, for effective charges.
@@ -42,7 +42,8 @@ impl Default for SoluteModel {
     }
 }
 
-/// The effective charges of a body in a medium, fitted anew. [`EffectiveStore`] keeps them.
+/// The effective charges of a body in a medium, fitted at every call. [`EffectiveStore`] keeps
+/// them.
 ///
 /// ```no_run
 /// use protomer::bodies::body_file;
@@ -77,12 +78,14 @@ pub fn require_electrolyte(interaction: &ScreenedCoulomb, choice: &str) -> Resul
     let electrolyte = &interaction.electrolyte;
     let permittivity = electrolyte.relative_permittivity();
     let salt_molar = electrolyte.salt_molar();
+    // Water's permittivity at this temperature is what the equation would take.
     let plain = Electrolyte::new(
         electrolyte.temperature_kelvin(),
         salt_molar.unwrap_or(0.0),
         permittivity,
     )?;
     let ratio = electrolyte.bjerrum_length_angstrom() / plain.bjerrum_length_angstrom();
+    // A Bjerrum length that was set by hand names no permittivity to solve with.
     let Some(salt_molar) = salt_molar.filter(|_| (ratio - 1.0).abs() < ROUNDING) else {
         bail!(
             "--interaction {choice} needs the salt and the permittivity, not a Debye or Bjerrum length; \
@@ -102,7 +105,7 @@ pub fn require_electrolyte(interaction: &ScreenedCoulomb, choice: &str) -> Resul
 }
 
 /// Effective charges of one kind of body in one medium.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EffectiveBody {
     /// Name of the body.
     pub name: String,
@@ -115,8 +118,10 @@ pub struct EffectiveBody {
     pub effective_charges: usize,
     /// Root mean square error of the fitted potential, each layer of points relative to its own
     /// root mean square.
+    #[serde(deserialize_with = "null::as_nan")]
     pub relative_residual: f64,
     /// Condition of the regularised equations of the fit.
+    #[serde(deserialize_with = "null::as_infinity")]
     pub condition: f64,
     /// Warning about a bad fit, and what to do.
     #[serde(skip_serializing_if = "Option::is_none")]

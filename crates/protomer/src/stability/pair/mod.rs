@@ -12,18 +12,20 @@
 //!
 //! | module | one idea |
 //! |---|---|
-//! | `settings` | what is asked for, as stored in `run.toml` |
+//! | `settings` | what is requested, as stored in `run.toml` |
 //! | `input` | body files, or structure files made into bodies at each pH |
 //! | `condition` | one salt and pH: a run in its own directory |
 //! | `residues` | which residues hold a pose together |
 //! | `pose_files` | bound poses with all atoms |
 //! | `result` | what is found, and its table |
 //! | `figure` | B₂ against salt, over salt and pH, and w(r) |
+//! | [`page`] | the page of a directory |
 
 mod answer;
 mod condition;
 pub mod figure;
 mod input;
+pub mod page;
 mod pose_files;
 mod residues;
 mod result;

@@ -6,9 +6,11 @@ use protomer_common::answer::{Answer, columns};
 use protomer_mc::contributions::Mean;
 use protomer_plot::{Axis, Figure, Panel, Point, Series, literal};
 
-/// Rows of the tables of residues, of pairs, and of exchanges in each direction.
+/// Number of rows in the table of residues.
 const RESIDUES: usize = 12;
+/// Number of rows in the table of pairs.
 const PAIRS: usize = 8;
+/// Number of exchanges in each direction in their table.
 const MUTATIONS: usize = 6;
 
 impl Answer for ResiduesResult {
@@ -19,11 +21,11 @@ impl Answer for ResiduesResult {
         lines.push(String::new());
         lines.extend(by_pair);
         lines.push(self.outside_line());
-        lines.extend(self.charges_note.map(str::to_owned));
+        lines.extend(self.charges_note.as_deref().map(str::to_owned));
         if let Some(mutations) = &self.mutations {
             lines.push(String::new());
             lines.extend(self.mutation_lines(mutations));
-            lines.extend(self.mutations_note.map(str::to_owned));
+            lines.extend(self.mutations_note.as_deref().map(str::to_owned));
         }
         lines.join("\n")
     }
@@ -89,7 +91,7 @@ impl ResiduesResult {
 
     fn heading(&self) -> String {
         let heading = format!("{} bodies at {}", self.bodies, self.conditions());
-        match self.salt_chosen {
+        match self.salt_chosen.as_deref() {
             Some(why) => format!("{heading}\n{why}; --salt chooses another"),
             None => heading,
         }

@@ -2,7 +2,7 @@
 
 use super::frames::{AtSalt, Run};
 use super::maps::{contact_map, energy_map};
-use super::result::ResiduesResult;
+use super::result::{FILE, ResiduesResult};
 use super::settings::ResiduesSettings;
 use super::tables;
 use crate::export::{StructureFormat, gather, write_structure};
@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail};
 use protomer_body::structure::write::{PlacedBodies, PlacedBody, has_atoms};
 use protomer_common::answer::Answer;
 use protomer_common::output_file::refuse_to_overwrite;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use std::path::{Path, PathBuf};
 
 /// The folder in the directory of a run.
@@ -31,7 +31,7 @@ pub fn require_writable(settings: &ResiduesSettings, run: &Run) -> Result<()> {
     let Some(folder) = folder(settings, run) else {
         if settings.script.is_some() {
             bail!(
-                "a script is written beside its structure; name a folder for both with -o FOLDER"
+                "a script and its structure are written to one folder; name a folder for both with -o FOLDER"
             );
         }
         return Ok(());
@@ -42,7 +42,7 @@ pub fn require_writable(settings: &ResiduesSettings, run: &Run) -> Result<()> {
             folder.display()
         );
     }
-    refuse_to_overwrite(&folder.join("residues.json"), settings.force)
+    refuse_to_overwrite(&folder.join(FILE), settings.force)
 }
 
 /// Writes the files and names them in the result.
@@ -86,16 +86,16 @@ pub fn write(
         }
     }
     written.extend(structure(result, settings, run, ensemble, &folder)?);
-    written.push(folder.join("residues.json"));
+    written.push(folder.join(FILE));
     result.files = written;
     let json = serde_json::to_string_pretty(result).context("the result cannot be serialised")?;
-    write_text(&folder, "residues.json", &(json + "\n"))?;
+    write_text(&folder, FILE, &(json + "\n"))?;
     Ok(())
 }
 
 fn write_text(folder: &Path, name: &str, text: &str) -> Result<PathBuf> {
     let path = folder.join(name);
-    write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
+    write_bytes(&path, text.as_bytes())?;
     Ok(path)
 }
 

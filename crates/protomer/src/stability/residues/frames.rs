@@ -9,12 +9,14 @@ use crate::stability::effective::{EffectiveStore, near_contact_warning};
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::replica_directory;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
+use crate::stability::sweep::result::SweepResult;
+use crate::stability::sweep::stability::CountedContacts;
+use crate::stability::sweep::table::SaltRow;
 use anyhow::{Context, Result, bail};
 use protomer_io::gsd::TrajectoryReader;
 use protomer_kernel::Pose;
 use protomer_mc::System;
 use protomer_results::{Record, ResultKind, keys};
-use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -31,7 +33,7 @@ pub struct Run {
 /// A salt concentration, and why it was chosen.
 pub struct ShownSalt {
     pub salt_molar: f64,
-    /// Reason for the choice; `None` if the salt was asked for, or is the only one.
+    /// Reason for the choice; `None` if the salt was requested, or is the only one.
     pub why: Option<&'static str>,
 }
 
@@ -174,11 +176,12 @@ impl Run {
         salts
     }
 
-    /// The salt concentration whose energies are shown: the one that is asked for, or the highest at
-    /// which the assembly still holds.
+    /// The salt concentration whose energies are shown: the requested one, or the highest at which
+    /// the assembly still holds.
     pub fn shown_salt(&self, settings: &ResiduesSettings) -> Result<ShownSalt> {
         let salts = self.salts();
         if let (Some(asked), Some(_)) = (settings.salt_molar, &self.directory) {
+            // By label, as salts were named in files.
             let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
             let matching_salt = salts.iter().find(is_asked);
             let choices = || {
@@ -205,6 +208,7 @@ impl Run {
                 why: None,
             });
         };
+        // Runs that disagree have no half salt: only the lowest salt surely holds the assembly.
         if self.answer()?.is_not_equilibrated {
             return Ok(ShownSalt {
                 salt_molar: *lowest,
@@ -226,28 +230,26 @@ impl Run {
         let Some(directory) = &self.directory else {
             return Ok(None);
         };
-        let Some(result): Option<Value> =
-            keys::read_json_if_present(&directory.join("sweep.json"))?
-        else {
+        let Some(result) = SweepResult::read(directory)? else {
             return Ok(None);
         };
-        let (share, why) = match result["half_salt_contacts"].as_str() {
-            Some("any") => (
-                "bound_fraction_mean",
+        let (share, why): (fn(&SaltRow) -> f64, _) = match result.stability.half_salt_contacts {
+            CountedContacts::Any => (
+                |row| row.bound_fraction_mean,
                 "the highest salt at which more than half of the bodies touch another",
             ),
-            _ => (
-                "native_contacts_mean",
+            CountedContacts::Native => (
+                |row| row.native_contacts_mean,
                 "the highest salt at which more than half of the contacts are left",
             ),
         };
-        let rows = result["salts"].as_array().into_iter().flatten();
-        let holds = |row: &&Value| row[share].as_f64().is_some_and(|share| share > 0.5);
-        let salts = rows.filter(holds).filter_map(|row| row["salt_M"].as_f64());
+        let holding = result.salts.iter().filter(|row| share(row) > 0.5);
+        let salts = holding.map(|row| row.salt_molar);
         let highest = salts.max_by(f64::total_cmp).map(salt_label);
         let ours = self.settings.salt_molar.iter().copied();
         let same = ours
             .into_iter()
+            // The sweep's answer states rounded salts; the settings have the exact ones.
             .find(|salt| Some(salt_label(*salt)) == highest);
         Ok(same.map(|salt_molar| ShownSalt {
             salt_molar,
@@ -260,14 +262,14 @@ impl Run {
         let Some(directory) = &self.directory else {
             return Ok(SweepAnswer::default());
         };
-        let result: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
-        Ok(
-            result.map_or_else(SweepAnswer::default, |result| SweepAnswer {
-                half_salt_molar: result["half_salt_molar"].as_f64(),
-                is_equilibrated: result["equilibrated"].as_bool() == Some(true),
-                is_not_equilibrated: result["equilibrated"].as_bool() == Some(false),
-            }),
-        )
+        let Some(SweepResult { stability, .. }) = SweepResult::read(directory)? else {
+            return Ok(SweepAnswer::default());
+        };
+        Ok(SweepAnswer {
+            half_salt_molar: stability.half_salt_molar,
+            is_equilibrated: stability.equilibrated == Some(true),
+            is_not_equilibrated: stability.equilibrated == Some(false),
+        })
     }
 
     /// Rise of the mean energy of these frames with the logarithm of the salt, kT: from the same
@@ -278,10 +280,12 @@ impl Run {
         let (Some(place), true) = (place, salts.len() > 1) else {
             return Ok(None);
         };
+        // At an end of the sweep the difference is one-sided.
         let (low, high) = (
             salts[place.saturating_sub(1)],
             salts[(place + 1).min(salts.len() - 1)],
         );
+        // ln of zero salt.
         if low <= 0.0 {
             return Ok(None);
         }
@@ -294,6 +298,8 @@ impl Run {
     pub fn mean_energy_kt(&self, ensemble: &AtSalt, salt_molar: f64) -> Result<f64> {
         let interaction = self.settings.medium.interaction(Some(salt_molar))?;
         let engine = self.engine.in_medium(&self.settings, &interaction)?;
+        // Directly: the energies are compared at different
+        // salts, and errors of the levels would differ.
         let direct = RunSettings {
             energy: Some(EnergyMode::Direct),
             tolerance_kt: None,
@@ -344,12 +350,14 @@ impl Run {
         let mut blocks = Vec::new();
         for (reader, path) in &mut readers {
             let numbers = evenly(reader.frames() as usize, most);
+            // Rounded up: no replica has more blocks than wanted.
             let length = numbers.len().div_ceil(blocks_of_each).max(1);
             for chosen in numbers.chunks(length) {
                 let mut block = Vec::with_capacity(chosen.len());
                 for number in chosen {
                     let frame = reader.frame(*number as u64)?;
                     let kinds = frame.type_ids.iter().map(|kind| *kind as usize);
+                    // An assembly of another run would give energies all the same.
                     if !kinds.eq(self.assembly().kinds.iter().copied()) {
                         bail!(
                             "{} is a trajectory of other bodies than those of the assembly; name \
@@ -402,6 +410,7 @@ impl Run {
 /// At most `most` numbers below `count`, evenly chosen, the last among them.
 fn evenly(count: usize, most: usize) -> Vec<usize> {
     let chosen = count.min(most);
+    // From 1, so that the last frame is always chosen.
     (1..=chosen)
         .map(|index| index * count / chosen - 1)
         .collect()
@@ -449,6 +458,7 @@ impl AtSalt {
 
     /// The last frame of the first replica, or the pose.
     pub fn last_of_first(&self) -> Option<&Vec<Pose>> {
+        // Blocks of the first replica come first.
         let of_first = self.blocks.len() / self.replicas.max(1);
         self.blocks.get(of_first.max(1) - 1)?.last()
     }

@@ -12,6 +12,7 @@
 //! | `result` | the answer, as JSON has it |
 //! | `answer` | the answer in words and as a figure |
 //! | `tables` | the same as CSV |
+//! | `page` | what the page of a run shows of it |
 //! | `maps` | contacts and energies of pairs of residues as maps |
 //! | `files` | what is written, with a structure coloured by energy |
 
@@ -22,6 +23,7 @@ mod files;
 mod frames;
 mod maps;
 mod mutations;
+pub(crate) mod page;
 mod result;
 mod settings;
 mod surface;
@@ -97,7 +99,7 @@ pub fn residues(
         let sweep = run.answer()?;
         let rise_kt = run.rise_with_salt_kt(&at_salt, shown.salt_molar)?;
         let rows = scan.rows(&scanned, shown.salt_molar, &sweep, rise_kt, &averages);
-        result.mutations_note = mutations::note(&run, &sweep);
+        result.mutations_note = mutations::note(&run, &sweep).map(Into::into);
         result.mutations = Some(rows);
     }
     result

@@ -13,6 +13,7 @@ use protomer_body::chemistry::AminoAcid;
 use protomer_body::chemistry::protonation::side_chain_groups;
 use protomer_body::chemistry::residue_names::force_field_amino_acid;
 use protomer_body::{Body, Residue};
+use protomer_kernel::statistics::jackknife_error;
 use protomer_mc::System;
 use protomer_mc::contributions::{
     Averages, ChargeSites, Contributions, Mean, Response, charge_sites, mean_of_blocks, reweighted,
@@ -75,6 +76,7 @@ impl Scan {
             for (residue, area) in areas.into_iter().enumerate() {
                 let possible = exchanges_of(body, residue);
                 let places = charge_sites(body, residue);
+                // Buried charges would need the inside of the body; only what shows is scanned.
                 if surface::is_buried(area) || possible.is_empty() || places.is_empty() {
                     continue;
                 }
@@ -89,6 +91,7 @@ impl Scan {
                         charge_change_e,
                     });
                 }
+                // One site may have several exchanges, which share its response.
                 sites.push(ChargeSites { kind, places });
             }
         }
@@ -114,6 +117,7 @@ impl Scan {
         let bodies = &ensemble.engine.assembly().bodies;
         let is_effective = ensemble.engine.effective_bodies().is_some();
         let mut effective_per_charge = Vec::new();
+        // By how much effective charges are larger than those they stand for.
         for (body, kind) in bodies.iter().zip(contributions.kinds()) {
             effective_per_charge.push(match is_effective {
                 true => slope(&charges_of_residues(body), &kind.charges_of_residues()),
@@ -148,11 +152,13 @@ impl Scan {
                 Some(half) => half.effective_frames,
                 None => at_shown.map_or(0.0, |average| average.effective_frames),
             };
+            // Only an equilibrium has a half salt, and only enough frames show its shift.
             let resolved_half = changed.filter(|half| {
                 sweep.is_equilibrated && half.effective_frames >= FEWEST_EFFECTIVE_FRAMES
             });
             let energy_change_kt =
                 shown.map_or(NOT_KNOWN, |salt| self.energy_change(salt, exchange));
+            // Only a rise with the salt can make up for an exchange.
             let makes_up = rise_kt.filter(|rise_kt| *rise_kt > 0.0);
             let first_order = sweep.half_salt_molar.zip(makes_up);
             let shift = match (&resolved_half, &unchanged) {
@@ -176,6 +182,8 @@ impl Scan {
                 half_salt_molar: resolved_half.map(|half| half.salt_molar),
                 half_salt_shift_molar: shift,
                 first_order_half_salt_molar: first_order
+                    // To first order the half salt moves until the
+                    // rise with ln(salt) makes up for the change.
                     .map(|(half, rise_kt)| half * (-energy_change_kt.mean / rise_kt).exp()),
                 at_salts: scanned
                     .iter()
@@ -184,6 +192,7 @@ impl Scan {
             });
         }
         let change = |row: &MutationRow| row.energy_change_kt.mean;
+        // NaN of an unknown energy sorts last.
         rows.sort_by(|a, b| change(a).total_cmp(&change(b)));
         rows
     }
@@ -196,6 +205,7 @@ impl Scan {
 
     /// The mean change of the energy over the frames that count, as they are.
     fn energy_change(&self, salt: &ScannedSalt, exchange: &Exchange) -> Mean {
+        // Blocks ascend with the frames.
         let blocks = salt.frames.last().map_or(0, |frame| frame.block + 1);
         let mut means = Vec::with_capacity(blocks);
         for block in 0..blocks {
@@ -220,6 +230,7 @@ impl Scan {
         without: Option<usize>,
     ) -> protomer_mc::contributions::Reweighted {
         let frames = salt.frames.iter();
+        // Blocks of all frames, also of those that do not count: weights are of all.
         let frames = frames.filter(|frame| Some(frame.block) != without);
         reweighted(frames.map(|frame| {
             let change_kt = exchange.map_or(0.0, |substitution| {
@@ -238,7 +249,7 @@ impl Scan {
             salt_molar: salt.salt_molar,
             contacts_left: Mean {
                 mean: all.mean,
-                error: jackknife(&values),
+                error: jackknife_error(&values),
             },
             effective_frames: all.effective_frames,
         }
@@ -284,18 +295,8 @@ impl Scan {
             let unchanged = self.half(scanned, None, Some(block))?;
             shifts.push(changed.salt_molar - unchanged.salt_molar);
         }
-        jackknife(&shifts)
+        jackknife_error(&shifts)
     }
-}
-
-/// The standard error from the values that leave out one block each; `None` for fewer than two, or
-/// if one is not known.
-fn jackknife(values: &[f64]) -> Option<f64> {
-    let blocks = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / blocks;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let error = (squares * (blocks - 1.0) / blocks).sqrt();
-    (values.len() > 1 && error.is_finite()).then_some(error)
 }
 
 /// Reason why frames with weights give no half salts; `None` if they do.
@@ -388,23 +389,15 @@ fn slope(charges_e: &[f64], effective_e: &[f64]) -> f64 {
         .zip(effective_e)
         .map(|(q, effective_charge)| q * effective_charge);
     let squares = charges_e.iter().map(|q| q * q);
+    // Least squares through the origin: Σ q q' / Σ q².
     let slope = products.sum::<f64>() / squares.sum::<f64>();
+    // A body without charges has 0 / 0.
     if slope.is_finite() { slope } else { 1.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn leaving_out_gives_the_error_of_a_mean() {
-        let values: [f64; 4] = [1.0, 2.0, 4.0, 9.0];
-        let without: Vec<f64> = values.iter().map(|value| (16.0 - value) / 3.0).collect();
-        let error = mean_of_blocks(&values).error.unwrap();
-        assert!((jackknife(&without).unwrap() - error).abs() < 1e-14);
-        assert_eq!(jackknife(&[1.0]), None);
-        assert_eq!(jackknife(&[1.0, f64::NAN]), None);
-    }
 
     #[test]
     fn an_elementary_charge_looks_like_the_slope() {

@@ -6,23 +6,30 @@ use super::surface;
 use crate::stability::interaction::ScreenedCoulomb;
 use protomer_body::chemistry::AminoAcid;
 use protomer_body::{Body, Residue};
+use protomer_kernel::null;
 use protomer_mc::contributions::{Averages, Mean};
+use protomer_results::keys::read_json_if_present;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+
+/// Name of the file of the result.
+pub(super) const FILE: &str = "residues.json";
 
 /// Energies of residues and of pairs of residues, averaged over frames.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResiduesResult {
     /// The version of the program.
     pub version: String,
     /// Name of the model whose terms the energies have, or `own terms`.
-    pub model: &'static str,
+    #[serde(default)]
+    pub model: Cow<'static, str>,
     /// The assembly file, or the directory of the run.
     pub input: PathBuf,
     /// The identity of the run, or the hash of the assembly with its bodies.
     pub identity: String,
-    /// Reason for the choice of this salt; null if it was asked for, or is the only one.
-    pub salt_chosen: Option<&'static str>,
+    /// Reason for the choice of this salt; null if it was requested, or is the only one.
+    pub salt_chosen: Option<Cow<'static, str>>,
     /// The medium.
     #[serde(flatten)]
     pub interaction: ScreenedCoulomb,
@@ -31,9 +38,11 @@ pub struct ResiduesResult {
     /// Frames that were averaged over; one for an assembly.
     pub frames: usize,
     /// Frames that were read.
+    #[serde(default)]
     pub frames_read: usize,
     /// Whether only frames count in which more than half of the contacts of the assembly are left:
     /// where the sweep is not equilibrated.
+    #[serde(default)]
     pub bound_frames_only: bool,
     /// Blocks of frames, from whose spread the errors come.
     pub blocks: usize,
@@ -42,14 +51,16 @@ pub struct ResiduesResult {
     /// Residues touch where heavy atoms of them are closer than this, Å.
     pub touching_angstrom: f64,
     /// The charges by which energies are shared out.
+    #[serde(default)]
     pub shared_by: SharedBy,
     /// Caveat about the energies of residues, in words; null where the charges of the bodies
     /// interact.
-    pub charges_note: Option<&'static str>,
+    pub charges_note: Option<Cow<'static, str>>,
     /// The mean energy of the run itself, with effective charges or the response of the solvent, kT;
     /// null where the charges of the bodies interact and nothing else.
     pub effective_energy_kt: Option<f64>,
     /// Warnings about the energies.
+    #[serde(default)]
     pub warnings: Vec<String>,
     /// The energy that is shared out: that of the whole assembly.
     pub energy: WholeEnergy,
@@ -70,28 +81,30 @@ pub struct ResiduesResult {
     pub pairs: Vec<PairRow>,
     /// Reason why frames with weights give no half salts for `mutations`, in words; null if they
     /// do.
-    pub mutations_note: Option<&'static str>,
+    pub mutations_note: Option<Cow<'static, str>>,
     /// Exchanges of single charges, the one that lowers the energy most first; null unless
-    /// asked for.
+    /// requested.
     pub mutations: Option<Vec<MutationRow>>,
     /// Whether exchanges of residues that touch another body are recommended, too.
+    #[serde(default)]
     pub recommends_touching: bool,
     /// The files that were written.
     pub files: Vec<PathBuf>,
 }
 
 /// The charges by which energies are shared out among residues.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SharedBy {
     /// Charges of the bodies, which are those that interact.
+    #[default]
     Charges,
     /// Charges of the bodies, in the place of the effective ones that interact.
     PlainCharges,
 }
 
 /// An energy by terms, kT.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct WholeEnergy {
     /// Sum of the terms.
     pub total_kt: Mean,
@@ -102,11 +115,12 @@ pub struct WholeEnergy {
     /// Desolvation of charges by other bodies.
     pub desolvation_kt: Mean,
     /// The response of the solvent that the bodies displace.
+    #[serde(default)]
     pub solvent_response_kt: Mean,
 }
 
 /// The mean energy of a residue by terms, kT.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TermMeans {
     /// Energy of the charges.
     pub charges_kt: f64,
@@ -116,6 +130,7 @@ pub struct TermMeans {
     pub desolvation_kt: f64,
     /// The response of the solvent to the residue's charges and volume, in the field of the other
     /// bodies.
+    #[serde(default)]
     pub solvent_response_kt: f64,
 }
 
@@ -135,7 +150,7 @@ pub struct ResidueName {
 }
 
 /// Contribution of one residue, per copy of its body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ResidueRow {
     /// Name of the residue.
     #[serde(flatten)]
@@ -149,13 +164,15 @@ pub struct ResidueRow {
     /// Share of frames and copies in which the residue touches a residue of another body.
     pub touching: f64,
     /// Area of the residue in the surface of its own body, Å².
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub surface_angstrom2: f64,
     /// Whether this area is so little that the residue is buried in its own body.
+    #[serde(default)]
     pub buried: bool,
 }
 
 /// Contribution of one pair of residues, over all pairs of bodies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PairRow {
     /// A residue.
     pub first: ResidueName,
@@ -188,7 +205,7 @@ pub enum Change {
 }
 
 /// The exchange of one charge, in all copies of a body.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MutationRow {
     /// Name of the residue.
     #[serde(flatten)]
@@ -200,10 +217,12 @@ pub struct MutationRow {
     /// Change of the charge of the residue, e.
     pub charge_change_e: f64,
     /// Share of frames and copies in which the residue touches a residue of another body.
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub touching: f64,
-    /// Whether the exchange is listed without being asked for: false for a residue that touches in
+    /// Whether the exchange is listed without being requested: false for a residue that touches in
     /// more than a tenth of frames and copies. The scan knows the change of the charge and nothing
     /// of the contact.
+    #[serde(default = "is_recommended")]
     pub recommended: bool,
     /// Change of the energy of the assembly while the bodies stay as they are, kT.
     pub energy_change_kt: Mean,
@@ -219,11 +238,17 @@ pub struct MutationRow {
     /// null if the sweep has no half salt, or salt does not weaken the assembly.
     pub first_order_half_salt_molar: Option<f64>,
     /// Effects at each salt of the run, ascending.
+    #[serde(default)]
     pub at_salts: Vec<MutationAtSalt>,
 }
 
+/// Whether an exchange is listed in results of earlier versions, which listed all.
+fn is_recommended() -> bool {
+    true
+}
+
 /// Effect of an exchange at one salt concentration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MutationAtSalt {
     /// Salt concentration, mol/L.
     pub salt_molar: f64,
@@ -247,6 +272,14 @@ pub(super) type FurtherTerm = (&'static str, Mean, fn(&TermMeans) -> f64);
 pub const LEAST_KT: f64 = 0.01;
 
 impl ResiduesResult {
+    /// Reads the result in a folder; `None` if there is none.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub fn read(folder: &Path) -> protomer_results::Result<Option<Self>> {
+        read_json_if_present(&folder.join(FILE))
+    }
+
     pub(super) fn new(
         settings: &ResiduesSettings,
         run: &Run,
@@ -300,10 +333,10 @@ impl ResiduesResult {
         let [charges_kt, contacts_kt, desolvation_kt, solvent_response_kt] = averages.energy_kt();
         Self {
             version: env!("CARGO_PKG_VERSION").into(),
-            model: run.settings.model_name(bodies),
+            model: run.settings.model_name(bodies).into(),
             input: settings.input.clone(),
             identity: run.identity.clone(),
-            salt_chosen: shown.why,
+            salt_chosen: shown.why.map(Into::into),
             interaction: ensemble.interaction,
             bodies: run.assembly().len(),
             frames: averages.frames(),
@@ -317,8 +350,8 @@ impl ResiduesResult {
                 None => SharedBy::Charges,
             },
             charges_note: match (&ensemble.plain, solvent_response_kt.mean) {
-                (Some(_), _) => Some(EFFECTIVE),
-                (None, response_kt) => (response_kt != 0.0).then_some(RESPONSE),
+                (Some(_), _) => Some(EFFECTIVE.into()),
+                (None, response_kt) => (response_kt != 0.0).then_some(RESPONSE.into()),
             },
             effective_energy_kt: None,
             warnings: Vec::new(),

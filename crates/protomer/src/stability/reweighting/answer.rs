@@ -6,16 +6,21 @@ use crate::stability::sweep::stability::with_interval;
 use anyhow::Result;
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_io::csv::{Cell, Table};
+use protomer_mc::contributions::Mean;
 use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
-use serde::Serialize;
+use protomer_results::keys::read_json_if_present;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Largest energy of a body that touches no other, kT; above it mass action holds only roughly. In
 /// the validation half of it shifts a fraction by 5 % at an eighth of the concentration.
 const LARGEST_ENERGY_APART_KT: f64 = 0.05;
 
+/// Name of the file of the result.
+pub(super) const FILE: &str = "reweighting.json";
+
 /// Curves over salt from all frames of a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReweightingResult {
     /// Version of the program.
     pub version: String,
@@ -42,7 +47,7 @@ pub struct ReweightingResult {
 }
 
 /// The curves at one concentration of bodies.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ConcentrationCurve {
     /// Concentration of the bodies, mol/L; zero in open space.
     #[serde(rename = "concentration_M")]
@@ -57,30 +62,21 @@ pub struct ConcentrationCurve {
 }
 
 /// A point of the curves.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CurvePoint {
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: f64,
     /// Contacts over those of the assembly; null if the assembly has none.
-    pub contacts_left: Option<Estimate>,
+    pub contacts_left: Option<Mean>,
     /// Fraction of the bodies that touch another.
-    pub bound_fraction: Estimate,
+    pub bound_fraction: Mean,
     /// Number of frames of equal weight that would be as good.
     pub effective_frames: f64,
 }
 
-/// A mean and its standard error.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// Mean.
-    pub mean: f64,
-    /// Standard error.
-    pub error: Option<f64>,
-}
-
 /// A half salt.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HalfSaltEstimate {
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
@@ -94,6 +90,14 @@ pub struct HalfSaltEstimate {
 }
 
 impl ReweightingResult {
+    /// Reads the result in a folder; `None` if there is none.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub fn read(folder: &Path) -> protomer_results::Result<Option<Self>> {
+        read_json_if_present(&folder.join(FILE))
+    }
+
     pub(super) fn new(
         directory: &Path,
         samples: &Samples,
@@ -284,10 +288,10 @@ impl ConcentrationCurve {
             "±",
             "effective frames",
         ])];
-        let mean = |estimate: Option<Estimate>| {
+        let mean = |estimate: Option<Mean>| {
             estimate.map_or("-".into(), |estimate| format!("{:.3}", estimate.mean))
         };
-        let error = |estimate: Option<Estimate>| {
+        let error = |estimate: Option<Mean>| {
             let error = estimate.and_then(|estimate| estimate.error);
             error.map_or("-".into(), |error| format!("{error:.3}"))
         };
@@ -325,7 +329,7 @@ impl ConcentrationCurve {
     }
 }
 
-type ValueOfPoint = fn(&CurvePoint) -> Option<Estimate>;
+type ValueOfPoint = fn(&CurvePoint) -> Option<Mean>;
 type HalfOfCurve = fn(&ConcentrationCurve) -> Option<HalfSaltEstimate>;
 
 /// A curve, with the salt at which it is one half and its interval.

@@ -4,11 +4,12 @@
 //! do not feel each other, each has the whole box to itself, and the weight of a state with n clusters
 //! grows as Vⁿ: frames are weighted with (V'/V)ⁿ besides. This is mass action, for all clusters at once.
 
-use super::answer::{ConcentrationCurve, CurvePoint, Estimate, HalfSaltEstimate};
+use super::answer::{ConcentrationCurve, CurvePoint, HalfSaltEstimate};
 use super::samples::{Frame, Samples};
 use crate::stability::sweep::half_salt::{FractionAt, crossing_molar};
 use anyhow::{Context, Result};
-use protomer_mc::contributions::Reweighted;
+use protomer_kernel::statistics::jackknife_error;
+use protomer_mc::contributions::{Mean, Reweighted};
 use protomer_mc::reweighting::Mixture;
 
 /// Least number of effective frames; with fewer there is no half salt.
@@ -37,10 +38,12 @@ struct Averages {
 
 impl<'a> Weighted<'a> {
     fn new(samples: &'a Samples, without: Option<usize>) -> Result<Self> {
+        // `None` leaves out nothing.
         let is_kept = |number: &usize| Some(samples.frames[*number].block) != without;
         let frame_numbers: Vec<usize> = (0..samples.frames.len()).filter(is_kept).collect();
         let (mut energies_kt, mut counts) = (Vec::new(), Vec::new());
         for (salt, salt_molar) in samples.simulated_molar.iter().enumerate() {
+            // The energy of every frame at every salt, also where it was not drawn.
             let all = samples.energies_kt(*salt_molar);
             energies_kt.push(frame_numbers.iter().map(|number| all[*number]).collect());
             let of_salt = frame_numbers
@@ -73,6 +76,7 @@ impl<'a> Weighted<'a> {
             let all = self.samples.energies_kt(*salt_molar);
             let energies_kt = self.frame_numbers.iter().zip(&clusters);
             let energies_kt: Vec<f64> = energies_kt
+                // ln of the weight (V'/V)ⁿ joins the energy: exp(-(U - n ln(V'/V))).
                 .map(|(number, clusters)| all[*number] - clusters * target.ln_dilution)
                 .collect();
             contacts_left.push(self.mixture.average(&energies_kt, &contacts));
@@ -96,6 +100,8 @@ impl<'a> Curves<'a> {
         let without = |block| Weighted::new(samples, Some(block));
         Ok(Self {
             all: Weighted::new(samples, None)?,
+            // The weights are found again without each
+            // block: the jackknife must include their error.
             without_a_block: (0..samples.blocks).map(without).collect::<Result<_>>()?,
         })
     }
@@ -106,7 +112,7 @@ impl<'a> Curves<'a> {
     }
 
     /// The curves at one concentration of bodies. Errors come from leaving out one block of frames at
-    /// a time (jackknife), with the weights found anew.
+    /// a time (jackknife), with the weights found again.
     pub(super) fn at(&self, salts: &[f64], target: Target) -> ConcentrationCurve {
         let averages = self.all.averages(salts, target);
         let without = self.without_a_block.iter();
@@ -115,9 +121,9 @@ impl<'a> Curves<'a> {
             .collect();
         let mut points = Vec::with_capacity(salts.len());
         for (place, salt_molar) in salts.iter().enumerate() {
-            let estimate = |quantity: Quantity| Estimate {
+            let estimate = |quantity: Quantity| Mean {
                 mean: quantity(&averages)[place].mean,
-                error: jackknife(&mean_at(&left_out, quantity, place)),
+                error: jackknife_error(&mean_at(&left_out, quantity, place)),
             };
             points.push(CurvePoint {
                 salt_molar: *salt_molar,
@@ -168,30 +174,23 @@ fn half_salt(
     };
     let salt_molar = crossing(averages)?;
     let above = salts.iter().position(|salt| *salt >= salt_molar)?;
+    // The two salts between which the curve crosses; frames at others do not carry it.
     let neighbours = &quantity(averages)[above.saturating_sub(1)..=above];
     let fewest = neighbours.iter().map(|average| average.effective_frames);
     let effective_frames = fewest.fold(f64::INFINITY, f64::min);
     if effective_frames < FEWEST_EFFECTIVE_FRAMES {
         return None;
     }
+    // All or none: a curve without a crossing would make the error too small.
     let logarithms: Option<Vec<f64>> = left_out
         .iter()
         .map(|averages| crossing(averages).map(f64::ln))
         .collect();
-    let error = logarithms.and_then(|logarithms| jackknife(&logarithms));
+    let error = logarithms.and_then(|logarithms| jackknife_error(&logarithms));
     Some(HalfSaltEstimate {
         salt_molar,
         // 95 %, in the logarithm of the salt.
         interval_molar: error.map(|error| [-1.96, 1.96].map(|z| salt_molar * (z * error).exp())),
         effective_frames,
     })
-}
-
-/// The standard error from values that leave out one block each; `None` if one is not known.
-fn jackknife(values: &[f64]) -> Option<f64> {
-    let blocks = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / blocks;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let error = (squares * (blocks - 1.0) / blocks).sqrt();
-    (values.len() > 1 && error.is_finite()).then_some(error)
 }

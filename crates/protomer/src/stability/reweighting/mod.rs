@@ -6,23 +6,27 @@
 //! | `samples` | the frames, what is measured of each, and its energy in every medium |
 //! | `curves` | weighted averages with errors, and where they cross one half |
 //! | `answer` | the answer: text, tables, figure |
+//! | `page` | what the page of a sweep shows of it |
 
 mod answer;
 mod curves;
+pub(crate) mod page;
 mod samples;
 
-pub use answer::{ConcentrationCurve, CurvePoint, Estimate, HalfSaltEstimate, ReweightingResult};
+pub use answer::{ConcentrationCurve, CurvePoint, HalfSaltEstimate, ReweightingResult};
 
 use crate::scattering::{ScatteringSettings, Source};
 use crate::stability::effective::EffectiveStore;
 use crate::stability::energy_tables::EnergyTables;
 use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
+use crate::stability::sweep::half_salt::salt_between;
+use crate::stability::sweep::result::SweepResult;
+use answer::FILE;
 use anyhow::{Context, Result, bail};
 use curves::{Curves, Target};
 use protomer_common::output_file::write_folder;
 use protomer_results::{Progress, ResultKind, keys};
 use samples::Samples;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -40,7 +44,7 @@ pub struct ReweightingSettings {
     /// Salt concentrations of the curves, mol/L; if empty those of the sweep and three between
     /// neighbours.
     pub salt_molar: Vec<f64>,
-    /// Concentrations of bodies, mol/L, beside that of the sweep.
+    /// Concentrations of bodies, mol/L, in addition to that of the sweep.
     pub concentration_molar: Vec<f64>,
     /// Share of the frames at the beginning of each trajectory that is left out.
     pub skip: f64,
@@ -106,6 +110,7 @@ pub fn reweighting(
     let salts = salts_of_curves(settings, &run)?;
     let box_angstrom3 = source.assembly.boundary.volume_angstrom3();
     let simulated_molar = source.assembly.concentration_molar();
+    // Open space has an infinite volume.
     if !settings.concentration_molar.is_empty() && !box_angstrom3.is_finite() {
         bail!("in open space bodies have no concentration; leave out --concentration");
     }
@@ -118,9 +123,11 @@ pub fn reweighting(
     concentrations.extend(&settings.concentration_molar);
     let mut concentration_curves = Vec::new();
     for concentration_molar in concentrations {
+        // The first one is that of the sweep itself and may be none, in open space.
         if !(concentration_molar > 0.0 || concentration_curves.is_empty()) {
             bail!("a concentration of bodies is zero; give a positive one, such as 10uM");
         }
+        // Exactly zero, so that the curve of the sweep is not changed by rounding.
         let ln_dilution = match concentration_molar == simulated_molar {
             true => 0.0,
             false => (simulated_molar / concentration_molar).ln(),
@@ -180,6 +187,7 @@ fn salts_of_curves(settings: &ReweightingSettings, run: &RunSettings) -> Result<
     let mut salts = settings.salt_molar.clone();
     if let Some(beyond) = salts
         .iter()
+        // Weights hold between the simulated salts only: beyond, no frame was drawn for them.
         .find(|salt| **salt < lowest || **salt > highest)
     {
         bail!(
@@ -191,31 +199,23 @@ fn salts_of_curves(settings: &ReweightingSettings, run: &RunSettings) -> Result<
     }
     if salts.is_empty() {
         for pair in simulated.windows(2) {
-            for part in 0..=BETWEEN_NEIGHBOURS {
-                salts.push(between(pair[0], pair[1], part));
+            for number in 0..=BETWEEN_NEIGHBOURS {
+                let part = number as f64 / (BETWEEN_NEIGHBOURS + 1) as f64;
+                salts.push(salt_between(pair[0], pair[1], part));
             }
         }
         salts.push(highest);
     }
+    // Labels name files: two salts with one label are one salt.
     salts.sort_by(f64::total_cmp);
     salts.dedup_by_key(|salt| salt_label(*salt));
     Ok(salts)
 }
 
-/// Interpolates evenly in the logarithm of the salt; from pure water on, evenly in the salt.
-fn between(low: f64, high: f64, part: usize) -> f64 {
-    let part = part as f64 / (BETWEEN_NEIGHBOURS + 1) as f64;
-    match (part > 0.0, low > 0.0) {
-        (false, _) => low,
-        (true, true) => low * (high / low).powf(part),
-        (true, false) => high * part,
-    }
-}
-
 /// Whether the starts of the sweep agree, from its answer; `None` if that is not known.
 fn equilibrated(directory: &Path) -> Result<Option<bool>> {
-    let answer: Option<Value> = keys::read_json_if_present(&directory.join("sweep.json"))?;
-    Ok(answer.and_then(|answer| answer["equilibrated"].as_bool()))
+    let sweep = SweepResult::read(directory)?;
+    Ok(sweep.and_then(|sweep| sweep.stability.equilibrated))
 }
 
 fn write(
@@ -229,7 +229,7 @@ fn write(
     let files = [
         ("reweighting.csv", result.table()?.into_bytes()),
         ("samples.csv", samples.table()?.into_bytes()),
-        ("reweighting.json", (json + "\n").into_bytes()),
+        (FILE, (json + "\n").into_bytes()),
         ("reweighting.svg", figure.to_svg()?.into_bytes()),
         ("reweighting.png", figure.to_png()?),
     ];

@@ -1,82 +1,32 @@
 //! `log.csv` of a simulation: one row of observables at regular intervals of production.
 
-use protomer_results::Row;
-
-/// One row of the log.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LogRow {
-    /// Production sweeps done.
-    pub sweep: u64,
-    /// Radius of gyration of the body positions, Å.
-    pub r_g_angstrom: f64,
-    /// Fraction of the native contacts, those of the assembly, that are left; NaN if it has none.
-    pub native_contacts: f64,
-    /// Bodies in the largest cluster.
-    pub largest_cluster: usize,
-    /// Total energy, kT.
-    pub energy_kt: f64,
-    /// Mean number of bodies moved by a cluster move since the last row.
-    pub cluster_moved: f64,
-    /// Pairs of bodies in contact; NaN in logs of earlier versions.
-    pub contacts: f64,
-    /// Fraction of the bodies that touch another; NaN in logs of earlier versions.
-    pub bound_fraction: f64,
-}
-
-impl Row for LogRow {
-    fn columns() -> Vec<&'static str> {
-        vec![
-            "sweep",
-            "r_g_angstrom",
-            "native_contacts",
-            "largest_cluster",
-            "energy_kT",
-            "cluster_moved",
-            "contacts",
-            "bound_fraction",
-        ]
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        vec![
-            self.sweep.to_string(),
-            self.r_g_angstrom.to_string(),
-            self.native_contacts.to_string(),
-            self.largest_cluster.to_string(),
-            self.energy_kt.to_string(),
-            self.cluster_moved.to_string(),
-            self.contacts.to_string(),
-            self.bound_fraction.to_string(),
-        ]
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        // Logs of earlier versions have the first six columns.
-        let (earlier, later) = cells.split_at_checked(6)?;
-        let [sweep, r_g, native, largest, energy, cluster_size] = earlier else {
-            return None;
-        };
-        let (contacts, bound) = match later {
-            [] => (f64::NAN, f64::NAN),
-            [contacts, bound] => (contacts.parse().ok()?, bound.parse().ok()?),
-            _ => return None,
-        };
-        Some(Self {
-            sweep: sweep.parse().ok()?,
-            r_g_angstrom: r_g.parse().ok()?,
-            native_contacts: native.parse().ok()?,
-            largest_cluster: largest.parse().ok()?,
-            energy_kt: energy.parse().ok()?,
-            cluster_moved: cluster_size.parse().ok()?,
-            contacts,
-            bound_fraction: bound,
-        })
+protomer_results::log_row! {
+    /// One row of the log.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct LogRow {
+        /// Production sweeps done.
+        pub sweep: u64,
+        /// Radius of gyration of the body positions, Å.
+        pub r_g_angstrom: f64,
+        /// Fraction of the native contacts, those of the assembly, that are left; NaN if it has none.
+        pub native_contacts: f64,
+        /// Bodies in the largest cluster.
+        pub largest_cluster: usize,
+        /// Total energy, kT.
+        pub energy_kt("energy_kT"): f64,
+        /// Mean number of bodies moved by a cluster move since the last row.
+        pub cluster_moved: f64,
+        /// Pairs of bodies in contact; NaN in logs of earlier versions.
+        pub contacts: f64 = f64::NAN,
+        /// Fraction of the bodies that touch another; NaN in logs of earlier versions.
+        pub bound_fraction: f64 = f64::NAN,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_results::Row;
 
     #[test]
     fn rows_survive_a_round_trip() {

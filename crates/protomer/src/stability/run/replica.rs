@@ -9,6 +9,7 @@ use super::settings::Start;
 use super::{Engine, RunSettings};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Error, Result};
+use protomer_kernel::null;
 use protomer_mc::moves::Acceptance;
 use protomer_mc::observables::contacts;
 use protomer_mc::scatter::scattered;
@@ -41,8 +42,10 @@ pub struct Replica<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AcceptedFractions {
     /// Acceptance ratio of translations.
+    #[serde(deserialize_with = "null::as_nan")]
     pub translation_acceptance: f64,
     /// Acceptance ratio of rotations.
+    #[serde(deserialize_with = "null::as_nan")]
     pub rotation_acceptance: f64,
 }
 
@@ -50,6 +53,14 @@ pub struct AcceptedFractions {
 #[derive(Deserialize)]
 struct Details {
     acceptance: AcceptedFractions,
+}
+
+impl AcceptedFractions {
+    /// Ratios in the record of a simulation; `None` in the record of one that is not finished.
+    pub fn recorded(record: &Record) -> Option<Self> {
+        let details = Details::deserialize(&record.details).ok()?;
+        Some(details.acceptance)
+    }
 }
 
 /// A state from which a simulation continues bit for bit.
@@ -117,6 +128,7 @@ impl Run for Replica<'_> {
             true => ControlFlow::Break(()),
             false => ControlFlow::Continue(()),
         };
+        // The next output, at most; the time slice may end before it.
         let stop = self.settings.next_stop(state.simulation.sweep());
         state.simulation.run_until(stop, &mut until_over)?;
         state.outputs.write(self.settings, &state.simulation)
@@ -177,6 +189,7 @@ impl Replica<'_> {
     pub fn start(&self) -> Result<Simulation> {
         let (engine, settings) = (self.engine, self.settings);
         let assembly = engine.system()?;
+        // Contacts of the assembly, not of the start: a fluid is compared with it as well.
         let native = contacts(&assembly, settings.contact_gap_angstrom);
         let system = match settings.starts.of_replica(self.replica) {
             Start::Assembly => assembly,

@@ -7,103 +7,100 @@ use crate::stability::model::name_of_terms;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_body::Body;
-use protomer_common::range;
+use protomer_common::range::{self, CONTACT_GAP, Count, STEPS, TOLERANCE};
+use protomer_common::settings::{Declared, is_default};
+use protomer_kernel::setting::Choices;
 use protomer_results::Settings;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Settings of a simulation or of each simulation of a sweep. They contain everything that can
-/// change a result, and nothing else: two runs with equal settings on equal input give equal
-/// results on any number of threads.
-///
-/// ```
-/// use protomer::stability::run::{EnergyMode, RunSettings};
-/// let settings = RunSettings {
-///     salt_molar: vec![0.01, 0.1],
-///     replicas: 3,
-///     energy: Some(EnergyMode::Calibrated),
-///     ..RunSettings::default()
-/// };
-/// assert_eq!(settings.simulations(), 6);
-/// settings.check()?;
-/// # Ok::<(), anyhow::Error>(())
-/// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct RunSettings {
-    /// Salt concentrations, mol/L; a single simulation uses the first.
-    #[serde(rename = "salt_M")]
-    pub salt_molar: Vec<f64>,
-    /// Independent replicas per salt concentration.
-    pub replicas: u32,
-    /// Production sweeps: run *to* this many. A sweep is one trial move per body, and the cluster
-    /// moves.
-    pub sweeps: u64,
-    /// Sweeps before production, in which the step sizes are tuned; then they are frozen.
-    pub equilibration_sweeps: u64,
-    /// Geometric cluster moves per sweep.
-    pub cluster_moves_per_sweep: u32,
-    /// Moves that form and dissolve contacts, per sweep.
-    #[serde(skip_serializing_if = "is_none")]
-    pub binding_moves_per_sweep: u32,
-    /// Sweeps between two exchanges of states between neighbouring salt concentrations; zero for
-    /// none.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub exchange_every: u64,
-    /// Starts of the replicas.
-    #[serde(skip_serializing_if = "Starts::is_default")]
-    pub starts: Starts,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Two bodies whose surfaces are closer than this are in contact, Å.
-    pub contact_gap_angstrom: f64,
-    /// Definition of the contact gap; stated in the settings of every run that
-    /// [`Engine::resolved`](super::Engine::resolved) has seen.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contact_definition: Option<ContactDefinition>,
-    /// Sweeps between two rows of the log.
-    pub log_every: u64,
-    /// Sweeps between two frames of the trajectory; zero for no trajectory.
-    pub trajectory_every: u64,
-    /// Mode of the energies; where it is `None`, [`Engine::resolved`](super::Engine::resolved)
-    /// chooses.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub energy: Option<EnergyMode>,
-    /// Largest error of the energy of two bodies, kT, for approximate energies only;
-    /// [`DEFAULT_TOLERANCE_KT`] if `None`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tolerance_kt: Option<f64>,
-    /// The inside of the bodies, whose effective charges then interact; `None` for the charges of
-    /// the bodies themselves, as in all runs of earlier versions.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub effective_charges: Option<SoluteModel>,
-    /// The inside of the bodies, whose displaced salt water responds to the charges of both; `None`
-    /// for charges in salt water everywhere.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub solvent_response: Option<SoluteModel>,
-    /// Attraction between residues.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub contacts: Option<ContactTerm>,
-    /// Whether charges lose solvent to other bodies; with effective charges only.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub desolvation: bool,
-    /// The medium between the bodies.
-    pub medium: InteractionSettings,
+/// Upper limit for the number of runs, each of which has a folder.
+const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
+/// Range of the number of replicas.
+const SIMULATIONS: Count = Count::new(1, LARGEST_NUMBER_OF_SIMULATIONS);
+/// Range of the number of moves of one kind per sweep: runs stop between sweeps only.
+const MOVES_PER_SWEEP: Count = Count::new(0, 100_000);
+
+protomer_common::settings! {
+    /// Settings of a simulation or of each simulation of a sweep. They contain everything that can
+    /// change a result, and nothing else: two runs with equal settings on equal input give equal
+    /// results on any number of threads.
+    ///
+    /// ```
+    /// use protomer::stability::run::{EnergyMode, RunSettings};
+    /// let settings = RunSettings {
+    ///     salt_molar: vec![0.01, 0.1],
+    ///     replicas: 3,
+    ///     energy: Some(EnergyMode::Calibrated),
+    ///     ..RunSettings::default()
+    /// };
+    /// assert_eq!(settings.simulations(), 6);
+    /// settings.check()?;
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    pub struct RunSettings {
+        /// Salt concentrations, mol/L; a single simulation uses the first.
+        #[serde(rename = "salt_M")]
+        salt_molar: Vec<f64> = vec![0.1_f64], from file;
+        /// Independent replicas per salt concentration.
+        replicas: u32 = 5_u32, in SIMULATIONS, from sweep;
+        /// Total number of production sweeps (each one trial move per body, plus the cluster moves).
+        sweeps: u64 = 2000_u64, in STEPS.at_least(1);
+        /// Sweeps before production, in which step sizes are tuned and then frozen.
+        equilibration_sweeps: u64 = 500_u64, in STEPS, flag "equilibration";
+        /// Geometric cluster moves per sweep.
+        cluster_moves_per_sweep: u32 = 1_u32, in MOVES_PER_SWEEP, flag "cluster-moves";
+        /// Moves per sweep that form and dissolve contacts: bodies put next to others or far from
+        /// them, turns about contacts, groups, swaps.
+        binding_moves_per_sweep: u32, in MOVES_PER_SWEEP, flag "binding-moves", omit "is_default";
+        /// Sweeps between two exchanges of states between neighbouring salt concentrations; 0 for
+        /// none.
+        exchange_every: u64, in STEPS, value "SWEEPS", omit "is_default", from sweep;
+        /// Starting states of the replicas.
+        starts: Starts, omit "is_default", from sweep;
+        /// Seed of the random numbers.
+        seed: u64 = 1_u64;
+        /// Surfaces closer than this are in contact, Å.
+        contact_gap_angstrom: f64 = 5.0, in CONTACT_GAP, flag "contact-gap";
+        /// Definition of the contact gap; stated in the settings of every run that
+        /// [`Engine::resolved`](super::Engine::resolved) has seen.
+        contact_definition: Option<ContactDefinition>, omit "is_default", from file;
+        /// Sweeps between rows of the log.
+        log_every: u64 = 10_u64, in STEPS.at_least(1);
+        /// Sweeps between frames of the trajectory; 0 for none.
+        trajectory_every: u64 = 100_u64, in STEPS;
+        /// Energy model.
+        energy: Option<EnergyMode>, otherwise "the fastest that makes the decisions of the direct sum",
+            omit "is_default";
+        /// Largest likely error of the energy of two bodies, kT, with --energy approximate.
+        tolerance_kt: Option<f64>, in TOLERANCE, otherwise "0.001", flag "tolerance", value "KT", omit "is_default";
+        /// Inside of the bodies, whose effective charges then interact; `None` for the charges of
+        /// the bodies themselves, as in all runs of earlier versions.
+        effective_charges: Option<SoluteModel>, omit "is_default", from file;
+        /// Inside of the bodies, whose displaced salt water responds to the charges of both; `None`
+        /// for charges in salt water everywhere.
+        solvent_response: Option<SoluteModel>, omit "is_default", from file;
+        /// Attraction between residues.
+        contacts: Option<ContactTerm>, omit "is_default", from file;
+        /// Whether charges lose solvent to other bodies; with effective charges only.
+        desolvation: bool, omit "is_default", from file;
+        /// Medium between the bodies.
+        medium: InteractionSettings, from file;
+    }
 }
 
-/// Starts of the replicas of a sweep.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Starts {
-    /// All replicas from the assembly.
-    #[default]
-    Assembly,
-    /// All replicas from bodies scattered at random, each from others.
-    Fluid,
-    /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to agree
-    /// shows whether they are in equilibrium.
-    Both,
+protomer_kernel::choices! {
+    /// Starts of the replicas of a sweep.
+    pub enum Starts, default Assembly {
+        /// All replicas from the assembly.
+        Assembly = "assembly",
+        /// All replicas from bodies scattered at random, each from others.
+        Fluid = "fluid",
+        /// Replicas 0, 2, ... from the assembly, 1, 3, ... from the fluid: whether they come to
+        /// agree shows whether they are in equilibrium.
+        Both = "both",
+    }
 }
 
 /// Start of one replica.
@@ -125,41 +122,28 @@ impl Starts {
             Starts::Both => Start::Fluid,
         }
     }
-
-    fn is_default(&self) -> bool {
-        *self == Starts::default()
-    }
-}
-
-/// Whether there are no binding moves. Runs of earlier versions had none and do not say so.
-fn is_none(moves: &u32) -> bool {
-    *moves == 0
-}
-
-fn is_zero(number: &u64) -> bool {
-    *number == 0
 }
 
 /// Default of the largest error of the energy of two bodies, kT, for approximate energies.
 pub const DEFAULT_TOLERANCE_KT: f64 = 1e-3;
 
-/// Modes of computing pair energies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum EnergyMode {
-    /// The direct sum over all pairs of charges.
-    Direct,
-    /// Intervals that surely hold the sum, refined until they decide: the decisions of the direct sum,
-    /// proven.
-    Certified,
-    /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a variance
-    /// model of the errors that is calibrated at the start.
-    Calibrated,
-    /// Levels of rising accuracy, for each pair of bodies the first whose error is likely below a
-    /// tolerance.
-    Approximate,
-    /// Hard bodies without charges.
-    None,
+protomer_kernel::choices! {
+    /// Modes of computing pair energies.
+    pub enum EnergyMode {
+        /// The direct sum over all pairs of charges.
+        Direct = "direct",
+        /// Intervals that surely hold the sum, refined until they decide: the decisions of the direct
+        /// sum, proven. Slower than calibrated energies.
+        Certified = "certified",
+        /// Levels of rising accuracy, the plain sum last: the decisions of the plain sum, by a
+        /// variance model of the errors that is calibrated at the start.
+        Calibrated = "calibrated",
+        /// Levels of rising accuracy, for each pair of bodies the first whose error is likely below
+        /// a tolerance.
+        Approximate = "approximate",
+        /// Hard bodies without charges.
+        None = "none",
+    }
 }
 
 /// Basis of the claim that decisions are those of the direct sum.
@@ -186,17 +170,6 @@ impl EnergyMode {
             EnergyMode::Direct | EnergyMode::Certified => Promise::Certified,
             EnergyMode::Calibrated => Promise::Calibrated,
             EnergyMode::Approximate | EnergyMode::None => Promise::None,
-        }
-    }
-
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            EnergyMode::Direct => "direct",
-            EnergyMode::Certified => "certified",
-            EnergyMode::Calibrated => "calibrated",
-            EnergyMode::Approximate => "approximate",
-            EnergyMode::None => "none",
         }
     }
 
@@ -228,33 +201,6 @@ impl EnergyMode {
     }
 }
 
-impl Default for RunSettings {
-    fn default() -> Self {
-        Self {
-            salt_molar: vec![0.1],
-            replicas: 5,
-            sweeps: 2_000,
-            equilibration_sweeps: 500,
-            cluster_moves_per_sweep: 1,
-            binding_moves_per_sweep: 0,
-            exchange_every: 0,
-            starts: Starts::Assembly,
-            seed: 1,
-            contact_gap_angstrom: 5.0,
-            contact_definition: None,
-            log_every: 10,
-            trajectory_every: 100,
-            energy: None,
-            tolerance_kt: None,
-            effective_charges: None,
-            solvent_response: None,
-            contacts: None,
-            desolvation: false,
-            medium: InteractionSettings::default(),
-        }
-    }
-}
-
 /// The folder name of a salt concentration.
 ///
 /// ```
@@ -270,11 +216,6 @@ pub fn replica_directory(directory: &Path, salt_molar: f64, replica: u32) -> Pat
         .join(salt_label(salt_molar))
         .join(format!("replica_{replica}"))
 }
-
-/// Upper limit for the number of runs, each of which has a folder.
-const LARGEST_NUMBER_OF_SIMULATIONS: u64 = 100_000;
-/// Largest number of moves of one kind per sweep: runs stop between sweeps only.
-const MOST_MOVES: u32 = 100_000;
 
 impl Settings for RunSettings {
     /// Excludes the number of sweeps: a run of 1000 sweeps can be continued to 2000.
@@ -433,25 +374,7 @@ impl RunSettings {
                 self.replicas
             );
         }
-        for (name, moves) in [
-            ("cluster_moves_per_sweep", self.cluster_moves_per_sweep),
-            ("binding_moves_per_sweep", self.binding_moves_per_sweep),
-        ] {
-            if moves > MOST_MOVES {
-                bail!(
-                    "{name} is {moves}; a sweep this long cannot be stopped: ask for at most {MOST_MOVES}"
-                );
-            }
-        }
-        for (name, value) in [
-            ("replicas", u64::from(self.replicas)),
-            ("sweeps", self.sweeps),
-            ("log_every", self.log_every),
-        ] {
-            if value == 0 {
-                bail!("{name} is 0; it must be at least 1");
-            }
-        }
+        self.check_ranges()?;
         if self.sweeps < self.log_every {
             bail!(
                 "sweeps is {} and log_every {}, so the log would have no rows; raise --sweeps, or lower --log-every",
@@ -459,16 +382,6 @@ impl RunSettings {
                 self.log_every
             );
         }
-        for (name, value) in [
-            ("sweeps", self.sweeps),
-            ("equilibration_sweeps", self.equilibration_sweeps),
-            ("log_every", self.log_every),
-            ("trajectory_every", self.trajectory_every),
-            ("exchange_every", self.exchange_every),
-        ] {
-            range::STEPS.require(name, value)?;
-        }
-        range::CONTACT_GAP.require("contact_gap_angstrom", self.contact_gap_angstrom)?;
         self.tolerance_of_energy_kt()?;
         self.check_equilibration()?;
         self.check_terms()?;
@@ -516,7 +429,7 @@ impl RunSettings {
         Ok(())
     }
 
-    /// Terms of the energy beside the charges.
+    /// Terms of the energy in addition to the charges.
     pub fn further_terms(&self) -> FurtherTerms {
         FurtherTerms {
             contacts: self.contacts,

@@ -4,9 +4,10 @@
 use super::result::SweepResult;
 use super::series;
 use super::stability::{CountedContacts, Stability};
-use super::table::{ReplicaResult, mean, standard_deviation};
+use super::table::{ReplicaResult, standard_deviation};
 use crate::stability::run::{RunSettings, Start, Starts};
 use anyhow::Result;
+use protomer_kernel::statistics::mean;
 use protomer_plot::{Axis, Figure, Panel, Point, Series, Span};
 use std::path::Path;
 

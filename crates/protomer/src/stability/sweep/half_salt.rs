@@ -61,20 +61,27 @@ impl Crossing {
 /// one to zero, they say no more than that. `None` if the curve does not cross one half.
 pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
     let mut points = points.to_vec();
+    // A salt whose runs left no number says nothing of the curve.
     points.retain(|point| point.fraction.is_finite());
     points.sort_by(|a, b| a.salt_molar.total_cmp(&b.salt_molar));
     let salt_molar = crossing_molar(&points)?;
     let mut drawn = Vec::with_capacity(CURVES as usize);
     for curve in 0..CURVES {
         let mut rng = CounterRng::for_purpose(seed, 0, curve, Purpose::Bootstrap);
+        // Each point moves within its own error; the curve is then made to fall again.
         let fraction = |point: &FractionAt| point.fraction + point.error * rng.normal();
         let fractions: Vec<f64> = points.iter().map(fraction).collect();
+        // Once for the whole curve, from the same stream,
+        // so that curves differ by their points alone.
         let uniform = rng.uniform();
+        // Between two points a steep curve may cross
+        // anywhere, a flat one only where the line has it.
         let anywhere = |part: f64, fall: f64| part + (uniform - part) * fall.min(1.0);
         drawn.push(crossing(&points, &fractions, anywhere));
     }
     drawn.sort_by(|a, b| a.order().total_cmp(&b.order()));
     let quantile = |part: f64| {
+        // Curves that do not cross count as beyond the ends, so the quantiles keep their places.
         let index = (part * (drawn.len() - 1) as f64).round() as usize;
         drawn.get(index).and_then(|crossing| crossing.salt_molar())
     };
@@ -107,17 +114,24 @@ fn crossing(
         return Crossing::BelowAll;
     }
     for (points, fractions) in points.windows(2).zip(fractions.windows(2)) {
+        // `falling` leaves no other crossing: the first is the only one.
         if fractions[1] < HALF {
+            // Positive: one end is at least one half, the other is below it.
             let fall = fractions[0] - fractions[1];
             let part = between_points((fractions[0] - HALF) / fall, fall);
-            return Crossing::At(between(points[0].salt_molar, points[1].salt_molar, part));
+            return Crossing::At(salt_between(
+                points[0].salt_molar,
+                points[1].salt_molar,
+                part,
+            ));
         }
     }
     Crossing::AboveAll
 }
 
-/// Interpolates linearly in the logarithm of the salt; from pure water on, in the salt.
-fn between(low: f64, high: f64, part: f64) -> f64 {
+/// Salt at a part of the way from one to another, even in its logarithm; from pure water on, even in
+/// the salt.
+pub(crate) fn salt_between(low: f64, high: f64, part: f64) -> f64 {
     match low > 0.0 {
         true => low * (high / low).powf(part),
         false => high * part,
@@ -126,9 +140,11 @@ fn between(low: f64, high: f64, part: f64) -> f64 {
 
 /// The falling sequence nearest to these values: neighbours that rise take their mean.
 fn falling(values: &[f64]) -> Vec<f64> {
+    // Pool adjacent violators: each block has a mean and a number of values.
     let mut blocks: Vec<(f64, usize)> = Vec::with_capacity(values.len());
     for value in values {
         let (mut mean, mut count) = (*value, 1);
+        // Blocks that would rise are merged, backwards, until the sequence falls again.
         while let Some((before, number)) = blocks.last().copied()
             && before < mean
         {

@@ -10,6 +10,7 @@
 
 pub mod figure;
 pub mod half_salt;
+pub mod page;
 pub mod result;
 pub mod series;
 pub mod stability;
@@ -31,7 +32,7 @@ use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
     conduct_shard, drive, keys, log, settings,
 };
-use result::SweepResult;
+use result::{RESULT, SweepResult};
 use serde::Serialize;
 use serde_json::{Value, json};
 use stability::Stability;
@@ -122,6 +123,7 @@ impl Answer for SweepPart {
 fn is_simulation(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let is_of_salt = name.starts_with("salt_") && name.ends_with('M');
+    // A folder of the user may be called so too; the record tells ours.
     let is_ladder = name.starts_with("ladder_") && path.join("run.json").is_file();
     let companions = [
         crate::stability::residues::FOLDER,
@@ -233,7 +235,9 @@ pub fn resolved(
 ) -> Result<RunSettings> {
     settings.check()?;
     engine.require_space_for(settings)?;
+    // A file that cannot be read is reported when the directory is entered.
     let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
+    // A new start forgets the old settings, its energy mode among them.
     let previous_settings = begun.filter(|_| !execution.start_anew);
     engine.resolved(settings, previous_settings.and_then(|begun| begun.energy))
 }
@@ -299,6 +303,7 @@ impl<'a> Sweep<'a> {
     /// The engine for one salt concentration, which its replicas share.
     fn engine(&self, salt_index: usize) -> Result<&Engine> {
         let settings = self.settings;
+        // Nothing depends on the salt but the charges' screening: one engine serves all.
         if settings.effective_charges.is_none() && settings.further_terms().is_none() {
             return Ok(self.engine);
         }
@@ -306,6 +311,7 @@ impl<'a> Sweep<'a> {
             interaction,
             engine,
         } = &self.media[salt_index];
+        // Filled by whoever comes first.
         if let Some(engine) = engine.get() {
             return Ok(engine);
         }
@@ -316,6 +322,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn tell_length(&self, execution: &Execution, tasks: usize) {
+        // With exchange a task is a whole ladder.
         let simulations = match self.settings.exchange_every {
             0 => tasks,
             _ => tasks * self.settings.salt_molar.len(),
@@ -353,6 +360,7 @@ impl<'a> Sweep<'a> {
         directory: &Path,
         execution: &Execution,
     ) -> Result<End<Part>> {
+        // By salt: only neighbours in this order exchange states.
         let order = self.salts_ascending();
         let mut rungs = Vec::with_capacity(order.len());
         for &salt_index in &order {
@@ -467,6 +475,7 @@ impl Campaign for Sweep<'_> {
                 let rows: Vec<LogRow> = log::read(&directory.join("log.csv"))?;
                 let result = ReplicaResult::new(part.replica, &rows, accepted);
                 replicas[salt_index].push(result);
+                // With one simulation this is its log; with several nothing is shown of it.
                 only_log = rows;
             }
             exchanges.extend(part.exchanged);
@@ -490,7 +499,7 @@ impl Campaign for Sweep<'_> {
             stability: Stability::new(self.settings, &replicas, native, is_open),
             exchanges,
             version: env!("CARGO_PKG_VERSION").into(),
-            model: self.settings.model_name(&assembly.bodies),
+            model: self.settings.model_name(&assembly.bodies).into(),
             input_sha256: assembly.sha256.clone(),
             bodies: assembly.len(),
             concentration_molar: assembly.concentration_molar(),
@@ -530,8 +539,6 @@ fn write_results(result: &SweepResult, directory: &Path) -> Result<()> {
     write_atomically(&directory.join("sweep.csv"), |file| {
         file.write_all(csv.as_bytes())
     })?;
-    write_atomically(&directory.join("sweep.json"), |file| {
-        writeln!(file, "{json}")
-    })?;
+    write_atomically(&directory.join(RESULT), |file| writeln!(file, "{json}"))?;
     figure::write(result, directory)
 }

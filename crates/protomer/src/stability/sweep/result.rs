@@ -3,15 +3,23 @@
 use super::stability::Stability;
 use super::table::{ReplicaResult, SaltRow};
 use crate::stability::run::{Exchanged, LogRow, RunSettings};
-use serde::Serialize;
+use protomer_results::Result;
+use protomer_results::keys::read_json_if_present;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Name of the file of the result in the directory of a sweep.
+pub(super) const RESULT: &str = "sweep.json";
 
 /// The result of a sweep.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SweepResult {
     /// Version of the program.
     pub version: String,
     /// Name of the model whose terms these are, or `own terms`.
-    pub model: &'static str,
+    #[serde(default)]
+    pub model: Cow<'static, str>,
     /// SHA-256 of the assembly and its bodies.
     pub input_sha256: String,
     /// Number of bodies.
@@ -31,10 +39,10 @@ pub struct SweepResult {
     #[serde(flatten)]
     pub stability: Stability,
     /// Statistics of the exchanges between salt concentrations.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub exchanges: Vec<Exchanged>,
     /// Warnings about the energies.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// The log of the only simulation; empty if there are several.
     #[serde(skip)]
@@ -42,6 +50,14 @@ pub struct SweepResult {
 }
 
 impl SweepResult {
+    /// Reads the result in the directory of a sweep; `None` if the sweep is not finished.
+    ///
+    /// # Errors
+    /// If it is damaged.
+    pub fn read(directory: &Path) -> Result<Option<Self>> {
+        read_json_if_present(&directory.join(RESULT))
+    }
+
     /// Notes on what cannot be said: one replica has no spread, one concentration no curve.
     pub(super) fn missing_errors(&self) -> Vec<String> {
         let mut lines = Vec::new();

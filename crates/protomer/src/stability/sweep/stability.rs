@@ -4,15 +4,16 @@ use super::half_salt::{FractionAt, HalfSalt, half_salt};
 use super::table::ReplicaResult;
 use crate::stability::run::{RunSettings, Start};
 use protomer_kernel::statistics::Summary;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Starts agree if the means of each [`Observable`] differ by less than this many standard errors, or
 /// by less than matters.
 const STANDARD_ERRORS: f64 = 3.0;
-/// The differences that matter: of fractions of bodies or contacts, of a cluster (bodies), and of an
-/// energy (kT).
+/// Smallest difference of fractions of bodies or contacts that matters.
 const LEAST_FRACTION: f64 = 0.05;
+/// Smallest difference of the size of the largest cluster that matters, bodies.
 const LEAST_BODIES: f64 = 0.5;
+/// Smallest difference of the energy that matters, kT.
 const LEAST_KT: f64 = 1.0;
 
 /// Reason why a run without a box has no half salt.
@@ -20,7 +21,7 @@ const OPEN_SPACE: &str = "no equilibrium: the assembly has no box, and bodies th
                           are those that lasted as many sweeps, and R_g measures how far the bodies have drifted";
 
 /// Salts at which an assembly falls apart, and whether its runs are equilibrated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Stability {
     /// The salt at which half of the contacts of the assembly are left, mol/L; `None` if that is
     /// at no salt of the sweep, or if the runs are not equilibrated.
@@ -32,10 +33,12 @@ pub struct Stability {
     /// Interval of 95 % of `half_bound_salt_molar`, mol/L.
     pub half_bound_salt_interval_molar: Option<[Option<f64>; 2]>,
     /// Contacts that count for the half salt.
+    #[serde(default)]
     pub half_salt_contacts: CountedContacts,
     /// Whether runs from the assembly and from the fluid agree; `None` if all start alike.
     pub equilibrated: Option<bool>,
     /// Agreement of the runs, in words.
+    #[serde(default = "not_compared")]
     pub equilibration: String,
     /// Number of contacts of the assembly.
     #[serde(skip)]
@@ -46,10 +49,11 @@ pub struct Stability {
 }
 
 /// Contacts that are compared with those of the assembly.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CountedContacts {
     /// Contacts between the bodies that touch in the assembly.
+    #[default]
     Native,
     /// All contacts, by their number: bodies of a kind are alike.
     Any,
@@ -65,6 +69,11 @@ impl CountedContacts {
     }
 }
 
+/// Agreement of the runs in results of earlier versions, in words.
+fn not_compared() -> String {
+    "an earlier version, which did not compare starts, ran this".into()
+}
+
 impl Stability {
     /// Finds the half salts from the replicas at each salt concentration. `native`: contacts of the
     /// assembly; `is_open`: whether it has neither box nor wall.
@@ -75,6 +84,7 @@ impl Stability {
         is_open: bool,
     ) -> Self {
         let (equilibrated, equilibration) = match is_open {
+            // In open space there is no equilibrium, whatever the runs say.
             true => (Some(false), OPEN_SPACE.into()),
             false => equilibration(settings, replicas, native),
         };
@@ -85,6 +95,7 @@ impl Stability {
         };
         let curve = points(settings, replicas, |replica| counted.left(replica, native));
         let bound = points(settings, replicas, |replica| replica.bound_fraction);
+        // Of runs that disagree no curve is that of an equilibrium.
         let half = |points: &[FractionAt]| match equilibrated {
             Some(false) => None,
             _ => half_salt(points, settings.seed),
@@ -218,13 +229,17 @@ fn average(summaries: &[Summary]) -> (f64, f64) {
     let deviations = summaries
         .iter()
         .map(|summary| (summary.mean - mean).powi(2));
+    // One replica has no spread; its own error is all that is known.
     let spread = match summaries.len() {
         1 => 0.0,
+        // Variance of the mean: Σ (x - x̄)² / (n - 1), over n.
         _ => deviations.sum::<f64>() / (number - 1.0) / number,
     };
     let errors = summaries.iter().map(|summary| summary.standard_error);
     let errors = errors.filter(|error| error.is_finite());
     let variance = errors.map(|error| error.powi(2)).sum::<f64>() / number.powi(2);
+    // The larger one: replicas that agree by chance, or errors
+    // that miss slow changes, do not make the mean look certain.
     (mean, spread.max(variance).sqrt())
 }
 
@@ -292,6 +307,7 @@ fn equilibration(
 ) -> (Option<bool>, String) {
     let mut by_start = Vec::with_capacity(replicas.len());
     for (salt_molar, replicas) in settings.salt_molar.iter().zip(replicas) {
+        // Compared salt by salt: each has its own equilibrium.
         let starts_there = |replica: &&ReplicaResult| {
             settings.starts.of_replica(replica.replica) == Start::Assembly
         };
@@ -312,6 +328,7 @@ fn equilibration(
         );
         return (None, words);
     }
+    // In the order of the observables: the first disagreement is the one that is named.
     for observable in observables(native) {
         let differences = by_start.iter().filter_map(|(salt_molar, assembly, fluid)| {
             let [assembly, fluid] = [assembly, fluid].map(|replicas| {
@@ -329,6 +346,7 @@ fn equilibration(
             ))
         });
         if let Some((_, salt_molar, assembly, fluid)) =
+            // The largest over the salts is named; one suffices.
             differences.max_by(|a, b| a.0.total_cmp(&b.0))
         {
             let words = format!(
@@ -351,6 +369,7 @@ fn disagreement(assembly: &[Summary], fluid: &[Summary], least: f64) -> Option<f
     }
     let ((of_assembly, error), (of_fluid, other)) = (average(assembly), average(fluid));
     let difference = (of_assembly - of_fluid).abs();
+    // Both conditions: more than chance, and more than matters.
     let allowed = (STANDARD_ERRORS * error.hypot(other)).max(least);
     (difference > allowed).then_some(difference)
 }

@@ -6,11 +6,12 @@ use crate::stability::run::{AcceptedFractions, LogRow};
 use anyhow::Result;
 use protomer_common::answer::Answer;
 use protomer_io::csv::{Cell, Table};
-use protomer_kernel::statistics::{Summary, summarize};
-use serde::Serialize;
+use protomer_kernel::null;
+use protomer_kernel::statistics::{RunningMoments, Summary, mean, summarize};
+use serde::{Deserialize, Serialize};
 
 /// The result of one replica.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReplicaResult {
     /// Index of the replica.
     pub replica: u32,
@@ -27,6 +28,7 @@ pub struct ReplicaResult {
     #[serde(flatten)]
     pub accepted: AcceptedFractions,
     /// Mean number of bodies moved per cluster move.
+    #[serde(deserialize_with = "null::as_nan")]
     pub cluster_moved_mean: f64,
     /// Pairs of bodies in contact; `None` in logs of earlier versions.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -40,7 +42,7 @@ pub struct ReplicaResult {
     pub effective_bodies: Option<Vec<EffectiveBody>>,
     /// Warnings about the energies, in the answer of a single simulation. The warnings of a sweep
     /// are its own.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
 }
 
@@ -112,24 +114,29 @@ impl ReplicaResult {
 /// One salt concentration, averaged over its replicas. The standard deviation is over replicas, as
 /// in figure 3.3 of the thesis; the standard error combines the replicas' own, which are corrected
 /// for autocorrelation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SaltRow {
     /// Salt concentration, mol/L.
     #[serde(rename = "salt_M")]
     pub salt_molar: f64,
-    /// Debye length, Å.
+    /// Debye length, Å; infinite without salt.
+    #[serde(deserialize_with = "null::as_infinity")]
     pub debye_length_angstrom: f64,
-    /// Cut-off, Å.
+    /// Cut-off, Å; infinite for none.
+    #[serde(deserialize_with = "null::as_infinity")]
     pub cutoff_angstrom: f64,
     /// Mean radius of gyration over replicas, Å.
     pub r_g_mean_angstrom: f64,
     /// Standard deviation of the radius of gyration over replicas, Å.
     pub r_g_sd_angstrom: f64,
     /// Standard error of the mean radius of gyration from the correlated series, Å.
+    #[serde(deserialize_with = "null::as_infinity")]
     pub r_g_se_angstrom: f64,
     /// Mean fraction of the native contacts that are left; NaN if the assembly has none.
+    #[serde(deserialize_with = "null::as_nan")]
     pub native_contacts_mean: f64,
     /// Standard deviation of the fraction of native contacts over replicas.
+    #[serde(deserialize_with = "null::as_nan")]
     pub native_contacts_sd: f64,
     /// Mean number of bodies in the largest cluster.
     pub largest_cluster_mean: f64,
@@ -142,18 +149,25 @@ pub struct SaltRow {
     #[serde(rename = "energy_sd_kT")]
     pub energy_sd_kt: f64,
     /// Acceptance ratio of translations.
+    #[serde(deserialize_with = "null::as_nan")]
     pub translation_acceptance: f64,
     /// Acceptance ratio of rotations.
+    #[serde(deserialize_with = "null::as_nan")]
     pub rotation_acceptance: f64,
     /// Mean number of bodies moved per cluster move.
+    #[serde(deserialize_with = "null::as_nan")]
     pub cluster_moved_mean: f64,
     /// Mean fraction of the bodies that touch another; NaN in results of earlier versions.
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub bound_fraction_mean: f64,
     /// Standard deviation of the bound fraction over replicas.
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub bound_fraction_sd: f64,
     /// Mean number of pairs of bodies in contact; NaN in results of earlier versions.
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub contacts_mean: f64,
     /// Standard deviation of the number of contacts over replicas.
+    #[serde(default = "null::nan", deserialize_with = "null::as_nan")]
     pub contacts_sd: f64,
     /// Number of replicas.
     pub replicas: usize,
@@ -270,11 +284,6 @@ pub fn to_csv(rows: &[SaltRow]) -> Result<String> {
     Ok(table.to_csv()?)
 }
 
-/// The mean of values.
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// The mean with its standard error; without one, if it is not known.
 fn with_error(summary: &Summary) -> String {
     match summary.standard_error.is_finite() {
@@ -285,9 +294,5 @@ fn with_error(summary: &Summary) -> String {
 
 /// Sample standard deviation; zero for a single value.
 pub(super) fn standard_deviation(values: &[f64]) -> f64 {
-    if values.len() < 2 {
-        return 0.0;
-    }
-    let mean = mean(values);
-    (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (values.len() - 1) as f64).sqrt()
+    RunningMoments::in_two_passes(values).standard_deviation()
 }

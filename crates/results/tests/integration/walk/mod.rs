@@ -2,7 +2,7 @@
 
 use protomer_results::{
     Campaign, End, Error, Execution, Layout, Log, LogMark, Result, ResultKind, ResultsDirectory,
-    Row, Run, Settings, Turn, Work, drive, log, settings,
+    Run, Settings, Turn, Work, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -31,35 +31,19 @@ impl Settings for Walk {
     }
 }
 
-/// Where the walker is; also a row of the log, and the answer.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Place {
-    pub step: u64,
-    pub position: i64,
+protomer_results::log_row! {
+    /// Where the walker is; also a row of the log, and the answer.
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+    pub struct Place {
+        pub step: u64,
+        pub position: i64,
+    }
 }
 
 #[derive(Serialize, Deserialize)]
 pub struct Saved {
     place: Place,
     log: LogMark,
-}
-
-impl Row for Place {
-    fn columns() -> Vec<&'static str> {
-        vec!["step", "position"]
-    }
-
-    fn to_cells(&self) -> Vec<String> {
-        vec![self.step.to_string(), self.position.to_string()]
-    }
-
-    fn from_cells(cells: &[String]) -> Option<Self> {
-        let [step, position] = cells else { return None };
-        Some(Self {
-            step: step.parse().ok()?,
-            position: position.parse().ok()?,
-        })
-    }
 }
 
 impl Run for Walk {

@@ -1,7 +1,7 @@
 //! The table of an ablation, as text and as `ablation.csv`.
 
 use anyhow::Result;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, Mean};
 use std::path::Path;
@@ -54,8 +54,6 @@ pub(super) fn write_csv(ablation: &Ablation, directory: &Path) -> Result<()> {
         ])?;
     }
     let csv = table.to_csv()?;
-    write_atomically(&directory.join("ablation.csv"), |file| {
-        file.write_all(csv.as_bytes())
-    })?;
+    write_bytes(&directory.join("ablation.csv"), csv.as_bytes())?;
     Ok(())
 }

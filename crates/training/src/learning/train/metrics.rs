@@ -3,7 +3,7 @@
 
 use super::prepared::Numbers;
 use anyhow::{Context, Result};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::{write_atomically, write_bytes};
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, AblationRun};
 use protomer_learn::evaluation::{Evaluation, Intervals, NumberEvaluation};
@@ -176,6 +176,7 @@ pub(super) fn simplest_first<T>(baselines: &BTreeMap<String, T>) -> Vec<&String>
     let first = ["majority", "prior", "size"];
     let place = |name: &&String| {
         let rank = first.iter().position(|baseline| baseline == name);
+        // Unknown names come after the known ones, among themselves by name, as the sort is stable.
         rank.unwrap_or(first.len())
     };
     let mut names: Vec<&String> = baselines.keys().collect();
@@ -365,7 +366,7 @@ impl Predictions<'_> {
             table.push(cells)?;
         }
         let csv = table.to_csv()?;
-        write_atomically(path, |file| file.write_all(csv.as_bytes()))?;
+        write_bytes(path, csv.as_bytes())?;
         Ok(())
     }
 }

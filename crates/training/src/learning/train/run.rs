@@ -7,7 +7,7 @@ use super::settings::{Source, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::range;
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::Device;
 use protomer_learn::logistic::prior;
@@ -129,6 +129,7 @@ pub struct EngineCheckpoint {
 
 impl Checkpoint for EngineCheckpoint {
     fn to_bytes(&self, _kind: &str, _identity: &str) -> protomer_results::Result<Vec<u8>> {
+        // The engine's own format names its training; kind and identity are in there.
         Ok(self.bytes.clone())
     }
 
@@ -161,6 +162,7 @@ impl<'a> TrainingRun<'a> {
             network: settings.network(prepared.classes.names.len()),
             training: settings.training.clone(),
             device,
+            // The digest of the set is among the settings.
             identity: settings::identity(settings, "")?,
         })
     }
@@ -235,6 +237,7 @@ impl Run for TrainingRun<'_> {
 
     fn done(&self, epochs: &Epochs) -> u64 {
         if epochs.has_ended_early {
+            // Ended early counts as whole, or the run would never be done.
             self.length()
         } else {
             epochs.done
@@ -248,9 +251,11 @@ impl Run for TrainingRun<'_> {
             turn,
             checkpoint: None,
         };
+        // Up to one epoch: the observer breaks off after it.
         let trained = self.train(epochs, &mut one)?;
         epochs.done = trained.history.len() as u64;
         epochs.has_ended_early = trained.outcome == Outcome::Stopped;
+        // Broken off within an epoch: the checkpoint before it stays.
         if let Some(bytes) = one.checkpoint {
             epochs.checkpoint = Some(EngineCheckpoint {
                 bytes,
@@ -307,6 +312,7 @@ impl Observer for OneEpoch<'_> {
         _record: &EpochRecord,
         checkpoint: &dyn Fn() -> protomer_learn::Result<Vec<u8>>,
     ) -> protomer_learn::Result<ControlFlow<()>> {
+        // Only whole epochs can be continued bit for bit.
         self.checkpoint = Some(checkpoint()?);
         Ok(ControlFlow::Break(()))
     }
@@ -382,6 +388,7 @@ fn write_results(
         ..PredictionSettings::default()
     };
     let weights = family_weights(descriptions);
+    // On the validation part: neither fitted to nor scored on.
     let temperature = model.calibrate(
         view,
         &split.validation,
@@ -411,12 +418,11 @@ fn write_results(
     };
     let metrics = predictions.metrics()?;
     predictions.write_csv(&path.join(PREDICTIONS))?;
+    // The metrics are written below, last of all.
     let bytes = model.to_bytes()?;
-    write_atomically(&path.join(MODEL), |file| file.write_all(&bytes))?;
+    write_bytes(&path.join(MODEL), &bytes)?;
     let history_csv = history_table(&history)?.to_csv()?;
-    write_atomically(&path.join(HISTORY), |file| {
-        file.write_all(history_csv.as_bytes())
-    })?;
+    write_bytes(&path.join(HISTORY), history_csv.as_bytes())?;
     if !history.is_empty() {
         write_curve(settings, prepared, &history, best_epoch, path)?;
     }

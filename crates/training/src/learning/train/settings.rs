@@ -86,15 +86,14 @@ impl Source {
     }
 }
 
-/// Unit in which samples are divided into training, validation and test parts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SplitBy {
-    /// Whole clusters: relatives are never on both sides.
-    #[default]
-    Cluster,
-    /// Single samples: scores above those of a split by cluster measure leakage.
-    Sample,
+protomer_kernel::choices! {
+    /// Unit in which samples are divided into training, validation and test parts.
+    pub enum SplitBy, default Cluster {
+        /// Whole clusters: relatives are never on both sides.
+        Cluster = "cluster",
+        /// Single samples: scores above those of a split by cluster measure leakage.
+        Sample = "sample",
+    }
 }
 
 /// Settings of one training. The same settings give the same weights on any number of threads.

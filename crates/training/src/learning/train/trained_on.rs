@@ -3,7 +3,7 @@
 
 use super::prepared::Prepared;
 use anyhow::{Context, Result};
-use protomer_io::atomic::write_atomically;
+use protomer_io::atomic::write_bytes;
 use protomer_learn::SampleSource;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -86,9 +86,7 @@ impl TrainedOn {
     pub fn write(&self, directory: &Path) -> Result<()> {
         let bytes = serde_json::to_vec(self)
             .context("the list of training samples cannot be serialised")?;
-        Ok(write_atomically(&directory.join(TRAINED_ON), |file| {
-            file.write_all(&bytes)
-        })?)
+        Ok(write_bytes(&directory.join(TRAINED_ON), &bytes)?)
     }
 
     /// The samples of both parts.

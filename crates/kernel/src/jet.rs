@@ -4,20 +4,24 @@
 //! differentiation, so a formula written once gives its exact gradient and Hessian (forward
 //! differentiation of second order; Griewank and Walther, *Evaluating Derivatives*, SIAM 2008).
 
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its gradient and Hessian over N variables.
+/// A value with its gradient and Hessian over N variables; over one, if no number is given.
 ///
 /// ```
-/// use protomer_crystal::framework::jet::Jet;
+/// use protomer_kernel::jet::Jet;
 /// let (x, y) = (Jet::<2>::variable(3.0, 0), Jet::<2>::variable(4.0, 1));
 /// let length = (x.square() + y.square()).sqrt();
 /// assert_eq!(length.value, 5.0);
 /// assert!((length.gradient[0] - 0.6).abs() < 1e-15);
 /// assert!((length.hessian[0][1] + 12.0 / 125.0).abs() < 1e-15);
+///
+/// let x = Jet::<1>::variable(2.0, 0);
+/// let f = x * x * x - x.ln();
+/// assert!((f.first() - (12.0 - 0.5)).abs() < 1e-14 && (f.second() - (12.0 + 0.25)).abs() < 1e-14);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jet<const N: usize> {
+pub struct Jet<const N: usize = 1> {
     /// f.
     pub value: f64,
     /// ∂f/∂x_i.
@@ -49,6 +53,7 @@ impl<const N: usize> Jet<N> {
         for i in 0..N {
             jet.gradient[i] = first * self.gradient[i];
             for j in 0..N {
+                // g'(f) f_ij + g''(f) f_i f_j.
                 jet.hessian[i][j] =
                     first * self.hessian[i][j] + second * self.gradient[i] * self.gradient[j];
             }
@@ -62,9 +67,27 @@ impl<const N: usize> Jet<N> {
         self.chain(root, 0.5 / root, -0.25 / (root * self.value))
     }
 
+    /// ln f.
+    pub fn ln(&self) -> Self {
+        let inverse = self.value.recip();
+        self.chain(self.value.ln(), inverse, -inverse * inverse)
+    }
+
+    /// ln(1 + f), accurate for small f.
+    pub fn ln_1p(&self) -> Self {
+        let inverse = (1.0 + self.value).recip();
+        self.chain(self.value.ln_1p(), inverse, -inverse * inverse)
+    }
+
+    /// exp(f) - 1, accurate for small f.
+    pub fn exp_m1(&self) -> Self {
+        let exponential = self.value.exp();
+        self.chain(self.value.exp_m1(), exponential, exponential)
+    }
+
     /// 1/f.
     pub fn recip(&self) -> Self {
-        let inverse = 1.0 / self.value;
+        let inverse = self.value.recip();
         self.chain(
             inverse,
             -inverse * inverse,
@@ -81,6 +104,7 @@ impl<const N: usize> Jet<N> {
     pub fn atan2(y: &Self, x: &Self) -> Self {
         let square = x.value * x.value + y.value * y.value;
         let (tx, ty) = (-y.value / square, x.value / square);
+        // Second derivatives of the angle: θ_xx = -θ_yy = -2 t_x t_y, θ_xy = t_x² - t_y².
         let (xx, xy) = (-2.0 * tx * ty, tx * tx - ty * ty);
         let mut angle = Self::constant(y.value.atan2(x.value));
         for i in 0..N {
@@ -98,6 +122,7 @@ impl<const N: usize> Jet<N> {
     /// (arcsin √f)² for 0 ≤ f < 1, smooth at zero.
     pub fn arcsine_of_root_squared(&self) -> Self {
         let z = self.value;
+        // Near zero the closed form cancels, and at zero it is 0/0.
         if z < 1e-4 {
             // z + z²/3 + 8 z³/45 + 4 z⁴/35
             let value = z * (1.0 + z * (1.0 / 3.0 + z * (8.0 / 45.0 + z * 4.0 / 35.0)));
@@ -109,6 +134,18 @@ impl<const N: usize> Jet<N> {
         let first = arc / product.sqrt();
         let second = (1.0 - (1.0 - 2.0 * z) * first) / (2.0 * product);
         self.chain(arc * arc, first, second)
+    }
+}
+
+impl Jet {
+    /// df/dx over the only variable.
+    pub fn first(&self) -> f64 {
+        self.gradient[0]
+    }
+
+    /// d²f/dx² over the only variable.
+    pub fn second(&self) -> f64 {
+        self.hessian[0][0]
     }
 }
 
@@ -139,7 +176,7 @@ impl<const N: usize> Sub for Jet<N> {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
-        self + other * -1.0
+        self + -other
     }
 }
 
@@ -154,16 +191,31 @@ impl<const N: usize> Add<f64> for Jet<N> {
     }
 }
 
+impl<const N: usize> Sub<f64> for Jet<N> {
+    type Output = Self;
+
+    fn sub(self, other: f64) -> Self {
+        self + -other
+    }
+}
+
 impl<const N: usize> Mul<f64> for Jet<N> {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
-        self.chain(self.value * factor, factor, 0.0)
+        let mut jet = Self::constant(self.value * factor);
+        for i in 0..N {
+            jet.gradient[i] = self.gradient[i] * factor;
+            for j in 0..N {
+                jet.hessian[i][j] = self.hessian[i][j] * factor;
+            }
+        }
+        jet
     }
 }
 
-// The product rule adds.
-#[allow(clippy::suspicious_arithmetic_impl)]
+/// The product rule. The two mixed terms are added first, so that a product of symmetric Hessians is
+/// symmetric to the last bit.
 impl<const N: usize> Mul for Jet<N> {
     type Output = Self;
 
@@ -173,13 +225,24 @@ impl<const N: usize> Mul for Jet<N> {
         for i in 0..N {
             jet.gradient[i] = a * other.gradient[i] + b * self.gradient[i];
             for j in 0..N {
-                jet.hessian[i][j] = a * other.hessian[i][j]
-                    + b * self.hessian[i][j]
-                    + self.gradient[i] * other.gradient[j]
-                    + other.gradient[i] * self.gradient[j];
+                let mixed =
+                    self.gradient[i] * other.gradient[j] + other.gradient[i] * self.gradient[j];
+                jet.hessian[i][j] = b * self.hessian[i][j] + mixed + a * other.hessian[i][j];
             }
         }
         jet
+    }
+}
+
+impl<const N: usize> Div for Jet<N> {
+    type Output = Self;
+
+    #[allow(
+        clippy::suspicious_arithmetic_impl,
+        reason = "that is what division is"
+    )]
+    fn div(self, other: Self) -> Self {
+        self * other.recip()
     }
 }
 
@@ -195,4 +258,59 @@ pub fn cross<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> [Jet<N>; 3] {
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Derivatives of a function of one variable from values at equal distances on both sides.
+    fn differences(function: impl Fn(Jet) -> Jet, x: f64) -> [f64; 2] {
+        const STEP: f64 = 1e-4;
+        let value = |x: f64| function(Jet::constant(x)).value;
+        let (below, middle, above) = (value(x - STEP), value(x), value(x + STEP));
+        [
+            (above - below) / (2.0 * STEP),
+            (above - 2.0 * middle + below) / (STEP * STEP),
+        ]
+    }
+
+    #[test]
+    fn functions_of_one_variable_have_the_derivatives_of_differences() {
+        let functions: [fn(Jet) -> Jet; 7] = [
+            |x| x.ln(),
+            |x| (x * 0.5).ln_1p(),
+            |x| (-x).exp_m1(),
+            |x| x.recip(),
+            |x| x.sqrt() * x,
+            |x| (x.square() - 1.0) / (x + 2.0),
+            |x| (x * 0.3).arcsine_of_root_squared(),
+        ];
+        for (number, function) in functions.into_iter().enumerate() {
+            for x in [0.4, 1.0, 2.3] {
+                let jet = function(Jet::variable(x, 0));
+                let [first, second] = differences(function, x);
+                assert!((jet.first() - first).abs() < 1e-6, "{number} {x}: {first}");
+                assert!(
+                    (jet.second() - second).abs() < 1e-5,
+                    "{number} {x}: {second}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn products_have_hessians_that_are_symmetric_to_the_last_bit() {
+        let vectors = [[0.3, -1.7, 0.9], [1.1, 0.2, -0.6]];
+        let [a, b] = [0, 1].map(|index: usize| {
+            [0, 1, 2].map(|axis| Jet::<6>::variable(vectors[index][axis], 3 * index + axis))
+        });
+        let normal = cross(&a, &b);
+        let product = dot(&normal, &normal) * (normal[0] - a[1] * 0.7);
+        for i in 0..6 {
+            for j in 0..i {
+                assert_eq!(product.hessian[i][j], product.hessian[j][i], "{i} {j}");
+            }
+        }
+    }
 }

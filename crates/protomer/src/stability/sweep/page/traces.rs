@@ -1,10 +1,10 @@
 //! The logs of simulations: their observables against sweeps.
 
-use super::html::millimolar;
+use crate::stability::run::replica_directory;
+use crate::stability::run::{LogRow, RunSettings, Start, Starts};
+use crate::stability::sweep::series::OBSERVABLES;
 use anyhow::Result;
-use protomer::stability::run::replica_directory;
-use protomer::stability::run::{LogRow, RunSettings, Start, Starts};
-use protomer::stability::sweep::series::OBSERVABLES;
+use protomer_common::page::{Data, Part, millimolar};
 use protomer_io::csv::{Cell, Table};
 use protomer_plot::{Axis, Figure, Panel, Series};
 use protomer_results::{Row, log};
@@ -26,11 +26,11 @@ struct Trace {
     rows: Vec<LogRow>,
 }
 
-/// The figure and its table; `None` if no log has rows yet.
+/// The figure with its table; `None` if no log has rows yet.
 ///
 /// # Errors
 /// If a log is damaged.
-pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure, Table)>> {
+pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<Part>> {
     let most_salts = match settings.starts {
         Starts::Both => MOST_COLOURS / 2,
         Starts::Assembly | Starts::Fluid => MOST_COLOURS,
@@ -59,7 +59,11 @@ pub fn traces(directory: &Path, settings: &RunSettings) -> Result<Option<(Figure
     if traces.is_empty() {
         return Ok(None);
     }
-    Ok(Some((figure(&traces), table(&traces)?)))
+    let data = Data::Table {
+        name: "traces.csv".into(),
+        csv: table(&traces)?.to_csv()?,
+    };
+    Ok(Some(Part::Figure(Box::new(figure(&traces)), Some(data))))
 }
 
 fn name(settings: &RunSettings, salt_molar: f64, replica: u32) -> String {

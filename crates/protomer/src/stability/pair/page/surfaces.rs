@@ -1,19 +1,17 @@
 //! The surfaces of two bodies in their best pose, coloured by what each residue contributes to its
 //! energy.
 //!
-//! A vertex belongs to the residue of the nearest atom. Both bodies have meshes of their own, also
+//! A vertex belongs to the residue of the nearest atom. Both bodies have separate meshes, also
 //! where they are equal: their residues differ in what they contribute.
 
-use super::data;
-use super::html::{millimolar, paragraph};
-use super::mesh_view::{Colouring, Scene, Shown, ShownMesh, section};
-use super::page::Section;
-use super::scenes::MOST_VERTICES;
-use anyhow::{Context, Result};
-use protomer::stability::pair::{
+use crate::stability::pair::{
     ConditionResult, PairBodies, PairResult, PoseResult, ResiduePlaces, ResidueTable,
 };
+use crate::stability::sweep::page::bodies::MOST_VERTICES;
+use anyhow::{Context, Result};
 use protomer_body::Body;
+use protomer_common::page::scene::{Colouring, Scene, Shown, ShownMesh};
+use protomer_common::page::{Data, Part, Section, millimolar};
 use protomer_kernel::{Pose, Vec3};
 use protomer_results::Record;
 use rayon::prelude::*;
@@ -48,11 +46,13 @@ pub fn collect(
 ) -> Result<Collected> {
     let folders = result.folders();
     let mut bound = Vec::new();
+    // Conditions without a bound pose show nothing.
     for (condition, folder) in result.conditions.iter().zip(&folders) {
         if let Some(pose) = condition.poses.first() {
             bound.push((condition, pose, folder.as_str()));
         }
     }
+    // Evenly chosen, so that the menu spans the whole range.
     let step = bound.len().div_ceil(MOST_CONDITIONS).max(1);
     let (Some(record), false) = (record, bound.is_empty()) else {
         return Ok(Collected::default());
@@ -66,7 +66,7 @@ pub fn collect(
         }
     };
     let mut surfaces = Surfaces::default();
-    let mut tables = String::new();
+    let mut tables = Vec::new();
     for (condition, pose, folder) in bound.into_iter().step_by(step) {
         let of_condition = bodies
             .at(condition.ph)
@@ -74,7 +74,10 @@ pub fn collect(
         let table = ResidueTable::read(&directory.join(folder))?;
         let energies_kt = table.energies_kt(of_condition, 1)?;
         surfaces.add(condition, pose, of_condition, energies_kt);
-        tables += &data::data(&format!("{folder}/residues.csv"), &table.csv)?;
+        tables.push(Part::Data(Data::Table {
+            name: format!("{folder}/residues.csv"),
+            csv: table.csv,
+        }));
     }
     let vertices = surfaces.vertices();
     if vertices > MOST_VERTICES {
@@ -82,12 +85,17 @@ pub fn collect(
             "The surfaces have {vertices} vertices, which is more than a page can show ({MOST_VERTICES})."
         )));
     }
-    let below = match surfaces.have_residues() {
-        true => paragraph(NOTE) + &tables,
-        false => paragraph("The bodies have no residues, so nothing is coloured."),
+    let (note, tables) = match surfaces.have_residues() {
+        true => (NOTE, tables),
+        false => (
+            "The bodies have no residues, so nothing is coloured.",
+            Vec::new(),
+        ),
     };
+    let mut parts = vec![Part::Scenes(surfaces.shown()), Part::Paragraph(note.into())];
+    parts.extend(tables);
     Ok(Collected {
-        section: Some(section(&surfaces.shown(), &below)),
+        section: Some(Section::new("Bodies", parts)),
         notes: Vec::new(),
     })
 }
@@ -142,6 +150,7 @@ impl Surfaces {
 
     /// The number of a body's surface, which is kept if it is new.
     fn mesh_of(&mut self, number: usize, body: &Body) -> usize {
+        // Charges differ with pH, surfaces rarely: equal ones are stored once.
         let index = self.meshes.iter().position(|surface| {
             surface.body == number
                 && surface.shown.mesh == body.mesh
@@ -193,6 +202,7 @@ impl Surfaces {
                 colouring: coloured.then_some(number),
                 film: None,
             });
+            // Each pose has a colouring of its own, which its scene chooses.
             if coloured {
                 shown.colourings.push(Colouring {
                     name: format!("residues{}", pose.name),
@@ -244,7 +254,7 @@ fn name(condition: &ConditionResult) -> String {
 }
 
 /// The smallest scale that covers all values.
-fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
+pub(crate) fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
     let most = values.map(f64::abs).fold(0.0, f64::max);
     let [.., largest] = LIMITS_KT;
     let mut limits = LIMITS_KT.into_iter();

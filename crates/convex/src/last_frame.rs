@@ -1,20 +1,21 @@
-//! The bodies of a trajectory with convex shapes, or unions of them, in the viewer.
+//! The bodies of a trajectory with convex shapes, or unions of them, as meshes to look at.
 
-use super::html::paragraph;
-use super::mesh_view::{self, Scene, Shown, ShownMesh};
-use super::page::Section;
 use anyhow::{Context, Result, bail};
-use protomer_io::gsd::{ChunkData, GsdFile, TrajectoryReader};
+use protomer_common::page::scene::{Scene, Shown, ShownMesh};
+use protomer_common::page::{Part, Section};
+use protomer_io::gsd::{GsdFile, TrajectoryReader};
+use protomer_kernel::quadrature::points_on_sphere;
 use protomer_kernel::shape::{Shape, hull::Hull};
 use protomer_kernel::{TriangleMesh, Vec3};
 use serde::Deserialize;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// Number of bodies beyond which a scene is slow to turn.
 const MOST_BODIES: usize = 512;
-/// Number of points of a rounded corner in space, and in a plane.
+/// Number of points of a rounded corner in space.
 const ON_SPHERE: usize = 92;
+/// Number of points of a rounded corner in a plane.
 const ON_CIRCLE: usize = 24;
 
 /// The section with the last frame of a trajectory; `unit` is what its steps count.
@@ -29,21 +30,26 @@ pub fn section(path: &Path, unit: &str) -> Result<Section> {
     let frame = reader.frame(last)?;
     if frame.poses.len() > MOST_BODIES {
         let count = frame.poses.len();
-        return Ok(Section::new(
-            "Bodies",
-            paragraph(&format!(
-                "{count} bodies are not drawn; OVITO opens {}.",
-                path.display()
-            )),
-        ));
+        let note = format!(
+            "{count} bodies are not drawn; OVITO opens {}.",
+            path.display()
+        );
+        return Ok(Section::new("Bodies", vec![Part::Paragraph(note)]));
     }
-    let kinds = Kinds::read(path)?;
-    let mut meshes = Vec::with_capacity(kinds.shapes.len());
-    for (number, text) in kinds.shapes.iter().enumerate() {
+    let shapes = shapes(path)?;
+    if frame
+        .type_ids
+        .iter()
+        .any(|kind| *kind as usize >= shapes.len())
+    {
+        bail!("{} has a body without a shape", path.display());
+    }
+    let mut meshes = Vec::with_capacity(shapes.len());
+    for (number, text) in shapes.iter().enumerate() {
         let words: ShapeWords = serde_json::from_str(text)
             .with_context(|| format!("{} has no shape that is understood", path.display()))?;
         meshes.push(ShownMesh {
-            name: match kinds.shapes.len() {
+            name: match shapes.len() {
                 1 => "body".into(),
                 _ => format!("body {}", number + 1),
             },
@@ -51,56 +57,25 @@ pub fn section(path: &Path, unit: &str) -> Result<Section> {
             values: Vec::new(),
         });
     }
-    let poses = frame.poses.into_iter().enumerate();
+    let kinds = frame.type_ids.into_iter().map(|kind| kind as usize);
     let shown = Shown {
         scenes: vec![Scene {
             name: format!("after {} {unit}", frame.step),
-            bodies: poses.map(|(body, pose)| (kinds.kind(body), pose)).collect(),
+            bodies: kinds.zip(frame.poses).collect(),
             colouring: None,
             film: None,
         }],
         meshes,
         colourings: Vec::new(),
     };
-    Ok(mesh_view::section(&shown, ""))
+    Ok(Section::new("Bodies", vec![Part::Scenes(shown)]))
 }
 
-/// The shapes of a trajectory, and which of them each body has.
-struct Kinds {
-    shapes: Vec<String>,
-    /// Number of the shape of each body; empty if all bodies have the first shape.
-    by_body: Vec<u32>,
-}
-
-impl Kinds {
-    fn read(path: &Path) -> Result<Self> {
-        let mut file = GsdFile::open(path)?;
-        let chunk = file.chunk(0, "particles/type_shapes")?;
-        let Some((columns, ChunkData::I8(letters))) =
-            chunk.map(|chunk| (chunk.columns, chunk.data))
-        else {
-            bail!("{} has no shape", path.display());
-        };
-        let rows = letters.chunks(columns.max(1) as usize);
-        let shapes = rows.map(|letters| {
-            let bytes = letters.iter().map(|letter| *letter as u8);
-            let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
-            String::from_utf8_lossy(&bytes).into_owned()
-        });
-        let shapes: Vec<String> = shapes.collect();
-        let by_body = match file.chunk(0, "particles/typeid")?.map(|chunk| chunk.data) {
-            Some(ChunkData::U32(kinds)) => kinds,
-            _ => Vec::new(),
-        };
-        if by_body.iter().any(|kind| *kind as usize >= shapes.len()) {
-            bail!("{} has a body without a shape", path.display());
-        }
-        Ok(Self { shapes, by_body })
-    }
-
-    fn kind(&self, body: usize) -> usize {
-        self.by_body.get(body).map_or(0, |kind| *kind as usize)
-    }
+/// The texts of the shapes of a trajectory.
+fn shapes(path: &Path) -> Result<Vec<String>> {
+    let chunk = GsdFile::open(path)?.chunk(0, "particles/type_shapes")?;
+    let shapes = chunk.and_then(|chunk| chunk.texts());
+    shapes.with_context(|| format!("{} has no shape", path.display()))
 }
 
 /// The shape in a trajectory, in the words of its schema.
@@ -230,14 +205,7 @@ fn circle(radius: f64) -> Vec<Vec3> {
     (0..ON_CIRCLE).map(vertex).collect()
 }
 
-/// Points on a spiral of equal areas.
 fn sphere(radius: f64) -> Vec<Vec3> {
-    let golden_angle = PI * (3.0 - 5.0_f64.sqrt());
-    let vertex = |number: usize| {
-        let height = 1.0 - (2.0 * number as f64 + 1.0) / ON_SPHERE as f64;
-        let axis_distance = (1.0 - height * height).sqrt();
-        let (sine, cosine) = (golden_angle * number as f64).sin_cos();
-        radius * Vec3::new(axis_distance * cosine, axis_distance * sine, height)
-    };
-    (0..ON_SPHERE).map(vertex).collect()
+    let points = points_on_sphere(ON_SPHERE);
+    points.map(|point| radius * point).collect()
 }

@@ -3,16 +3,16 @@
 //! Body files have charges and residues, so they are preferred. If they are missing, the
 //! shapes come from the trajectory.
 
-use super::html::millimolar;
-use super::mesh_view::{Colouring, Film, Scene, Shown, ShownMesh};
+use crate::assemblies::assembly_file::Assembly;
+use crate::export::{assembly_of, gather};
+use crate::stability::run::RunSettings;
+use crate::stability::run::replica_directory;
 use anyhow::{Context, Result, bail};
-use protomer::assemblies::assembly_file::Assembly;
-use protomer::export::{assembly_of, gather};
-use protomer::stability::run::RunSettings;
-use protomer::stability::run::replica_directory;
 use protomer_body::Body;
+use protomer_common::page::millimolar;
+use protomer_common::page::scene::{Colouring, Film, Scene, Shown, ShownMesh};
 use protomer_field::voxels::hydropathy::HydropathyMap;
-use protomer_io::gsd::{Chunk, ChunkData, GsdFile, TrajectoryReader};
+use protomer_io::gsd::{GsdFile, TrajectoryReader};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Pose, TriangleMesh, Vec3};
 use protomer_results::Record;
@@ -61,6 +61,8 @@ pub fn collect(
     let mut collected = Collected::default();
     match (assembly_of(directory, record, assembly), assembly) {
         (Ok(stored_assembly), _) => collected.assembly = Some(stored_assembly),
+        // An assembly that was named must be the right one;
+        // one that was only remembered may be missing.
         (Err(error), Some(_)) => return Err(error),
         (Err(error), None) => collected.notes.push(format!(
             "The body files were not found ({error:#}): the shapes come from the trajectory, without charges and \
@@ -150,6 +152,7 @@ fn states(
             film: None,
         });
     }
+    // Evenly chosen salts, the first always among them.
     let step = trajectories.len().div_ceil(MOST_ENDS).max(1);
     for (salt, path) in trajectories.iter().step_by(step) {
         match last_frame(path) {
@@ -166,6 +169,7 @@ fn states(
     if let Some(lengths) = box_angstrom {
         for scene in &mut scenes {
             let positions = scene.bodies.iter_mut().map(|(_, pose)| &mut pose.position);
+            // A cluster that crosses the border of the box is shown in one piece.
             gather(&mut positions.collect::<Vec<_>>(), lengths);
         }
     }
@@ -188,15 +192,18 @@ fn films(
     for (salt, path) in chosen {
         let mut reader = TrajectoryReader::open(path)?;
         let total = reader.frames();
+        // A film needs two frames.
         if total < 2 {
             continue;
         }
         let first = reader.frame(0)?;
         let bodies = first.poses.len().max(1);
+        // All films together stay within the limit, and each has at least two frames.
         let most = (MOST_POSES / (number * bodies)).clamp(2, MOST_FRAMES) as u64;
         let frame_count = total.min(most);
         let mut frames = Vec::new();
         for place in 0..frame_count {
+            // First and last frame are always chosen.
             let frame = reader.frame(place * (total - 1) / (frame_count - 1))?;
             frames.push((format!("sweep {}", frame.step), frame.poses));
         }
@@ -227,6 +234,7 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     }
     let mut salts: Vec<f64> = settings.salt_molar.first().copied().into_iter().collect();
     salts.extend(settings.salt_molar.last());
+    // A sweep of one salt names it twice.
     salts.dedup();
     let mut potentials = Vec::new();
     for salt in salts {
@@ -236,6 +244,7 @@ fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
         }
     }
     let values = potentials.iter().flat_map(|(_, of_bodies)| of_bodies);
+    // One limit for all salts and bodies, or colours could not be compared.
     let limit = limit_of(values.flatten().copied());
     for (salt, of_bodies) in potentials {
         shown.colourings.push(Colouring {
@@ -279,6 +288,7 @@ fn potential_at_vertices(body: &Body, yukawa: &Yukawa) -> Vec<f64> {
     let evaluate = |vertex: &Vec3| {
         let mut potential = 0.0;
         for site in &body.sites {
+            // Most sites have no charge.
             if site.charge_e != 0.0 {
                 let distance = (vertex - site.position).norm();
                 potential += site.charge_e * yukawa.energy_kt(distance);
@@ -309,6 +319,7 @@ fn limit_of(values: impl Iterator<Item = f64>) -> f64 {
         .collect();
     sizes.sort_by(f64::total_cmp);
     let most = sizes
+        // The 95th percentile: a few vertices next to a charge would wash out the rest.
         .get((sizes.len() * 95 / 100).min(sizes.len().saturating_sub(1)))
         .copied()
         .unwrap_or(0.0);
@@ -334,6 +345,7 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
     let shown = names.into_iter().zip(shapes).map(|(name, text)| {
         let context = || format!("{} has no mesh of body '{name}'", path.display());
         let Shape { vertices, indices } = serde_json::from_str(&text).with_context(context)?;
+        // Indices come from a file and are used to read vertices later.
         if indices
             .iter()
             .flatten()
@@ -357,25 +369,9 @@ fn shapes(path: &Path) -> Result<Vec<ShownMesh>> {
     shown.collect()
 }
 
-/// Rows of text, each terminated by a zero byte.
 fn texts(file: &mut GsdFile, path: &Path, name: &str) -> Result<Vec<String>> {
-    let Some(Chunk {
-        columns,
-        data: ChunkData::I8(letters),
-        ..
-    }) = file.chunk(0, name)?
-    else {
-        bail!("{} has no {name}", path.display())
-    };
-    let text = |row: &[i8]| {
-        let bytes: Vec<u8> = row
-            .iter()
-            .map(|letter| *letter as u8)
-            .take_while(|byte| *byte != 0)
-            .collect();
-        String::from_utf8_lossy(&bytes).into_owned()
-    };
-    Ok(letters.chunks(columns.max(1) as usize).map(text).collect())
+    let texts = file.chunk(0, name)?.and_then(|chunk| chunk.texts());
+    texts.with_context(|| format!("{} has no {name}", path.display()))
 }
 
 /// Reads type and pose of each body in the last frame.

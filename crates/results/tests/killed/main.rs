@@ -1,7 +1,13 @@
-//! A process that is killed at work and continued leaves the files of the undisturbed one. On its
-//! own: a child that is being started holds the locks of its parent for a moment.
+//! A process that is killed at work and continued leaves the files of the undisturbed one.
+//!
+//! This is a separate binary: a child that is being started holds the locks of its parent for a moment, so that
+//! tests in the same process would find their directories busy.
 
-use crate::walk;
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
+#[allow(dead_code, reason = "the campaign is for the other tests")]
+#[path = "../integration/walk/mod.rs"]
+mod walk;
 
 use protomer_results::{Execution, Exit, Record};
 use std::path::Path;
@@ -42,7 +48,7 @@ fn a_walk_that_was_killed_and_continued_equals_the_whole_one() {
     walk(&plan, &whole, &Execution::default()).unwrap();
     for kill in 1..=3 {
         let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "killed::child"])
+            .args(["--exact", "child"])
             .env("WALK_IN", &killed)
             .stdout(Stdio::null())
             .spawn()

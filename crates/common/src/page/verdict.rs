@@ -1,0 +1,53 @@
+//! The verdict of a run on its own results, which a page says before anything else.
+
+/// A question about the results as a whole, and the answer of the run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Question, as in "*Equilibrated*: yes".
+    pub question: &'static str,
+    /// Answer of the run; `None` if it does not tell.
+    pub answer: Option<bool>,
+    /// The reason, as a sentence without its full stop.
+    pub reason: String,
+}
+
+/// Beginnings of reasons that only repeat the answer.
+const REPEATED: [&str; 2] = [
+    "not equilibrated: ",
+    "whether this is an equilibrium is not known: ",
+];
+
+impl Verdict {
+    /// The verdict on whether the results are those of an equilibrium.
+    pub fn equilibrated(answer: Option<bool>, reason: &str) -> Self {
+        let repeated = REPEATED.iter().find_map(|words| reason.strip_prefix(words));
+        Self {
+            question: "Equilibrated",
+            answer,
+            reason: repeated.unwrap_or(reason).to_owned(),
+        }
+    }
+
+    /// The verdict on whether the samples are enough for the errors that are stated.
+    pub fn sampled_enough(answer: bool, reason: &str) -> Self {
+        Self {
+            question: "Enough samples",
+            answer: Some(answer),
+            reason: reason.to_owned(),
+        }
+    }
+
+    /// The verdict on whether a control gave what is known beforehand.
+    pub fn control_passed(answer: bool, reason: &str) -> Self {
+        Self {
+            question: "Control passed",
+            answer: Some(answer),
+            reason: reason.to_owned(),
+        }
+    }
+
+    /// Whether the results may be used as they are.
+    pub fn is_good(&self) -> bool {
+        self.answer == Some(true)
+    }
+}
