@@ -122,7 +122,7 @@ class Page:
         return said + [event["entry"]["text"] for event in self._events("Log.entryAdded")]
 
     def requests(self):
-        """Addresses that were asked for, besides the page and what is written in it."""
+        """Addresses that were requested, besides the page and what is written in it."""
         asked = [event["request"]["url"] for event in self._events("Network.requestWillBeSent")]
         return [url for url in asked if url != self.address and not url.startswith("data:")]
 

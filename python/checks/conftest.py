@@ -93,7 +93,7 @@ def write_sphere_body(folder, protomer, name, radius, charge, bands=8):
 
 
 def write_assembly(path, bodies, placements, box=None):
-    """An assembly file: names of bodies (files NAME.body beside it), and (name, position, quaternion) of the placements."""
+    """An assembly file: names of bodies (files NAME.body next to it), and (name, position, quaternion) of the placements."""
     content = {
         "box_angstrom": None if box is None else [box] * 3,
         "bodies": [{"name": name, "file": f"{name}.body"} for name in bodies],

@@ -1,8 +1,8 @@
 """Areas, volumes, centroids and inertia of meshes against trimesh and coxeter.
 
 `surface` prints area and volume of the mesh that it writes, `lattice square` the inertia of a body about an axis. For its
-inertia coxeter sums absolute volumes of tetrahedra about the centroid, which holds for star-shaped bodies only: it is asked
-for that of a sphere, and trimesh for that of a protein.
+inertia coxeter sums absolute volumes of tetrahedra about the centroid, which holds for star-shaped bodies only: the
+reference for a sphere is coxeter, and for a protein trimesh.
 """
 
 import coxeter

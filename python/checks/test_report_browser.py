@@ -155,7 +155,7 @@ def test_fingers_turn_and_zoom_the_bodies_and_leave_the_page_where_it_is(chromiu
     assert larger["share"] > 1.5 * smaller["share"], "two fingers that part make it larger"
     assert page.evaluate("scrollY") == place, "the page stays where it is"
     assert page.evaluate("visualViewport.scale") == 1
-    # Beside the picture a finger scrolls the page, as everywhere.
+    # Next to the picture a finger scrolls the page, as everywhere.
     page.evaluate("document.querySelector('#results h2').scrollIntoView({ block: 'start', behavior: 'instant' })")
     page.pause()
     place = page.evaluate("scrollY")

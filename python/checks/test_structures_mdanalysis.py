@@ -1,6 +1,6 @@
 """Atoms, centres, radii of gyration, radii, selections and net charges of the bundled structures against MDAnalysis.
 
-The rules stand in docs/methods.md and are written again here, on what MDAnalysis reads.
+The rules stand in docs/methods/surfaces.md and are written again here, on what MDAnalysis reads.
 """
 
 import re
@@ -28,7 +28,7 @@ def universe(path):
 
 
 def one_conformer(atoms, letter=None):
-    """Per residue the letter of highest mean occupancy or the one asked for; an atom without it by its own occupancy."""
+    """Per residue the letter of highest mean occupancy or the requested one; an atom without it by its own occupancy."""
     chosen = []
     for residue in atoms.residues:
         here = residue.atoms & atoms

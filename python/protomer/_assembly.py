@@ -163,7 +163,7 @@ class Assembly:
         return assembly
 
     def write(self, path: Path | str, *, force: bool = False) -> Path:
-        """Writes an assembly file. Bodies that are no files yet are written beside it, into `NAME_input`.
+        """Writes an assembly file. Bodies that are no files yet are written next to it, into `NAME_input`.
 
         Parameters
         ----------

@@ -39,7 +39,7 @@ def file_name(name: str) -> str:
 
 
 class Folder:
-    """A folder for objects, which holds each under a name of its own."""
+    """A folder for objects, which holds each under its own name."""
 
     def __init__(self, path: Path, *, replace: bool) -> None:
         self.path = path

@@ -793,7 +793,7 @@ class TrainResult(Result):
         return read_log(self._file("history.csv"))
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """Balanced accuracy on the test part with its 95 % interval, beside the baselines and guessing."""
+        """Balanced accuracy on the test part with its 95 % interval, next to the baselines and guessing."""
         ax = new_axes(ax)
         accuracy = self._fields["balanced_accuracy"]
         interval = self._fields["bootstrap_95"]["balanced_accuracy"]

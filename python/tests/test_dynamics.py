@@ -55,7 +55,7 @@ def test_free_flight_has_its_exact_limits() -> None:
 
 
 def test_correlations_are_the_means_over_all_origins() -> None:
-    """Fourier transforms beside plain sums."""
+    """Fourier transforms compared with plain sums."""
     rng = np.random.default_rng(3)
     values = rng.normal(size=(37, 5, 3)).cumsum(axis=0)
     walk = motion(np.linspace(0.0, 3.6, 37), values, velocities=values, spins=2.0 * values)

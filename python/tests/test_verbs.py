@@ -1,9 +1,9 @@
 """Verbs as functions: the same results as the command, errors as exceptions, progress, Ctrl-C."""
 
-import ast
 import inspect
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import protomer as pm
+from protomer import _protomer
 from conftest import BPTI
 
 SHORT = {"salt": ["30mM", "300mM"], "replicas": 2, "sweeps": 20, "equilibration": 10, "seed": 7}
@@ -73,14 +74,32 @@ def test_lists_reach_the_program():
 
 def repeated_flags():
     """The flags that the program reads once per value, by verb, as its table of flags has them."""
-    source = (Path(pm.__file__).parent / "_verbs.py").read_text(encoding="utf-8")
-    found = set()
-    for call in ast.walk(ast.parse(source)):
-        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "call":
-            verb = " ".join(ast.literal_eval(call.args[1]))
-            flags = [ast.literal_eval(keyword.value) for keyword in call.keywords if keyword.arg == "repeated"]
-            found |= {(verb, flag) for names in flags for flag in names}
-    return found
+    functions = [function for group in _protomer.verbs() for function in group["functions"]]
+    return {
+        (" ".join(function["verb"]), parameter["flag"])
+        for function in functions
+        for parameter in function["parameters"]
+        if parameter["is_repeated"]
+    }
+
+
+def test_a_call_that_does_not_fit_is_a_type_error_with_the_name_of_the_function():
+    with pytest.raises(TypeError, match=r"^sweep\(\): got an unexpected keyword argument 'sallt'$"):
+        pm.sweep("ring.json", sallt="100mM", output="out")
+    with pytest.raises(TypeError, match=r"^_Assemble.ring\(\): missing a required argument: 'bodies'$"):
+        pm.assemble.ring(output="ring.json")
+    with pytest.raises(TypeError, match=r"^sweep\(\): too many positional arguments$"):
+        pm.sweep("ring.json", "out")
+
+
+def test_functions_look_like_those_of_a_module():
+    assert pm.sweep.__name__ == "sweep" and pm.sweep.__module__ == "protomer._verbs"
+    assert pickle.loads(pickle.dumps(pm.sweep)) is pm.sweep
+    signature = inspect.signature(pm.lattice.run)
+    assert signature.parameters["output"].default is inspect.Parameter.empty
+    assert signature.parameters["no_collisions"].default is False
+    assert signature.return_annotation == "LatticeResult"
+    assert "rod" in inspect.getdoc(pm.lattice.run)
 
 
 def test_both_values_of_every_repeated_flag_reach_the_program(tmp_path):
