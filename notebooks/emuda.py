@@ -18,7 +18,7 @@
 #
 # Networks of rods joined by hinges can grow wider when pulled: their Poisson's ratio is negative. Elastic constants
 # follow from second derivatives of the energy with the nodes relaxed, the method of Grima et al., Mol. Simul. 31, 925
-# (2005). Here: rotating squares, honeycombs beside closed formulas, and the tables of the paper.
+# (2005). Here: rotating squares, honeycombs compared with closed formulas, and the tables of the paper.
 #
 # All of it takes a second or two.
 
@@ -34,7 +34,7 @@ import protomer as pm
 # ## Rotating squares
 #
 # Squares that touch at their corners, with rods of stiffness k_s and hinges of stiffness k_h. If the rods are stiff
-# beside the hinges, the squares turn as rigid bodies: what is pulled along one direction grows as much along the
+# compared with the hinges, the squares turn as rigid bodies: what is pulled along one direction grows as much along the
 # other, and Poisson's ratio goes to -1. The deviation falls as k_h / k_s.
 
 # %%
@@ -105,7 +105,7 @@ assert max(abs(network.nu_yz) for network in honeycombs[50, 100]) < 1e-9
 #
 # ## The tables of the paper
 #
-# Every number of tables 2 to 4, computed anew. `same` means equal to the number as printed, `one_unit` that it differs
+# Every number of tables 2 to 4, computed again. `same` means equal to the number as printed, `one_unit` that it differs
 # by one in the last printed digit, `off` by more. What is off is listed by table; the [written
 # comparison](../docs/validation/emuda.md) says why.
 

@@ -18,7 +18,7 @@
 #
 # Before a result on real data means anything, the same training must learn what is there and nothing else. In this
 # control solids carry a positive or a negative net charge. Only the potential tells the sign; the shape knows nothing
-# of it. The network is trained with every subset of the two channels, beside what can be said without it.
+# of it. The network is trained with every subset of the two channels, and compared with what can be said without it.
 #
 # `PROTOMER_FAST=1` trains fewer epochs, with one seed per subset.
 

@@ -162,4 +162,4 @@ for label, logs in trajectories.items():
 # -0.87 ± 0.11.
 #
 # More, with the Lyapunov exponents and the effect of the coherence potential, stands with
-# [the figures of the papers computed anew](../docs/validation/rhua-lattice.md).
+# [the figures of the papers computed again](../docs/validation/rhua-lattice.md).

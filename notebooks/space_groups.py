@@ -17,7 +17,7 @@
 # # Does a protein's surface tell its crystal?
 #
 # A network is asked for the crystal system from the surface of the molecule, its potential and its hydropathy. What it
-# answers is shown beside what can be said without looking at a surface: the most frequent class, the frequencies alone,
+# answers is shown next to what can be said without looking at a surface: the most frequent class, the frequencies alone,
 # the size, the charge and the composition. Relatives by sequence never stand on both sides of the split.
 #
 # Name a folder of structures with a `MANIFEST.tsv` (columns file, sg_reference_name, cluster, cell) in
@@ -104,7 +104,7 @@ print(f"{samples.training} to train on, {samples.validation} to stop by, {sample
 print("classes:", ", ".join(training.classes))
 
 # %% [markdown]
-# ## Beside what does not look
+# ## Compared with what does not see the surface
 #
 # Nats gained over the prior: how much better the probabilities are than the frequencies of the training part. Below 0
 # they are worse. The interval is that of a bootstrap over clusters; p that of exchanging labels between clusters.

@@ -46,7 +46,7 @@ work = Path(folder.name)
 # %% [markdown]
 # ## The body
 #
-# A body has a frame of its own. `origin_angstrom` says where its origin is in the coordinates of the file.
+# A body has its own frame. `origin_angstrom` says where its origin is in the coordinates of the file.
 
 # %%
 body = pm.Body.from_structure(BPTI, density=1 if FAST else 3)

@@ -4,8 +4,8 @@
 
 A thousand bodies of one shape repel each other by the smooth sum. They are compressed slowly from a dilute lattice, which melts, and held with a
 global thermostat at a packing fraction of 0.55, which counts each body with its layer. The script prints how the bodies stand
-to their neighbours beside the same numbers of perfect crystals, and draws the radial distribution and the diffraction pattern.
-The runs continue where they were stopped. Needs `pip install './python[plot,dynamics]'`.
+to their neighbours compared with the same numbers of perfect crystals, and draws the radial distribution and the diffraction
+pattern. The runs continue where they were stopped. Needs `pip install './python[plot,dynamics]'`.
 """
 
 import subprocess

@@ -1,4 +1,4 @@
-"""Pressures of soft squares and cubes (AWCA) beside hard ones.
+"""Pressures of soft squares and cubes (AWCA) compared with hard ones.
 
     python tests/validation/contact_pressures.py OUTPUT [FORMS [SHAPES]]
 

@@ -6,7 +6,7 @@ Two bodies in a cell that is free to change, the second the inverse of the first
 convex bodies do not overlap when a facet of their Minkowski difference lies between the origin and the place of the second
 seen from the first; for chosen facets that is linear in the cell and in the place, so the volume of the cell falls by a
 sequence of linear programs from random starts (after S. Torquato and Y. Jiao, Phys. Rev. E 82, 061302 (2010)). Writes the
-densest cell found to CELL and prints its packing fraction beside the one known, 207/208 (P. F. Damasceno, M. Engel and
+densest cell found to CELL and prints its packing fraction next to the one known, 207/208 (P. F. Damasceno, M. Engel and
 S. C. Glotzer, ACS Nano 6, 609 (2012); Y. Jiao and S. Torquato, J. Chem. Phys. 135, 151101 (2011)). Needs NumPy and SciPy.
 """
 

@@ -4,7 +4,7 @@
       --equilibration 20000 --sweeps 5000000 --sample-every 1000 --trajectory-every 20000 --seed 5 -o RUN
     python tests/validation/diamond_growth.py RUN FRAME PICTURE.png
 
-Prints the parts of the bodies in cubic and in hexagonal diamond, means over ten frames, and draws them beside the diffraction
+Prints the parts of the bodies in cubic and in hexagonal diamond, means over ten frames, and draws them next to the diffraction
 pattern and the positional autocorrelation of one frame, seen along its layers. Needs `pip install protomer[dynamics]`.
 """
 

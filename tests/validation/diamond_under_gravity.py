@@ -6,7 +6,7 @@
     python tests/validation/diamond_under_gravity.py RUN PICTURE.png
 
 Prints, for each double layer along (111), bodies, their parts in cubic and in hexagonal diamond, and the mean conformation of
-contacts, over the last frames; and draws these by height beside the diffraction pattern of the crystal seen from above. Needs
+contacts, over the last frames; and draws these by height next to the diffraction pattern of the crystal seen from above. Needs
 `pip install protomer[dynamics]`.
 """
 

@@ -93,7 +93,7 @@ def convert(structure, ph, output):
     fields = (re.search(r"charge: (\S+), .*name: (\w+),", line).groups() for line in atoms)
     charges = {name: float(charge) for charge, name in fields}
     rows = [line.split() for line in (output / "beads.xyz").read_text().splitlines()[2:]]
-    # Cysteines in bridges have a name of their own. The ends of the chain, NTR and CTR, have a charge beside the bead of
+    # Cysteines in bridges have their own name. The ends of the chain, NTR and CTR, have a charge in addition to the bead of
     # their residue; to us they are charges only, to duello also repulsive balls of 2 Å.
     names = [("CYS" if row[0] == "CSS" else row[0]) for row in rows]
     beads = [(name, n + 1, list(map(float, row[1:])), charges[row[0]]) for n, (name, row) in enumerate(zip(names, rows))]

@@ -5,7 +5,7 @@
 
 Cuts COUNT different pieces of a few residues out of a bundled protein, moves their atoms by a few hundredths of an Å,
 and gives them to `ingest --stream` and to `voxelize`: a tenth of them, all of them, and all of them again with the program
-killed (SIGKILL) several times on the way and started anew. Prints peak memory, processor time and structures per second,
+killed (SIGKILL) several times on the way and started again. Prints peak memory, processor time and structures per second,
 and fails if the folder of the killed runs differs from the other in a byte, or if memory grows by more than a tenth.
 PROTOMER names another program, KILLS another number of kills, VERBS one of the two verbs.
 """
@@ -61,7 +61,7 @@ def write_structures(folder, count):
 
 
 def commands(which):
-    """What is run, by verb, for the list `which`; all write the same name, each in a folder of its own."""
+    """What is run, by verb, for the list `which`; all write the same name, each in a separate folder."""
     ingest = [PROGRAM, "ingest", f"../{which}.txt", "-o", "written", "--stream"]
     voxelize = [PROGRAM, "voxelize", "--manifest", f"../{which}.csv", "-o", "written", "--size", "32", "--seed", "1"]
     return {verb: [*line, "-q", "-j", "1"] for verb, line in (("ingest", ingest), ("voxelize", voxelize))}

@@ -1,4 +1,4 @@
-"""The benchmark network in PyTorch and TensorFlow beside ours: CPU milliseconds per sample and peak memory, one thread.
+"""The benchmark network in PyTorch and TensorFlow compared with ours: CPU milliseconds per sample and peak memory, one thread.
 
     cargo build --release -p protomer-learn --example benchmark_net
     pip install torch tensorflow-cpu

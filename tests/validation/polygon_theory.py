@@ -19,7 +19,7 @@ import numpy as np
 from protomer.dynamics import Seeds, local_slope
 
 SHAPES = [*(f"polygon{n}" for n in range(3, 10)), "disk"]
-# The part of the quadratic friction: w |v| v beside (1 - w) v, in units of the root mean square of a component.
+# The part of the quadratic friction: w |v| v in addition to (1 - w) v, in units of the root mean square of a component.
 PARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
 PARTICLES, STEP, STEPS, EVERY = 4000, 0.02, 20_000, 5
 RATES = np.geomspace(0.3, 300.0, 400)

@@ -4,7 +4,7 @@
 
 FOLDER holds the files that the table below names. All peptides are residues 1-20 (162 heavy atoms, +1.748 e at pH 7.4 with
 free ends) or 52-58 (46 heavy atoms, +0.775 e) of 5PTI, or the whole protein. Charges are Henderson-Hasselbalch sums with the model
-pKa values of docs/methods.md. Prints a row per file, and exits 1 if one differs.
+pKa values of docs/methods/interactions.md. Prints a row per file, and exits 1 if one differs.
 """
 
 import json

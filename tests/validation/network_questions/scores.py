@@ -8,7 +8,7 @@ from scipy.stats import rankdata
 def auc(score, positive, fold):
     """The share of pairs of a positive and a negative that the score puts in order; ties count half.
 
-    Pairs are of one fold, because each fold has a network of its own, and because the prior of a fold falls as its share of
+    Pairs are of one fold, because each fold has its own network, and because the prior of a fold falls as its share of
     positives rises, which would push the value of any weak predictor below one half.
     """
     right = pairs = 0.0
