@@ -74,11 +74,7 @@ fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
 
 /// The charges of the residue's atoms, e, in their order.
 pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) -> Vec<f64> {
-    let mut charges = Charges {
-        residue,
-        ph,
-        values: vec![0.0; residue.atoms.len()],
-    };
+    let mut charges = Charges::new(residue, ph);
     match model {
         ChargeModel::None => return charges.values,
         ChargeModel::Formal => charges.formal(),
@@ -88,13 +84,123 @@ pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) ->
     charges.values
 }
 
+/// Charges of the residue's atoms with every titratable group in its neutral form, e. A neutral
+/// histidine is the mean of its two tautomers.
+pub(crate) fn neutral_charges_e(residue: &SelectedResidue) -> Vec<f64> {
+    let residue = &without_ends(residue);
+    let mut charges = Charges::new(residue, PROTONATED_PH);
+    charges.force_field();
+    charges.spread_remainder(residue_charge_e(residue, PROTONATED_PH));
+    for (place, group) in side_groups(residue).iter().enumerate() {
+        if group.protonated_charge_e > 0.5 {
+            let change = side_chain_change_e(residue, place);
+            for (value, change) in charges.values.iter_mut().zip(change) {
+                *value -= change;
+            }
+        }
+    }
+    share_between_equals(residue, &mut charges.values);
+    charges.values
+}
+
+/// Change of the charges of the residue's atoms between the neutral and the charged form of a group
+/// of the side chain, e. It adds up to ±1 e.
+pub(crate) fn side_chain_change_e(residue: &SelectedResidue, place: usize) -> Vec<f64> {
+    let residue = &without_ends(residue);
+    let groups = side_groups(residue);
+    let group = &groups[place];
+    let total = if group.protonated_charge_e > 0.5 {
+        1.0
+    } else {
+        -1.0
+    };
+    let has_templates = match residue.class.amino_acid() {
+        Some(amino_acid) => !forms(amino_acid, false).deprotonated.is_empty(),
+        None => false,
+    };
+    if groups.len() > 1 || !has_templates {
+        let mut change = Charges::new(residue, DEPROTONATED_PH);
+        change.place_group(group, total);
+        return change.values;
+    }
+    let at_ph = |ph| {
+        let mut charges = Charges::new(residue, ph);
+        charges.force_field();
+        charges.spread_remainder(residue_charge_e(residue, ph));
+        charges.values
+    };
+    let mut change = at_ph(PROTONATED_PH);
+    // Protonated minus deprotonated is +1 e; the charged form of an acid is the deprotonated one.
+    for (value, deprotonated) in change.iter_mut().zip(at_ph(DEPROTONATED_PH)) {
+        *value = total * (*value - deprotonated);
+    }
+    share_between_equals(residue, &mut change);
+    change
+}
+
+/// Gives the two oxygens of a carboxylate the same charge: the proton of the neutral form is on either.
+fn share_between_equals(residue: &SelectedResidue, values: &mut [f64]) {
+    for names in [["OD1", "OD2"], ["OE1", "OE2"]] {
+        let amino_acid = residue.class.amino_acid();
+        if !matches!(amino_acid, Some(AminoAcid::Asp | AminoAcid::Glu)) {
+            continue;
+        }
+        let mut pair = Vec::new();
+        for (index, atom) in residue.atoms.iter().enumerate() {
+            if names.contains(&&*atom.name) {
+                pair.push(index);
+            }
+        }
+        if let [first, second] = pair[..] {
+            let mean = 0.5 * (values[first] + values[second]);
+            (values[first], values[second]) = (mean, mean);
+        }
+    }
+}
+
+/// Half the difference of the two neutral tautomers of histidine, e: the proton on Nδ minus that on
+/// Nε. Zero for any other residue.
+pub(crate) fn tautomer_change_e(residue: &SelectedResidue) -> Vec<f64> {
+    let mut change = Charges::new(residue, DEPROTONATED_PH);
+    if residue.class.amino_acid() == Some(AminoAcid::His)
+        && let [delta, epsilon] = forms(AminoAcid::His, false).deprotonated
+    {
+        change.add(&[delta], 0.5);
+        change.add(&[epsilon], -0.5);
+        change.spread_remainder(0.0);
+    }
+    change.values
+}
+
+/// A pH at which every group has its proton.
+const PROTONATED_PH: f64 = -100.0;
+/// A pH at which no group has its proton.
+const DEPROTONATED_PH: f64 = 100.0;
+
+/// The residue in the middle of a chain.
+fn without_ends(residue: &SelectedResidue) -> SelectedResidue {
+    SelectedResidue {
+        n_terminus: false,
+        c_terminus: false,
+        ..residue.clone()
+    }
+}
+
 struct Charges<'a> {
     residue: &'a SelectedResidue,
     ph: f64,
     values: Vec<f64>,
 }
 
-impl Charges<'_> {
+impl<'a> Charges<'a> {
+    fn new(residue: &'a SelectedResidue, ph: f64) -> Self {
+        Self {
+            residue,
+            ph,
+            values: vec![0.0; residue.atoms.len()],
+        }
+    }
+
     fn formal(&mut self) {
         self.place_groups(side_groups(self.residue));
         if self.residue.n_terminus {

@@ -11,6 +11,7 @@
 //! | [`charges`] | the charge of one residue, distributed over its atoms |
 //! | [`mutation`] | mutations without new coordinates |
 //! | [`radii`] | radii for the surface |
+//! | [`titration`] | titratable groups as changes of charge on a background, with polar hydrogens |
 //! | `treatment` | how a residue that is not one of the twenty is treated, in words |
 //! | [`sites`] | the sites and residues of a body, from a whole selection |
 
@@ -24,6 +25,7 @@ pub mod radii;
 pub mod residue_names;
 pub mod sites;
 pub mod templates;
+pub mod titration;
 pub(crate) mod treatment;
 
 pub use amino_acid::AminoAcid;

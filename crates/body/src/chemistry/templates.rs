@@ -67,6 +67,20 @@ pub const C_TERMINUS: [(&str, f64); 4] = [
     ("CA", -0.1327),
 ];
 
+/// Sum of the charges of the hydrogens on a heavy atom, e; zero for one in no template. Forms that
+/// protonation changes count as protonated.
+pub(crate) fn hydrogen_charge_e(residue: Option<AminoAcid>, atom: &str) -> f64 {
+    let Some(residue) = residue else {
+        return 0.0;
+    };
+    for (name, _, hydrogens) in forms(residue, false).protonated.iter().copied().flatten() {
+        if *name == atom {
+            return *hydrogens;
+        }
+    }
+    0.0
+}
+
 const ALA: Template = &[
     ("N", -0.4157, 0.2719),
     ("CA", 0.0337, 0.0823),

@@ -1,0 +1,18 @@
+//! A protein whose titratable groups can be charged one by one.
+//!
+//! Everything that no proton changes is the background: the partial charges of the neutral form of
+//! every residue, with the hydrogens of polar atoms at places of their own. A group is a change of
+//! these charges, from its neutral to its charged form, that adds up to ±1 e ([`TitratableGroup`]).
+//!
+//! | module | one idea |
+//! |---|---|
+//! | [`groups`] | the titratable groups of a selection, as changes of charge |
+//! | [`hydrogens`] | places of the hydrogens on polar atoms |
+//! | `sites` | atoms, hydrogens and groups of a selection together |
+
+pub mod groups;
+pub mod hydrogens;
+mod sites;
+
+pub use groups::{GroupKind, TitratableGroup};
+pub use sites::{TitratableSites, titratable_sites};
