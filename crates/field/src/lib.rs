@@ -21,6 +21,7 @@
 //! | [`binding`] | the charge part of a binding free energy: a complex minus its parts |
 //! | [`effective_charges`] | charges in salt water that stand for those inside a body |
 //! | [`solvent_response`] | what two bodies that displace water and ions do to the field of each other |
+//! | [`titration`] | electrostatic energies of titratable groups |
 //! | [`voxels`] | a structure as a sparse cubic grid: surface, potential, hydropathy |
 //!
 //! Lengths are in Å, charges in e, potentials in kT/e; energies in kT, and in kJ/mol where a name
@@ -41,6 +42,7 @@ pub mod poisson_boltzmann;
 mod screened_sum;
 pub mod solvent_response;
 pub mod surface;
+pub mod titration;
 pub mod voxels;
 
 pub use charged_sphere::ChargedSphere;

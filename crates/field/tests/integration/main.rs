@@ -14,4 +14,5 @@ mod effective_charges;
 mod solvent_response;
 #[path = "../../../../tests/test_data.rs"]
 mod test_data;
+mod titration;
 mod voxels;

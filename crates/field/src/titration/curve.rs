@@ -1,0 +1,79 @@
+//! pKa values, net charge and isoelectric point.
+
+use super::equilibrium::TitratingGroups;
+use rayon::prelude::*;
+
+/// Lowest pH at which groups are titrated.
+const LOWEST_PH: f64 = -2.0;
+/// Highest pH at which groups are titrated.
+const HIGHEST_PH: f64 = 16.0;
+/// Step of the pH between which protonation is interpolated.
+const STEP_PH: f64 = 0.25;
+
+impl TitratingGroups {
+    /// The pH at which a group is half protonated, for each group; `None` outside -2 to 16. A group that
+    /// crosses one half several times has the crossing of its first charge: the highest for an acid, the
+    /// lowest for a base.
+    pub fn pka_values(&self) -> Vec<Option<f64>> {
+        let steps = ((HIGHEST_PH - LOWEST_PH) / STEP_PH).round() as usize;
+        let phs: Vec<f64> = (0..=steps)
+            .map(|step| LOWEST_PH + STEP_PH * step as f64)
+            .collect();
+        let shares: Vec<Vec<f64>> = phs.par_iter().map(|ph| self.charged_shares(*ph)).collect();
+        let mut values = Vec::with_capacity(self.len());
+        for (group, charge_e) in self.charge_e.iter().enumerate() {
+            let charged: Vec<f64> = shares.iter().map(|shares| shares[group]).collect();
+            values.push(half_protonation(&phs, &charged, *charge_e > 0.0));
+        }
+        values
+    }
+
+    /// Sum of the mean charges of all groups at a pH, e.
+    pub fn net_charge_e(&self, ph: f64) -> f64 {
+        let shares = self.charged_shares(ph);
+        let mut sum = 0.0;
+        for (share, charge_e) in shares.iter().zip(&self.charge_e) {
+            sum += share * charge_e;
+        }
+        sum
+    }
+
+    /// The pH at which groups and fixed charges add up to zero, to 0.001; `None` if they do nowhere
+    /// from 0 to 14.
+    pub fn isoelectric_point(&self, fixed_charge_e: f64) -> Option<f64> {
+        let total = |ph: f64| self.net_charge_e(ph) + fixed_charge_e;
+        let (mut low, mut high) = (0.0, 14.0);
+        if total(low) <= 0.0 || total(high) >= 0.0 {
+            return None;
+        }
+        while high - low > 5e-4 {
+            let middle = 0.5 * (low + high);
+            if total(middle) > 0.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        Some(0.5 * (low + high))
+    }
+}
+
+/// The pH at which a group is half protonated, from its charged share at these values of the pH.
+fn half_protonation(phs: &[f64], charged: &[f64], is_base: bool) -> Option<f64> {
+    let mut crossing = None;
+    for (phs, shares) in phs.windows(2).zip(charged.windows(2)) {
+        // Log-odds of the proton, which fall linearly with the pH for a group alone.
+        let [first, second] = [shares[0], shares[1]].map(|share| {
+            let odds = (share / (1.0 - share)).ln();
+            if is_base { odds } else { -odds }
+        });
+        let falls = first >= 0.0 && second < 0.0;
+        if falls && (crossing.is_none() || !is_base) {
+            let part = first / (first - second);
+            // Infinite odds have no part; the middle is within an eighth of a unit.
+            let part = if part.is_finite() { part } else { 0.5 };
+            crossing = Some(phs[0] + (phs[1] - phs[0]) * part);
+        }
+    }
+    crossing
+}
