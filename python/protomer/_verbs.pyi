@@ -38,6 +38,7 @@ __all__ = [
     "fetch",
     "surface",
     "potential",
+    "titrate",
     "shape",
     "md",
     "hpmc",
@@ -155,6 +156,31 @@ def potential(
 ) -> PotentialResult:
     """Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e
     and solvation energy."""
+
+def titrate(
+    input: Path | str,
+    *,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    ph: str | float | Sequence[str | float] | None = None,
+    temperature: float | str | None = None,
+    inner_permittivity: float | str | None = None,
+    output: Path | str | None = None,
+    chain: str | float | Sequence[str | float] | None = None,
+    model: int | str | None = None,
+    assembly: str | float | Sequence[str | float] | None = None,
+    altloc: str | float | Sequence[str | float] | None = None,
+    keep_ligands: bool = False,
+    keep_waters: bool = False,
+    keep_hydrogens: bool = False,
+    keep_nucleic_acids: bool = False,
+    missing: Literal["keep", "skip", "fail"] | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Compute the pKa values of a structure with the Poisson-Boltzmann equation: what shifts them, the net
+    charge against pH, the isoelectric point."""
 
 class _Shape:
     """Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second virial

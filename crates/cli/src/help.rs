@@ -25,7 +25,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
             "scattering",
         ],
     ),
-    ("Potentials", &["potential"]),
+    ("Potentials", &["potential", "titrate"]),
     (
         "Learning",
         &["voxelize", "merge", "train", "tune", "predict"],
@@ -165,6 +165,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "pair 4lzt.pdb.gz --salt 100mM,300mM --ph 4.5 --interaction effective -o lysozyme",
             "pair a.body b.body --salt 10mM..1M/8 -o association",
+        ],
+    ),
+    (
+        "titrate",
+        [
+            "titrate 5pti.cif.gz --ph 7 --salt 100mM",
+            "titrate 5pti.cif.gz --ph 2..12 --salt 100mM -o titration",
         ],
     ),
     (

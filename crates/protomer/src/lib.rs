@@ -12,6 +12,7 @@
 //! | [`export`] | back to atoms: structure files of assemblies, frames and poses |
 //! | [`potential`] | the electrostatic potential around a structure |
 //! | [`scattering`] | what light and X-rays see of an assembly or a trajectory |
+//! | [`titration`] | pKa values, charges and titration curve of a structure |
 //! | [`file_kind`] | what a file is, so that one of the wrong kind is refused with its verb |
 
 pub mod assemblies;
@@ -21,3 +22,4 @@ pub mod file_kind;
 pub mod potential;
 pub mod scattering;
 pub mod stability;
+pub mod titration;

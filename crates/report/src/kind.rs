@@ -6,6 +6,7 @@ use crate::learning::{self, Learning};
 use anyhow::{Result, bail};
 use protomer::file_kind::FileKind;
 use protomer::stability::pair;
+use protomer::titration;
 use protomer_convex::{dynamics, hard_bodies};
 use protomer_lattices::{frameworks, lattice};
 use protomer_results::ResultKind;
@@ -42,6 +43,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
     Ok(match ResultKind::of(directory) {
         Some(ResultKind::Sweep) => Kind::Sweep,
         Some(ResultKind::Pair) => Kind::Stated(pair::page::contents),
+        Some(ResultKind::Titration) => Kind::Stated(titration::page::contents),
         Some(ResultKind::LatticeRun) => Kind::Stated(lattice::page::run::contents),
         Some(ResultKind::LatticeSweep) => Kind::Stated(lattice::page::sweep::contents),
         Some(ResultKind::HardBodies) => Kind::Stated(hard_bodies::page::run::contents),

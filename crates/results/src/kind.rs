@@ -23,6 +23,8 @@ pub enum ResultKind {
     Pair,
     /// Two bodies at one salt and pH.
     PairCondition,
+    /// The pKa values and the titration curve of a structure.
+    Titration,
     /// A run of many hard convex bodies.
     HardBodies,
     /// Many runs of hard convex bodies.
@@ -98,6 +100,12 @@ const KINDS: &[Words] = &[
         "pair condition",
         "two bodies at one salt and pH",
         &[],
+    ),
+    words(
+        ResultKind::Titration,
+        "titration",
+        "a titration",
+        &["titrate"],
     ),
     words(
         ResultKind::HardBodies,

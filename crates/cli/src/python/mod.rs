@@ -57,7 +57,7 @@ const PLAIN: &str = "Result";
 /// Subcommands of a starred verb with plain results.
 const PLAIN_VERBS: [&str; 1] = ["framework tables"];
 /// Verbs that require a salt concentration.
-const SALT_IS_REQUIRED: [&str; 2] = ["binding", "potential"];
+const SALT_IS_REQUIRED: [&str; 3] = ["binding", "potential", "titrate"];
 /// Reserved words of Python.
 const KEYWORDS: [&str; 6] = ["from", "lambda", "in", "is", "class", "global"];
 

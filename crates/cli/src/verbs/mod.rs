@@ -17,6 +17,7 @@ mod report;
 mod scattering;
 mod shape;
 mod stability;
+mod titrate;
 #[cfg(feature = "learning")]
 mod voxels;
 
@@ -34,6 +35,7 @@ pub enum Verb {
     Fetch(bodies::fetch::FetchArgs),
     Surface(bodies::surface::SurfaceArgs),
     Potential(potential::PotentialArgs),
+    Titrate(titrate::TitrateArgs),
     Shape(shape::ShapeArgs),
     Md(md::MdArgs),
     Hpmc(hpmc::HpmcArgs),
@@ -71,6 +73,7 @@ impl Verb {
             Verb::Fetch(args) => args.run(front),
             Verb::Surface(args) => args.run(front),
             Verb::Potential(args) => args.run(front),
+            Verb::Titrate(args) => args.run(front),
             Verb::Shape(args) => args.run(front),
             Verb::Md(args) => args.run(front),
             Verb::Hpmc(args) => args.run(front),

@@ -21,6 +21,7 @@ mod predict;
 mod report;
 mod residues;
 mod sweep;
+mod titrate;
 mod train;
 mod tune;
 mod voxelize;
