@@ -290,6 +290,8 @@ impl<T, R: Holds<T>> Holds<Vec<T>> for R {
 ///
 /// let walk = Walk { step_length: 20.0, ..Walk::default() };
 /// assert_eq!(walk.check_ranges().unwrap_err().to_string(), "step_length is 20; give 0.001 to 10");
+/// let error = Walk::default().set("stride", serde_json::json!(1)).unwrap_err();
+/// assert_eq!(error.to_string(), "there is no setting 'stride'");
 /// let [length, angle, crossings] = &Walk::declarations()[..] else { panic!() };
 /// assert_eq!((&*length.text, length.default.as_deref()), ("Length of a step", Some("0.5")));
 /// assert_eq!(angle.default.as_deref(), Some("random"));
@@ -337,7 +339,8 @@ macro_rules! settings {
             fn declarations() -> Vec<$crate::settings::Declaration> {
                 let default = Self::default();
                 [$($crate::settings!(@declare [$($source)?]
-                    $crate::settings::Declaration::new(stringify!($field), &[$($text),*], &default.$field)
+                    $crate::settings::Declaration::new(
+                        $crate::settings!(@key $field $($key)?), &[$($text),*], &default.$field)
                         $(.within($range))?
                         $(.otherwise($words))?
                         $(.off($off))?
@@ -351,17 +354,25 @@ macro_rules! settings {
 
             fn set<'de, D: ::serde::Deserializer<'de>>(&mut self, key: &str, value: D) -> Result<(), D::Error> {
                 match key {
-                    $(stringify!($field) => self.$field = ::serde::Deserialize::deserialize(value)?,)*
-                    _ => {}
+                    $($crate::settings!(@key $field $($key)?) => {
+                        self.$field = ::serde::Deserialize::deserialize(value)?;
+                        Ok(())
+                    })*
+                    unknown => Err(::serde::de::Error::custom(format!("there is no setting '{unknown}'"))),
                 }
-                Ok(())
             }
 
             fn check_ranges(&self) -> ::anyhow::Result<()> {
-                $($($crate::settings::Holds::require_setting(&$range, stringify!($field), &self.$field)?;)?)*
+                $($crate::settings!(@check $crate::settings!(@key $field $($key)?), self.$field $(, $range)?);)*
                 Ok(())
             }
         }
+    };
+    (@key $field:ident) => { stringify!($field) };
+    (@key $field:ident $key:literal) => { $key };
+    (@check $key:expr, $value:expr) => {};
+    (@check $key:expr, $value:expr, $range:expr) => {
+        $crate::settings::Holds::require_setting(&$range, $key, &$value)?;
     };
     (@default) => { Default::default() };
     (@default $default:expr) => { $default.into() };
