@@ -53,7 +53,7 @@ fn results(report: &TitrationReport) -> Section {
     Section::new("Results", vec![Part::Values(values), picture])
 }
 
-/// What shifts the pKa of each group.
+/// Table of the groups, with the causes of their shifts.
 fn groups(report: &TitrationReport) -> Section {
     let columns = vec![
         "group",

@@ -8,7 +8,7 @@ use super::super::protonation::{C_TERMINUS, N_TERMINUS};
 use super::super::templates;
 use crate::structure::{ResidueClass, SelectedResidue};
 
-/// What titrates.
+/// Kind of a titratable group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GroupKind {
     /// Side chain of an amino acid.
@@ -26,7 +26,7 @@ pub enum GroupKind {
 pub struct TitratableGroup {
     /// Index of the residue in the selection.
     pub residue: usize,
-    /// What titrates.
+    /// Kind of a titratable group.
     pub kind: GroupKind,
     /// pKa in water.
     pub model_pka: f64,
