@@ -1,10 +1,10 @@
 //! Electrostatic energies of titratable groups: in the protein, and in a model compound in water.
 //!
-//! The charges of a group change by δ from its neutral to its charged form. With φ[δ] the potential
+//! The charges of a group change by δ from its neutral to its charged form. With φ the potential
 //! of these changes alone (Coulomb potential in the solute and reaction field of its surroundings),
 //! charging the group costs
 //!
-//! ½ Σ δ u[δ] + Σ_b q_b φ[δ](r_b) + Σ_j n_j Σ δ_j φ[δ](r_j),
+//! ½ Σ δ u + Σ_b q_b φ(r_b) + Σ_j n_j Σ δ_j φ(r_j),
 //!
 //! the self-energy in the reaction field u, the interaction with the background of partial charges,
 //! and that with the other groups in their states n_j. The first two terms are also those of the
