@@ -3,7 +3,7 @@
 //! A hydrogen sits 1.01 Å from its nitrogen in the plane of the bonds: opposite the bisector of two
 //! bonds (backbone amides, the indole of tryptophan, Nε of arginine), or at 120° from the one bond of
 //! a terminal amide or guanidinium nitrogen. A hydroxyl turns to where its hydrogen has the lowest
-//! Coulomb energy among the charges around it ([`hydroxyl_hydrogen`]). Thiols and amines keep their
+//! Coulomb energy among the charges around it (`hydroxyl_hydrogen`). Thiols and amines keep their
 //! hydrogens on the heavy atom, as do histidine and the carboxylates.
 
 use crate::structure::SelectedResidue;
