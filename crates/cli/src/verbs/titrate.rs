@@ -28,7 +28,7 @@ pub struct TitrateArgs {
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
     /// Relative permittivity inside the surface; other values than 20 leave the range of the fit.
-    #[arg(long, default_value_t = 20.0, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    #[arg(long, default_value_t = TitrationModel::default().inner_permittivity, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
     /// Directory for tables (CSV), JSON and figure.
     #[arg(short, long)]

@@ -65,6 +65,20 @@ fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
     assert!(message(&again).contains("already exists"));
 }
 
+#[test]
+fn conditions_outside_the_fit_are_named() {
+    let place = place();
+    let output = place.run(&format!(
+        "titrate {STRUCTURE} --salt 0.1M --temperature 350 --inner-permittivity 4 --json"
+    ));
+    is_ok(&output);
+    let told = message(&output);
+    assert!(
+        told.contains("permittivity of 20") && told.contains("25 °C"),
+        "{told}"
+    );
+}
+
 /// Salt weakens what groups do to each other: of this positive protein, aspartate 50 moves towards its
 /// pKa in water.
 #[test]

@@ -11,6 +11,18 @@ use std::path::Path;
 /// Name of the file of the report.
 pub(super) const FILE: &str = "titration.json";
 
+/// Headings of the table of groups.
+pub(super) const COLUMNS: [&str; 8] = [
+    "group",
+    "pKa",
+    "in water",
+    "desolvation",
+    "background",
+    "neighbours",
+    "charge (e)",
+    "strongest neighbour (kT)",
+];
+
 /// pKa values and charges of the proteins in a structure.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TitrationReport {
@@ -97,19 +109,10 @@ impl Answer for TitrationReport {
             None => "no isoelectric point from 0 to 14".into(),
         };
         let mut lines = vec![format!(
-            "net charge {:+.2} e at pH {} ({:+.2} e with pKa values in water), {point}",
+            "net charge {:+.2} e at pH {} ({:+.2} e in a body of ingest), {point}",
             self.net_charge_e, self.ph, self.model_net_charge_e
         )];
-        let mut rows = vec![heading([
-            "group",
-            "pKa",
-            "in water",
-            "desolvation",
-            "background",
-            "neighbours",
-            "charge (e)",
-            "strongest neighbour (kT)",
-        ])];
+        let mut rows = vec![heading(COLUMNS)];
         for group in &self.groups {
             rows.push(vec![
                 group.label(),

@@ -37,6 +37,11 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
 
+/// Temperature of the pKa values in water, K.
+const FITTED_KELVIN: f64 = 298.15;
+/// Difference from it without a warning, K.
+const TOLERATED_KELVIN: f64 = 15.0;
+
 /// Settings of [`titrate`].
 ///
 /// ```no_run
@@ -102,7 +107,8 @@ pub fn titrate(settings: &TitrateSettings, execution: &Execution) -> Result<End<
     let selection = structure
         .select(&settings.selection)
         .with_context(|| file.name.clone())?;
-    let warnings = structure_warnings(&structure, &selection.report);
+    let mut warnings = structure_warnings(&structure, &selection.report);
+    warnings.extend(outside_the_fit(settings));
     let ph = settings.ph.table_ph();
     let by_model =
         build_sites(&selection, &site_settings(ph)).with_context(|| file.name.clone())?;
@@ -150,6 +156,29 @@ pub fn titrate(settings: &TitrateSettings, execution: &Execution) -> Result<End<
         directory::write(&report, folder, &file.sha256, settings.force)?;
     }
     Ok(End::Finished(report))
+}
+
+/// Warnings about conditions for which the model was not fitted.
+fn outside_the_fit(settings: &TitrateSettings) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (fitted, stated) = (
+        TitrationModel::default().inner_permittivity,
+        settings.model.inner_permittivity,
+    );
+    if stated != fitted {
+        warnings.push(format!(
+            "the factors of the model were fitted with a permittivity of {fitted} inside; with {stated} \
+             the pKa values have unknown errors"
+        ));
+    }
+    let temperature = settings.electrolyte.temperature_kelvin();
+    if (temperature - FITTED_KELVIN).abs() > TOLERATED_KELVIN {
+        warnings.push(format!(
+            "the pKa values in water are those of 25 °C; at {temperature} K those of amines and \
+             histidine shift by about 0.02 to 0.03 per kelvin"
+        ));
+    }
+    warnings
 }
 
 fn site_settings(ph: f64) -> SiteSettings {

@@ -1,6 +1,6 @@
 //! The page of a titration.
 
-use super::answer::{self, FILE, TitrationReport};
+use super::answer::{self, COLUMNS, FILE, TitrationReport};
 use super::directory::{CURVE, GROUPS, PICTURE};
 use anyhow::{Result, bail};
 use protomer_common::page::{Contents, Origin, Part, Section, significant, significant_or_dash};
@@ -44,7 +44,7 @@ fn results(report: &TitrationReport) -> Section {
         ("pH of the charges", significant(report.ph, 4)),
         ("net charge", format!("{} e", signed(report.net_charge_e))),
         (
-            "net charge with pKa values in water",
+            "net charge of a body that ingest makes",
             format!("{} e", signed(report.model_net_charge_e)),
         ),
         ("isoelectric point", point),
@@ -55,16 +55,7 @@ fn results(report: &TitrationReport) -> Section {
 
 /// Table of the groups, with the causes of their shifts.
 fn groups(report: &TitrationReport) -> Section {
-    let columns = vec![
-        "group",
-        "pKa",
-        "in water",
-        "desolvation",
-        "background",
-        "neighbours",
-        "charge (e)",
-        "strongest neighbour (kT)",
-    ];
+    let columns = COLUMNS.to_vec();
     let mut rows = Vec::with_capacity(report.groups.len());
     for group in &report.groups {
         let neighbour = group.strongest_neighbour.as_ref();
