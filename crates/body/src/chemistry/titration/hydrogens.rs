@@ -205,3 +205,23 @@ fn least_axis(vector: &Vec3) -> Vec3 {
     unit[axis] = 1.0;
     unit
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hydroxyl_points_to_an_acceptor_and_away_from_a_donor() {
+        let (oxygen, carbon) = (Vec3::zeros(), Vec3::new(-1.4, 0.0, 0.0));
+        let acceptor = Vec3::new(1.0, 2.5, 0.0);
+        let turned = |charge_e| hydroxyl_hydrogen(oxygen, carbon, &[(acceptor, charge_e)]).unwrap();
+        let [to, away] = [-0.8, 0.8].map(turned);
+        assert!((to - acceptor).norm() < 1.8 && (away - acceptor).norm() > 3.0);
+        for hydrogen in [to, away] {
+            assert!((hydrogen.norm() - HYDROXYL_ANGSTROM).abs() < 1e-12);
+            let cosine = hydrogen.dot(&carbon) / (hydrogen.norm() * carbon.norm());
+            assert!((cosine - HYDROXYL_DEGREES.to_radians().cos()).abs() < 1e-12);
+        }
+    }
+}
