@@ -138,6 +138,8 @@ def potential(
     salt: str | None = None,
     salt_molar: float | None = None,
     model: Literal["poisson-boltzmann", "debye-hueckel"] | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
+    valence: str | float | Sequence[str | float] | None = None,
     spacing: float | str | None = None,
     margin: float | str | None = None,
     boundary: Literal["screened-atoms", "coarse-grid"] | None = None,
@@ -154,8 +156,8 @@ def potential(
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> PotentialResult:
-    """Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e
-    and solvation energy."""
+    """Solve the Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and
+    solvation energy."""
 
 def titrate(
     input: Path | str,
@@ -822,6 +824,7 @@ def inspect(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     memory_limit: int | str | None = None,
     no_cache: bool = False,
     threads: int | str | None = None,
@@ -889,6 +892,7 @@ def pair(
     desolvation: bool = False,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     temperature: float | str | None = None,
     permittivity: float | str | None = None,
     bjerrum: float | str | None = None,
@@ -933,6 +937,7 @@ def simulate(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -971,6 +976,7 @@ def sweep(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -1013,6 +1019,7 @@ def residues(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     desolvation: bool = False,
@@ -1401,6 +1408,7 @@ def bench(
     interaction: Literal["bare", "effective", "response"] | None = None,
     inner_permittivity: float | str | None = None,
     ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
     model: Literal["natural-1", "solution-1", "thesis"] | None = None,
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,

@@ -1,5 +1,6 @@
 //! The dielectric model of a solver: a solute of low permittivity in an electrolyte.
 
+use crate::ion_response::IonResponse;
 use crate::surface::SurfaceDefinition;
 use protomer_kernel::Electrolyte;
 
@@ -28,11 +29,13 @@ pub struct DielectricModel {
     pub probe_angstrom: f64,
     /// The centres of ions keep this distance from the spheres, Å; zero lets them reach the surface.
     pub ion_radius_angstrom: f64,
+    /// Response of the ions to the potential. The electrolyte states their ionic strength.
+    pub ion_response: IonResponse,
 }
 
 impl DielectricModel {
     /// A protein in this electrolyte: permittivity 2 inside the solvent-excluded surface of a probe
-    /// of 1.4 Å, and ions of 2 Å.
+    /// of 1.4 Å, and ions of 2 Å that respond linearly.
     pub fn new(electrolyte: Electrolyte) -> Self {
         Self {
             electrolyte,
@@ -40,6 +43,7 @@ impl DielectricModel {
             surface: SurfaceDefinition::SolventExcluded,
             probe_angstrom: 1.4,
             ion_radius_angstrom: 2.0,
+            ion_response: IonResponse::Linear,
         }
     }
 }

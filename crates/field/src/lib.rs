@@ -10,6 +10,7 @@
 //! | `grid` | points in space, and values between them |
 //! | [`surface`] | what separates the solute from the solvent |
 //! | `dielectric` | permittivities and ions inside and outside the surface |
+//! | `ion_response` | the charge of the ions as a function of the potential |
 //! | `point_charges` | sums over charges, in vectors |
 //! | `edge_charges` | potential, slope and flux of charges at edges of a grid |
 //! | `far_charges` | far charges seen from a small ball, as a polynomial |
@@ -37,6 +38,7 @@ pub mod effective_charges;
 mod error;
 mod far_charges;
 mod grid;
+mod ion_response;
 mod point_charges;
 pub mod poisson_boltzmann;
 mod screened_sum;
@@ -49,6 +51,7 @@ pub use charged_sphere::ChargedSphere;
 pub use dielectric::DielectricModel;
 pub use error::{FieldError, Result};
 pub use grid::{Grid, ScalarField};
+pub use ion_response::{IonModel, IonResponse, SaltValence};
 pub use poisson_boltzmann::{BoundaryCondition, Potential, SolveSettings, solve};
 pub use surface::SurfaceDefinition;
 pub use voxels::PotentialModel;

@@ -1,9 +1,11 @@
 //! The flags of what acts between charges: bare, effective, or with the response of the solvent.
 
+use crate::flags::settings::choice;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::stability::effective::SoluteModel;
 use protomer_common::range;
+use protomer_field::IonModel;
 
 /// The inside of bodies, for effective charges and for the response of the solvent.
 #[derive(Debug, Clone, Args)]
@@ -15,12 +17,15 @@ pub struct SoluteArgs {
     /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface [default: 2].
     #[arg(long, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     pub ion_radius: Option<f64>,
+    /// Response of the ions to the potential to which effective charges are fitted [default: linear].
+    #[arg(long, value_parser = choice::<IonModel>())]
+    pub ions: Option<IonModel>,
 }
 
 impl SoluteArgs {
     /// The defaults, overridden by the flags; `None` if no flag is given.
     pub fn solute(&self) -> Option<SoluteModel> {
-        if self.inner_permittivity.is_none() && self.ion_radius.is_none() {
+        if self.inner_permittivity.is_none() && self.ion_radius.is_none() && self.ions.is_none() {
             return None;
         }
         Some(self.over(SoluteModel::default()))
@@ -33,6 +38,7 @@ impl SoluteArgs {
                 .inner_permittivity
                 .unwrap_or(present.inner_permittivity),
             ion_radius_angstrom: self.ion_radius.unwrap_or(present.ion_radius_angstrom),
+            ions: self.ions.unwrap_or(present.ions),
         }
     }
 }
@@ -92,7 +98,7 @@ impl ChargesArgs {
         let is_bare = chosen.effective.is_none() && chosen.response.is_none();
         if is_bare && self.solute.solute().is_some() {
             bail!(
-                "--inner-permittivity and --ion-radius apply to bodies with an inside only; add \
+                "--inner-permittivity, --ion-radius and --ions apply to bodies with an inside only; add \
                  --interaction effective or --interaction response, or leave them out"
             );
         }

@@ -4,26 +4,33 @@ use crate::flags::choices::{BoundaryValues, DielectricSurface};
 use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::Result;
+use anyhow::{Result, anyhow, bail};
 use clap::Args;
 use protomer::potential::{PotentialSettings, potential, read_places};
 use protomer_common::{quantity, range};
-use protomer_field::{DielectricModel, PotentialModel, SolveSettings};
+use protomer_field::{DielectricModel, IonModel, PotentialModel, SaltValence, SolveSettings};
 use protomer_kernel::Electrolyte;
 use std::path::PathBuf;
 
-/// Solve the linearised Poisson-Boltzmann equation around a structure, PQR or body: potential in
-/// kT/e and solvation energy.
+/// Solve the Poisson-Boltzmann equation around a structure, PQR or body: potential in kT/e and
+/// solvation energy.
 #[derive(Debug, Args)]
 pub struct PotentialArgs {
     /// Structure, PQR or body file, optionally gzipped.
     input: PathBuf,
-    /// Concentration of a 1:1 salt, such as 100mM or 0.1M.
+    /// Concentration of the salt, such as 100mM or 0.1M.
     #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
     salt: f64,
     /// Model of the potential.
     #[arg(long, value_parser = choice::<PotentialModel>(), default_value = "poisson-boltzmann")]
     model: PotentialModel,
+    /// Response of the ions: proportional to the potential, or by Boltzmann factors (the nonlinear
+    /// equation).
+    #[arg(long, value_parser = choice::<IonModel>(), default_value = "linear")]
+    ions: IonModel,
+    /// Charges of cation and anion of the salt, such as 2:1 for MgCl2.
+    #[arg(long, default_value = "1:1", value_parser = salt_valence)]
+    valence: SaltValence,
     /// Grid spacing, Å.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true)]
     spacing: f64,
@@ -89,9 +96,15 @@ impl PotentialArgs {
     }
 
     fn dielectric(&self) -> Result<DielectricModel> {
+        if self.ions == IonModel::Boltzmann && self.model == PotentialModel::DebyeHueckel {
+            bail!(
+                "--model debye-hueckel is a sum of linear potentials; leave out --ions boltzmann"
+            );
+        }
+        let strength = self.valence.ionic_strength_molar(self.salt);
         let electrolyte = match self.outer_permittivity {
-            Some(permittivity) => Electrolyte::new(self.temperature, self.salt, permittivity)?,
-            None => Electrolyte::in_water(self.temperature, self.salt)?,
+            Some(permittivity) => Electrolyte::new(self.temperature, strength, permittivity)?,
+            None => Electrolyte::in_water(self.temperature, strength)?,
         };
         Ok(DielectricModel {
             electrolyte,
@@ -99,6 +112,18 @@ impl PotentialArgs {
             surface: self.surface.into(),
             probe_angstrom: self.probe,
             ion_radius_angstrom: self.ion_radius,
+            ion_response: self.ions.with(self.valence),
         })
     }
+}
+
+/// Reads the charges of the ions of a salt, such as 2:1.
+fn salt_valence(text: &str) -> Result<SaltValence> {
+    let charges = text.split_once(':').and_then(|(cation, anion)| {
+        let [cation, anion] = [cation, anion].map(|number| number.trim().parse::<u8>().ok());
+        SaltValence::new(cation?, anion?).ok()
+    });
+    charges.ok_or_else(|| {
+        anyhow!("'{text}' is not the charges of a salt; give two numbers from 1 to 4, such as 2:1 for MgCl2")
+    })
 }

@@ -1,8 +1,8 @@
-//! The linearised Poisson-Boltzmann equation around charged spheres,
+//! The Poisson-Boltzmann equation around charged spheres, linearised,
 //!
 //! -∇·ε∇φ + ε_out κ² λ φ = 4π l ρ,
 //!
-//! with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where
+//! or with ions that follow Boltzmann factors (`newton`), with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where
 //! ions go. The permittivity changes at the surface of the spheres
 //! ([`SurfaceDefinition`](crate::SurfaceDefinition)).
 //!
@@ -22,6 +22,7 @@
 //! | `operator` | -∇·ε∇φ + k φ on a grid |
 //! | `multigrid`, `transfer` | an approximate inverse of the operator |
 //! | `conjugate_gradient`, `dot` | the solution |
+//! | `newton` | the solution where ions follow Boltzmann factors |
 //! | `potential` | the solution anywhere in space |
 //! | `error_estimate` | the error of a solvation energy, from a second grid |
 
@@ -33,6 +34,7 @@ mod error_estimate;
 mod faces;
 mod ion_gap;
 mod multigrid;
+mod newton;
 mod operator;
 mod potential;
 mod settings;
@@ -48,11 +50,13 @@ use crate::charged_sphere::{ChargedSphere, bounds};
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
 use crate::grid::Grid;
+use crate::ion_response::IonResponse;
 use crate::surface::surface_of;
 use crate::{FieldError, Result};
+use newton::Faces;
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::Vec3;
-use settings::{check_range, coarse_grid_around};
+use settings::{check_range, coarse_grid_around, grid_for};
 use solute_on_grid::{solve_once, superposed_on_faces};
 
 /// Solves for the potential of these spheres.
@@ -98,7 +102,7 @@ pub(crate) fn solve_within(
     check_dielectric(dielectric)?;
     check_spheres(spheres)?;
     check_charges(spheres, solid)?;
-    let grid = grid_around(spheres, settings)?;
+    let grid = grid_for(spheres, settings, dielectric.ion_response)?;
     let problem = Problem {
         spheres,
         dielectric,
@@ -106,19 +110,23 @@ pub(crate) fn solve_within(
         relative_tolerance: settings.relative_tolerance,
     };
     match settings.boundary {
-        BoundaryCondition::ScreenedAtoms => {
-            problem.solve_on(grid, superposed_on_faces(&grid, spheres, dielectric))
+        // Ions that follow Boltzmann factors screen a solute to a smaller charge, which only a grid that
+        // reaches far tells.
+        BoundaryCondition::ScreenedAtoms if dielectric.ion_response == IonResponse::Linear => {
+            let on_faces = superposed_on_faces(&grid, spheres, dielectric);
+            problem.solve_on(grid, on_faces, Faces::Proportional)
         }
-        BoundaryCondition::CoarseGrid => {
+        BoundaryCondition::ScreenedAtoms | BoundaryCondition::CoarseGrid => {
             let (low, high) = bounds(spheres);
             // A sixth of the sum of the extents: the mean half-extent.
             let mean_half_extent = 0.25 * (high - low).sum() / 1.5;
             let solute = Superposition::of_solute(spheres, dielectric, mean_half_extent);
-            let coarse_grid = coarse_grid_around(spheres, settings)?;
-            let coarse = problem.solve_on(coarse_grid, faces::superposed(&coarse_grid, &solute))?;
+            let coarse_grid = coarse_grid_around(spheres, settings, dielectric.ion_response)?;
+            let on_faces = faces::superposed(&coarse_grid, &solute);
+            let coarse = problem.solve_on(coarse_grid, on_faces, Faces::Proportional)?;
             // From the coarse solution; its own faces are twice as far away.
             let on_faces = |place: &Vec3| coarse.reduced_at(place).unwrap_or(0.0);
-            problem.solve_on(grid, faces::point_by_point(&grid, on_faces))
+            problem.solve_on(grid, faces::point_by_point(&grid, on_faces), Faces::Given)
         }
     }
 }
@@ -193,8 +201,14 @@ struct Problem<'a> {
 
 impl Problem<'_> {
     /// The potential on a grid, given that on its faces, and zero at other points.
-    fn solve_on(&self, grid: Grid, values: Vec<f64>) -> Result<Potential> {
+    fn solve_on(&self, grid: Grid, values: Vec<f64>, on_faces: Faces) -> Result<Potential> {
         let solute = SoluteOnGrid::within(self.solid, self.spheres, self.dielectric, grid);
-        solve_once(solute, self.spheres, values, self.relative_tolerance)
+        solve_once(
+            solute,
+            self.spheres,
+            values,
+            on_faces,
+            self.relative_tolerance,
+        )
     }
 }

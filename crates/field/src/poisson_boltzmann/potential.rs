@@ -29,7 +29,8 @@ pub struct Potential {
     /// The Coulomb potential inside.
     coulomb: PointCharges,
     tree: ChargeTree,
-    /// Half the sum of charge times reaction field, kT.
+    /// Half the sum of charge times reaction field and, where ions follow Boltzmann factors, their free
+    /// energy beyond that, kT.
     pub solvation_energy_kt: f64,
     /// Iterations of the solver.
     pub iterations: usize,
@@ -50,6 +51,7 @@ impl Potential {
         sides: Arc<Sides>,
         tree: ChargeTree,
         spheres: &[ChargedSphere],
+        excess_of_ions_kt: f64,
         iterations: usize,
     ) -> Self {
         let mut potential = Self {
@@ -60,7 +62,7 @@ impl Potential {
             solvation_energy_kt: 0.0,
             iterations,
         };
-        potential.solvation_energy_kt = potential.solvation_energy(spheres);
+        potential.solvation_energy_kt = potential.solvation_energy(spheres) + excess_of_ions_kt;
         potential
     }
 

@@ -2,6 +2,7 @@
 
 use crate::charged_sphere::{ChargedSphere, bounds};
 use crate::grid::Grid;
+use crate::ion_response::IonResponse;
 use crate::{FieldError, Result};
 use protomer_kernel::Vec3;
 use std::ops::RangeInclusive;
@@ -57,6 +58,8 @@ impl Default for SolveSettings {
 
 /// Bytes per grid point that a solve takes: 59 to 68 measured for large grids (docs/guide/potential.md).
 const BYTES_PER_POINT: usize = 70;
+/// Bytes per grid point of Newton's method: a second operator, the step, and two residuals.
+const BYTES_PER_POINT_OF_NEWTON: usize = 120;
 /// Ratio of the extents of the coarse and the fine grid along each axis.
 const COARSE_EXTENT: f64 = 2.0;
 /// Ratio of the spacings of the coarse and the fine grid, up to [`COARSEST_SPACING_ANGSTROM`].
@@ -87,11 +90,20 @@ impl SolveSettings {
     }
 
     /// A grid that holds a box, if a solve on it fits in memory.
-    fn grid(&self, low: &Vec3, high: &Vec3, spacing_angstrom: f64) -> Result<Grid> {
+    fn grid(
+        &self,
+        low: &Vec3,
+        high: &Vec3,
+        spacing_angstrom: f64,
+        ions: IonResponse,
+    ) -> Result<Grid> {
         let grid = Grid::around(low, high, spacing_angstrom, self.cells_multiple)?;
         let (points, allowed_bytes) = (grid.len(), self.memory_limit_bytes);
         // Saturating: a product beyond the range is too large in any case.
-        let needed_bytes = points.saturating_mul(BYTES_PER_POINT);
+        let needed_bytes = points.saturating_mul(match ions {
+            IonResponse::Linear => BYTES_PER_POINT,
+            IonResponse::Boltzmann(_) => BYTES_PER_POINT_OF_NEWTON,
+        });
         if needed_bytes > allowed_bytes {
             return Err(FieldError::TooLarge {
                 points,
@@ -126,16 +138,27 @@ pub(super) fn check_range(
 /// [`FieldError::BadSetting`] names the setting; [`FieldError::BadInput`] and
 /// [`FieldError::TooLarge`] for a grid that is too large.
 pub fn grid_around(spheres: &[ChargedSphere], settings: &SolveSettings) -> Result<Grid> {
+    grid_for(spheres, settings, IonResponse::Linear)
+}
+
+/// Variant of [`grid_around`] for ions of another response, whose solve takes more memory.
+pub(super) fn grid_for(
+    spheres: &[ChargedSphere],
+    settings: &SolveSettings,
+    ions: IonResponse,
+) -> Result<Grid> {
     settings.check()?;
     let (low, high) = bounds(spheres);
     let margin = Vec3::repeat(settings.margin_angstrom);
-    settings.grid(&(low - margin), &(high + margin), settings.spacing_angstrom)
+    let spacing = settings.spacing_angstrom;
+    settings.grid(&(low - margin), &(high + margin), spacing, ions)
 }
 
 /// The coarse grid of [`BoundaryCondition::CoarseGrid`].
 pub(super) fn coarse_grid_around(
     spheres: &[ChargedSphere],
     settings: &SolveSettings,
+    ions: IonResponse,
 ) -> Result<Grid> {
     let (low, high) = bounds(spheres);
     let margin = Vec3::repeat(settings.margin_angstrom);
@@ -144,5 +167,10 @@ pub(super) fn coarse_grid_around(
     let wider = 0.5 * (COARSE_EXTENT - 1.0) * extent;
     let coarsest = COARSEST_SPACING_ANGSTROM.max(settings.spacing_angstrom);
     let spacing = (COARSE_SPACING * settings.spacing_angstrom).min(coarsest);
-    settings.grid(&(low - margin - wider), &(high + margin + wider), spacing)
+    settings.grid(
+        &(low - margin - wider),
+        &(high + margin + wider),
+        spacing,
+        ions,
+    )
 }

@@ -7,8 +7,10 @@
 
 use super::coulomb_source;
 use super::dielectric_map::DielectricMap;
+use super::dot::dot;
 use super::faces;
 use super::ion_gap::IonGap;
+use super::newton::{Faces, NonlinearEquation};
 use super::operator::Operator;
 use super::potential::{Potential, Sides};
 use super::settings::{LARGEST_SPACING_ANGSTROM, SolveSettings};
@@ -18,10 +20,12 @@ use crate::charged_sphere::ChargedSphere;
 use crate::debye_huckel::Superposition;
 use crate::dielectric::DielectricModel;
 use crate::grid::{Grid, ScalarField};
+use crate::ion_response::IonResponse;
 use crate::point_charges::Source;
 use crate::{FieldError, Result};
 use protomer_body::surface::ImplicitSolid;
 use protomer_kernel::{Electrolyte, Vec3};
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Coulomb potentials nearer to a charge are those at this distance, Å.
@@ -193,7 +197,14 @@ impl<'a> ChargedSolute<'a> {
         let values = superposed_on_faces(&self.solute.grid, self.charges, &dielectric);
         // Cloned, as `mass` overwrites it: the solute serves many salts.
         let accessible = self.solute.accessible.clone();
-        self.solve_from(values, accessible, &dielectric, settings.relative_tolerance)
+        let tolerance = settings.relative_tolerance;
+        self.solve_from(
+            values,
+            Faces::Proportional,
+            accessible,
+            &dielectric,
+            tolerance,
+        )
     }
 
     /// Variant of [`solve`](Self::solve) with the potential on the faces from a solve of the same
@@ -227,7 +238,8 @@ impl<'a> ChargedSolute<'a> {
             ..self.solute.dielectric
         };
         let accessible = self.solute.accessible.clone();
-        self.solve_from(values, accessible, &dielectric, settings.relative_tolerance)
+        let tolerance = settings.relative_tolerance;
+        self.solve_from(values, Faces::Given, accessible, &dielectric, tolerance)
     }
 
     fn require_same_solvent(&self, electrolyte: &Electrolyte) -> Result<()> {
@@ -253,6 +265,7 @@ impl<'a> ChargedSolute<'a> {
     fn solve_from(
         &self,
         mut values: Vec<f64>,
+        on_faces: Faces,
         accessible: Vec<f32>,
         dielectric: &DielectricModel,
         relative_tolerance: f64,
@@ -262,8 +275,23 @@ impl<'a> ChargedSolute<'a> {
         } = self.solute;
         let mass = mass(accessible, dielectric, grid.spacing_angstrom);
         let operator = Operator::new(grid.shape, Arc::clone(edges), mass);
-        let iterations =
+        let mut first_residual = 0.0;
+        if dielectric.ion_response != IonResponse::Linear {
+            first_residual = first_residual_norm(&operator, &self.right, &values);
+        }
+        let mut iterations =
             conjugate_gradient::solve(&operator, &self.right, &mut values, relative_tolerance)?;
+        let mut excess_kt = 0.0;
+        if let IonResponse::Boltzmann(salt) = dielectric.ion_response {
+            let equation = NonlinearEquation {
+                linear: &operator,
+                right: &self.right,
+                salt,
+                faces: on_faces,
+            };
+            iterations += equation.solve(&mut values, first_residual, relative_tolerance)?;
+            excess_kt = equation.excess_energy_kt(&values, energy_per_mass(dielectric, grid));
+        }
         let reduced = ScalarField {
             grid: *grid,
             values,
@@ -274,6 +302,7 @@ impl<'a> ChargedSolute<'a> {
             sides,
             coulomb,
             self.charges,
+            excess_kt,
             iterations,
         ))
     }
@@ -284,13 +313,20 @@ pub(super) fn solve_once(
     mut solute: SoluteOnGrid<'_>,
     charges: &[ChargedSphere],
     values: Vec<f64>,
+    on_faces: Faces,
     relative_tolerance: f64,
 ) -> Result<Potential> {
     // Taken, not cloned: a single solve has no use for it afterwards.
     let accessible = std::mem::take(&mut solute.accessible);
     let dielectric = solute.dielectric;
     let charged = ChargedSolute::new(&solute, charges);
-    charged.solve_from(values, accessible, &dielectric, relative_tolerance)
+    charged.solve_from(
+        values,
+        on_faces,
+        accessible,
+        &dielectric,
+        relative_tolerance,
+    )
 }
 
 /// The sum of screened atoms on the faces of a grid, each with ions up to its radius; zero elsewhere.
@@ -316,6 +352,19 @@ fn mass(mut accessible: Vec<f32>, dielectric: &DielectricModel, h: f64) -> Vec<f
         *part = (full_mass * f64::from(*part)) as f32;
     }
     accessible
+}
+
+/// Norm of b - A x for an x that is zero but on the faces.
+fn first_residual_norm(operator: &Operator, right: &[f64], values: &[f64]) -> f64 {
+    let mut residual = vec![0.0; values.len()];
+    operator.residual_of_faces(values, right, &mut residual);
+    dot(&residual, &residual).sqrt()
+}
+
+/// S h³ λ over ε_out κ² h² λ, with S = Σ c z² = ε_out κ²/(4π l) over the ions.
+fn energy_per_mass(dielectric: &DielectricModel, grid: &Grid) -> f64 {
+    let bjerrum = dielectric.electrolyte.vacuum_bjerrum_length_angstrom();
+    grid.spacing_angstrom / (4.0 * PI * bjerrum)
 }
 
 /// The sources l q/ε_in of the Coulomb potential inside.

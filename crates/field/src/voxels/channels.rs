@@ -59,7 +59,7 @@ impl Channel {
 protomer_kernel::choices! {
     /// Model of the potential.
     pub enum PotentialModel, default PoissonBoltzmann {
-        /// The linearised Poisson-Boltzmann equation.
+        /// The Poisson-Boltzmann equation.
         PoissonBoltzmann = "poisson-boltzmann",
         /// The sum of the atoms' Debye-Hückel potentials in a uniform solvent: faster, but
         /// ignores the dielectric boundary.

@@ -1,8 +1,8 @@
 //! Potentials and energies against closed forms and against converged results of other programs.
 
 use protomer_field::{
-    BoundaryCondition, ChargedSphere, DielectricModel, Potential, SolveSettings, SurfaceDefinition,
-    solve,
+    BoundaryCondition, ChargedSphere, DielectricModel, IonResponse, Potential, SaltValence,
+    SolveSettings, SurfaceDefinition, solve,
 };
 use protomer_io::pqr::read_pqr;
 use protomer_kernel::random::CounterRng;
@@ -143,6 +143,164 @@ fn errors_of_energies_fall_with_the_spacing_wherever_the_grid_lies() {
             "{errors:?}"
         );
     }
+}
+
+/// A charged sphere in a salt of Boltzmann ions: the radial equation
+///
+/// φ'' + 2 φ'/r = κ² N(φ),   φ'(a) = -λ_B q/a²,   φ → 0,
+///
+/// by fourth-order Runge-Kutta steps inwards from r_far, where φ = A exp(-κ r)/r, in s = ln r. Returns
+/// the charge that belongs to A, and the potentials at `places`.
+fn shoot_inwards(
+    a: f64,
+    kappa: f64,
+    amplitude: f64,
+    bjerrum: f64,
+    charge: impl Fn(f64) -> f64,
+    places: &[f64],
+) -> (f64, Vec<f64>) {
+    let mut r = a + 25.0 / kappa;
+    let mut phi = amplitude * (-kappa * (r - a)).exp() / r;
+    let mut slope = -phi * (kappa + 1.0 / r);
+    let mut found = vec![f64::NAN; places.len()];
+    let mut stops: Vec<(usize, f64)> = places.iter().copied().enumerate().collect();
+    stops.sort_by(|one, other| other.1.total_cmp(&one.1));
+    stops.push((usize::MAX, a));
+    let right = |r: f64, phi: f64, slope: f64| kappa * kappa * charge(phi) - 2.0 * slope / r;
+    for (index, stop) in stops {
+        // Steps short against the screening length and against the radius.
+        let steps = 1 + ((r - stop) * (kappa + 1.0 / a) * 400.0) as usize;
+        let h = (stop - r) / steps as f64;
+        for _ in 0..steps {
+            let (k1, l1) = (slope, right(r, phi, slope));
+            let (k2, l2) = (
+                slope + 0.5 * h * l1,
+                right(r + 0.5 * h, phi + 0.5 * h * k1, slope + 0.5 * h * l1),
+            );
+            let (k3, l3) = (
+                slope + 0.5 * h * l2,
+                right(r + 0.5 * h, phi + 0.5 * h * k2, slope + 0.5 * h * l2),
+            );
+            let (k4, l4) = (slope + h * l3, right(r + h, phi + h * k3, slope + h * l3));
+            phi += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+            slope += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
+            r += h;
+            if !phi.is_finite() || phi.abs() > 60.0 {
+                return (f64::INFINITY.copysign(amplitude), found);
+            }
+        }
+        r = stop;
+        if index < found.len() {
+            found[index] = phi;
+        }
+    }
+    (-slope * a * a / bjerrum, found)
+}
+
+/// The potential of a charge in the middle of a sphere, at distances from it.
+fn exact_around_sphere(
+    a: f64,
+    q: f64,
+    dielectric: &DielectricModel,
+    salt: SaltValence,
+    places: &[f64],
+) -> Vec<f64> {
+    let electrolyte = &dielectric.electrolyte;
+    let kappa = electrolyte.inverse_debye_length_per_angstrom();
+    let bjerrum = electrolyte.bjerrum_length_angstrom();
+    // The linear amplitude is an upper bound, as ions of Boltzmann screen more.
+    let (mut low, mut high) = (0.0, 2.0 * bjerrum * q.abs());
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        let charge = |phi: f64| salt.charge(phi);
+        let (found, _) = shoot_inwards(a, kappa, middle.copysign(q), bjerrum, charge, places);
+        if found.abs() > q.abs() {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    let charge = |phi: f64| salt.charge(phi);
+    shoot_inwards(a, kappa, low.copysign(q), bjerrum, charge, places).1
+}
+
+#[test]
+fn highly_charged_spheres_have_the_potential_of_the_radial_equation() {
+    for (q, salt_molar, cation, anion) in [
+        (0.1, 0.1, 1, 1),
+        (8.0, 0.01, 1, 1),
+        (-32.0, 0.1, 1, 1),
+        (32.0, 0.01, 1, 1),
+        (20.0, 0.03, 2, 1),
+        (-20.0, 0.03, 2, 1),
+    ] {
+        let salt = SaltValence::new(cation, anion).unwrap();
+        let a = 15.0;
+        let dielectric = DielectricModel {
+            ion_radius_angstrom: 0.0,
+            ion_response: IonResponse::Boltzmann(salt),
+            ..DielectricModel::new(water(salt.ionic_strength_molar(salt_molar)))
+        };
+        let places = [16.0, 18.0, 21.0, 24.0];
+        let exact = exact_around_sphere(a, q, &dielectric, salt, &places);
+        let settings = SolveSettings {
+            spacing_angstrom: 0.6,
+            ..SolveSettings::default()
+        };
+        let solved = solve(&sphere_with(a, &[(0.0, q)]), &dielectric, &settings).unwrap();
+        let linear = DielectricModel {
+            ion_response: IonResponse::Linear,
+            ..dielectric
+        };
+        let without = solve(&sphere_with(a, &[(0.0, q)]), &linear, &settings).unwrap();
+        for (place, exact) in places.iter().zip(exact) {
+            let point = Vec3::new(0.6, 0.48, 0.64) * *place;
+            let found = solved.at(&point).unwrap();
+            let error = found / exact - 1.0;
+            eprintln!(
+                "{q} e, {salt_molar} M {cation}:{anion}, {place} Å: {found:.4} for {exact:.4} ({:+.2} %), linear {:.4}",
+                100.0 * error,
+                without.at(&point).unwrap()
+            );
+            assert!(
+                error.abs() < 0.01,
+                "{q} e at {place} Å: {found} for {exact}"
+            );
+        }
+    }
+}
+
+/// The solvation energy is the work of charging: dG/dq is the reaction field at the charge.
+#[test]
+fn the_energy_of_a_saturated_cloud_is_the_work_of_charging() {
+    let dielectric = DielectricModel {
+        ion_response: IonResponse::Boltzmann(SaltValence::ONE_TO_ONE),
+        ..DielectricModel::new(water(0.1))
+    };
+    let settings = SolveSettings {
+        spacing_angstrom: 1.0,
+        relative_tolerance: 1e-8,
+        ..SolveSettings::default()
+    };
+    let charged = |q: f64| solve(&sphere_with(10.0, &[(0.0, q)]), &dielectric, &settings).unwrap();
+    let (q, step) = (20.0, 0.05);
+    let [low, high] = [q - step, q + step].map(|q| charged(q).solvation_energy_kt);
+    let slope = (high - low) / (2.0 * step);
+    let field = charged(q).reaction_at(&Vec3::zeros());
+    // Linear ions would have the energy ½ q φ: what is beyond that is what is tested.
+    let linear = DielectricModel {
+        ion_response: IonResponse::Linear,
+        ..dielectric
+    };
+    let linear_field = solve(&sphere_with(10.0, &[(0.0, q)]), &linear, &settings)
+        .unwrap()
+        .reaction_at(&Vec3::zeros());
+    let part = (field - linear_field).abs();
+    assert!(part > 0.5, "{field} {linear_field}");
+    assert!(
+        (slope - field).abs() < 0.01 * part,
+        "{slope} {field} {part}"
+    );
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use protomer_field::effective_charges::{
     EffectiveChargeSettings, EffectiveCharges, effective_charges,
 };
-use protomer_field::{ChargedSphere, DielectricModel};
+use protomer_field::{
+    ChargedSphere, DielectricModel, IonResponse, SaltValence, SolveSettings, solve,
+};
 use protomer_kernel::{Electrolyte, Vec3};
 use serde_json::Value;
 
@@ -181,4 +183,31 @@ fn a_body_without_charges_is_refused() {
     let refused = effective_charges(&sphere(8.0, &[]), &model(0.1, 4.0), &COARSE);
     let message = refused.err().unwrap().to_string();
     assert!(message.contains("no charges"), "{message}");
+}
+
+/// Around a highly charged sphere the charges of the fit stand for the saturated cloud: the potential
+/// where it is weak is the exact one, and not that of the linear equation.
+#[test]
+fn charges_of_a_saturated_cloud_give_the_potential_far_away() {
+    let mut dielectric = model(0.1, 4.0);
+    let spheres = sphere(15.0, &[[-30.0, 0.0, 0.0, 0.0]]);
+    let linear = effective_charges(&spheres, &dielectric, &COARSE).unwrap();
+    dielectric.ion_response = IonResponse::Boltzmann(SaltValence::ONE_TO_ONE);
+    let found = effective_charges(&spheres, &dielectric, &COARSE).unwrap();
+    let wide = SolveSettings {
+        spacing_angstrom: 0.8,
+        margin_angstrom: 20.0,
+        ..SolveSettings::default()
+    };
+    let solved = solve(&spheres, &dielectric, &wide).unwrap();
+    let place = Vec3::new(0.0, 27.0, 0.0);
+    let exact = solved.at(&place).unwrap();
+    let [fitted, of_linear] =
+        [&found, &linear].map(|charges| potential(charges, &dielectric, &place) / exact);
+    eprintln!(
+        "residual {:.3}: {fitted:.3}, linear {of_linear:.3}",
+        found.relative_residual
+    );
+    assert!((fitted - 1.0).abs() < 0.05, "{fitted}");
+    assert!(of_linear > 1.4, "{of_linear}");
 }

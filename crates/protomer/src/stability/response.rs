@@ -2,26 +2,31 @@
 
 use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::ScreenedCoulomb;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_field::solvent_response::solvent_response;
-use protomer_field::{ChargedSphere, DielectricModel};
+use protomer_field::{ChargedSphere, IonModel};
 use protomer_kernel::Vec3;
 use protomer_mc::solvent_response::{ResponseBody, ResponseGrid};
 
 /// Solves for the response of a body in a medium: two solves of the Poisson-Boltzmann equation.
 ///
 /// # Errors
-/// As [`require_electrolyte`] and [`solvent_response`]; names the body.
+/// As [`require_electrolyte`] and [`solvent_response`], and for ions that do not respond linearly; names
+/// the body.
 pub fn response_of(
     body: &Body,
     interaction: &ScreenedCoulomb,
     solute: &SoluteModel,
 ) -> Result<ResponseBody> {
     require_electrolyte(interaction, "response")?;
-    let mut dielectric = DielectricModel::new(interaction.electrolyte);
-    dielectric.inner_permittivity = solute.inner_permittivity;
-    dielectric.ion_radius_angstrom = solute.ion_radius_angstrom;
+    if solute.ions != IonModel::Linear {
+        bail!(
+            "--interaction response is the response of linear ions; leave out --ions boltzmann, or use \
+             --interaction effective"
+        );
+    }
+    let dielectric = solute.dielectric(interaction.electrolyte);
     let spheres: Vec<ChargedSphere> = body.sites.iter().map(ChargedSphere::from).collect();
     let response = solvent_response(&spheres, &dielectric)
         .with_context(|| format!("response of the solvent to body '{}'", body.name))?;

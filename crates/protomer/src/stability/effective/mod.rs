@@ -18,6 +18,7 @@ use anyhow::{Result, bail};
 use problem::Problem;
 use protomer_body::Body;
 use protomer_field::effective_charges::{EffectiveCharges, LARGEST_RELATIVE_RESIDUAL};
+use protomer_field::{DielectricModel, IonModel, SaltValence};
 use protomer_kernel::{Electrolyte, null};
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +30,25 @@ pub struct SoluteModel {
     pub inner_permittivity: f64,
     /// The centres of ions keep this distance from the atoms, Å.
     pub ion_radius_angstrom: f64,
+    /// Response of the ions, of one charge each, to the potential.
+    #[serde(default, skip_serializing_if = "is_linear")]
+    pub ions: IonModel,
+}
+
+fn is_linear(ions: &IonModel) -> bool {
+    *ions == IonModel::Linear
+}
+
+impl SoluteModel {
+    /// A body with this inside in an electrolyte.
+    pub fn dielectric(&self, electrolyte: Electrolyte) -> DielectricModel {
+        DielectricModel {
+            inner_permittivity: self.inner_permittivity,
+            ion_radius_angstrom: self.ion_radius_angstrom,
+            ion_response: self.ions.with(SaltValence::ONE_TO_ONE),
+            ..DielectricModel::new(electrolyte)
+        }
+    }
 }
 
 impl Default for SoluteModel {
@@ -38,6 +58,7 @@ impl Default for SoluteModel {
         Self {
             inner_permittivity: 4.0,
             ion_radius_angstrom: 2.0,
+            ions: IonModel::Linear,
         }
     }
 }

@@ -32,13 +32,10 @@ impl<'a> Problem<'a> {
         solute: &SoluteModel,
     ) -> Result<Self> {
         require_electrolyte(interaction, "effective")?;
-        let mut dielectric = DielectricModel::new(interaction.electrolyte);
-        dielectric.inner_permittivity = solute.inner_permittivity;
-        dielectric.ion_radius_angstrom = solute.ion_radius_angstrom;
         Ok(Self {
             body,
             spheres: body.sites.iter().map(ChargedSphere::from).collect(),
-            dielectric,
+            dielectric: solute.dielectric(interaction.electrolyte),
             settings: EffectiveChargeSettings::default(),
         })
     }
