@@ -1,8 +1,10 @@
 //! From the text of a structure file to a body.
 
 use crate::body::{Body, Provenance, Site};
+use crate::chemistry::protonation::ModelValuesOnly;
 use crate::chemistry::{
-    ChargeModel, ChargedSites, Mutation, SiteSettings, build_sites, mutate, sites_of_points,
+    ChargeModel, ChargedSites, Mutation, Protonate, SiteSettings, StructureProtonation,
+    build_protonated_sites, build_sites, mutate, sites_of_points,
 };
 use crate::hard_core::{HardCore, NativeCore, moved_inward};
 use crate::points::sift_points;
@@ -208,12 +210,34 @@ impl Draft {
     pub fn of_selection(
         name: &str,
         source: Source<'_>,
+        selection: Selection,
+        settings: &BodySettings,
+    ) -> Result<Self> {
+        Self::of_protonated_selection(name, source, selection, settings, &ModelValuesOnly)
+    }
+
+    /// Variant of [`of_selection`](Self::of_selection) that can compute the protonation from the
+    /// structure, where the settings ask for it.
+    ///
+    /// # Errors
+    /// As [`of_selection`](Self::of_selection), and what `protonate` cannot do.
+    pub fn of_protonated_selection(
+        name: &str,
+        source: Source<'_>,
         mut selection: Selection,
         settings: &BodySettings,
+        protonate: &dyn Protonate,
     ) -> Result<Self> {
         check_name(name)?;
         mutate(&mut selection, &settings.mutations)?;
-        let sites = build_sites(&selection, &settings.sites)?;
+        let sites = match &settings.sites.structure {
+            None => build_sites(&selection, &settings.sites)?,
+            Some(conditions) => {
+                let ph = settings.sites.ph;
+                let protonation = protonate.protonate(&selection, ph, conditions)?;
+                build_protonated_sites(&selection, &protonation, &settings.sites)?
+            }
+        };
         let (surface, core) = settings.surface.with_core(&sites)?;
         let mut report = selection.report;
         if settings.sites.charges != ChargeModel::None {
@@ -461,11 +485,28 @@ fn describe_settings(
     described.extend(describe_selection(&settings.selection));
     described.insert("ph".into(), settings.sites.ph.to_string());
     described.insert("charges".into(), format!("{:?}", settings.sites.charges));
+    if let Some(conditions) = &settings.sites.structure {
+        described.insert("protonation".into(), describe_protonation(conditions));
+    }
     if !settings.mutations.is_empty() {
         let mutations: Vec<String> = settings.mutations.iter().map(Mutation::to_string).collect();
         described.insert("mutations".into(), mutations.join(","));
     }
     described
+}
+
+/// The conditions of a protonation in words.
+fn describe_protonation(conditions: &StructureProtonation) -> String {
+    let StructureProtonation {
+        salt_molar,
+        temperature_kelvin,
+        anion_binding_per_molar,
+    } = conditions;
+    let mut text = format!("of the structure in {salt_molar} M salt at {temperature_kelvin} K");
+    if *anion_binding_per_molar > 0.0 {
+        text += &format!(", anions bound with {anion_binding_per_molar} /M");
+    }
+    text
 }
 
 impl SurfaceSettings {

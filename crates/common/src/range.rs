@@ -51,6 +51,8 @@ pub const MINUTES: Range = Range::new(0.0, 5e8, "minutes");
 pub const SECONDS: Range = Range::new(0.0, 3e10, "seconds");
 /// Acidities.
 pub const PH: Range = Range::new(0.0, 14.0, "");
+/// Constants of the binding of an ion to a group.
+pub const ANION_BINDING: Range = Range::new(1e-6, 1e6, "L/mol").or_zero();
 /// Steps, sweeps and moves of a run, which can be interrupted.
 pub const STEPS: Count = Count::new(0, 1_000_000_000_000);
 /// Objects that are kept in memory.

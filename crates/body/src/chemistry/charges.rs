@@ -1,6 +1,6 @@
 //! One residue's charge on its atoms.
 //!
-//! The residue's charge is the sum of the mean charges of its titratable groups at the pH
+//! The residue's charge is the sum of the mean charges of its titratable groups
 //! ([`residue_charge_e`]). The models differ in how they distribute it over the atoms
 //! ([`atom_charges_e`]); in each of them the atoms' charges add up to it exactly:
 //!
@@ -12,7 +12,7 @@
 //! Hydrogens that are kept have no charge; it is on their heavy atom.
 
 use super::amino_acid::{AminoAcid, BACKBONE};
-use super::protonation::{C_TERMINUS, Group, N_TERMINUS, protonated_fraction, side_chain_groups};
+use super::protonation::{C_TERMINUS, Group, N_TERMINUS, ResidueProtonation, side_chain_groups};
 use super::templates::{self, Template, forms};
 use super::treatment::{formal_charge_e, ion_of};
 use crate::structure::{Atom, ResidueClass, SelectedResidue};
@@ -42,18 +42,18 @@ pub fn side_groups(residue: &SelectedResidue) -> &'static [Group] {
     }
 }
 
-/// Net charge of a residue at a pH, e: side chain, ends of the chain, and the fixed charge of ions,
-/// ligands and phosphates.
-pub fn residue_charge_e(residue: &SelectedResidue, ph: f64) -> f64 {
+/// Net charge of a residue, e: side chain, ends of the chain, and the fixed charge of ions, ligands
+/// and phosphates.
+pub fn residue_charge_e(residue: &SelectedResidue, protonation: &ResidueProtonation) -> f64 {
     let mut charge = fixed_charge_e(residue);
-    for group in side_groups(residue) {
-        charge += group.charge_e(ph);
+    for (group, protonated) in side_groups(residue).iter().zip(&protonation.side) {
+        charge += group.mean_charge_e(*protonated);
     }
     if residue.n_terminus {
-        charge += N_TERMINUS.charge_e(ph);
+        charge += N_TERMINUS.mean_charge_e(protonation.n_terminus);
     }
     if residue.c_terminus {
-        charge += C_TERMINUS.charge_e(ph);
+        charge += C_TERMINUS.mean_charge_e(protonation.c_terminus);
     }
     charge
 }
@@ -73,14 +73,18 @@ fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
 }
 
 /// The charges of the residue's atoms, e, in their order.
-pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) -> Vec<f64> {
-    let mut charges = Charges::new(residue, ph);
+pub fn atom_charges_e(
+    residue: &SelectedResidue,
+    protonation: &ResidueProtonation,
+    model: ChargeModel,
+) -> Vec<f64> {
+    let mut charges = Charges::new(residue, protonation.clone());
     match model {
         ChargeModel::None => return charges.values,
         ChargeModel::Formal => charges.formal(),
         ChargeModel::ForceField => charges.force_field(),
     }
-    charges.spread_remainder(residue_charge_e(residue, ph));
+    charges.spread_remainder(residue_charge_e(residue, protonation));
     charges.values
 }
 
@@ -88,9 +92,7 @@ pub fn atom_charges_e(residue: &SelectedResidue, ph: f64, model: ChargeModel) ->
 /// histidine is the mean of its two tautomers.
 pub(crate) fn neutral_charges_e(residue: &SelectedResidue) -> Vec<f64> {
     let residue = &without_ends(residue);
-    let mut charges = Charges::new(residue, PROTONATED_PH);
-    charges.force_field();
-    charges.spread_remainder(residue_charge_e(residue, PROTONATED_PH));
+    let mut charges = Charges::charged(residue, 1.0);
     for (place, group) in side_groups(residue).iter().enumerate() {
         if group.protonated_charge_e > 0.5 {
             let change = side_chain_change_e(residue, place);
@@ -119,19 +121,13 @@ pub(crate) fn side_chain_change_e(residue: &SelectedResidue, place: usize) -> Ve
         None => false,
     };
     if groups.len() > 1 || !has_templates {
-        let mut change = Charges::new(residue, DEPROTONATED_PH);
+        let mut change = Charges::new(residue, uniform(residue, 0.0));
         change.place_group(group, total);
         return change.values;
     }
-    let at_ph = |ph| {
-        let mut charges = Charges::new(residue, ph);
-        charges.force_field();
-        charges.spread_remainder(residue_charge_e(residue, ph));
-        charges.values
-    };
-    let mut change = at_ph(PROTONATED_PH);
+    let mut change = Charges::charged(residue, 1.0).values;
     // Protonated minus deprotonated is +1 e; the charged form of an acid is the deprotonated one.
-    for (value, deprotonated) in change.iter_mut().zip(at_ph(DEPROTONATED_PH)) {
+    for (value, deprotonated) in change.iter_mut().zip(Charges::charged(residue, 0.0).values) {
         *value = total * (*value - deprotonated);
     }
     share_between_equals(residue, &mut change);
@@ -161,7 +157,7 @@ fn share_between_equals(residue: &SelectedResidue, values: &mut [f64]) {
 /// Half the difference of the two neutral tautomers of histidine, e: the proton on Nδ minus that on
 /// Nε. Zero for any other residue.
 pub(crate) fn tautomer_change_e(residue: &SelectedResidue) -> Vec<f64> {
-    let mut change = Charges::new(residue, DEPROTONATED_PH);
+    let mut change = Charges::new(residue, uniform(residue, 0.0));
     if residue.class.amino_acid() == Some(AminoAcid::His)
         && let [delta, epsilon] = forms(AminoAcid::His, false).deprotonated
     {
@@ -172,10 +168,14 @@ pub(crate) fn tautomer_change_e(residue: &SelectedResidue) -> Vec<f64> {
     change.values
 }
 
-/// A pH at which every group has its proton.
-const PROTONATED_PH: f64 = -100.0;
-/// A pH at which no group has its proton.
-const DEPROTONATED_PH: f64 = 100.0;
+/// The same protonated fraction for every group of the residue.
+fn uniform(residue: &SelectedResidue, protonated: f64) -> ResidueProtonation {
+    ResidueProtonation {
+        side: vec![protonated; side_groups(residue).len()],
+        n_terminus: protonated,
+        c_terminus: protonated,
+    }
+}
 
 /// The residue in the middle of a chain.
 fn without_ends(residue: &SelectedResidue) -> SelectedResidue {
@@ -188,26 +188,36 @@ fn without_ends(residue: &SelectedResidue) -> SelectedResidue {
 
 struct Charges<'a> {
     residue: &'a SelectedResidue,
-    ph: f64,
+    protonation: ResidueProtonation,
     values: Vec<f64>,
 }
 
 impl<'a> Charges<'a> {
-    fn new(residue: &'a SelectedResidue, ph: f64) -> Self {
+    fn new(residue: &'a SelectedResidue, protonation: ResidueProtonation) -> Self {
         Self {
             residue,
-            ph,
+            protonation,
             values: vec![0.0; residue.atoms.len()],
         }
+    }
+
+    /// Charges of the force field with the same protonated fraction for every group.
+    fn charged(residue: &'a SelectedResidue, protonated: f64) -> Self {
+        let protonation = uniform(residue, protonated);
+        let total_e = residue_charge_e(residue, &protonation);
+        let mut charges = Self::new(residue, protonation);
+        charges.force_field();
+        charges.spread_remainder(total_e);
+        charges
     }
 
     fn formal(&mut self) {
         self.place_groups(side_groups(self.residue));
         if self.residue.n_terminus {
-            self.place(N_TERMINUS.atoms, N_TERMINUS.charge_e(self.ph));
+            self.place(N_TERMINUS.atoms, self.n_terminus_e());
         }
         if self.residue.c_terminus {
-            self.place(C_TERMINUS.atoms, C_TERMINUS.charge_e(self.ph));
+            self.place(C_TERMINUS.atoms, self.c_terminus_e());
         }
         self.place_fixed();
     }
@@ -241,7 +251,8 @@ impl<'a> Charges<'a> {
             Some(group) if !self.residue.in_disulfide => group,
             _ => return self.add(forms.protonated, 1.0),
         };
-        let protonated = protonated_fraction(group.pka, self.ph);
+        // A residue without groups has no other form.
+        let protonated = self.protonation.side.first().copied().unwrap_or(1.0);
         if forms.deprotonated.is_empty() {
             self.add(forms.protonated, 1.0);
             self.place_group(group, protonated - 1.0);
@@ -277,21 +288,29 @@ impl<'a> Charges<'a> {
             backbone += *value;
         }
         let mut net = 0.0;
-        for group in side_groups(self.residue) {
-            net += group.charge_e(self.ph);
+        for (group, protonated) in side_groups(self.residue).iter().zip(&self.protonation.side) {
+            net += group.mean_charge_e(*protonated);
         }
         self.place_outermost(net - backbone);
     }
 
+    fn n_terminus_e(&self) -> f64 {
+        N_TERMINUS.mean_charge_e(self.protonation.n_terminus)
+    }
+
+    fn c_terminus_e(&self) -> f64 {
+        C_TERMINUS.mean_charge_e(self.protonation.c_terminus)
+    }
+
     fn add_termini(&mut self) {
         if self.residue.n_terminus {
-            let charge = N_TERMINUS.charge_e(self.ph);
+            let charge = self.n_terminus_e();
             for (atom, share) in templates::N_TERMINUS {
                 self.add_to(atom, charge * share);
             }
         }
         if self.residue.c_terminus {
-            let charge = -C_TERMINUS.charge_e(self.ph);
+            let charge = -self.c_terminus_e();
             for (atom, share) in templates::C_TERMINUS {
                 self.add_to(atom, charge * share);
             }
@@ -332,8 +351,9 @@ impl<'a> Charges<'a> {
     }
 
     fn place_groups(&mut self, groups: &[Group]) {
-        for group in groups {
-            self.place_group(group, group.charge_e(self.ph));
+        let fractions = self.protonation.side.clone();
+        for (group, protonated) in groups.iter().zip(fractions) {
+            self.place_group(group, group.mean_charge_e(protonated));
         }
     }
 
@@ -446,6 +466,11 @@ mod tests {
         residue
     }
 
+    fn charges_at(residue: &SelectedResidue, ph: f64) -> Vec<f64> {
+        let protonation = ResidueProtonation::in_water(side_groups(residue), ph);
+        atom_charges_e(residue, &protonation, ChargeModel::ForceField)
+    }
+
     /// Far from the pKa a whole residue has exactly the charges of the published template.
     #[test]
     fn a_whole_residue_has_its_template() {
@@ -453,7 +478,7 @@ mod tests {
             let residue = whole(amino_acid);
             let forms = forms(amino_acid, false);
             for (ph, templates) in [(-10.0, forms.protonated), (30.0, forms.deprotonated)] {
-                let charges = atom_charges_e(&residue, ph, ChargeModel::ForceField);
+                let charges = charges_at(&residue, ph);
                 for (atom, charge) in residue.atoms.iter().zip(charges) {
                     let of = |template: &Template| {
                         template
@@ -482,7 +507,7 @@ mod tests {
     fn without_a_template_the_lost_proton_is_on_the_group() {
         for (amino_acid, group) in [(AminoAcid::Tyr, "OH"), (AminoAcid::Arg, "NH1")] {
             let residue = whole(amino_acid);
-            let at = |ph| atom_charges_e(&residue, ph, ChargeModel::ForceField);
+            let at = |ph| charges_at(&residue, ph);
             let change: Vec<f64> = at(30.0).iter().zip(at(-10.0)).map(|(a, b)| a - b).collect();
             let index = residue
                 .atoms

@@ -31,4 +31,7 @@ pub(crate) mod treatment;
 pub use amino_acid::AminoAcid;
 pub use charges::ChargeModel;
 pub use mutation::{Mutation, mutate, parse_mutations};
-pub use sites::{ChargedSites, SiteSettings, build_sites, sites_of_points};
+pub use protonation::{
+    PkaSource, Protonate, ResidueProtonation, StructureProtonation, StructureTitration,
+};
+pub use sites::{ChargedSites, SiteSettings, build_protonated_sites, build_sites, sites_of_points};

@@ -2,9 +2,12 @@
 //!
 //! Model pKa values of PROPKA 3 (Olsson, Søndergaard, Rostkowski and Jensen, J. Chem. Theory
 //! Comput. 7, 525 (2011)), for a residue in water. Shifts caused by the environment are not
-//! modelled.
+//! modelled here: [`Protonate`] is the interface of a crate that computes them.
 
 use super::amino_acid::AminoAcid;
+use crate::structure::Selection;
+use crate::{BodyError, Result};
+use serde::{Deserialize, Serialize};
 
 /// One titratable group.
 ///
@@ -49,7 +52,12 @@ impl Group {
     /// assert!((N_TERMINUS.charge_e(7.4) - 0.799).abs() < 1e-3);
     /// ```
     pub fn charge_e(&self, ph: f64) -> f64 {
-        self.protonated_charge_e - (1.0 - protonated_fraction(self.pka, ph))
+        self.mean_charge_e(protonated_fraction(self.pka, ph))
+    }
+
+    /// The mean charge of a group with its proton for this fraction of the time, e.
+    pub fn mean_charge_e(&self, protonated: f64) -> f64 {
+        self.protonated_charge_e - (1.0 - protonated)
     }
 }
 
@@ -61,6 +69,106 @@ impl Group {
 /// ```
 pub fn protonated_fraction(pka: f64, ph: f64) -> f64 {
     1.0 / (1.0 + 10_f64.powf(ph - pka))
+}
+
+/// Protonated fractions of the groups of a residue, 0 to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResidueProtonation {
+    /// Groups of the side chain, in the order of [`side_groups`](super::charges::side_groups).
+    pub side: Vec<f64>,
+    /// Amine at the beginning of a chain.
+    pub n_terminus: f64,
+    /// Carboxylate at the end of a chain.
+    pub c_terminus: f64,
+}
+
+impl ResidueProtonation {
+    /// Fractions by model pKa values, those of each group alone in water.
+    pub fn in_water(side_groups: &[Group], ph: f64) -> Self {
+        let fraction = |group: &Group| protonated_fraction(group.pka, ph);
+        Self {
+            side: side_groups.iter().map(fraction).collect(),
+            n_terminus: fraction(&N_TERMINUS),
+            c_terminus: fraction(&C_TERMINUS),
+        }
+    }
+}
+
+protomer_kernel::choices! {
+    /// Source of the pKa values of the groups of a structure.
+    pub enum PkaSource, default Water {
+        /// Single residues in water.
+        Water = "water",
+        /// The Poisson-Boltzmann equation of the structure, as `titrate`.
+        Structure = "structure",
+    }
+}
+
+/// Model of a protonation that is computed from the structure, in any salt.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StructureTitration {
+    /// Constant of the binding of the salt's anion to a positive group in water, L/mol; zero for none.
+    #[serde(rename = "anion_binding_per_M")]
+    pub anion_binding_per_molar: f64,
+}
+
+impl StructureTitration {
+    /// The protonation in a salt (mol/L) at a temperature (K).
+    pub fn conditions(self, salt_molar: f64, temperature_kelvin: f64) -> StructureProtonation {
+        StructureProtonation {
+            salt_molar,
+            temperature_kelvin,
+            anion_binding_per_molar: self.anion_binding_per_molar,
+        }
+    }
+}
+
+/// Conditions of a protonation that is computed from the structure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StructureProtonation {
+    /// Concentration of a 1:1 salt, mol/L.
+    #[serde(rename = "salt_M")]
+    pub salt_molar: f64,
+    /// Temperature, K.
+    #[serde(rename = "temperature_K")]
+    pub temperature_kelvin: f64,
+    /// Constant of the binding of the salt's anion to a positive group in water, L/mol; zero for none.
+    #[serde(rename = "anion_binding_per_M")]
+    pub anion_binding_per_molar: f64,
+}
+
+/// Computation of the protonation of a structure, for crates that solve for potentials.
+pub trait Protonate {
+    /// Protonated fractions of every residue of a selection.
+    ///
+    /// # Errors
+    /// Says what cannot be computed, and what to do.
+    fn protonate(
+        &self,
+        selection: &Selection,
+        ph: f64,
+        conditions: &StructureProtonation,
+    ) -> Result<Vec<ResidueProtonation>>;
+}
+
+/// Protonation by model pKa values only.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ModelValuesOnly;
+
+impl Protonate for ModelValuesOnly {
+    fn protonate(
+        &self,
+        _selection: &Selection,
+        _ph: f64,
+        _conditions: &StructureProtonation,
+    ) -> Result<Vec<ResidueProtonation>> {
+        Err(BodyError::Invalid {
+            cause: "a protonation that depends on the structure".into(),
+            remedy: "use pKa values in water here".into(),
+        })
+    }
 }
 
 /// The amine at the beginning of a chain.

@@ -1,7 +1,8 @@
 //! The sites and residues of a body.
 
 use super::amino_acid::AminoAcid;
-use super::charges::{ChargeModel, atom_charges_e, residue_charge_e};
+use super::charges::{ChargeModel, atom_charges_e, residue_charge_e, side_groups};
+use super::protonation::{ResidueProtonation, StructureProtonation};
 use super::radii::{core_radius_angstrom, radius_angstrom};
 use super::residue_names::parent_amino_acid;
 use crate::body::{Residue, Site};
@@ -19,6 +20,9 @@ pub struct SiteSettings {
     pub ph: f64,
     /// Distribution of the charge of a residue over its atoms.
     pub charges: ChargeModel,
+    /// Conditions of a protonation computed from the structure; model pKa values in water for `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<StructureProtonation>,
 }
 
 impl Default for SiteSettings {
@@ -26,6 +30,7 @@ impl Default for SiteSettings {
         Self {
             ph: 7.4,
             charges: ChargeModel::ForceField,
+            structure: None,
         }
     }
 }
@@ -82,6 +87,22 @@ impl ChargedSites {
 /// [`BodyError::Trace`] for a protein that has no atoms but Cα.
 pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<ChargedSites> {
     settings.check()?;
+    let in_water =
+        |residue: &SelectedResidue| ResidueProtonation::in_water(side_groups(residue), settings.ph);
+    let protonation: Vec<_> = selection.residues.iter().map(in_water).collect();
+    build_protonated_sites(selection, &protonation, settings)
+}
+
+/// Variant of [`build_sites`] with the protonated fractions of each residue.
+///
+/// # Errors
+/// As [`build_sites`].
+pub fn build_protonated_sites(
+    selection: &Selection,
+    protonation: &[ResidueProtonation],
+    settings: &SiteSettings,
+) -> Result<ChargedSites> {
+    settings.check()?;
     refuse_trace(&selection.residues)?;
     let mut positions = Vec::new();
     for residue in &selection.residues {
@@ -91,8 +112,8 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
     let mut sites = Vec::with_capacity(positions.len());
     let mut core_radii = Vec::with_capacity(positions.len());
     let mut residues = Vec::with_capacity(selection.residues.len());
-    for (index, residue) in selection.residues.iter().enumerate() {
-        let charges = atom_charges_e(residue, settings.ph, settings.charges);
+    for (index, (residue, protonation)) in selection.residues.iter().zip(protonation).enumerate() {
+        let charges = atom_charges_e(residue, protonation, settings.charges);
         for (atom, charge_e) in residue.atoms.iter().zip(charges) {
             core_radii.push(core_radius_angstrom(&atom.element));
             sites.push(Site {
@@ -103,7 +124,7 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
                 residue: u32::try_from(index).ok(),
             });
         }
-        residues.push(charged_residue(residue, settings));
+        residues.push(charged_residue(residue, protonation, settings.charges));
     }
     Ok(ChargedSites {
         origin_angstrom,
@@ -113,15 +134,19 @@ pub fn build_sites(selection: &Selection, settings: &SiteSettings) -> Result<Cha
     })
 }
 
-fn charged_residue(residue: &SelectedResidue, settings: &SiteSettings) -> Residue {
+fn charged_residue(
+    residue: &SelectedResidue,
+    protonation: &ResidueProtonation,
+    charges: ChargeModel,
+) -> Residue {
     Residue {
         chain: residue.key.chain.to_string(),
         number: residue.key.number,
         insertion_code: residue.key.insertion_code.to_string(),
         name: residue.name.to_string(),
-        charge_e: match settings.charges {
+        charge_e: match charges {
             ChargeModel::None => 0.0,
-            _ => residue_charge_e(residue, settings.ph),
+            _ => residue_charge_e(residue, protonation),
         },
         hydropathy: residue.class.amino_acid().map(AminoAcid::hydropathy),
     }

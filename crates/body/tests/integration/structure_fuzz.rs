@@ -50,7 +50,14 @@ fn digest(text: &[u8]) {
                 .iter()
                 .all(|residue| !residue.atoms.is_empty())
         );
-        let Ok(sites) = build_sites(&selection, &SiteSettings { ph: 7.4, charges }) else {
+        let Ok(sites) = build_sites(
+            &selection,
+            &SiteSettings {
+                ph: 7.4,
+                charges,
+                ..SiteSettings::default()
+            },
+        ) else {
             continue;
         };
         let sum: f64 = sites.residues.iter().map(|residue| residue.charge_e).sum();

@@ -15,7 +15,15 @@ fn names(residue: &SelectedResidue) -> Vec<&str> {
 }
 
 fn charges(selection: &Selection, charges: ChargeModel) -> Vec<f64> {
-    let sites = build_sites(selection, &SiteSettings { ph: 7.4, charges }).unwrap();
+    let sites = build_sites(
+        selection,
+        &SiteSettings {
+            ph: 7.4,
+            charges,
+            ..SiteSettings::default()
+        },
+    )
+    .unwrap();
     let sum: f64 = sites.residues.iter().map(|residue| residue.charge_e).sum();
     assert!((sum - sites.net_charge_e()).abs() < 1e-9);
     sites

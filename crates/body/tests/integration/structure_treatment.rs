@@ -14,7 +14,15 @@ use small::{atom, line, residue, select, select_with};
 
 fn charge_e(selection: &Selection, ph: f64) -> f64 {
     let charges = ChargeModel::Formal;
-    let sites = build_sites(selection, &SiteSettings { ph, charges }).unwrap();
+    let sites = build_sites(
+        selection,
+        &SiteSettings {
+            ph,
+            charges,
+            ..SiteSettings::default()
+        },
+    )
+    .unwrap();
     sites.net_charge_e()
 }
 

@@ -1,13 +1,15 @@
 //! How a body is made from a structure: atoms, charges and surface.
 
 use super::settings::choice;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use protomer::bodies::chain_groups::ChainNames;
-use protomer_body::chemistry::{ChargeModel, SiteSettings, parse_mutations};
+use protomer_body::chemistry::{
+    ChargeModel, PkaSource, SiteSettings, StructureTitration, parse_mutations,
+};
 use protomer_body::structure::{MissingAtoms, SelectionSettings};
 use protomer_body::{BodySettings, HardCore, SurfaceSettings};
-use protomer_common::range;
+use protomer_common::{quantity, range};
 
 /// Selection of atoms.
 #[derive(Debug, Clone, Args)]
@@ -61,10 +63,49 @@ pub struct ChargeArgs {
     /// Model of the charges.
     #[arg(long, value_parser = choice::<ChargeModel>(), default_value = "force-field")]
     charges: ChargeModel,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
+    /// Salt for which --protonation structure is solved, such as 100mM.
+    #[arg(long, default_value = "100mM", value_parser = quantity::salt_molar, allow_hyphen_values = true)]
+    protonation_salt: f64,
     /// Point mutations, such as A:K45E,B:N12D; side chains are replaced in place.
     #[arg(long)]
     mutate: Option<String>,
 }
+
+/// Source of the charges of titratable groups.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ProtonationArgs {
+    /// Source of the pKa values of structure files.
+    #[arg(long, value_parser = choice::<PkaSource>(), default_value = "water", help_heading = "Charges")]
+    protonation: PkaSource,
+    /// Constant of the binding of the salt's anion to a positive group, L/mol, with
+    /// --protonation structure; a group with a bound anion has no charge.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number(), help_heading = "Charges")]
+    anion_binding: f64,
+}
+
+impl ProtonationArgs {
+    /// The titration of structures; `None` for pKa values in water.
+    ///
+    /// # Errors
+    /// For a binding constant without a titration.
+    pub fn titration(&self) -> Result<Option<StructureTitration>> {
+        let titration = StructureTitration {
+            anion_binding_per_molar: self.anion_binding,
+        };
+        match self.protonation {
+            PkaSource::Structure => Ok(Some(titration)),
+            PkaSource::Water if self.anion_binding == 0.0 => Ok(None),
+            PkaSource::Water => bail!(
+                "--anion-binding is part of the titration of a structure; add --protonation structure"
+            ),
+        }
+    }
+}
+
+/// Temperature of the protonation of bodies, K, for which the pKa values of `titrate` were fitted.
+const PROTONATION_KELVIN: f64 = 298.15;
 
 /// Parameters of the surface.
 #[derive(Debug, Clone, Args)]
@@ -167,6 +208,9 @@ pub fn body_settings(
         sites: SiteSettings {
             ph: charges.ph,
             charges: charges.charges,
+            structure: charges.protonation.titration()?.map(|titration| {
+                titration.conditions(charges.protonation_salt, PROTONATION_KELVIN)
+            }),
         },
         mutations: mutations.unwrap_or_default(),
         surface: SurfaceSettings {

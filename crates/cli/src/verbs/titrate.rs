@@ -30,6 +30,10 @@ pub struct TitrateArgs {
     /// Relative permittivity inside the surface; other values than 20 leave the range of the fit.
     #[arg(long, default_value_t = TitrationModel::default().inner_permittivity, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
     inner_permittivity: f64,
+    /// Constant of the binding of the salt's anion to a positive group in water, L/mol; a group with a
+    /// bound anion has no charge.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number())]
+    anion_binding: f64,
     /// Directory for tables (CSV), JSON and figure.
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -47,6 +51,7 @@ impl TitrateArgs {
             electrolyte: Electrolyte::in_water(self.temperature, self.salt)?,
             model: TitrationModel {
                 inner_permittivity: self.inner_permittivity,
+                anion_binding_per_molar: self.anion_binding,
                 ..TitrationModel::default()
             },
             output: self.output.clone(),

@@ -79,6 +79,70 @@ fn conditions_outside_the_fit_are_named() {
     );
 }
 
+/// A body that is made with the protonation of its structure has the charges of the titration, residue by
+/// residue, also with mutations and bound anions, and says so.
+#[test]
+fn a_body_carries_the_protonation_of_its_structure() {
+    let place = place();
+    let conditions = "--ph 4 --anion-binding 2";
+    let output = place.run(&format!(
+        "titrate -q {STRUCTURE} {conditions} --salt 50mM --json"
+    ));
+    is_ok(&output);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    is_ok(&place.run(&format!(
+        "ingest -q {STRUCTURE} {conditions} --protonation structure --protonation-salt 50mM -o bodies"
+    )));
+    let (body, _) = protomer::bodies::body_file::read(&place.path("bodies/5pti.body")).unwrap();
+    let net_charge_e = answer["net_charge_e"].as_f64().unwrap();
+    assert!(
+        (body.net_charge_e() - net_charge_e).abs() < 1e-6,
+        "{}",
+        body.net_charge_e()
+    );
+    for residue in &body.residues {
+        let mut charge_e = 0.0;
+        for group in answer["groups"].as_array().unwrap() {
+            if group["residue_number"] == residue.number {
+                charge_e += group["charge_e"].as_f64().unwrap();
+            }
+        }
+        let difference = residue.charge_e - charge_e;
+        assert!(difference.abs() < 1e-6, "{} {difference}", residue.number);
+    }
+    let said = &body.provenance.settings["protonation"];
+    assert!(said.contains("0.05 M") && said.contains("2 /M"), "{said}");
+    // Without the flag, charges are those in water.
+    is_ok(&place.run(&format!("ingest -q {STRUCTURE} --ph 4 -o water")));
+    let (water, _) = protomer::bodies::body_file::read(&place.path("water/5pti.body")).unwrap();
+    assert!((water.net_charge_e() - net_charge_e).abs() > 0.5);
+    let refused = place.run(&format!("ingest {STRUCTURE} --anion-binding 2 -o refused"));
+    assert!(message(&refused).contains("add --protonation structure"));
+}
+
+/// Bodies of a pair are titrated in the salt of each condition: bound anions make B22 fall faster.
+#[test]
+fn a_pair_is_titrated_in_each_salt() {
+    let place = place();
+    let b22 = |flags: &str| {
+        let output = place.run(&format!(
+            "pair -q {STRUCTURE} --ph 7 --salt 20mM,200mM --relative-error 0.05 --json {flags}"
+        ));
+        is_ok(&output);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let conditions = answer["conditions"].as_array().unwrap().clone();
+        let value = |condition: &Value| condition["b22_mol_ml_per_g2"].as_f64().unwrap();
+        conditions.iter().map(value).collect::<Vec<f64>>()
+    };
+    let without = b22("--protonation structure");
+    let with = b22("--protonation structure --anion-binding 10");
+    assert!(with[0] < 0.9 * without[0], "{with:?} {without:?}");
+    assert!(with[1] < without[1], "{with:?} {without:?}");
+    is_ok(&place.run(&format!("ingest -q {STRUCTURE} -o bodies")));
+    let refused = place.run("pair bodies/5pti.body --salt 0.1M --protonation structure");
+    assert!(message(&refused).contains("ingest them with --protonation"));
+}
+
 /// Salt weakens what groups do to each other: of this positive protein, aspartate 50 moves towards its
 /// pKa in water.
 #[test]

@@ -36,9 +36,9 @@ const PART_FROM_FACES: usize = 8;
 /// Potential on the faces of the grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Faces {
-    /// As given.
+    /// The given potential.
     Given,
-    /// The given potential, which belongs to the linear equation, times a factor.
+    /// The given potential times a factor; it belongs to the linear equation.
     Proportional,
 }
 

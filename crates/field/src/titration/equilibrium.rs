@@ -9,6 +9,12 @@
 //! group is exact over the group and the neighbours with the strongest interactions; all others act
 //! with their mean charge, until the means agree (Yang, Gunner, Sampogna, Sharp and Honig, Proteins 15,
 //! 252 (1993), call it the hybrid method). A protein with no more groups than one cluster holds is exact.
+//!
+//! A positive group may bind an anion of the salt, with the constant K in water, and has no charge then:
+//! a third form, whose weight is K c times that of the charged form alone in water. It has the
+//! surroundings of the neutral form, so a positive potential favours it. The ion feels the mean of the
+//! other charges, times a factor: what scales pairs of groups, whose side chains may part, does not scale
+//! the field in which ions gather.
 
 use rayon::prelude::*;
 use std::f64::consts::LN_10;
@@ -39,6 +45,10 @@ pub struct TitratingGroups {
     pub pair_kt: Vec<f64>,
     /// Interaction of half the tautomer difference of a group (row) with the charged form of another.
     pub tautomer_pair_kt: Vec<f64>,
+    /// Weight K c of the form with a bound counter-ion over the charged form, in water, by group.
+    pub bound_ion_weight: Vec<f64>,
+    /// Factor that takes [`pair_kt`](Self::pair_kt) to the interaction with a bound ion.
+    pub ion_pair_factor: f64,
 }
 
 impl TitratingGroups {
@@ -64,6 +74,8 @@ impl TitratingGroups {
     ///     tautomer_kt: vec![None; 2],
     ///     pair_kt: vec![0.0, 2.0, 2.0, 0.0],
     ///     tautomer_pair_kt: vec![0.0; 4],
+    ///     bound_ion_weight: vec![0.0; 2],
+    ///     ion_pair_factor: 1.0,
     /// };
     /// let x = 10_f64.powf(0.5);
     /// let both = x * x * (-2_f64).exp();
@@ -74,7 +86,7 @@ impl TitratingGroups {
         let clusters = self.clusters();
         let mut means = vec![0.0; self.len()];
         for (group, mean) in means.iter_mut().enumerate() {
-            *mean = logistic(-self.free_energy_kt(group, ph, 0.0));
+            *mean = logistic(-self.free_energy_kt(group, ph, 0.0, 0.0));
         }
         // The means are mixed half and half: strong pairs would swing otherwise.
         let mut mixing = 1.0;
@@ -118,14 +130,31 @@ impl TitratingGroups {
     }
 
     /// Free energy of the charged form less that of the neutral one without other charges, kT;
-    /// `tautomer_field` is what other charges add to half the tautomer difference.
-    fn free_energy_kt(&self, group: usize, ph: f64, tautomer_field_kt: f64) -> f64 {
+    /// `tautomer_field_kt` is what other charges add to half the tautomer difference, `field_kt` their
+    /// mean interaction with the charged form.
+    fn free_energy_kt(&self, group: usize, ph: f64, tautomer_field_kt: f64, field_kt: f64) -> f64 {
         let proton = self.charge_e[group] * LN_10 * (ph - self.model_pka[group]);
         let neutral = match self.tautomer_kt[group] {
             Some(half_kt) => tautomers_kt(half_kt + tautomer_field_kt),
             None => 0.0,
         };
-        proton + self.shift_kt[group] - neutral
+        proton + self.shift_kt[group] - neutral + self.bound_ion_kt(group, proton, field_kt)
+    }
+
+    /// Addition of a bound ion to the free energy of the charged form against all others, kT: the form with
+    /// the ion has no charge, as the neutral one, and e^-g of the charged form counts K c times,
+    /// ln(1 + K c e^-g). `proton_kt` is g in water, `field_kt` as in
+    /// [`free_energy_kt`](Self::free_energy_kt).
+    fn bound_ion_kt(&self, group: usize, proton_kt: f64, field_kt: f64) -> f64 {
+        let weight = self.bound_ion_weight[group];
+        if weight == 0.0 {
+            return 0.0;
+        }
+        // The pairs of the equilibrium hold once the factor; an ion feels the whole field.
+        let excess_kt = (self.ion_pair_factor - 1.0) * field_kt;
+        let exponent = weight.ln() - proton_kt + excess_kt;
+        // ln(1 + e^x) without overflow.
+        exponent.max(0.0) + (-exponent.abs()).exp().ln_1p()
     }
 
     /// Mean of the first group of a cluster: exact over the cluster, in the mean field of the others.
@@ -133,14 +162,17 @@ impl TitratingGroups {
         let count = self.len();
         let mut single_kt = Vec::with_capacity(cluster.len());
         for &member in cluster {
-            let (mut field, mut tautomer_field) = (0.0, 0.0);
+            let (mut field, mut whole_field, mut tautomer_field) = (0.0, 0.0, 0.0);
             for (other, mean) in means.iter().enumerate() {
+                let pair_kt = mean * self.pair_kt[member * count + other];
+                whole_field += pair_kt;
                 if !cluster.contains(&other) {
-                    field += mean * self.pair_kt[member * count + other];
+                    field += pair_kt;
                 }
                 tautomer_field += mean * self.tautomer_pair_kt[member * count + other];
             }
-            single_kt.push(self.free_energy_kt(member, ph, tautomer_field) + field);
+            let alone_kt = self.free_energy_kt(member, ph, tautomer_field, whole_field);
+            single_kt.push(alone_kt + field);
         }
         let mut energies_kt = vec![0.0; 1 << cluster.len()];
         let mut lowest_kt: f64 = 0.0;

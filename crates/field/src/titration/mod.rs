@@ -17,12 +17,15 @@
 //! | `model` | the fitted numbers, and the groups that follow from them |
 //! | `equilibrium` | mean protonation of all groups together |
 //! | `curve` | pKa values, net charge, isoelectric point |
+//! | `protonation` | from selected residues to their protonation |
 
 mod curve;
 mod energies;
 mod equilibrium;
 mod model;
+mod protonation;
 
 pub use energies::{GroupEnergies, group_energies, solve_settings};
 pub use equilibrium::{EXACT_NEIGHBOURS, TitratingGroups};
 pub use model::TitrationModel;
+pub use protonation::SolvedProtonation;

@@ -35,6 +35,9 @@ pub struct TitrationModel {
     pub background: f64,
     /// Factor c of the interaction of two groups.
     pub pair: f64,
+    /// Constant of the binding of an anion of the salt to a positive group in water, L/mol; zero for no
+    /// binding.
+    pub anion_binding_per_molar: f64,
 }
 
 impl Default for TitrationModel {
@@ -45,6 +48,7 @@ impl Default for TitrationModel {
             desolvation_squared_per_kt: 0.294,
             background: 1.0,
             pair: 0.509,
+            anion_binding_per_molar: 0.0,
         }
     }
 }
@@ -56,8 +60,13 @@ impl TitrationModel {
         self.desolvation * energy_kt + self.desolvation_squared_per_kt * energy_kt.max(0.0).powi(2)
     }
 
-    /// The titrating groups of a protein.
-    pub fn groups(&self, sites: &TitratableSites, energies: &GroupEnergies) -> TitratingGroups {
+    /// The titrating groups of a protein in a 1:1 salt of this concentration.
+    pub fn groups(
+        &self,
+        sites: &TitratableSites,
+        energies: &GroupEnergies,
+        salt_molar: f64,
+    ) -> TitratingGroups {
         let mut groups = TitratingGroups {
             model_pka: Vec::new(),
             charge_e: Vec::new(),
@@ -65,10 +74,17 @@ impl TitrationModel {
             tautomer_kt: Vec::new(),
             pair_kt: energies.pair_kt.clone(),
             tautomer_pair_kt: energies.tautomer_pair_kt.clone(),
+            bound_ion_weight: Vec::new(),
+            ion_pair_factor: 1.0 / self.pair,
         };
         for (index, group) in sites.groups.iter().enumerate() {
             groups.model_pka.push(model_pka(group));
             groups.charge_e.push(group.charge_e);
+            let binding = match group.charge_e > 0.0 {
+                true => self.anion_binding_per_molar,
+                false => 0.0,
+            };
+            groups.bound_ion_weight.push(binding * salt_molar);
             let desolvation_kt = self.desolvation_kt(energies.desolvation_kt[index]);
             let background_kt = self.background * energies.background_kt[index];
             groups.shift_kt.push(desolvation_kt + background_kt);

@@ -82,6 +82,8 @@ fn random_groups(count: usize, strength_kt: f64) -> TitratingGroups {
         tautomer_kt: vec![None; count],
         pair_kt: vec![0.0; count * count],
         tautomer_pair_kt: vec![0.0; count * count],
+        bound_ion_weight: vec![0.0; count],
+        ion_pair_factor: 1.0,
     };
     for index in 0..count {
         groups.model_pka.push(3.0 + 4.0 * random.uniform());
@@ -162,6 +164,8 @@ fn a_stabilised_tautomer_lowers_the_pka_of_histidine() {
         tautomer_kt: vec![Some(half_kt)],
         pair_kt: vec![0.0],
         tautomer_pair_kt: vec![0.0],
+        bound_ion_weight: vec![0.0],
+        ion_pair_factor: 1.0,
     };
     let pka = |half_kt| histidine(half_kt).pka_values()[0].unwrap();
     assert!((pka(0.0) - 6.5).abs() < 1e-9);
@@ -181,7 +185,7 @@ fn the_inhibitor_has_pka_values_near_the_measured_ones() {
         ..DielectricModel::new(Electrolyte::in_water(298.15, 0.1).unwrap())
     };
     let energies = group_energies(&sites, &dielectric, &solve_settings(), &|| true).unwrap();
-    let groups = model.groups(&sites, &energies);
+    let groups = model.groups(&sites, &energies, 0.1);
     for (group, pka) in sites.groups.iter().zip(groups.pka_values()) {
         println!("{:?} {:?} {pka:?}", group.kind, group.residue);
     }
@@ -191,4 +195,29 @@ fn the_inhibitor_has_pka_values_near_the_measured_ones() {
     assert!((point - 10.5).abs() < 0.7, "{point}");
     let total = groups.net_charge_e(point);
     assert!(total.abs() < 0.01, "{total}");
+}
+
+/// A base with a bound anion is a third form: 1 + 10^(pH - pKa) + K c.
+#[test]
+fn a_bound_anion_takes_its_share_of_a_group_alone() {
+    let base = |weight: f64| TitratingGroups {
+        model_pka: vec![10.0],
+        charge_e: vec![1.0],
+        shift_kt: vec![0.0],
+        tautomer_kt: vec![None],
+        pair_kt: vec![0.0],
+        tautomer_pair_kt: vec![0.0],
+        bound_ion_weight: vec![weight],
+        ion_pair_factor: 1.0,
+    };
+    for weight in [0.0, 0.3, 20.0] {
+        for ph in [7.0, 9.5, 12.0] {
+            let exact = 1.0 / (1.0 + 10_f64.powf(ph - 10.0) + weight);
+            let found = base(weight).charged_shares(ph)[0];
+            assert!(
+                (found / exact - 1.0).abs() < 1e-9,
+                "{weight} {ph}: {found} {exact}"
+            );
+        }
+    }
 }

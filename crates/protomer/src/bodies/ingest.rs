@@ -4,12 +4,14 @@
 use crate::bodies::body_file;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
+use protomer_body::structure::Structure;
 use protomer_body::structure::{Format, SelectionReport};
-use protomer_body::{Body, BodyError, BodySettings, BuiltBody, Draft, Source, build_body};
+use protomer_body::{Body, BodyError, BodySettings, BuiltBody, Draft, Source, check_name};
 use protomer_common::answer::{Answer, columns, heading};
 use protomer_common::input::{InputFile, stem};
 use protomer_common::output_file::write_once;
 use protomer_common::remedy;
+use protomer_field::titration::SolvedProtonation;
 use protomer_io::mesh::{MeshFormat, write_mesh};
 use protomer_io::points::PointRecord;
 use protomer_io::pqr::{read_pqr_file, write_pqr};
@@ -356,10 +358,24 @@ pub fn read_and_build(file: &Path, name: &str, settings: &BodySettings) -> Resul
     };
     let format = Format::of_file(&input.name, &input.bytes)?;
     if format != Format::Pqr {
-        return build_body(name, source, &input.bytes, settings)
+        return build_of_structure(name, source, &input.bytes, settings)
             .map_err(|error| named(&input.name, error));
     }
     build_of_pqr(name, &input, settings)
+}
+
+fn build_of_structure(
+    name: &str,
+    source: Source<'_>,
+    bytes: &[u8],
+    settings: &BodySettings,
+) -> protomer_body::Result<BuiltBody> {
+    check_name(name)?;
+    let structure = Structure::read(source.file, bytes)?;
+    let selection = structure.select(&settings.selection)?;
+    let solved = &SolvedProtonation;
+    let draft = Draft::of_protonated_selection(name, source, selection, settings, solved)?;
+    draft.with_warnings_of(&structure).build()
 }
 
 /// Makes a body of a PQR file, whose atoms, charges and radii are taken as they are.
@@ -403,6 +419,7 @@ fn refuse_settings_of_structures(settings: &BodySettings) -> Result<()> {
         ("--missing", selection.missing != plain.missing),
         ("--ph", sites.ph != plain_sites.ph),
         ("--charges", sites.charges != plain_sites.charges),
+        ("--protonation", sites.structure.is_some()),
         ("--mutate", settings.mutations != default.mutations),
     ] {
         if is_set {

@@ -40,6 +40,9 @@ pub struct TitrationReport {
     pub temperature_kelvin: f64,
     /// Relative permittivity inside the protein.
     pub inner_permittivity: f64,
+    /// Constant of the binding of the salt's anion to a positive group in water, L/mol.
+    #[serde(rename = "anion_binding_per_M")]
+    pub anion_binding_per_molar: f64,
     /// Net charge at the pH, e.
     pub net_charge_e: f64,
     /// Net charge of a body that `ingest` makes at this pH, from pKa values in water, e.

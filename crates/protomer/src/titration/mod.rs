@@ -29,7 +29,6 @@ use protomer_body::chemistry::{SiteSettings, build_sites};
 use protomer_body::structure::{Selection, SelectionSettings, Structure};
 use protomer_body::structure_warnings;
 use protomer_common::input::InputFile;
-use protomer_field::DielectricModel;
 use protomer_field::titration::{TitratingGroups, TitrationModel, group_energies, solve_settings};
 use protomer_kernel::Electrolyte;
 use protomer_results::{End, Execution};
@@ -119,10 +118,7 @@ pub fn titrate(settings: &TitrateSettings, execution: &Execution) -> Result<End<
             file.name
         );
     }
-    let dielectric = DielectricModel {
-        inner_permittivity: settings.model.inner_permittivity,
-        ..DielectricModel::new(settings.electrolyte)
-    };
+    let dielectric = settings.model.dielectric(settings.electrolyte);
     let total = sites.groups.len() as u64;
     execution.progress.begin(total, "groups");
     let advance = || {
@@ -134,7 +130,8 @@ pub fn titrate(settings: &TitrateSettings, execution: &Execution) -> Result<End<
     if execution.interrupt.is_requested() {
         return Ok(End::Stopped);
     }
-    let groups = settings.model.groups(&sites, &energies);
+    let salt_molar = settings.electrolyte.salt_molar().unwrap_or(0.0);
+    let groups = settings.model.groups(&sites, &energies, salt_molar);
     let fixed_charge_e: f64 = sites.background_e.iter().sum();
     let rows = shifts::rows(&selection, &sites, &energies, &groups, &settings.model, ph);
     let report = TitrationReport {
@@ -144,6 +141,7 @@ pub fn titrate(settings: &TitrateSettings, execution: &Execution) -> Result<End<
         salt_molar: settings.electrolyte.salt_molar(),
         temperature_kelvin: settings.electrolyte.temperature_kelvin(),
         inner_permittivity: settings.model.inner_permittivity,
+        anion_binding_per_molar: settings.model.anion_binding_per_molar,
         net_charge_e: rows.iter().map(|row| row.charge_e).sum::<f64>() + fixed_charge_e,
         model_net_charge_e: by_model.net_charge_e(),
         isoelectric_point: groups.isoelectric_point(fixed_charge_e),

@@ -139,7 +139,7 @@ mod tests {
             tautomer_pair_kt: vec![0.0; count * count],
         };
         let table = |energies: &GroupEnergies| {
-            let groups = model.groups(&sites, energies);
+            let groups = model.groups(&sites, energies, 0.0);
             rows(&selection, &sites, energies, &groups, &model, 6.0)
         };
         let alone = table(&energies);

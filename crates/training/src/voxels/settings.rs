@@ -1,6 +1,7 @@
 //! The settings of voxel grids.
 
 use anyhow::{Result, bail};
+use protomer_body::chemistry::StructureTitration;
 use protomer_field::DielectricModel;
 use protomer_field::voxels::{Channel, Lattice, Orientation, PotentialModel, VoxelSettings};
 use protomer_kernel::Electrolyte;
@@ -73,6 +74,9 @@ pub struct VoxelizeSettings {
     pub temperature_kelvin: f64,
     /// pH of the protonation.
     pub ph: f64,
+    /// Titration of the structures in this salt; pKa values in water for `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub titration: Option<StructureTitration>,
     /// Probe radius of the surface, Å.
     pub probe_angstrom: f64,
     /// Range of the hydropathy: residues with an atom within this distance of a voxel count, Å.
@@ -93,6 +97,7 @@ impl Default for VoxelizeSettings {
             salt_molar: 0.15,
             temperature_kelvin: 298.15,
             ph: 7.4,
+            titration: None,
             probe_angstrom: 1.4,
             hydropathy_reach_angstrom: 5.0,
             most_incomplete: 0.25,

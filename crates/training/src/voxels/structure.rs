@@ -11,6 +11,7 @@ use protomer_body::surface::{ExactSurface, Placed};
 use protomer_body::{BodyError, BodySettings, Draft, Source, SurfaceSettings, structure_warnings};
 use protomer_common::input::InputFile;
 use protomer_common::remedy;
+use protomer_field::titration::SolvedProtonation;
 use protomer_field::voxels::channels::{bounds, pose};
 use protomer_field::voxels::lattice::SPACING_RANGE_ANGSTROM;
 use protomer_field::voxels::orientation::principal_axes;
@@ -394,12 +395,16 @@ fn read(
     let body_settings = BodySettings {
         sites: SiteSettings {
             ph: settings.ph,
+            structure: settings.titration.map(|titration| {
+                titration.conditions(settings.salt_molar, settings.temperature_kelvin)
+            }),
             ..SiteSettings::default()
         },
         surface,
         ..BodySettings::default()
     };
-    let draft = Draft::of_selection(&entry.name, source, selection, &body_settings);
+    let (name, solved) = (&entry.name, &SolvedProtonation);
+    let draft = Draft::of_protonated_selection(name, source, selection, &body_settings, solved);
     let draft = draft.map_err(|error| match error {
         BodyError::Trace { .. } => Excluded(Reason::Truncated, error.into()),
         _ => Excluded(Reason::Failed, error.into()),

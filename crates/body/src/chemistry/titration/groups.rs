@@ -4,9 +4,9 @@ use super::super::amino_acid::AminoAcid;
 use super::super::charges::{
     neutral_charges_e, side_chain_change_e, side_groups, tautomer_change_e,
 };
-use super::super::protonation::{C_TERMINUS, N_TERMINUS};
+use super::super::protonation::{C_TERMINUS, N_TERMINUS, ResidueProtonation};
 use super::super::templates;
-use crate::structure::{ResidueClass, SelectedResidue};
+use crate::structure::{ResidueClass, SelectedResidue, Selection};
 
 /// Kind of a titratable group.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,6 +45,37 @@ impl TitratableGroup {
     pub(super) fn is_charged_in_water(&self) -> bool {
         (self.charge_e > 0.0) == (self.model_pka > 7.0)
     }
+}
+
+/// Protonated fractions of every residue of a selection, from the charged share of each group.
+pub fn protonation_of_residues(
+    selection: &Selection,
+    groups: &[TitratableGroup],
+    charged_shares: &[f64],
+) -> Vec<ResidueProtonation> {
+    let mut residues = Vec::with_capacity(selection.residues.len());
+    for residue in &selection.residues {
+        residues.push(ResidueProtonation {
+            side: Vec::with_capacity(side_groups(residue).len()),
+            n_terminus: 1.0,
+            c_terminus: 0.0,
+        });
+    }
+    for (group, share) in groups.iter().zip(charged_shares) {
+        let protonated = if group.charge_e > 0.0 {
+            *share
+        } else {
+            1.0 - share
+        };
+        let residue = &mut residues[group.residue];
+        match group.kind {
+            GroupKind::NTerminus => residue.n_terminus = protonated,
+            GroupKind::CTerminus => residue.c_terminus = protonated,
+            // Groups of a side chain follow each other in their order.
+            GroupKind::SideChain(_) | GroupKind::Modified => residue.side.push(protonated),
+        }
+    }
+    residues
 }
 
 /// Titratable groups of a residue; `first` is the index of its first atom among the sites.

@@ -14,5 +14,5 @@ pub mod groups;
 pub mod hydrogens;
 mod sites;
 
-pub use groups::{GroupKind, TitratableGroup};
+pub use groups::{GroupKind, TitratableGroup, protonation_of_residues};
 pub use sites::{TitratableSites, titratable_sites};

@@ -1,6 +1,6 @@
 //! `protomer binding`: the charge part of the binding free energy of a complex.
 
-use crate::flags::body::{ChainGroupArgs, SelectionArgs};
+use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
 use crate::flags::model::ModelArgs;
 use crate::flags::terms::ContactArgs;
 use crate::front::Front;
@@ -33,6 +33,8 @@ pub struct BindingArgs {
     /// pH values at which structure files are charged, such as 6,7.4 [default: 7.4].
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true, value_parser = range::PH.number())]
     ph: Vec<f64>,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
     /// Temperature, K.
     #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
     temperature: f64,
@@ -96,6 +98,7 @@ impl BindingArgs {
                 .over(model.contacts(), ContactCore::Surface)?,
             selection: self.selection.settings(),
             ph: self.ph.clone(),
+            titration: self.protonation.titration()?,
             salt_molar: quantity::salt_list(&self.salt)?,
             temperature_kelvin: self.temperature,
             outer_permittivity: self.outer_permittivity,

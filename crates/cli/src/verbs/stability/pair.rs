@@ -1,5 +1,6 @@
 //! `protomer pair`: the thermodynamics of two bodies.
 
+use crate::flags::body::ProtonationArgs;
 use crate::flags::cache::CacheArgs;
 use crate::flags::execution::ExecutionArgs;
 use crate::flags::medium::MediumArgs;
@@ -39,6 +40,8 @@ pub struct PairArgs {
     /// pH values at which structure files are made into bodies, such as 4.5,7.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     ph: Vec<f64>,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
     /// Interaction of the bodies apart from their hard cores [default: bare].
     #[arg(long, value_enum)]
     interaction: Option<Interaction>,
@@ -113,9 +116,8 @@ impl PairArgs {
             .model
             .model()
             .map_or_else(BodySettings::default, Model::body_settings);
-        let bodies =
-            PairBodies::read_with(&self.first, self.second.as_deref(), &settings.ph, &body)?
-                .with_effective_store(self.cache.effective_store(front));
+        let bodies = PairBodies::read_with(&self.first, self.second.as_deref(), &settings, &body)?
+            .with_effective_store(self.cache.effective_store(front));
         for warning in &bodies.warnings {
             front.say(warning);
         }
@@ -216,6 +218,7 @@ impl PairArgs {
                 None => Vec::new(),
             },
             ph: self.ph.clone(),
+            protonation: self.protonation.titration()?,
             energies: match self.interaction() {
                 Interaction::Hard => Energies::Hard,
                 Interaction::Bare => Energies::Bare,

@@ -1,5 +1,6 @@
 //! `protomer voxelize`: structures to a set of voxel grids.
 
+use crate::flags::body::ProtonationArgs;
 use crate::flags::choices::learning::VoxelChannel;
 use crate::flags::scheduler::SchedulerArgs;
 use crate::flags::settings::choice;
@@ -64,6 +65,8 @@ pub struct VoxelizeArgs {
     /// pH of the protonation.
     #[arg(long, default_value_t = 7.4, allow_negative_numbers = true)]
     ph: f64,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
     /// Probe radius of the surface, Å.
     #[arg(long, default_value_t = 1.4, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
     probe: f64,
@@ -101,7 +104,7 @@ const SHOWN_WARNINGS: usize = 10;
 impl VoxelizeArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         self.scheduler.check()?;
-        let settings = self.settings();
+        let settings = self.settings()?;
         settings.check()?;
         front.warn(quantity::salt_warning([self.salt]));
         let manifest = Manifest::read(&self.manifest)?;
@@ -169,8 +172,8 @@ impl VoxelizeArgs {
         }))
     }
 
-    fn settings(&self) -> VoxelizeSettings {
-        VoxelizeSettings {
+    fn settings(&self) -> Result<VoxelizeSettings> {
+        Ok(VoxelizeSettings {
             size: self.size,
             spacing: self.spacing,
             channels: self.channels.iter().map(|name| (*name).into()).collect(),
@@ -180,10 +183,11 @@ impl VoxelizeArgs {
             salt_molar: self.salt,
             temperature_kelvin: self.temperature,
             ph: self.ph,
+            titration: self.protonation.titration()?,
             probe_angstrom: self.probe,
             hydropathy_reach_angstrom: self.hydropathy_reach,
             most_incomplete: self.most_incomplete,
-        }
+        })
     }
 }
 

@@ -8,7 +8,8 @@ use protomer_body::assembly::{
     self, BodyType, ChainCopy, ResidueContacts, Unit, body_types_of_units,
 };
 use protomer_body::structure::SelectionReport;
-use protomer_body::{BuiltBody, Source, build_body_of_selection};
+use protomer_body::{BuiltBody, Draft, Source};
+use protomer_field::titration::SolvedProtonation;
 use protomer_io::written::FileNames;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -204,7 +205,10 @@ impl Maker<'_> {
             sha256: &file.sha256,
         };
         let selection = unit.to_selection(&file.selection.report);
-        let mut built = build_body_of_selection(body, source, selection, &self.settings.body)
+        let settings = &self.settings.body;
+        let solved = &SolvedProtonation;
+        let mut built = Draft::of_protonated_selection(body, source, selection, settings, solved)
+            .and_then(Draft::build)
             .with_context(|| format!("{}: {}", file.name, unit.name))?;
         // Those about atoms and residues are said once, for all chains of the file.
         built

@@ -6,9 +6,10 @@ use crate::bodies::chain_groups::{ChainGroup, chains_of, stated_groups, ungroupe
 use crate::bodies::ingest::read_and_build;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, IncompleteResidue, Selection, Structure};
-use protomer_body::{Body, BodySettings, Source, build_body_of_selection, structure_warnings};
+use protomer_body::{Body, BodySettings, Draft, Source, structure_warnings};
 use protomer_common::input::{InputFile, stem};
 use protomer_field::ChargedSphere;
+use protomer_field::titration::SolvedProtonation;
 use protomer_kernel::Vec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -63,10 +64,11 @@ impl Inputs {
         let paths: Vec<&Path> = std::iter::once(settings.receptor.as_path())
             .chain(settings.ligand.as_deref())
             .collect();
-        let body = BodySettings {
+        let mut body = BodySettings {
             selection: settings.selection.clone(),
             ..settings.model.body_settings()
         };
+        body.sites.structure = settings.protonation();
         let (mut files, mut warnings) = (Vec::new(), Vec::new());
         for path in &paths {
             files.push(read_file(path, &body, &mut warnings)?);
@@ -137,7 +139,11 @@ impl Input {
             file: &self.file,
             sha256,
         };
-        let built = build_body_of_selection(&self.name, source, (**selection).clone(), &settings);
+        let selection = (**selection).clone();
+        let solved = &SolvedProtonation;
+        let name = &self.name;
+        let built = Draft::of_protonated_selection(name, source, selection, &settings, solved)
+            .and_then(Draft::build);
         Ok(Arc::new(built.with_context(|| self.file.clone())?.body))
     }
 

@@ -6,6 +6,7 @@ use crate::stability::contacts::ContactTerm;
 use crate::stability::interaction::InteractionSettings;
 use crate::stability::model::Model;
 use anyhow::{Result, bail};
+use protomer_body::chemistry::{StructureProtonation, StructureTitration};
 use protomer_body::structure::SelectionSettings;
 use protomer_common::range;
 use protomer_field::{DielectricModel, SolveSettings};
@@ -29,6 +30,8 @@ pub struct BindingSettings {
     pub selection: SelectionSettings,
     /// pH values at which structure files are charged; the usual one if empty.
     pub ph: Vec<f64>,
+    /// Titration of structure files at the first salt; pKa values in water for `None`.
+    pub titration: Option<StructureTitration>,
     /// Concentrations of a 1:1 salt, mol/L. Differences are from the first.
     pub salt_molar: Vec<f64>,
     /// Temperature, K.
@@ -61,6 +64,7 @@ impl Default for BindingSettings {
             contacts: Model::Natural1.contacts(),
             selection: SelectionSettings::default(),
             ph: Vec::new(),
+            titration: None,
             salt_molar: Vec::new(),
             temperature_kelvin: 298.15,
             outer_permittivity: None,
@@ -107,6 +111,12 @@ impl BindingSettings {
             relative_permittivity: self.outer_permittivity,
             ..InteractionSettings::default()
         }
+    }
+
+    /// Conditions of the titration of structure files.
+    pub(super) fn protonation(&self) -> Option<StructureProtonation> {
+        let (titration, salt_molar) = self.titration.zip(self.salt_molar.first().copied())?;
+        Some(titration.conditions(salt_molar, self.temperature_kelvin))
     }
 
     pub(super) fn dielectric(&self, electrolyte: Electrolyte) -> DielectricModel {

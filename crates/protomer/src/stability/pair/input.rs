@@ -3,7 +3,9 @@
 use crate::bodies::body_file;
 use crate::bodies::ingest::read_and_build;
 use crate::stability::effective::EffectiveStore;
+use crate::stability::pair::PairRunSettings;
 use anyhow::{Context, Result, bail};
+use protomer_body::chemistry::StructureProtonation;
 use protomer_body::{Body, BodySettings};
 use protomer_common::input::{path_from, stem};
 use protomer_io::atomic::sha256_hex;
@@ -27,7 +29,8 @@ pub struct PairBodies {
     pub warnings: Vec<String>,
     files: [PathBuf; 2],
     ph: Vec<Option<f64>>,
-    pairs: Vec<[Prepared; 2]>,
+    /// Pairs by pH: one for all salts, or one for each.
+    pairs: Vec<Vec<[Prepared; 2]>>,
     pub(super) effective_store: Arc<EffectiveStore>,
 }
 
@@ -56,10 +59,10 @@ impl PairBodies {
     /// made into bodies at each pH, with the default settings of `protomer ingest` otherwise.
     ///
     /// # Errors
-    /// For a file that cannot be read, and for pH values where both files are bodies, whose charges
-    /// are fixed.
-    pub fn read(first: &Path, second: Option<&Path>, ph: &[f64]) -> Result<Self> {
-        Self::read_with(first, second, ph, &BodySettings::default())
+    /// For a file that cannot be read, and for pH values or a protonation where both files are bodies,
+    /// whose charges are fixed.
+    pub fn read(first: &Path, second: Option<&Path>, settings: &PairRunSettings) -> Result<Self> {
+        Self::read_with(first, second, settings, &BodySettings::default())
     }
 
     /// Reads like [`PairBodies::read`], with these settings for structure files.
@@ -69,9 +72,10 @@ impl PairBodies {
     pub fn read_with(
         first: &Path,
         second: Option<&Path>,
-        ph: &[f64],
+        run: &PairRunSettings,
         settings: &BodySettings,
     ) -> Result<Self> {
+        let ph = &run.ph;
         let files = [first, second.unwrap_or(first)];
         let are_equal = files[0] == files[1] || sha256(files[0])? == sha256(files[1])?;
         if !ph.is_empty() && files.iter().all(|file| is_body_file(file)) {
@@ -82,20 +86,36 @@ impl PairBodies {
                 files[1].display()
             );
         }
+        if run.protonation.is_some() && files.iter().all(|file| is_body_file(file)) {
+            bail!(
+                "--protonation applies to structure files only, but {} and {} are bodies, whose charges are \
+                 fixed; give the structure files, or ingest them with --protonation",
+                files[0].display(),
+                files[1].display()
+            );
+        }
         let ph: Vec<Option<f64>> = match ph.is_empty() {
             true => vec![None],
             false => ph.iter().copied().map(Some).collect(),
         };
         let (mut pairs, mut warnings) = (Vec::new(), Vec::new());
+        let protonations = protonations(run);
         for ph in &ph {
-            let first = prepare(files[0], *ph, settings, &mut warnings)?;
-            let second = match are_equal {
-                true => first.clone(),
-                false => prepare(files[1], *ph, settings, &mut warnings)?,
-            };
-            pairs.push([first, second]);
+            let mut at_salts = Vec::with_capacity(protonations.len());
+            for protonation in &protonations {
+                let mut settings = settings.clone();
+                settings.sites.ph = ph.unwrap_or(settings.sites.ph);
+                settings.sites.structure = *protonation;
+                let first = prepare(files[0], &settings, &mut warnings)?;
+                let second = match are_equal {
+                    true => first.clone(),
+                    false => prepare(files[1], &settings, &mut warnings)?,
+                };
+                at_salts.push([first, second]);
+            }
+            pairs.push(at_salts);
         }
-        for pair in &pairs {
+        for pair in pairs.iter().flatten() {
             warnings.extend(pair.iter().filter_map(|of| unknown_mass(&of.body)));
         }
         warnings.dedup();
@@ -115,14 +135,18 @@ impl PairBodies {
     ///
     /// # Errors
     /// If the record does not name their files, or these are gone or have changed.
-    pub fn of_results(directory: &Path, record: &Record, ph: &[f64]) -> Result<Self> {
+    pub fn of_results(
+        directory: &Path,
+        record: &Record,
+        settings: &PairRunSettings,
+    ) -> Result<Self> {
         let named: Option<[PathBuf; 2]> =
             serde_json::from_value(record.details[FILES].clone()).unwrap_or_default();
         let Some(named) = named else {
             bail!("run.json names no files of bodies");
         };
         let [first, second] = named.map(|file| directory.join(file));
-        let bodies = Self::read(&first, Some(&second), ph)?;
+        let bodies = Self::read(&first, Some(&second), settings)?;
         if bodies.sha256 != record.input_sha256 {
             bail!(
                 "{} or {} is not what these results were made from",
@@ -135,7 +159,7 @@ impl PairBodies {
 
     /// The two bodies at the first pH.
     pub(super) fn first_pair(&self) -> Vec<Arc<Body>> {
-        let bodies = self.pairs.iter().flatten().take(2);
+        let bodies = self.pairs.iter().flatten().flatten().take(2);
         bodies.map(|prepared| Arc::clone(&prepared.body)).collect()
     }
 
@@ -145,10 +169,10 @@ impl PairBodies {
         json!({ FILES: first.zip(second).map(|(first, second)| [first, second]) })
     }
 
-    /// The two bodies at a pH that was stated; those of body files for `None`.
+    /// The two bodies at a pH that was stated, at the first salt; those of body files for `None`.
     pub fn at(&self, ph: Option<f64>) -> Option<[&Body; 2]> {
         let number = self.ph.iter().position(|known| *known == ph)?;
-        Some(self.pairs[number].each_ref().map(|of| &*of.body))
+        Some(self.pairs[number][0].each_ref().map(|of| &*of.body))
     }
 
     /// The same bodies with effective charges from elsewhere.
@@ -159,14 +183,17 @@ impl PairBodies {
         }
     }
 
-    /// The bodies at each pH.
-    pub(super) fn at_each_ph(&self) -> impl Iterator<Item = (Option<f64>, &[Prepared; 2])> {
-        self.ph.iter().copied().zip(&self.pairs)
+    /// The bodies at each pH: one pair for all salts, or one for each.
+    pub(super) fn at_each_ph(&self) -> impl Iterator<Item = (Option<f64>, &[[Prepared; 2]])> {
+        self.ph
+            .iter()
+            .copied()
+            .zip(self.pairs.iter().map(Vec::as_slice))
     }
 
     /// The names of the two bodies.
     pub fn names(&self) -> [&str; 2] {
-        let [first, second] = &self.pairs[0];
+        let [first, second] = &self.pairs[0][0];
         [&first.body.name, &second.body.name]
     }
 }
@@ -186,19 +213,24 @@ fn sha256(file: &Path) -> Result<String> {
     Ok(sha256_hex(&bytes))
 }
 
-fn prepare(
-    file: &Path,
-    ph: Option<f64>,
-    settings: &BodySettings,
-    warnings: &mut Vec<String>,
-) -> Result<Prepared> {
+/// Conditions of the protonation at each salt; one that is none for pKa values in water.
+fn protonations(run: &PairRunSettings) -> Vec<Option<StructureProtonation>> {
+    let Some(titration) = run.protonation else {
+        return vec![None];
+    };
+    let kelvin = run.medium.temperature_kelvin;
+    let salts = run.salt_molar.iter();
+    salts
+        .map(|salt_molar| Some(titration.conditions(*salt_molar, kelvin)))
+        .collect()
+}
+
+fn prepare(file: &Path, settings: &BodySettings, warnings: &mut Vec<String>) -> Result<Prepared> {
     let body = match is_body_file(file) {
         true => body_file::read(file)?.0,
         false => {
             let name = stem(file);
-            let mut settings = settings.clone();
-            settings.sites.ph = ph.unwrap_or(settings.sites.ph);
-            let built = read_and_build(file, &name, &settings)?;
+            let built = read_and_build(file, &name, settings)?;
             let of_file = |warning: &String| format!("warning: {}: {warning}", file.display());
             warnings.extend(built.warnings.iter().map(of_file));
             built.body

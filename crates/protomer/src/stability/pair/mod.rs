@@ -87,7 +87,7 @@ fn is_condition(path: &Path) -> bool {
 ///     ph: vec![4.5],
 ///     ..PairRunSettings::default()
 /// };
-/// let bodies = PairBodies::read(file, None, &settings.ph)?;
+/// let bodies = PairBodies::read(file, None, &settings)?;
 /// match run_pair(&bodies, &settings, Path::new("lysozyme"), &Execution::default())? {
 ///     End::Finished(pair) => println!("{}", pair.text()),
 ///     End::Stopped => println!("the same call continues it"),
@@ -150,8 +150,10 @@ impl<'a> Conditions<'a> {
         settings.check()?;
         let identity = stored::identity(settings, &bodies.sha256)?;
         let mut tasks = Vec::new();
-        for (ph, pair) in bodies.at_each_ph() {
-            for salt_molar in settings.salts() {
+        for (ph, pairs) in bodies.at_each_ph() {
+            for (number, salt_molar) in settings.salts().into_iter().enumerate() {
+                // One pair serves all salts unless its charges depend on them.
+                let pair = &pairs[number.min(pairs.len() - 1)];
                 let store = bodies.effective_store.as_ref();
                 tasks.push(Condition::new(
                     settings, pair, ph, salt_molar, &identity, store,

@@ -8,6 +8,7 @@ use crate::stability::run::salt_label;
 use crate::stability::terms::FurtherTerms;
 use anyhow::{Result, bail};
 use protomer_body::Body;
+use protomer_body::chemistry::StructureTitration;
 use protomer_mc::pair::{Core, Estimator, PairSettings, Wells};
 use protomer_results::Settings;
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,9 @@ pub struct PairRunSettings {
     pub salt_molar: Vec<f64>,
     /// pH values at which structure files are made into bodies; none for body files.
     pub ph: Vec<f64>,
+    /// Titration of structure files at each salt; pKa values in water for `None`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub protonation: Option<StructureTitration>,
     /// Interaction of the bodies.
     pub energies: Energies,
     /// Two bodies whose surfaces are closer than this are bound, Å.
@@ -89,6 +93,7 @@ impl Default for PairRunSettings {
         Self {
             salt_molar: vec![0.1],
             ph: Vec::new(),
+            protonation: None,
             energies: Energies::Bare,
             contact_gap_angstrom: 5.0,
             contact_definition: Some(ContactDefinition::BetweenSurfaces),
@@ -122,6 +127,9 @@ impl PairRunSettings {
                 "without salt the virial coefficient of charged bodies has no value; give --salt \
                  above zero, or --interaction hard"
             );
+        }
+        if self.protonation.is_some() && self.salt_molar.is_empty() {
+            bail!("--protonation structure depends on the salt; add --salt 10mM,100mM");
         }
         for ph in &self.ph {
             if !(0.0..=14.0).contains(ph) {

@@ -57,7 +57,7 @@ pub fn collect(
     let (Some(record), false) = (record, bound.is_empty()) else {
         return Ok(Collected::default());
     };
-    let bodies = match PairBodies::of_results(directory, record, &result.settings.ph) {
+    let bodies = match PairBodies::of_results(directory, record, &result.settings) {
         Ok(bodies) => bodies,
         Err(error) => {
             return Ok(without(format!(

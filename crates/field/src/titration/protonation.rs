@@ -1,0 +1,88 @@
+//! From selected residues to their protonation, for bodies.
+
+use super::{TitrationModel, group_energies, solve_settings};
+use crate::dielectric::DielectricModel;
+use crate::{FieldError, Result};
+use protomer_body::BodyError;
+use protomer_body::chemistry::titration::{protonation_of_residues, titratable_sites};
+use protomer_body::chemistry::{Protonate, ResidueProtonation, StructureProtonation};
+use protomer_body::structure::Selection;
+use protomer_kernel::Electrolyte;
+
+/// Protonation by the solved energies of [`group_energies`].
+///
+/// ```
+/// use protomer_body::chemistry::{SiteSettings, StructureProtonation};
+/// use protomer_body::structure::Structure;
+/// use protomer_body::{BodySettings, Draft, Source};
+/// use protomer_field::titration::SolvedProtonation;
+/// let text = "\
+/// ATOM      1  N   LYS A   1      11.104   6.134  -6.504  1.00 10.00           N
+/// ATOM      2  CA  LYS A   1      11.639   6.071  -5.147  1.00 10.00           C";
+/// let conditions = StructureProtonation {
+///     salt_molar: 0.1,
+///     temperature_kelvin: 298.15,
+///     anion_binding_per_molar: 0.0,
+/// };
+/// let settings = BodySettings {
+///     sites: SiteSettings { structure: Some(conditions), ..SiteSettings::default() },
+///     ..BodySettings::default()
+/// };
+/// let selection = Structure::read("lysine.pdb", text.as_bytes())?.select(&settings.selection)?;
+/// let source = Source { file: "lysine.pdb", sha256: "" };
+/// let solved = &SolvedProtonation;
+/// let draft = Draft::of_protonated_selection("lysine", source, selection, &settings, solved)?;
+/// assert!((draft.sites().net_charge_e() - 1.7).abs() < 0.1);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SolvedProtonation;
+
+impl Protonate for SolvedProtonation {
+    fn protonate(
+        &self,
+        selection: &Selection,
+        ph: f64,
+        conditions: &StructureProtonation,
+    ) -> protomer_body::Result<Vec<ResidueProtonation>> {
+        protonation(selection, ph, conditions).map_err(|error| match error {
+            FieldError::Body(error) => error,
+            error => BodyError::Invalid {
+                cause: format!("a protonation that cannot be solved for ({error})"),
+                remedy: "use pKa values in water".into(),
+            },
+        })
+    }
+}
+
+fn protonation(
+    selection: &Selection,
+    ph: f64,
+    conditions: &StructureProtonation,
+) -> Result<Vec<ResidueProtonation>> {
+    let sites = titratable_sites(selection);
+    if sites.groups.is_empty() {
+        return Ok(protonation_of_residues(selection, &[], &[]));
+    }
+    let salt_molar = conditions.salt_molar;
+    let electrolyte = Electrolyte::in_water(conditions.temperature_kelvin, salt_molar)?;
+    let model = TitrationModel {
+        anion_binding_per_molar: conditions.anion_binding_per_molar,
+        ..TitrationModel::default()
+    };
+    let dielectric = model.dielectric(electrolyte);
+    let energies = group_energies(&sites, &dielectric, &solve_settings(), &|| true)?;
+    let groups = model.groups(&sites, &energies, salt_molar);
+    let shares = groups.charged_shares(ph);
+    Ok(protonation_of_residues(selection, &sites.groups, &shares))
+}
+
+impl TitrationModel {
+    /// A protein of this model in an electrolyte.
+    pub fn dielectric(&self, electrolyte: Electrolyte) -> DielectricModel {
+        DielectricModel {
+            inner_permittivity: self.inner_permittivity,
+            ..DielectricModel::new(electrolyte)
+        }
+    }
+}
