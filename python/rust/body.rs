@@ -79,6 +79,7 @@ impl Body {
                 mesh,
                 core: None,
                 sites,
+                capacitances_e2: Vec::new(),
                 residues: Vec::new(),
                 mass_properties,
                 provenance,

@@ -19,6 +19,10 @@ pub struct Body {
     pub core: Option<TriangleMesh>,
     /// Charge sites, one per atom.
     pub sites: Vec<Site>,
+    /// Capacitance of each site, e²: the fall of its mean charge per kT/e of potential, by groups that
+    /// gain or lose protons. Empty for a body whose charges do not respond.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub capacitances_e2: Vec<f64>,
     /// Residues, in the order of the structure file; empty for a body made from a bare mesh and
     /// charges.
     pub residues: Vec<Residue>,

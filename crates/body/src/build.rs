@@ -366,6 +366,7 @@ impl Draft {
             mesh: surface.mesh,
             core,
             sites: sites.sites,
+            capacitances_e2: sites.capacitances_e2,
             residues: sites.residues,
             mass_properties,
             provenance: Provenance {

@@ -88,6 +88,21 @@ pub fn atom_charges_e(
     charges.values
 }
 
+/// Capacitances of the residue's atoms, e², in their order: those of the groups, on the atoms that carry
+/// the formal charge. Zeros where none is known.
+pub fn atom_capacitances_e2(
+    residue: &SelectedResidue,
+    protonation: &ResidueProtonation,
+) -> Vec<f64> {
+    let mut placed = Charges::new(residue, uniform(residue, 0.0));
+    let side = side_groups(residue).iter().copied();
+    let groups = side.chain([N_TERMINUS, C_TERMINUS]);
+    for (group, capacitance_e2) in groups.zip(&protonation.capacitance_e2) {
+        placed.place_group(&group, *capacitance_e2);
+    }
+    placed.values
+}
+
 /// Charges of the residue's atoms with every titratable group in its neutral form, e. A neutral
 /// histidine is the mean of its two tautomers.
 pub(crate) fn neutral_charges_e(residue: &SelectedResidue) -> Vec<f64> {
@@ -174,6 +189,7 @@ fn uniform(residue: &SelectedResidue, protonated: f64) -> ResidueProtonation {
         side: vec![protonated; side_groups(residue).len()],
         n_terminus: protonated,
         c_terminus: protonated,
+        capacitance_e2: Vec::new(),
     }
 }
 

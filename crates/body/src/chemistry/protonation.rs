@@ -71,7 +71,7 @@ pub fn protonated_fraction(pka: f64, ph: f64) -> f64 {
     1.0 / (1.0 + 10_f64.powf(ph - pka))
 }
 
-/// Protonated fractions of the groups of a residue, 0 to 1.
+/// Protonated fractions of the groups of a residue, 0 to 1, and what they change by.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidueProtonation {
     /// Groups of the side chain, in the order of [`side_groups`](super::charges::side_groups).
@@ -80,6 +80,9 @@ pub struct ResidueProtonation {
     pub n_terminus: f64,
     /// Carboxylate at the end of a chain.
     pub c_terminus: f64,
+    /// Capacitance of each group: the fall of its mean charge per kT/e of a potential that all groups
+    /// feel, e². Side chain, then N-terminus, then C-terminus; empty where it is not known.
+    pub capacitance_e2: Vec<f64>,
 }
 
 impl ResidueProtonation {
@@ -90,6 +93,7 @@ impl ResidueProtonation {
             side: side_groups.iter().map(fraction).collect(),
             n_terminus: fraction(&N_TERMINUS),
             c_terminus: fraction(&C_TERMINUS),
+            capacitance_e2: Vec::new(),
         }
     }
 }

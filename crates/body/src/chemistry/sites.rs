@@ -1,7 +1,9 @@
 //! The sites and residues of a body.
 
 use super::amino_acid::AminoAcid;
-use super::charges::{ChargeModel, atom_charges_e, residue_charge_e, side_groups};
+use super::charges::{
+    ChargeModel, atom_capacitances_e2, atom_charges_e, residue_charge_e, side_groups,
+};
 use super::protonation::{ResidueProtonation, StructureProtonation};
 use super::radii::{core_radius_angstrom, radius_angstrom};
 use super::residue_names::parent_amino_acid;
@@ -59,6 +61,9 @@ pub struct ChargedSites {
     pub core_radii_angstrom: Option<Vec<f64>>,
     /// Residues in file order.
     pub residues: Vec<Residue>,
+    /// Capacitance of each site, e² ([`ResidueProtonation::capacitance_e2`]); empty where the charges do
+    /// not respond.
+    pub capacitances_e2: Vec<f64>,
 }
 
 impl ChargedSites {
@@ -112,6 +117,7 @@ pub fn build_protonated_sites(
     let mut sites = Vec::with_capacity(positions.len());
     let mut core_radii = Vec::with_capacity(positions.len());
     let mut residues = Vec::with_capacity(selection.residues.len());
+    let mut capacitances_e2 = Vec::new();
     for (index, (residue, protonation)) in selection.residues.iter().zip(protonation).enumerate() {
         let charges = atom_charges_e(residue, protonation, settings.charges);
         for (atom, charge_e) in residue.atoms.iter().zip(charges) {
@@ -125,12 +131,17 @@ pub fn build_protonated_sites(
             });
         }
         residues.push(charged_residue(residue, protonation, settings.charges));
+        capacitances_e2.extend(atom_capacitances_e2(residue, protonation));
+    }
+    if settings.structure.is_none() || settings.charges == ChargeModel::None {
+        capacitances_e2.clear();
     }
     Ok(ChargedSites {
         origin_angstrom,
         sites,
         core_radii_angstrom: Some(core_radii),
         residues,
+        capacitances_e2,
     })
 }
 
@@ -217,6 +228,7 @@ pub fn sites_of_points(atoms: &[PointRecord]) -> Result<ChargedSites> {
         sites,
         core_radii_angstrom: None,
         residues,
+        capacitances_e2: Vec::new(),
     })
 }
 

@@ -29,6 +29,7 @@ fn body(name: &str, sites: Vec<Site>, residues: Vec<Residue>, origin: Vec3) -> B
         mesh,
         core: None,
         sites,
+        capacitances_e2: Vec::new(),
         residues,
         provenance: Provenance {
             source: format!("{name}.pdb"),

@@ -20,15 +20,21 @@ pub struct SoluteArgs {
     /// Response of the ions to the potential to which effective charges are fitted [default: linear].
     #[arg(long, value_parser = choice::<IonModel>())]
     pub ions: Option<IonModel>,
+    /// Let the charges of titratable groups follow the potential of other bodies, with --interaction response
+    /// and bodies of --protonation structure.
+    #[arg(long)]
+    pub regulation: bool,
 }
 
 impl SoluteArgs {
     /// The defaults, overridden by the flags; `None` if no flag is given.
     pub fn solute(&self) -> Option<SoluteModel> {
-        if self.inner_permittivity.is_none() && self.ion_radius.is_none() && self.ions.is_none() {
-            return None;
-        }
-        Some(self.over(SoluteModel::default()))
+        let stated = self.over(SoluteModel::default());
+        let is_stated = self.inner_permittivity.is_some()
+            || self.ion_radius.is_some()
+            || self.ions.is_some()
+            || self.regulation;
+        is_stated.then_some(stated)
     }
 
     /// The given values, overridden by the flags.
@@ -39,6 +45,7 @@ impl SoluteArgs {
                 .unwrap_or(present.inner_permittivity),
             ion_radius_angstrom: self.ion_radius.unwrap_or(present.ion_radius_angstrom),
             ions: self.ions.unwrap_or(present.ions),
+            regulation: self.regulation || present.regulation,
         }
     }
 }
@@ -98,7 +105,7 @@ impl ChargesArgs {
         let is_bare = chosen.effective.is_none() && chosen.response.is_none();
         if is_bare && self.solute.solute().is_some() {
             bail!(
-                "--inner-permittivity, --ion-radius and --ions apply to bodies with an inside only; add \
+                "--inner-permittivity, --ion-radius, --ions and --regulation apply to bodies with an inside only; add \
                  --interaction effective or --interaction response, or leave them out"
             );
         }

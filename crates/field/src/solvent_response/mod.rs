@@ -15,6 +15,11 @@
 //! body that they do not enter as well, and every part only where the other body does not displace
 //! the solvent already.
 //!
+//! The charges of a body may follow the potential of the other ([`regulated_response`]): a group of
+//! capacitance C gains -C φ e, and the energy falls by 4 C ln cosh(φ/2), which is C φ²/2 where φ is small.
+//! Both bodies are in the potential of the mean charges of the other; the correlation of their
+//! fluctuations is left out.
+//!
 //! What does not depend on the salt is not small at contact, and not of first order: a charge that
 //! loses its water. It belongs to the short-ranged terms. So the response is that at one salt
 //! concentration minus that at [`REFERENCE_SALT_MOLAR`], where it reaches hardly farther than contact.
@@ -71,7 +76,7 @@ pub struct SolventResponse {
 /// let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.1)?);
 /// let response = solvent_response(&[ion], &model)?;
 /// // The potential at 8 Å in kT/e, without the screened Coulomb potential.
-/// let [per_charge, _, _] = response.table.at(&Vec3::new(8.0, 0.0, 0.0));
+/// let [per_charge, _, _, _] = response.table.at(&Vec3::new(8.0, 0.0, 0.0));
 /// assert!(per_charge.abs() > 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -81,6 +86,19 @@ pub struct SolventResponse {
 /// [`solve`](crate::poisson_boltzmann::solve).
 pub fn solvent_response(
     spheres: &[ChargedSphere],
+    dielectric: &DielectricModel,
+) -> Result<SolventResponse> {
+    regulated_response(spheres, &[], dielectric)
+}
+
+/// Variant of [`solvent_response`] for a body whose charges follow the potential of others, with the
+/// capacitance of each sphere, e².
+///
+/// # Errors
+/// As [`solvent_response`].
+pub fn regulated_response(
+    spheres: &[ChargedSphere],
+    capacitances_e2: &[f64],
     dielectric: &DielectricModel,
 ) -> Result<SolventResponse> {
     let electrolyte = dielectric.electrolyte;
@@ -112,7 +130,7 @@ pub fn solvent_response(
     let [actual, reference] = solved;
     Ok(SolventResponse {
         table: ResponseTable::new(spheres, &solute, [&actual?, &reference?], margin),
-        sites: sites::gather(spheres, &solute),
+        sites: sites::gather(spheres, capacitances_e2, &solute),
         margin_angstrom: margin,
     })
 }

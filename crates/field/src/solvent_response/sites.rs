@@ -25,10 +25,17 @@ pub struct ResponseSite {
     pub dielectric_angstrom3: f64,
     /// Volume that ions do not enter, Å³.
     pub ionic_angstrom3: f64,
+    /// Capacitance, e².
+    pub capacitance_e2: f64,
 }
 
-/// The sites of a solute, those that hold nothing left out.
-pub(super) fn gather(spheres: &[ChargedSphere], solute: &SoluteOnGrid<'_>) -> Vec<ResponseSite> {
+/// The sites of a solute, those that hold nothing left out, with the capacitances (e²) of the spheres,
+/// if they have any.
+pub(super) fn gather(
+    spheres: &[ChargedSphere],
+    capacitances_e2: &[f64],
+    solute: &SoluteOnGrid<'_>,
+) -> Vec<ResponseSite> {
     let fine = solute.grid();
     let mut lattice = Lattice::around(fine);
     for sphere in spheres {
@@ -46,7 +53,20 @@ pub(super) fn gather(spheres: &[ChargedSphere], solute: &SoluteOnGrid<'_>) -> Ve
             lattice.add(&fine.point_at(point), amounts);
         }
     }
-    lattice.sites()
+    let mut sites = lattice.sites();
+    // Few groups respond, so each keeps its own place.
+    for (sphere, capacitance_e2) in spheres.iter().zip(capacitances_e2) {
+        if *capacitance_e2 != 0.0 {
+            sites.push(ResponseSite {
+                place: sphere.centre,
+                charge_e: 0.0,
+                dielectric_angstrom3: 0.0,
+                ionic_angstrom3: 0.0,
+                capacitance_e2: *capacitance_e2,
+            });
+        }
+    }
+    sites
 }
 
 /// Contents of the points of a lattice: charge, volume of low permittivity, volume without ions.
@@ -97,6 +117,7 @@ impl Lattice {
                     charge_e,
                     dielectric_angstrom3,
                     ionic_angstrom3,
+                    capacitance_e2: 0.0,
                 });
             }
         }

@@ -19,14 +19,14 @@ const RIM_ANGSTROM: f64 = 8.0;
 /// Edge of the blocks of points that share a list of far charges.
 const BLOCK: usize = 8;
 
-/// Three numbers at each point of a grid: kT per charge (e), kT per volume of low permittivity and per
-/// volume without ions (Å³). They fall to zero towards the faces.
+/// Four numbers at each point of a grid: kT per charge (e), kT per volume of low permittivity and per
+/// volume without ions (Å³), and kT per capacitance (e²). They fall to zero towards the faces.
 #[derive(Debug, Clone)]
 pub struct ResponseTable {
     /// The points.
     pub grid: Grid,
     /// The numbers, with x running fastest.
-    pub values: Vec<[f32; 3]>,
+    pub values: Vec<[f32; 4]>,
 }
 
 impl ResponseTable {
@@ -38,7 +38,7 @@ impl ResponseTable {
         margin_angstrom: f64,
     ) -> Self {
         let grid = *solute.grid();
-        let mut values = vec![[0.0; 3]; grid.len()];
+        let mut values = vec![[0.0; 4]; grid.len()];
         // Actual salt minus reference: added with signs, so one list of values is enough.
         for ((electrolyte, potential), sign) in solved.into_iter().zip([1.0, -1.0]) {
             let model = DielectricModel {
@@ -60,6 +60,13 @@ impl ResponseTable {
                 }
             });
         }
+        let [(_, actual), _] = solved;
+        values
+            .par_iter_mut()
+            .enumerate()
+            .for_each(|(point, value)| {
+                value[3] = regulation_kt(&grid, actual, solute, point) as f32;
+            });
         // A linear fall to zero, so that bodies that enter the table feel no step.
         let rim = RIM_ANGSTROM.min(0.5 * margin_angstrom);
         values
@@ -73,14 +80,47 @@ impl ResponseTable {
     }
 
     /// The numbers at a place, interpolated linearly; zeros beyond the grid.
-    pub fn at(&self, place: &Vec3) -> [f64; 3] {
+    pub fn at(&self, place: &Vec3) -> [f64; 4] {
         let Some(stencil) = self.grid.trilinear(place) else {
-            return [0.0; 3];
+            return [0.0; 4];
         };
         std::array::from_fn(|number| {
             stencil.interpolate(|point| f64::from(self.values[point][number]))
         })
     }
+}
+
+/// Energy of a group whose charge follows the potential φ, per its capacitance, kT: -4 ln cosh(φ/2). That is
+/// the exact free energy beyond the mean charge of a half-protonated group (capacitance ¼ e²), and
+/// -φ²/2 for any group in a weak potential.
+///
+/// At points inside next to the surface, φ is the mean of the neighbours outside; deeper it is zero.
+fn regulation_kt(
+    grid: &Grid,
+    potential: &Potential,
+    solute: &SoluteOnGrid<'_>,
+    point: usize,
+) -> f64 {
+    let outside = |point: usize| {
+        let is_outside = !solute.is_inside(point);
+        is_outside.then(|| potential.reduced_at_point(point))
+    };
+    let value = outside(point).or_else(|| {
+        let (place, strides) = (grid.coordinates(point), grid.strides());
+        let (mut sum, mut count) = (0.0, 0.0);
+        for axis in 0..3 {
+            let below = (place[axis] > 0).then(|| point - strides[axis]);
+            let above = (place[axis] + 1 < grid.shape[axis]).then(|| point + strides[axis]);
+            for value in [below, above].into_iter().flatten().filter_map(outside) {
+                sum += value;
+                count += 1.0;
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    });
+    // ln cosh x = |x| + ln(1 + e^-2|x|) - ln 2, without overflow.
+    let half = 0.5 * value.unwrap_or(0.0).abs();
+    -4.0 * (half + (-2.0 * half).exp().ln_1p() - std::f64::consts::LN_2)
 }
 
 /// The distance of a point from the nearest face of its grid, Å.

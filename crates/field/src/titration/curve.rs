@@ -2,11 +2,14 @@
 
 use super::equilibrium::TitratingGroups;
 use rayon::prelude::*;
+use std::f64::consts::LN_10;
 
 /// Lowest pH at which groups are titrated.
 const LOWEST_PH: f64 = -2.0;
 /// Highest pH at which groups are titrated.
 const HIGHEST_PH: f64 = 16.0;
+/// Difference of the pH over which the slope of a charge is taken.
+const SLOPE_PH: f64 = 0.1;
 /// Step of the pH between which protonation is interpolated.
 const STEP_PH: f64 = 0.25;
 
@@ -26,6 +29,21 @@ impl TitratingGroups {
             values.push(half_protonation(&phs, &charged, *charge_e > 0.0));
         }
         values
+    }
+
+    /// Capacitance of each group at a pH, e²: the fall of its mean charge per kT/e of a potential that all
+    /// groups feel. A potential φ acts on protons as a pH that is lower by φ/ln 10, so it is
+    /// -dq/dpH/ln 10 (Lund and Jönsson, Biochemistry 44, 5722 (2005)).
+    pub fn capacitances_e2(&self, ph: f64) -> Vec<f64> {
+        let [low, high] = [ph - 0.5 * SLOPE_PH, ph + 0.5 * SLOPE_PH];
+        let shares = [low, high].map(|ph| self.charged_shares(ph));
+        let mut capacitances = Vec::with_capacity(self.len());
+        for (group, charge_e) in self.charge_e.iter().enumerate() {
+            let change_e = charge_e * (shares[0][group] - shares[1][group]);
+            // Groups that are coupled may have a slope of the other sign, which holds no charge.
+            capacitances.push((change_e / (SLOPE_PH * LN_10)).max(0.0));
+        }
+        capacitances
     }
 
     /// Sum of the mean charges of all groups at a pH, e.

@@ -62,7 +62,7 @@ fn protonation(
 ) -> Result<Vec<ResidueProtonation>> {
     let sites = titratable_sites(selection);
     if sites.groups.is_empty() {
-        return Ok(protonation_of_residues(selection, &[], &[]));
+        return Ok(protonation_of_residues(selection, &[], &[], &[]));
     }
     let salt_molar = conditions.salt_molar;
     let electrolyte = Electrolyte::in_water(conditions.temperature_kelvin, salt_molar)?;
@@ -74,7 +74,9 @@ fn protonation(
     let energies = group_energies(&sites, &dielectric, &solve_settings(), &|| true)?;
     let groups = model.groups(&sites, &energies, salt_molar);
     let shares = groups.charged_shares(ph);
-    Ok(protonation_of_residues(selection, &sites.groups, &shares))
+    let capacitances = groups.capacitances_e2(ph);
+    let residues = protonation_of_residues(selection, &sites.groups, &shares, &capacitances);
+    Ok(residues)
 }
 
 impl TitrationModel {

@@ -1,7 +1,7 @@
 //! The response of the solvent to two bodies, against exact potentials and a solve of both bodies.
 
 use protomer_field::solvent_response::{
-    REFERENCE_SALT_MOLAR, ResponseSite, SolventResponse, solvent_response,
+    REFERENCE_SALT_MOLAR, ResponseSite, SolventResponse, regulated_response, solvent_response,
 };
 use protomer_field::{ChargedSphere, DielectricModel, SolveSettings, solve};
 use protomer_kernel::{Electrolyte, Vec3};
@@ -49,7 +49,7 @@ fn the_table_of_an_ion_is_exact() {
     };
     for r in [7.0, 9.0, 14.0] {
         let direction = Vec3::new(1.0, 2.0, -2.0) / 3.0;
-        let [found, _, _] = response.table.at(&(ion.centre + r * direction));
+        let [found, _, _, _] = response.table.at(&(ion.centre + r * direction));
         let exact = solved_less_plain(0.1, r) - solved_less_plain(REFERENCE_SALT_MOLAR, r);
         assert!(
             (found - exact).abs() < 0.03 * exact.abs() + 1e-3,
@@ -57,7 +57,7 @@ fn the_table_of_an_ion_is_exact() {
         );
     }
     let corner = Vec3::from(response.table.grid.origin_angstrom);
-    assert_eq!(response.table.at(&corner), [0.0; 3]);
+    assert_eq!(response.table.at(&corner), [0.0; 4]);
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn the_salt_effect_of_two_balls_is_that_of_a_solve_of_both() {
             bodies.map(|body| solvent_response(&body, &model(salts_molar[0])).unwrap());
         let acting = |response: &SolventResponse, sites: &[ResponseSite]| -> f64 {
             let energies = sites.iter().map(|site| {
-                let [a, b, c] = response.table.at(&site.place);
+                let [a, b, c, _] = response.table.at(&site.place);
                 a * site.charge_e + b * site.dielectric_angstrom3 + c * site.ionic_angstrom3
             });
             energies.sum()
@@ -158,4 +158,58 @@ fn a_medium_without_salt_is_refused() {
         refused.to_string().contains("give a salt above zero"),
         "{refused}"
     );
+}
+
+/// Two spheres in 100 mM of salt, each with one acid that is half charged at pH = pKa; `w` is the energy of two
+/// charges, kT. The exact partition sum has four states. Mean charges and regulation miss the correlation of
+/// the fluctuations of both, ½ C² w² (Kirkwood and Shumaker), and terms of third order.
+#[test]
+fn two_titratable_spheres_have_the_free_energy_of_the_exact_partition_sum() {
+    let medium = model(0.1);
+    let unit = regulated_response(&ball(Vec3::zeros(), &[(Vec3::zeros(), 1.0)]), &[], &medium)
+        .unwrap()
+        .table;
+    for distance in [12.5, 15.0, 17.5] {
+        let place = Vec3::new(0.3, distance, 0.1);
+        // -4 ln cosh(φ/2) per capacitance of a unit charge gives its potential back.
+        let [_, _, _, per_capacitance] = unit.at(&place);
+        let potential = 2.0 * (-0.25 * per_capacitance).exp().acosh();
+        let w = potential;
+        assert!(w > 0.02, "{w}");
+        for offset_ph in [-1.0, 0.0, 0.4] {
+            // x: weight of the charged form; f: its share; charge -f.
+            let x = 10_f64.powf(offset_ph);
+            let f = x / (1.0 + x);
+            let capacitance = f * (1.0 - f);
+            let partition = |w: f64| 1.0 + 2.0 * x + x * x * (-w).exp();
+            let exact = -(partition(w) / partition(0.0)).ln();
+            let regulated = |f: f64| {
+                let capacitance = f * (1.0 - f);
+                f * f * w - 8.0 * capacitance * (0.5 * f * w).cosh().ln()
+            };
+            let correlation = -0.5 * capacitance * capacitance * w * w;
+            let found = regulated(f) + correlation;
+            assert!(
+                (found - exact).abs() < 0.1 * w.powi(3),
+                "{w} {f}: {found} {exact}"
+            );
+            // Without regulation the energy is too high.
+            assert!(f * f * w > exact);
+
+            // Protons taken up on binding are the slope of the free energy with the pH.
+            let share = |w: f64| (x + x * x * (-w).exp()) / partition(w);
+            let uptake = 2.0 * (share(0.0) - share(w));
+            let step = 1e-4;
+            let free_energy = |ph: f64| {
+                let x = 10_f64.powf(ph);
+                let ratio = (1.0 + 2.0 * x + x * x * (-w).exp()) / (1.0 + x).powi(2);
+                -ratio.ln()
+            };
+            let slope = (free_energy(offset_ph + step) - free_energy(offset_ph - step))
+                / (2.0 * step * std::f64::consts::LN_10);
+            assert!((slope - uptake).abs() < 1e-6, "{slope} {uptake}");
+            let linear = 2.0 * capacitance * f * w;
+            assert!((linear - uptake).abs() < w * w, "{linear} {uptake}");
+        }
+    }
 }

@@ -221,3 +221,32 @@ fn a_bound_anion_takes_its_share_of_a_group_alone() {
         }
     }
 }
+
+/// The capacitance is minus the slope of a group's mean charge in a potential that all groups feel.
+#[test]
+fn capacitances_are_the_response_to_a_potential() {
+    let groups = random_groups(6, 2.0);
+    let ph = 5.0;
+    let charges = |potential: f64| {
+        let mut shifted = groups.clone();
+        for (shift, charge_e) in shifted.shift_kt.iter_mut().zip(&groups.charge_e) {
+            *shift += charge_e * potential;
+        }
+        shifted.charged_shares(ph)
+    };
+    let step = 0.05;
+    let [low, high] = [-step, step].map(charges);
+    let found = groups.capacitances_e2(ph);
+    for (group, found) in found.iter().enumerate() {
+        let change = groups.charge_e[group] * (low[group] - high[group]);
+        let expected = change / (2.0 * step);
+        assert!(
+            (found - expected).abs() < 2e-3,
+            "{group}: {found} {expected}"
+        );
+    }
+    // A group alone: f (1 - f).
+    let alone = random_groups(1, 0.0);
+    let share = alone.charged_shares(ph)[0];
+    assert!((alone.capacitances_e2(ph)[0] - share * (1.0 - share)).abs() < 1e-3);
+}

@@ -23,6 +23,7 @@ pub fn body_of(residues: &[(&str, f64, f64)]) -> Body {
         mesh,
         core: None,
         sites: Vec::new(),
+        capacitances_e2: Vec::new(),
         residues: Vec::new(),
         provenance: Provenance::default(),
     };

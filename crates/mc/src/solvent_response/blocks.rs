@@ -179,7 +179,7 @@ impl Block {
 
     /// The other terms of the energy by a polynomial, kT.
     // One loop over the lanes with all of the work in it: compilers turn it into vector instructions, but shorter
-    // ones into single numbers. The fourth lane is there for this only.
+    // ones into single numbers. The fourth lane is there for this only: capacitances are no part of blocks.
     #[inline(always)]
     pub fn varying_kt(
         &self,

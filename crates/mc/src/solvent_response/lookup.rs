@@ -3,8 +3,8 @@
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 
-/// Energies per charge (e), per volume of low permittivity and per volume without ions (Å³), kT, or the amounts
-/// that they multiply; the fourth number is zero, so that a point is one load of a vector unit.
+/// Energies per charge (e), per volume of low permittivity and per volume without ions (Å³) and per capacitance
+/// (e²), kT, or the amounts that they multiply: a point is one load of a vector unit.
 pub(super) type Lanes = [f32; 4];
 
 /// A grid with four numbers per point, x running fastest.

@@ -31,8 +31,8 @@ use std::sync::Arc;
 /// Number of blocks whose polynomials are loaded together.
 const TOGETHER: usize = 16;
 
-/// Charge (e), volume of low permittivity and volume without ions (Å³).
-pub type Amounts = [f64; 3];
+/// Charge (e), volume of low permittivity and volume without ions (Å³), capacitance (e²).
+pub type Amounts = [f64; 4];
 
 /// Values on the points of a grid, with x running fastest.
 #[derive(Debug, Clone)]
@@ -43,8 +43,8 @@ pub struct ResponseGrid {
     pub spacing_angstrom: f64,
     /// Points along x, y and z.
     pub shape: [usize; 3],
-    /// Energy per amount, kT/e and kT/Å³.
-    pub values: Vec<[f32; 3]>,
+    /// Energy per amount, kT/e, kT/Å³ and kT/e².
+    pub values: Vec<[f32; 4]>,
 }
 
 /// Tables and sites of one kind of body in one medium, for the response.
@@ -56,6 +56,8 @@ pub struct ResponseBody {
     /// Blocks of blocks of sites, by level.
     blocks: [Vec<Block>; LEVELS],
     sites: Vec<Site>,
+    /// Sites that have a capacitance, one by one: polynomials of the table leave it out.
+    responding: Vec<Site>,
     /// The charges at their own places (Å, e).
     charges: Vec<(Vec3, f64)>,
     /// The farthest site from the origin, Å.
@@ -83,12 +85,11 @@ impl ResponseBody {
                 requirement: "two at least along each axis, with a value each",
             });
         }
-        let values = grid.values.iter().map(|[a, b, c]| [*a, *b, *c, 0.0]);
         let table = Lookup {
             origin_angstrom: grid.origin_angstrom,
             spacing_angstrom: grid.spacing_angstrom,
             shape: grid.shape,
-            values: values.collect(),
+            values: grid.values,
         };
         let low = table.origin_angstrom.abs();
         // The farthest corner of the grid, by the larger magnitude along each axis.
@@ -96,7 +97,18 @@ impl ResponseBody {
         let radius_angstrom = sites
             .iter()
             .fold(0.0, |radius: f64, (place, _)| radius.max(place.norm()));
-        let sites: Vec<Site> = sites.iter().map(site).collect();
+        let mut sites: Vec<Site> = sites.iter().map(site).collect();
+        let mut responding = Vec::new();
+        for site in &mut sites {
+            let capacitance = std::mem::take(&mut site.amounts[3]);
+            if capacitance != 0.0 {
+                responding.push(Site {
+                    place: site.place,
+                    amounts: [0.0, 0.0, 0.0, capacitance],
+                });
+            }
+        }
+        sites.retain(|site| site.amounts != [0.0; 4]);
         let (blocks, sites) = Block::gather(&sites);
         Ok(Self {
             // Each level has polynomials of the width that its blocks need.
@@ -106,6 +118,7 @@ impl ResponseBody {
             table,
             blocks,
             sites,
+            responding,
             charges,
             radius_angstrom,
             reach_angstrom,
@@ -121,8 +134,9 @@ impl ResponseBody {
         // Nothing of the other body reaches the table: the usual case in a dilute system.
         match touches {
             true => {
-                let largest = 0..other.blocks[0].len();
-                self.energy_of_blocks(other, 0, largest, &View::new(pose))
+                let (largest, view) = (0..other.blocks[0].len(), View::new(pose));
+                self.energy_of_blocks(other, 0, largest, &view)
+                    + self.energy_of_sites(&other.responding, &view.pose)
             }
             false => 0.0,
         }
@@ -189,10 +203,9 @@ impl ResponseBody {
 }
 
 fn site((place, amounts): &(Vec3, Amounts)) -> Site {
-    let [charge, dielectric, ionic] = amounts.map(|amount| amount as f32);
     Site {
         place: [0, 1, 2].map(|axis| place[axis] as f32),
-        amounts: [charge, dielectric, ionic, 0.0],
+        amounts: amounts.map(|amount| amount as f32),
     }
 }
 
@@ -238,7 +251,10 @@ impl PairPotential for SolventResponse {
             // Charges at their own places, not where sites
             // have gathered them: shares are by residue.
             for (place, charge_e) in &other.charges {
-                share(&site(&(*place, [*charge_e, 0.0, 0.0])), place);
+                share(&site(&(*place, [*charge_e, 0.0, 0.0, 0.0])), place);
+            }
+            for gathered in &other.responding {
+                share(gathered, &Vec3::from(gathered.place.map(f64::from)));
             }
             for gathered in &other.sites {
                 let mut volume = *gathered;

@@ -20,7 +20,7 @@ impl Solute {
     /// A body whose table holds `value` at the places of its points.
     fn new(
         shape: [usize; 3],
-        value: impl Fn(&Vec3) -> [f64; 3],
+        value: impl Fn(&Vec3) -> Amounts,
         sites: Vec<(Vec3, Amounts)>,
     ) -> Self {
         let origin_angstrom = Vec3::from(shape.map(|points| -0.5 * (points - 1) as f64));
@@ -96,6 +96,7 @@ fn ball(points: usize, charge_e: f64, seed: u64) -> Solute {
             rim * potential,
             0.004 * rim * outside * potential * potential,
             0.002 * rim * outside * potential * potential,
+            -0.5 * rim * outside * potential * potential,
         ]
     };
     let mut rng = CounterRng::new(seed, 0, 0);
@@ -106,7 +107,7 @@ fn ball(points: usize, charge_e: f64, seed: u64) -> Solute {
         let place = Vec3::from(point.map(|along| 3.0 * f64::from(along) - 7.5));
         if place.norm() < 9.5 {
             let charge_e = rng.uniform_in(-0.5, 0.5) + 0.05 * charge_e;
-            sites.push((place, [charge_e, 20.0, 27.0]));
+            sites.push((place, [charge_e, 20.0, 27.0, 0.02]));
         }
     }
     Solute::new([points; 3], value, sites)
@@ -143,13 +144,20 @@ fn blocks_give_the_sum_over_sites() {
 /// Linear tables are interpolated without error, so the energy is the sum written out.
 #[test]
 fn the_energy_is_that_of_the_sites_in_both_tables() {
-    let value = |place: &Vec3| [place.x + 0.5, 2.0 - place.y, place.z * 0.25];
-    let other = |place: &Vec3| [place.z, place.x - place.y, 1.0];
+    let value = |place: &Vec3| {
+        [
+            place.x + 0.5,
+            2.0 - place.y,
+            place.z * 0.25,
+            0.1 * (place.x - place.z),
+        ]
+    };
+    let other = |place: &Vec3| [place.z, place.x - place.y, 1.0, 0.3 - 0.1 * place.y];
     let mut rng = CounterRng::new(4, 0, 0);
     let mut draw = || {
         (
             rng.vector_in_ball(3.0),
-            [rng.uniform(), rng.uniform(), rng.uniform()],
+            [rng.uniform(), rng.uniform(), rng.uniform(), 0.3],
         )
     };
     let sites: [Vec<(Vec3, Amounts)>; 2] = [
@@ -169,7 +177,7 @@ fn the_energy_is_that_of_the_sites_in_both_tables() {
         rotation: turn,
     });
     let mut expected = 0.0;
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let dot = |a: Amounts, b: Amounts| (0..4).map(|lane| a[lane] * b[lane]).sum::<f64>();
     for (at, amounts) in &sites[1] {
         expected += dot(value(&(turn * at + place)), *amounts);
     }
@@ -186,12 +194,15 @@ fn the_energy_is_that_of_the_sites_in_both_tables() {
 /// A block of sites in a table without rim that it half leaves: sites beyond the table have no energy.
 #[test]
 fn sites_beyond_the_table_have_no_energy() {
-    let constant = Solute::new([21; 3], |_| [1.0; 3], vec![(Vec3::zeros(), [1.0; 3])]);
+    let constant = Solute::new([21; 3], |_| [1.0; 4], vec![(Vec3::zeros(), [1.0; 4])]);
     let mut sites = Vec::new();
     for along in 0..8 {
-        sites.push((Vec3::new(3.0 * f64::from(along), 0.0, 0.0), [1.0, 2.0, 3.0]));
+        sites.push((
+            Vec3::new(3.0 * f64::from(along), 0.0, 0.0),
+            [1.0, 2.0, 3.0, 4.0],
+        ));
     }
-    let row = Solute::new([21; 3], |_| [0.0; 3], sites);
+    let row = Solute::new([21; 3], |_| [0.0; 4], sites);
     let response = SolventResponse::new(Arc::clone(&constant.body), Arc::clone(&row.body));
     for along in 0..20 {
         let pose = relative(&Pose {
@@ -208,8 +219,8 @@ fn sites_beyond_the_table_have_no_energy() {
 
 #[test]
 fn beyond_its_reach_there_is_nothing() {
-    let sites = vec![(Vec3::zeros(), [1.0; 3])];
-    let constant = Solute::new([21, 25, 23], |_| [1.0; 3], sites).body;
+    let sites = vec![(Vec3::zeros(), [1.0; 4])];
+    let constant = Solute::new([21, 25, 23], |_| [1.0; 4], sites).body;
     let response = SolventResponse::new(Arc::clone(&constant), constant);
     let pose = Pose {
         position: Vec3::new(0.0, 0.0, response.reach_angstrom(0.0) + 0.1),
@@ -292,7 +303,7 @@ fn values_must_fit_the_points() {
         origin_angstrom: Vec3::zeros(),
         spacing_angstrom: 1.0,
         shape: [2, 2, 2],
-        values: vec![[0.0; 3]; 7],
+        values: vec![[0.0; 4]; 7],
     };
     assert!(ResponseBody::new(grid, &[], Vec::new()).is_err());
 }

@@ -342,6 +342,7 @@ fn solid(mesh: TriangleMesh) -> Body {
         mesh,
         core: None,
         sites: Vec::new(),
+        capacitances_e2: Vec::new(),
         residues: Vec::new(),
         provenance: Provenance::default(),
     }

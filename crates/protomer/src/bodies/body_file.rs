@@ -20,6 +20,7 @@ const KIND: &str = "body";
 const LARGEST_FILE_BYTES: u64 = 8_000_000_000;
 /// Array of the vertices of the hard core, in the files of bodies that have one in addition to
 /// their surface.
+const CAPACITANCES: &str = "capacitances_e2";
 const CORE_VERTICES: &str = "core_vertices_angstrom";
 /// Array of the triangles of the hard core.
 const CORE_TRIANGLES: &str = "core_triangles";
@@ -125,6 +126,10 @@ fn to_bytes(body: &Body) -> Result<Vec<u8>> {
     );
     container.insert("charges_e", Array::f64(charges, [sites])?);
     container.insert("radii_angstrom", Array::f64(radii, [sites])?);
+    if !body.capacitances_e2.is_empty() {
+        let capacitances = Array::f64(body.capacitances_e2.clone(), [sites])?;
+        container.insert(CAPACITANCES, capacitances);
+    }
     container.insert("residues", Array::u32(residues, [sites])?);
     Ok(container.to_bytes()?)
 }
@@ -163,6 +168,11 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     let radii = numbers(file, &container, "radii_angstrom", &[None])?;
     require_at_most("charges_e", charges, LARGEST_CHARGE_E, "e")?;
     require_at_most("radii_angstrom", radii, LARGEST_COORDINATE_ANGSTROM, "Å")?;
+    let capacitances = match container.get(CAPACITANCES) {
+        Some(_) => numbers(file, &container, CAPACITANCES, &[None])?,
+        None => &[],
+    };
+    require_at_most(CAPACITANCES, capacitances, LARGEST_CHARGE_E, "e²")?;
     let residue_of = container.u32(file, "residues", &[None])?;
     let header: BodyHeader = serde_json::from_value(container.header.clone())?;
     check_name(&header.name)?;
@@ -177,6 +187,12 @@ fn decode(file: &str, container: Container) -> Result<Body> {
     ] != [count; 4]
     {
         bail!("its arrays differ in length");
+    }
+    if !(capacitances.is_empty() || capacitances.len() == count) {
+        bail!(
+            "it has {} capacitances for {count} sites",
+            capacitances.len()
+        );
     }
     if residue_of
         .iter()
@@ -200,6 +216,7 @@ fn decode(file: &str, container: Container) -> Result<Body> {
         mesh: surface,
         core,
         sites,
+        capacitances_e2: capacitances.to_vec(),
         residues: header.residues,
         mass_properties,
         provenance: header.provenance,
@@ -317,6 +334,7 @@ mod tests {
             mesh,
             core: None,
             sites: vec![site],
+            capacitances_e2: Vec::new(),
             residues: vec![residue],
             provenance: Provenance::default(),
         }
@@ -329,6 +347,17 @@ mod tests {
             from_bytes("x.body", &to_bytes(&body).unwrap()).unwrap(),
             body
         );
+        let responding = Body {
+            capacitances_e2: vec![0.125],
+            ..body.clone()
+        };
+        let bytes = to_bytes(&responding).unwrap();
+        assert_eq!(from_bytes("x.body", &bytes).unwrap(), responding);
+        let damaged = Body {
+            capacitances_e2: vec![0.125; 2],
+            ..body.clone()
+        };
+        assert!(to_bytes(&damaged).is_err());
         let with_core = Body {
             core: Some(body.mesh.map_vertices(|vertex| 0.5 * vertex)),
             ..body

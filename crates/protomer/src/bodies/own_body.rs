@@ -112,6 +112,7 @@ pub fn build(description: &OwnBody) -> Result<Body> {
         mesh,
         core: None,
         sites,
+        capacitances_e2: Vec::new(),
         residues: Vec::new(),
         mass_properties,
         provenance,

@@ -4,7 +4,7 @@ use crate::stability::effective::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
-use protomer_field::solvent_response::solvent_response;
+use protomer_field::solvent_response::regulated_response;
 use protomer_field::{ChargedSphere, IonModel};
 use protomer_kernel::Vec3;
 use protomer_mc::solvent_response::{ResponseBody, ResponseGrid};
@@ -12,7 +12,7 @@ use protomer_mc::solvent_response::{ResponseBody, ResponseGrid};
 /// Solves for the response of a body in a medium: two solves of the Poisson-Boltzmann equation.
 ///
 /// # Errors
-/// As [`require_electrolyte`] and [`solvent_response`], and for ions that do not respond linearly; names
+/// As [`require_electrolyte`] and [`regulated_response`], and for ions that do not respond linearly; names
 /// the body.
 pub fn response_of(
     body: &Body,
@@ -28,7 +28,18 @@ pub fn response_of(
     }
     let dielectric = solute.dielectric(interaction.electrolyte);
     let spheres: Vec<ChargedSphere> = body.sites.iter().map(ChargedSphere::from).collect();
-    let response = solvent_response(&spheres, &dielectric)
+    let capacitances_e2 = match solute.regulation {
+        true => &*body.capacitances_e2,
+        false => &[],
+    };
+    if solute.regulation && capacitances_e2.is_empty() {
+        bail!(
+            "--regulation: the charges of body '{}' have no capacitances; make it with ingest --protonation \
+             structure, or leave out --regulation",
+            body.name
+        );
+    }
+    let response = regulated_response(&spheres, capacitances_e2, &dielectric)
         .with_context(|| format!("response of the solvent to body '{}'", body.name))?;
     let table = response.table;
     let grid = ResponseGrid {
@@ -45,6 +56,7 @@ pub fn response_of(
                 site.charge_e,
                 site.dielectric_angstrom3,
                 site.ionic_angstrom3,
+                site.capacitance_e2,
             ];
             (site.place, amounts)
         })

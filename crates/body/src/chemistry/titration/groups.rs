@@ -47,11 +47,13 @@ impl TitratableGroup {
     }
 }
 
-/// Protonated fractions of every residue of a selection, from the charged share of each group.
+/// Protonation of every residue of a selection, from the charged share and the capacitance (e²) of each
+/// group.
 pub fn protonation_of_residues(
     selection: &Selection,
     groups: &[TitratableGroup],
     charged_shares: &[f64],
+    capacitances_e2: &[f64],
 ) -> Vec<ResidueProtonation> {
     let mut residues = Vec::with_capacity(selection.residues.len());
     for residue in &selection.residues {
@@ -59,21 +61,33 @@ pub fn protonation_of_residues(
             side: Vec::with_capacity(side_groups(residue).len()),
             n_terminus: 1.0,
             c_terminus: 0.0,
+            capacitance_e2: vec![0.0; side_groups(residue).len() + 2],
         });
     }
-    for (group, share) in groups.iter().zip(charged_shares) {
+    for ((group, share), capacitance_e2) in groups.iter().zip(charged_shares).zip(capacitances_e2) {
         let protonated = if group.charge_e > 0.0 {
             *share
         } else {
             1.0 - share
         };
         let residue = &mut residues[group.residue];
-        match group.kind {
-            GroupKind::NTerminus => residue.n_terminus = protonated,
-            GroupKind::CTerminus => residue.c_terminus = protonated,
+        let last = residue.capacitance_e2.len() - 1;
+        let place = match group.kind {
+            GroupKind::NTerminus => {
+                residue.n_terminus = protonated;
+                last - 1
+            }
+            GroupKind::CTerminus => {
+                residue.c_terminus = protonated;
+                last
+            }
             // Groups of a side chain follow each other in their order.
-            GroupKind::SideChain(_) | GroupKind::Modified => residue.side.push(protonated),
-        }
+            GroupKind::SideChain(_) | GroupKind::Modified => {
+                residue.side.push(protonated);
+                residue.side.len() - 1
+            }
+        };
+        residue.capacitance_e2[place] = *capacitance_e2;
     }
     residues
 }

@@ -33,6 +33,9 @@ pub struct SoluteModel {
     /// Response of the ions, of one charge each, to the potential.
     #[serde(default, skip_serializing_if = "is_linear")]
     pub ions: IonModel,
+    /// Whether charges follow the potential of other bodies, with the response of the solvent.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub regulation: bool,
 }
 
 fn is_linear(ions: &IonModel) -> bool {
@@ -59,6 +62,7 @@ impl Default for SoluteModel {
             inner_permittivity: 4.0,
             ion_radius_angstrom: 2.0,
             ions: IonModel::Linear,
+            regulation: false,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{SoluteModel, require_electrolyte};
 use crate::stability::interaction::ScreenedCoulomb;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_field::effective_charges::{
     EffectiveChargeSettings, EffectiveCharges, effective_charges,
@@ -32,6 +32,9 @@ impl<'a> Problem<'a> {
         solute: &SoluteModel,
     ) -> Result<Self> {
         require_electrolyte(interaction, "effective")?;
+        if solute.regulation {
+            bail!("--regulation is part of --interaction response; choose that, or leave it out");
+        }
         Ok(Self {
             body,
             spheres: body.sites.iter().map(ChargedSphere::from).collect(),
