@@ -211,7 +211,7 @@ fn points(
         if summaries.is_empty() {
             continue;
         }
-        let (fraction, error) = average(&summaries);
+        let (fraction, error) = average_fraction(&summaries);
         points.push(FractionAt {
             salt_molar: *salt_molar,
             fraction,
@@ -219,6 +219,24 @@ fn points(
         });
     }
     points
+}
+
+/// Largest standard deviation of a fraction, half of the time 0 and half of the time 1: its error where
+/// nothing else is known.
+const UNKNOWN_ERROR: f64 = 0.5;
+
+/// The mean of a fraction over replicas, and its error. A replica with fewer than two samples has no error of
+/// its own, and counts as unknown.
+fn average_fraction(summaries: &[Summary]) -> (f64, f64) {
+    let with_error = |summary: &Summary| Summary {
+        standard_error: match summary.standard_error.is_finite() {
+            true => summary.standard_error,
+            false => UNKNOWN_ERROR,
+        },
+        ..*summary
+    };
+    let summaries: Vec<Summary> = summaries.iter().map(with_error).collect();
+    average(&summaries)
 }
 
 /// The mean over replicas, and its error: the larger of that from their spread and that from their
@@ -403,6 +421,21 @@ mod tests {
             effective_bodies: None,
             warnings: Vec::new(),
         }
+    }
+
+    /// One sample says little; it must not make a half salt look certain.
+    #[test]
+    fn one_sample_of_one_replica_is_not_certain() {
+        let mut summary = replica(0, [1.0; 4]).largest_cluster;
+        assert_eq!(average_fraction(&[summary]), (1.0, 0.01));
+        summary.standard_error = f64::NAN;
+        assert_eq!(average_fraction(&[summary]), (1.0, UNKNOWN_ERROR));
+        // Two that agree are no more certain than two unknown ones.
+        let (_, error) = average_fraction(&[summary, summary]);
+        assert!(
+            (error - UNKNOWN_ERROR / 2.0_f64.sqrt()).abs() < 1e-12,
+            "{error}"
+        );
     }
 
     /// The verdict of one run from the assembly and one from a fluid.
