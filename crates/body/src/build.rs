@@ -4,7 +4,7 @@ use crate::body::{Body, Provenance, Site};
 use crate::chemistry::protonation::ModelValuesOnly;
 use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, Protonate, SiteSettings, StructureProtonation,
-    build_protonated_sites, build_sites, mutate, sites_of_points,
+    StructureTitration, build_protonated_sites, build_sites, mutate, sites_of_points,
 };
 use crate::hard_core::{HardCore, NativeCore, moved_inward};
 use crate::points::sift_points;
@@ -503,11 +503,12 @@ fn describe_protonation(conditions: &StructureProtonation) -> String {
         temperature_kelvin,
         anion_binding_per_molar,
     } = conditions;
-    let mut text = format!("of the structure in {salt_molar} M salt at {temperature_kelvin} K");
-    if *anion_binding_per_molar > 0.0 {
-        text += &format!(", anions bound with {anion_binding_per_molar} /M");
-    }
-    text
+    let titration = StructureTitration {
+        anion_binding_per_molar: *anion_binding_per_molar,
+    };
+    let ending = titration.described();
+    let ending = ending.strip_prefix(" K").unwrap_or(&ending);
+    format!("of the structure in {salt_molar} M salt at {temperature_kelvin} K{ending}")
 }
 
 impl SurfaceSettings {

@@ -76,13 +76,13 @@ pub struct ChargeArgs {
 /// Source of the charges of titratable groups.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ProtonationArgs {
-    /// Source of the pKa values of structure files.
-    #[arg(long, value_parser = choice::<PkaSource>(), default_value = "water", help_heading = "Charges")]
-    protonation: PkaSource,
+    /// Source of the pKa values of structure files [default: water, or that of the model].
+    #[arg(long, value_parser = choice::<PkaSource>(), help_heading = "Charges")]
+    protonation: Option<PkaSource>,
     /// Constant of the binding of the salt's anion to a positive group, L/mol, with
-    /// --protonation structure; a group with a bound anion has no charge.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number(), help_heading = "Charges")]
-    anion_binding: f64,
+    /// --protonation structure; a group with a bound anion has no charge [default: 0, or that of the model].
+    #[arg(long, allow_negative_numbers = true, value_parser = range::ANION_BINDING.number(), help_heading = "Charges")]
+    anion_binding: Option<f64>,
 }
 
 impl ProtonationArgs {
@@ -91,15 +91,32 @@ impl ProtonationArgs {
     /// # Errors
     /// For a binding constant without a titration.
     pub fn titration(&self) -> Result<Option<StructureTitration>> {
-        let titration = StructureTitration {
-            anion_binding_per_molar: self.anion_binding,
+        self.titration_over(None)
+    }
+
+    /// The titration of a model, overridden by the flags.
+    ///
+    /// # Errors
+    /// As [`titration`](Self::titration).
+    pub fn titration_over(
+        &self,
+        of_model: Option<StructureTitration>,
+    ) -> Result<Option<StructureTitration>> {
+        let present = match self.protonation {
+            None => of_model,
+            Some(PkaSource::Water) => None,
+            Some(PkaSource::Structure) => Some(of_model.unwrap_or(StructureTitration {
+                anion_binding_per_molar: 0.0,
+            })),
         };
-        match self.protonation {
-            PkaSource::Structure => Ok(Some(titration)),
-            PkaSource::Water if self.anion_binding == 0.0 => Ok(None),
-            PkaSource::Water => bail!(
+        match (present, self.anion_binding) {
+            (Some(_), Some(anion_binding_per_molar)) => Ok(Some(StructureTitration {
+                anion_binding_per_molar,
+            })),
+            (None, Some(_)) => bail!(
                 "--anion-binding is part of the titration of a structure; add --protonation structure"
             ),
+            (present, None) => Ok(present),
         }
     }
 }

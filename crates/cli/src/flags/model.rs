@@ -29,6 +29,10 @@ pub enum ModelChoice {
     /// 0.75.
     #[value(name = "solution-1")]
     Solution1,
+    /// For proteins in solution whose positive groups bind anions: natural-1 with --contact-strength 0.6
+    /// and structure files with --protonation structure --anion-binding 12.
+    #[value(name = "solution-2")]
+    Solution2,
     /// Model of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
     Thesis,
 }
@@ -38,6 +42,7 @@ impl From<ModelChoice> for Model {
         match choice {
             ModelChoice::Natural1 => Self::Natural1,
             ModelChoice::Solution1 => Self::Solution1,
+            ModelChoice::Solution2 => Self::Solution2,
             ModelChoice::Thesis => Self::Thesis,
         }
     }

@@ -143,6 +143,30 @@ fn a_pair_is_titrated_in_each_salt() {
     assert!(message(&refused).contains("ingest them with --protonation"));
 }
 
+/// A model with a titration names itself for bodies that have it, and for no others.
+#[test]
+fn bodies_of_another_titration_are_not_those_of_the_model() {
+    let place = place();
+    let name = |bodies: &str| {
+        let output = place.run(&format!(
+            "pair -q {bodies} --salt 100mM --relative-error 0.5 --most-directions 1024 --model solution-2 --json"
+        ));
+        is_ok(&output);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        answer["model"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(name(&format!("{STRUCTURE} --ph 7")), "solution-2");
+    for (flags, expected) in [
+        ("--anion-binding 12", "solution-2"),
+        ("--anion-binding 1", "own terms"),
+    ] {
+        is_ok(&place.run(&format!(
+            "ingest -q {STRUCTURE} --protonation structure {flags} -o bodies --force"
+        )));
+        assert_eq!(name("bodies/5pti.body"), expected, "{flags}");
+    }
+}
+
 /// Charges that follow the potential of another body lower the energy, most at low salt.
 #[test]
 fn regulated_charges_repel_less() {

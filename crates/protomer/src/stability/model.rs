@@ -4,15 +4,18 @@
 //! |---|---|---|---|
 //! | `natural-1` | those of the bodies, with the response of the solvent | Calvados 3, times 1.9 | native |
 //! | `solution-1` | the same | Calvados 3, times 0.75 | native |
+//! | `solution-2` | the same, for bodies titrated with bound anions | Calvados 3, times 0.6 | native |
 //! | `thesis` | those of the bodies | none | the surface |
 //!
 //! Each strength is one number that was fitted: that of `natural-1` to the affinities of complexes, whose surfaces are made for each
 //! other, and that of `solution-1` to the second virial coefficients of lysozyme at pH 4.5, where any surface meets any other. No one
-//! strength serves both. A model never changes under its name; a better one gets the next number.
+//! strength serves both. `solution-2` has two numbers, the strength and the binding constant of anions, fitted to
+//! lysozyme at pH 7 and 4.5. A model never changes under its name; a better one gets the next number.
 
 use super::contacts::{ContactCore, ContactTerm};
 use super::effective::SoluteModel;
 use super::terms::FurtherTerms;
+use protomer_body::chemistry::StructureTitration;
 use protomer_body::residue_contacts::ContactScale;
 use protomer_body::{Body, BodySettings, HardCore};
 use std::sync::Arc;
@@ -27,19 +30,27 @@ pub enum Model {
     Natural1,
     /// Model for proteins in solution, whose surfaces meet anywhere.
     Solution1,
+    /// Model for proteins in solution whose positive groups bind anions of the salt.
+    Solution2,
     /// Model of the thesis: charges in salt water, and hard surfaces.
     Thesis,
 }
 
 impl Model {
     /// All models.
-    pub const ALL: [Self; 3] = [Self::Natural1, Self::Solution1, Self::Thesis];
+    pub const ALL: [Self; 4] = [
+        Self::Natural1,
+        Self::Solution1,
+        Self::Solution2,
+        Self::Thesis,
+    ];
 
     /// Name by which users choose the model.
     pub fn name(self) -> &'static str {
         match self {
             Self::Natural1 => "natural-1",
             Self::Solution1 => "solution-1",
+            Self::Solution2 => "solution-2",
             Self::Thesis => "thesis",
         }
     }
@@ -54,6 +65,7 @@ impl Model {
         match self {
             Self::Natural1 => Some(calvados(1.9)),
             Self::Solution1 => Some(calvados(0.75)),
+            Self::Solution2 => Some(calvados(0.6)),
             Self::Thesis => None,
         }
     }
@@ -61,7 +73,7 @@ impl Model {
     /// The inside of the bodies, whose displaced salt water responds to the charges of both.
     pub fn solvent_response(self) -> Option<SoluteModel> {
         match self {
-            Self::Natural1 | Self::Solution1 => Some(SoluteModel::default()),
+            Self::Natural1 | Self::Solution1 | Self::Solution2 => Some(SoluteModel::default()),
             Self::Thesis => None,
         }
     }
@@ -69,8 +81,18 @@ impl Model {
     /// Hard core of the bodies of this model.
     pub fn core(self) -> HardCore {
         match self {
-            Self::Natural1 | Self::Solution1 => HardCore::Native,
+            Self::Natural1 | Self::Solution1 | Self::Solution2 => HardCore::Native,
             Self::Thesis => HardCore::Surface,
+        }
+    }
+
+    /// Titration of structure files for this model, in the salt of the medium; pKa values in water for `None`.
+    pub fn titration(self) -> Option<StructureTitration> {
+        match self {
+            Self::Solution2 => Some(StructureTitration {
+                anion_binding_per_molar: 12.0,
+            }),
+            Self::Natural1 | Self::Solution1 | Self::Thesis => None,
         }
     }
 
@@ -99,14 +121,39 @@ impl Model {
         bodies.iter().map(AsRef::as_ref).find(is_other)
     }
 
-    /// A warning for bodies whose hard core is not that of the model.
+    /// The first body of residues whose charges are not from the titration of the model.
+    fn other_charges(self, bodies: &[Arc<Body>]) -> Option<&Body> {
+        let binding = self.titration()?.described();
+        let is_other = |body: &&Body| {
+            let stated = body.provenance.settings.get("protonation");
+            !body.residues.is_empty() && !stated.is_some_and(|stated| stated.ends_with(&binding))
+        };
+        bodies.iter().map(AsRef::as_ref).find(is_other)
+    }
+
+    /// A warning for bodies whose hard core or charges are not those of the model.
     pub fn core_warning(self, bodies: &[Arc<Body>]) -> Option<String> {
-        let other = self.other_core(bodies)?;
+        let (flags, difference, other) = match (self.other_core(bodies), self.other_charges(bodies))
+        {
+            (Some(other), _) => (
+                format!("--core {}", self.core().name()),
+                "energies at contact are",
+                other,
+            ),
+            (None, Some(other)) => {
+                let titration = self.titration()?;
+                let constant = titration.anion_binding_per_molar;
+                let flags = format!(
+                    "--protonation structure --anion-binding {constant} and --protonation-salt of the medium"
+                );
+                (flags, "charges are", other)
+            }
+            (None, None) => return None,
+        };
         Some(format!(
-            "warning: the model {} is meant for bodies made with --core {}, which '{}' is not: its energies at contact \
-             are another model's; ingest it again",
+            "warning: the model {} is meant for bodies made with {flags}, which '{}' is not: its {difference} \
+             another model's; ingest it again",
             self.name(),
-            self.core().name(),
             other.name
         ))
     }
@@ -119,7 +166,11 @@ pub fn name_of_terms(
     has_own_charges: bool,
     bodies: &[Arc<Body>],
 ) -> &'static str {
-    let is_whole = |model: &Model| has_own_charges && model.other_core(bodies).is_none();
+    let is_whole = |model: &Model| {
+        has_own_charges
+            && model.other_core(bodies).is_none()
+            && model.other_charges(bodies).is_none()
+    };
     let model = Model::with_terms(terms).filter(is_whole);
     model.map_or(OWN_TERMS, Model::name)
 }
@@ -137,6 +188,7 @@ mod tests {
                 response: model.solvent_response(),
             };
             assert_eq!(name_of_terms(&terms, true, &[]), model.name());
+            assert!(model.core_warning(&[]).is_none());
             assert_eq!(name_of_terms(&terms, false, &[]), OWN_TERMS);
             let desolvated = FurtherTerms {
                 desolvation: Some(SoluteModel::default()),

@@ -98,7 +98,7 @@ impl BindingArgs {
                 .over(model.contacts(), ContactCore::Surface)?,
             selection: self.selection.settings(),
             ph: self.ph.clone(),
-            titration: self.protonation.titration()?,
+            titration: self.protonation.titration_over(model.titration())?,
             salt_molar: quantity::salt_list(&self.salt)?,
             temperature_kelvin: self.temperature,
             outer_permittivity: self.outer_permittivity,

@@ -17,6 +17,7 @@ use protomer::stability::effective::SoluteModel;
 use protomer::stability::model::Model;
 use protomer::stability::pair::{Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard};
 use protomer_body::BodySettings;
+use protomer_body::chemistry::StructureTitration;
 use protomer_common::{quantity, range};
 use protomer_results::{End, Shard};
 use std::collections::HashSet;
@@ -197,6 +198,17 @@ impl PairArgs {
         self.interaction.unwrap_or(by_model)
     }
 
+    /// Titration of structure files, stated or by the model; none where no structure file is given, as bodies
+    /// have their charges.
+    fn titration(&self) -> Result<Option<StructureTitration>> {
+        let files = [Some(&self.first), self.second.as_ref()];
+        let is_body = |file: &&PathBuf| file.extension().is_some_and(|ending| ending == "body");
+        let model = self.model.model().and_then(Model::titration);
+        let are_bodies = files.into_iter().flatten().all(|file| is_body(&file));
+        self.protonation
+            .titration_over(model.filter(|_| !are_bodies))
+    }
+
     fn contact_term(&self) -> Result<Option<ContactTerm>> {
         let terms = self.model.terms(&self.terms);
         match self.core {
@@ -218,7 +230,7 @@ impl PairArgs {
                 None => Vec::new(),
             },
             ph: self.ph.clone(),
-            protonation: self.protonation.titration()?,
+            protonation: self.titration()?,
             energies: match self.interaction() {
                 Interaction::Hard => Energies::Hard,
                 Interaction::Bare => Energies::Bare,
