@@ -110,9 +110,21 @@ impl Body {
     /// Vertex indices of the triangles, counter-clockwise seen from outside, (M, 3).
     #[getter]
     fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
-        let triangles = &self.body.mesh.triangles;
-        Array2::from_shape_fn((triangles.len(), 3), |(row, corner)| triangles[row][corner])
-            .into_pyarray(py)
+        triangle_rows(py, &self.body.mesh.triangles)
+    }
+
+    /// Vertices of the hard core in the body's frame, Å, (N, 3); `None` where the surface is hard.
+    #[getter]
+    fn core_vertices_angstrom<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
+        let core = self.body.core.as_ref()?;
+        Some(rows(py, &core.vertices))
+    }
+
+    /// Vertex indices of the triangles of the hard core, (M, 3); `None` where the surface is hard.
+    #[getter]
+    fn core_triangles<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<u32>>> {
+        let core = self.body.core.as_ref()?;
+        Some(triangle_rows(py, &core.triangles))
     }
 
     /// Positions of the charges in the body's frame, Å, (S, 3).
@@ -132,6 +144,13 @@ impl Body {
     #[getter]
     fn radii_angstrom<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.per_site(py, |site| site.radius_angstrom)
+    }
+
+    /// Capacitance of each charge, e², (S,): its fall per kT/e of potential; empty for a body whose charges do
+    /// not respond.
+    #[getter]
+    fn capacitances_e2<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        Array1::from_vec(self.body.capacitances_e2.clone()).into_pyarray(py)
     }
 
     /// Kyte-Doolittle hydropathy of each atom's residue, (S,); NaN where the scale has no value.
@@ -297,4 +316,10 @@ fn corners(array: &PyReadonlyArray2<'_, u32>, vertices: usize) -> Result<Vec<[u3
         .into_iter()
         .map(|row| [row[0], row[1], row[2]])
         .collect())
+}
+
+/// Corners of triangles as rows.
+fn triangle_rows<'py>(py: Python<'py>, triangles: &[[u32; 3]]) -> Bound<'py, PyArray2<u32>> {
+    Array2::from_shape_fn((triangles.len(), 3), |(row, corner)| triangles[row][corner])
+        .into_pyarray(py)
 }

@@ -26,6 +26,23 @@ def test_a_body_is_arrays_in_angstrom_and_e(bodies):
     assert "plus" in repr(body) and "<table>" in body._repr_html_()
 
 
+def test_the_hard_core_of_a_structure_lies_within_its_surface():
+    body = pm.Body.from_structure(BPTI)
+    a, b, c = np.moveaxis(body.core_vertices_angstrom[body.core_triangles], 1, 0)
+    volume = np.einsum("ij,ij->", a, np.cross(b, c)) / 6
+    assert 0.5 * body.volume_angstrom3 < volume < body.volume_angstrom3
+    hard = pm.Body.from_structure(BPTI, core="surface")
+    assert hard.core_vertices_angstrom is None and hard.core_triangles is None
+
+
+def test_a_titrated_body_has_the_capacitances_of_its_groups():
+    body = pm.Body.from_structure(BPTI, ph=4.0, protonation="structure")
+    assert body.capacitances_e2.shape == body.charges_e.shape
+    # Acids near their pKa give; less than a quarter of e² for each of eight acids.
+    assert 0.3 < body.capacitances_e2.sum() < 2.0
+    assert pm.Body.from_structure(BPTI).capacitances_e2.size == 0
+
+
 def test_a_body_comes_from_a_structure_without_leaving_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     body = pm.Body.from_structure(BPTI, ph=7.4, name="bpti")

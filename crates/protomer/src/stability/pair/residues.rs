@@ -15,7 +15,7 @@ use std::path::Path;
 /// The file with the energies of residues at the bound poses of one condition.
 pub(super) const RESIDUES: &str = "residues.csv";
 /// Columns of that file.
-const COLUMNS: [&str; 10] = [
+const COLUMNS: [&str; 11] = [
     "pose",
     "body",
     "chain",
@@ -26,7 +26,10 @@ const COLUMNS: [&str; 10] = [
     "charges_kt",
     "contacts_kt",
     "desolvation_kt",
+    "solvent_response_kt",
 ];
+/// Number of columns in tables of earlier versions, which lack the last one.
+const EARLIER_COLUMNS: usize = 10;
 
 /// The energies of the residues of both bodies at one pose, in the order of the residues.
 ///
@@ -109,7 +112,7 @@ impl ResidueTable {
             let row = cells(&self.path, number, line)?;
             let at = || format!("{}:{number}", self.path);
             if number == 1 {
-                if row != COLUMNS {
+                if row != COLUMNS && row != COLUMNS[..EARLIER_COLUMNS] {
                     bail!("{} has other columns than residues of a pair have", at());
                 }
                 continue;
@@ -177,6 +180,7 @@ fn row(pose: usize, body: usize, residue: &Residue, parts: &EnergyParts) -> Vec<
         Cell::Number(parts.charges_kt),
         Cell::Number(parts.contacts_kt),
         Cell::Number(parts.desolvation_kt),
+        Cell::Number(parts.solvent_response_kt),
     ]
 }
 
@@ -243,6 +247,13 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         // What is less than 0.01 kT is not in the table.
         assert_eq!(read(2), [vec![0.0, 3.0, 0.1], vec![0.0, 0.125]]);
         assert_eq!(read(3), [vec![0.0; 3], vec![0.0; 2]]);
+        let head = COLUMNS[..EARLIER_COLUMNS].join(",");
+        let earlier = ResidueTable {
+            csv: format!("{head}\n1,1,A,1,,LYS,-1.5,-3,1.5,0\n"),
+            ..table
+        };
+        let found = earlier.energies_kt([&first, &second], 1).unwrap();
+        assert_eq!(found[0], [-1.5, 0.0, 0.0]);
     }
 
     #[test]
@@ -262,7 +273,7 @@ ATOM      1  CA  LYS X   1      11.639   6.071  -5.147  1.00 10.00           C";
         // Out of order: the same residue twice.
         let row = "1,1,A,2,,GLU,1,1,0,0\n";
         assert!(refused(format!("{head}\n{row}{row}")).contains("residues.csv:3"));
-        assert!(refused(format!("{head}\n1,1,A\n")).contains("3 cells under 10"));
+        assert!(refused(format!("{head}\n1,1,A\n")).contains("3 cells under 11"));
         assert!(refused(format!("{head}\n1,7,A,1,,LYS,1,1,0,0\n")).contains("body \"7\""));
         assert!(refused(format!("{head}\n1,1,A,1,,LYS,x,1,0,0\n")).contains("residues.csv:2"));
         assert!(refused("a,b\n".into()).contains("other columns"));
