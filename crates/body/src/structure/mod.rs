@@ -58,6 +58,7 @@
 //! | [`selected`] | 5 | the selected residues |
 //! | `scale` | 5 | coordinates in another unit than Å |
 //! | [`report`] | 5 | what was selected, what was left out, and how residues were treated |
+//! | `residue_range` | 5 | ranges of residues by chain and number |
 //! | `completeness` | 5 | missing atoms and chain breaks |
 //! | `ends` | 5 | free amines and carboxylates at the ends of chains |
 //! | `disulfides` | 5 | disulfide bonds, from records first and by distance second |
@@ -92,6 +93,7 @@ mod read;
 pub(crate) mod records;
 pub mod report;
 mod residue_key;
+mod residue_range;
 pub(crate) mod residues;
 pub(crate) mod scale;
 pub mod selected;
@@ -113,6 +115,7 @@ pub use report::{
     SkippedResidues,
 };
 pub use residue_key::ResidueKey;
+pub use residue_range::ResidueRange;
 pub(crate) use selected::atom_count;
 pub use selected::{SelectedResidue, Selection};
 pub use selection::{MissingAtoms, SelectionSettings};

@@ -109,6 +109,8 @@ pub struct SkippedResidues {
 pub mod reason {
     /// Another chain.
     pub const CHAIN: &str = "other chain";
+    /// A residue outside the ranges that were named.
+    pub const RANGE: &str = "outside the range";
     /// Another conformer of the residue.
     pub const ALTERNATE: &str = "alternate location";
     /// The same atom of the residue again, elsewhere.

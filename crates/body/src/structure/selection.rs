@@ -13,6 +13,7 @@ use super::messages::listed;
 use super::records::{Sifted, exact, sift};
 use super::report::{ListedResidue, SelectionReport, reason};
 use super::residue_key::ResidueKey;
+use super::residue_range::{ResidueRange, keep_ranges};
 use super::residues::{AtomGroup, group};
 use super::scale;
 use super::selected::{SelectedResidue, Selection, atom_count};
@@ -57,6 +58,9 @@ pub struct SelectionSettings {
     pub model: Option<i32>,
     /// Chains by the authors' names; empty for all.
     pub chains: Vec<String>,
+    /// Ranges of residues of the chains that they name; empty for whole chains.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub residues: Vec<ResidueRange>,
     /// Biological assembly by its identifier; `None` for the deposited coordinates.
     pub assembly: Option<String>,
     /// Alternate location to prefer; `None` for the highest occupancy.
@@ -109,6 +113,7 @@ impl Structure {
         // Ends are those of the chains in the file, before anything is left out or copied.
         let unobserved = &self.header.unobserved;
         report.blocked_ends = mark_chain_ends(&mut residues, unobserved, &sifted.atoms);
+        residues = keep_ranges(residues, &settings.residues, &mut report)?;
         if let Some(id) = &settings.assembly {
             residues = apply_assembly(residues, self.assembly(id)?, &mut report)?;
         }

@@ -449,3 +449,38 @@ fn names_of_simulation_programs_are_understood() {
         selection.residues[0].atom("CD1").is_some() && selection.residues[0].atom("OXT").is_some()
     );
 }
+
+/// Ends of a chain stay those of the file: what a range leaves out has no new termini.
+#[test]
+fn ranges_leave_out_residues_and_make_no_ends() {
+    let mut text = String::new();
+    for number in 1..=4 {
+        text += &residue("ATOM", "ALA", &format!("A{number:4} "), number);
+    }
+    text += &residue("ATOM", "LYS", "B   7 ", 9);
+    let in_ranges = |ranges: &[&str]| {
+        let settings = SelectionSettings {
+            residues: ranges.iter().map(|range| range.parse().unwrap()).collect(),
+            ..SelectionSettings::default()
+        };
+        Structure::read("x.pdb", text.as_bytes())
+            .unwrap()
+            .select(&settings)
+    };
+    let kept = in_ranges(&["A:2-3"]).unwrap();
+    let keys: Vec<String> = kept
+        .residues
+        .iter()
+        .map(|residue| residue.key.to_string())
+        .collect();
+    assert_eq!(keys, ["A:2", "A:3", "B:7"]);
+    assert!(
+        kept.residues[..2]
+            .iter()
+            .all(|residue| !residue.n_terminus && !residue.c_terminus)
+    );
+    assert!(kept.report.skipped["outside the range"] > 0);
+    assert_eq!(in_ranges(&["A:1", "A:4-"]).unwrap().residues.len(), 3);
+    let refused = in_ranges(&["A:20-30"]).unwrap_err().to_string();
+    assert!(refused.contains("no residue of A:20-30"), "{refused}");
+}

@@ -7,7 +7,7 @@ use protomer::bodies::chain_groups::ChainNames;
 use protomer_body::chemistry::{
     ChargeModel, PkaSource, SiteSettings, StructureTitration, parse_mutations,
 };
-use protomer_body::structure::{MissingAtoms, SelectionSettings};
+use protomer_body::structure::{MissingAtoms, ResidueRange, SelectionSettings};
 use protomer_body::{BodySettings, HardCore, SurfaceSettings};
 use protomer_common::{quantity, range};
 
@@ -18,6 +18,9 @@ pub struct SelectionArgs {
     /// Chains, by author name; all if omitted.
     #[arg(long, value_delimiter = ',')]
     chain: Vec<String>,
+    /// Residues to keep of a chain, such as A:5-120, A:5- or A:45; other chains stay whole.
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
+    residues: Vec<ResidueRange>,
     /// Model number; the first if omitted.
     #[arg(id = SelectionArgs::MODEL, long = "model", value_name = "MODEL")]
     model: Option<i32>,
@@ -186,6 +189,7 @@ impl SelectionArgs {
         SelectionSettings {
             model: self.model,
             chains: self.chain.clone(),
+            residues: self.residues.clone(),
             assembly: self.assembly.clone(),
             alternate: self.altloc,
             keep_ligands: self.keep_ligands,

@@ -409,6 +409,7 @@ fn refuse_settings_of_structures(settings: &BodySettings) -> Result<()> {
     let mut without_effect = Vec::new();
     for (flag, is_set) in [
         ("--chain", selection.chains != plain.chains),
+        ("--residues", selection.residues != plain.residues),
         ("--model", selection.model != plain.model),
         ("--assembly", selection.assembly != plain.assembly),
         ("--altloc", selection.alternate != plain.alternate),
