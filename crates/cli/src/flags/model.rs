@@ -55,8 +55,8 @@ impl ModelArgs {
     }
 
     /// A warning for bodies that were made for another model than the named one.
-    pub fn core_warning(&self, assembly: &Assembly) -> Option<String> {
-        self.model()?.core_warning(&assembly.bodies)
+    pub fn body_warning(&self, assembly: &Assembly) -> Option<String> {
+        self.model()?.body_warning(&assembly.bodies)
     }
 
     /// Settings of a pose with the interactions of the model and the flags.

@@ -164,8 +164,8 @@ impl NonlinearEquation<'_> {
         if self.faces == Faces::Given {
             return 1.0;
         }
-        let [nx, ny, nz] = self.linear.shape;
-        let shape = [nx, ny, nz];
+        let shape = self.linear.shape;
+        let [nx, ny, _] = shape;
         let first = shape.map(|points| points / PART_FROM_FACES);
         let last: [usize; 3] = std::array::from_fn(|axis| shape[axis] - 1 - first[axis]);
         let (mut product, mut square) = (0.0, 0.0);

@@ -16,9 +16,12 @@ use protomer_kernel::Electrolyte;
 /// use protomer_body::structure::Structure;
 /// use protomer_body::{BodySettings, Draft, Source};
 /// use protomer_field::titration::SolvedProtonation;
-/// let text = "\
-/// ATOM      1  N   LYS A   1      11.104   6.134  -6.504  1.00 10.00           N
-/// ATOM      2  CA  LYS A   1      11.639   6.071  -5.147  1.00 10.00           C";
+/// // The amine and the side chain of a lysine, stretched.
+/// let mut text = String::new();
+/// for (place, name) in ["N", "CA", "CB", "CG", "CD", "CE", "NZ"].iter().enumerate() {
+///     let (x, y) = (1.25 * place as f64, 0.8 * (place % 2) as f64);
+///     text += &format!("ATOM      1  {name:<3} LYS A   1    {x:8.3}{y:8.3}   0.000\n");
+/// }
 /// let conditions = StructureProtonation {
 ///     salt_molar: 0.1,
 ///     temperature_kelvin: 298.15,
@@ -32,7 +35,9 @@ use protomer_kernel::Electrolyte;
 /// let source = Source { file: "lysine.pdb", sha256: "" };
 /// let solved = &SolvedProtonation;
 /// let draft = Draft::of_protonated_selection("lysine", source, selection, &settings, solved)?;
-/// assert!((draft.sites().net_charge_e() - 1.7).abs() < 0.1);
+/// // The side chain is charged, and the amine for the most part.
+/// let net_charge_e = draft.sites().net_charge_e();
+/// assert!(net_charge_e > 1.5 && net_charge_e < 1.9, "{net_charge_e}");
 /// # Ok::<(), protomer_body::BodyError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -132,7 +132,7 @@ impl Model {
     }
 
     /// A warning for bodies whose hard core or charges are not those of the model.
-    pub fn core_warning(self, bodies: &[Arc<Body>]) -> Option<String> {
+    pub fn body_warning(self, bodies: &[Arc<Body>]) -> Option<String> {
         let (flags, difference, other) = match (self.other_core(bodies), self.other_charges(bodies))
         {
             (Some(other), _) => (
@@ -188,7 +188,7 @@ mod tests {
                 response: model.solvent_response(),
             };
             assert_eq!(name_of_terms(&terms, true, &[]), model.name());
-            assert!(model.core_warning(&[]).is_none());
+            assert!(model.body_warning(&[]).is_none());
             assert_eq!(name_of_terms(&terms, false, &[]), OWN_TERMS);
             let desolvated = FurtherTerms {
                 desolvation: Some(SoluteModel::default()),

@@ -61,7 +61,7 @@ impl InspectArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         front.warn(quantity::salt_warning(self.conditions.salt));
         let assembly = Assembly::read(&self.assembly)?;
-        front.warn(self.model.core_warning(&assembly));
+        front.warn(self.model.body_warning(&assembly));
         let engine = self.tables.engine(assembly, front)?;
         let energy = self.energy.unwrap_or(EnergyMode::Direct);
         let interaction = match self.asks_for_energies() {

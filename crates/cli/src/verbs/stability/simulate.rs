@@ -140,7 +140,7 @@ impl SimulateArgs {
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let assembly = Assembly::read(&self.assembly)?;
         let execution = self.run.execution.execution(front)?;
-        front.warn(self.run.model.core_warning(&assembly));
+        front.warn(self.run.model.body_warning(&assembly));
         let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
         say_limits(front, &engine, &settings)?;

@@ -63,7 +63,7 @@ impl SweepArgs {
             front.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
         let execution = self.run.execution.execution(front)?;
-        front.warn(self.run.model.core_warning(&assembly));
+        front.warn(self.run.model.body_warning(&assembly));
         let engine = self.run.tables.engine(assembly, front)?;
         let directory = &self.run.output;
         say_limits(front, &engine, &settings)?;
