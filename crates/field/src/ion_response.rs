@@ -115,7 +115,6 @@ impl SaltValence {
         }
         let [of_cations, of_anions] = self.boltzmann_factors(potential);
         let [cation, anion] = [self.cation, self.anion].map(f64::from);
-        // expm1-like terms: each is the factor less one, so that M(0) = 0 without cancellation.
         let pressure = ((of_anions - 1.0) / anion + (of_cations - 1.0) / cation) / self.sum();
         0.5 * potential * self.charge(potential) - pressure
     }

@@ -2,7 +2,8 @@
 //!
 //! -∇·ε∇φ + ε_out κ² λ φ = 4π l ρ,
 //!
-//! or with ions that follow Boltzmann factors (`newton`), with φ in kT/e, ρ in e/Å³, l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where
+//! or with ions that follow Boltzmann factors (`newton`), with φ in kT/e, ρ in e/Å³,
+//! l = e²/(4π ε₀ kT) the Bjerrum length of the vacuum, and λ = 1 where
 //! ions go. The permittivity changes at the surface of the spheres
 //! ([`SurfaceDefinition`](crate::SurfaceDefinition)).
 //!
