@@ -4,7 +4,7 @@ use crate::body::{Body, Provenance, Site};
 use crate::chemistry::protonation::ModelValuesOnly;
 use crate::chemistry::{
     ChargeModel, ChargedSites, Mutation, Protonate, SiteSettings, StructureProtonation,
-    StructureTitration, build_protonated_sites, build_sites, mutate, sites_of_points,
+    build_protonated_sites, build_sites, mutate, sites_of_points,
 };
 use crate::hard_core::{HardCore, NativeCore, moved_inward};
 use crate::points::sift_points;
@@ -488,6 +488,8 @@ fn describe_settings(
     described.insert("charges".into(), format!("{:?}", settings.sites.charges));
     if let Some(conditions) = &settings.sites.structure {
         described.insert("protonation".into(), describe_protonation(conditions));
+        let constant = conditions.anion_binding_per_molar.to_string();
+        described.insert(ANION_BINDING_SETTING.into(), constant);
     }
     if !settings.mutations.is_empty() {
         let mutations: Vec<String> = settings.mutations.iter().map(Mutation::to_string).collect();
@@ -496,6 +498,9 @@ fn describe_settings(
     described
 }
 
+/// Name of the binding constant of anions (L/mol) among the settings of a body whose structure was titrated.
+pub const ANION_BINDING_SETTING: &str = "anion_binding_per_M";
+
 /// The conditions of a protonation in words.
 fn describe_protonation(conditions: &StructureProtonation) -> String {
     let StructureProtonation {
@@ -503,12 +508,11 @@ fn describe_protonation(conditions: &StructureProtonation) -> String {
         temperature_kelvin,
         anion_binding_per_molar,
     } = conditions;
-    let titration = StructureTitration {
-        anion_binding_per_molar: *anion_binding_per_molar,
+    let bound = match *anion_binding_per_molar > 0.0 {
+        true => format!(", anions bound with {anion_binding_per_molar} /M"),
+        false => String::new(),
     };
-    let ending = titration.described();
-    let ending = ending.strip_prefix(" K").unwrap_or(&ending);
-    format!("of the structure in {salt_molar} M salt at {temperature_kelvin} K{ending}")
+    format!("of the structure in {salt_molar} M salt at {temperature_kelvin} K{bound}")
 }
 
 impl SurfaceSettings {

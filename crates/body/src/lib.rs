@@ -42,8 +42,8 @@ mod warnings;
 
 pub use body::{Body, Provenance, Residue, Site};
 pub use build::{
-    BodySettings, BuiltBody, Draft, Source, SurfaceSettings, build_body, build_body_of_points,
-    build_body_of_selection, check_name, surface_of_sites,
+    ANION_BINDING_SETTING, BodySettings, BuiltBody, Draft, Source, SurfaceSettings, build_body,
+    build_body_of_points, build_body_of_selection, check_name, surface_of_sites,
 };
 pub use error::{BodyError, Result};
 pub use hard_core::HardCore;

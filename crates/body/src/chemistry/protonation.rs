@@ -118,14 +118,6 @@ pub struct StructureTitration {
 }
 
 impl StructureTitration {
-    /// The ending by which the settings of a body tell this titration from others.
-    pub fn described(self) -> String {
-        match self.anion_binding_per_molar > 0.0 {
-            true => format!(", anions bound with {} /M", self.anion_binding_per_molar),
-            false => " K".into(),
-        }
-    }
-
     /// The protonation in a salt (mol/L) at a temperature (K).
     pub fn conditions(self, salt_molar: f64, temperature_kelvin: f64) -> StructureProtonation {
         StructureProtonation {

@@ -98,20 +98,21 @@ fn every_record_is_selected_or_counted() {
     }
 }
 
+/// Charges of this model at pH 7.4.
+fn usual(charges: ChargeModel) -> SiteSettings {
+    SiteSettings {
+        ph: 7.4,
+        charges,
+        ..SiteSettings::default()
+    }
+}
+
 #[test]
 fn the_net_charge_of_bpti_is_its_protonation_sum_in_every_model() {
     let selection = select(&read(&bundled(), "5pti.cif.gz"));
     // 6 ARG + 4 LYS - 2 ASP - 2 GLU; the amine is four fifths protonated at pH 7.4.
     for charges in [ChargeModel::ForceField, ChargeModel::Formal] {
-        let sites = build_sites(
-            &selection,
-            &SiteSettings {
-                ph: 7.4,
-                charges,
-                ..SiteSettings::default()
-            },
-        )
-        .unwrap();
+        let sites = build_sites(&selection, &usual(charges)).unwrap();
         assert!(
             (sites.net_charge_e() - 5.79).abs() < 0.01,
             "{charges:?} {}",
@@ -326,28 +327,13 @@ fn a_mutation_changes_charge_and_hydropathy_and_nothing_else() {
         ("A:C5S", -0.0245),
     ];
     for charges in [ChargeModel::ForceField, ChargeModel::Formal] {
-        let wild_net = build_sites(
-            &select(&structure),
-            &SiteSettings {
-                ph: 7.4,
-                charges,
-                ..SiteSettings::default()
-            },
-        )
-        .unwrap()
-        .net_charge_e();
+        let wild_net = build_sites(&select(&structure), &usual(charges))
+            .unwrap()
+            .net_charge_e();
         for (list, change) in cases {
             let mut selection = select(&structure);
             mutate(&mut selection, &parse_mutations(list).unwrap()).unwrap();
-            let mutant = build_sites(
-                &selection,
-                &SiteSettings {
-                    ph: 7.4,
-                    charges,
-                    ..SiteSettings::default()
-                },
-            )
-            .unwrap();
+            let mutant = build_sites(&selection, &usual(charges)).unwrap();
             assert!(
                 (mutant.net_charge_e() - wild_net - change).abs() < 2e-3,
                 "{list} {}",

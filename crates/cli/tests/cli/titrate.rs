@@ -14,6 +14,18 @@ fn place() -> TemporaryFolder {
     place
 }
 
+/// B22 of two copies of the structure at each condition, mol mL/g².
+fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
+    let output = place.run(&format!("pair -q {STRUCTURE} --json {flags}"));
+    is_ok(&output);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut values = Vec::new();
+    for condition in answer["conditions"].as_array().unwrap() {
+        values.push(condition["b22_mol_ml_per_g2"].as_f64().unwrap());
+    }
+    values
+}
+
 #[test]
 fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
     let place = place();
@@ -125,14 +137,8 @@ fn a_body_carries_the_protonation_of_its_structure() {
 fn a_pair_is_titrated_in_each_salt() {
     let place = place();
     let b22 = |flags: &str| {
-        let output = place.run(&format!(
-            "pair -q {STRUCTURE} --ph 7 --salt 20mM,200mM --relative-error 0.05 --json {flags}"
-        ));
-        is_ok(&output);
-        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
-        let conditions = answer["conditions"].as_array().unwrap().clone();
-        let value = |condition: &Value| condition["b22_mol_ml_per_g2"].as_f64().unwrap();
-        conditions.iter().map(value).collect::<Vec<f64>>()
+        let flags = format!("--ph 7 --salt 20mM,200mM --relative-error 0.05 {flags}");
+        b22_values(&place, &flags)
     };
     let without = b22("--protonation structure");
     let with = b22("--protonation structure --anion-binding 10");
@@ -172,14 +178,8 @@ fn bodies_of_another_titration_are_not_those_of_the_model() {
 fn regulated_charges_repel_less() {
     let place = place();
     let b22 = |flags: &str| {
-        let output = place.run(&format!(
-            "pair -q {STRUCTURE} --ph 9.5 --salt 20mM --relative-error 0.02 --interaction response --json {flags}"
-        ));
-        is_ok(&output);
-        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
-        answer["conditions"][0]["b22_mol_ml_per_g2"]
-            .as_f64()
-            .unwrap()
+        let conditions = "--ph 9.5 --salt 20mM --relative-error 0.02 --interaction response";
+        b22_values(&place, &format!("{conditions} {flags}"))[0]
     };
     let fixed = b22("--protonation structure");
     let regulated = b22("--protonation structure --regulation");

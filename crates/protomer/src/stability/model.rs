@@ -17,7 +17,7 @@ use super::effective::SoluteModel;
 use super::terms::FurtherTerms;
 use protomer_body::chemistry::StructureTitration;
 use protomer_body::residue_contacts::ContactScale;
-use protomer_body::{Body, BodySettings, HardCore};
+use protomer_body::{ANION_BINDING_SETTING, Body, BodySettings, HardCore};
 use std::sync::Arc;
 
 /// Name of terms that are no model's.
@@ -123,10 +123,10 @@ impl Model {
 
     /// The first body of residues whose charges are not from the titration of the model.
     fn other_charges(self, bodies: &[Arc<Body>]) -> Option<&Body> {
-        let binding = self.titration()?.described();
+        let constant = self.titration()?.anion_binding_per_molar.to_string();
         let is_other = |body: &&Body| {
-            let stated = body.provenance.settings.get("protonation");
-            !body.residues.is_empty() && !stated.is_some_and(|stated| stated.ends_with(&binding))
+            let stated = body.provenance.settings.get(ANION_BINDING_SETTING);
+            !body.residues.is_empty() && stated != Some(&constant)
         };
         bodies.iter().map(AsRef::as_ref).find(is_other)
     }
