@@ -30,11 +30,11 @@ rust_tests() {
 
 # The integration tests of the command line take as long as all other Rust tests.
 command_line_tests() {
-    cargo test --workspace --locked $(test_names crates/cli)
+    cargo test --workspace --locked $(test_names crates/front/cli)
 }
 
 other_rust_tests() {
-    cargo test --workspace --locked --lib --bins $(test_names $(ls -d crates/* | grep -v '/cli$'))
+    cargo test --workspace --locked --lib --bins $(test_names $(ls -d crates/*/* | grep -v '/cli$'))
     data_tests
     documentation_tests
 }
@@ -88,7 +88,7 @@ install_package() {
 
 python_tests() {
     # The lints have built target/doc; without them the site builds it.
-    if [ -e target/doc/protomer/index.html ]; then
+    if [ -e target/doc/protomer_protein_verbs/index.html ]; then
         bash docs/site.sh --no-rust
     else
         bash docs/site.sh

@@ -42,7 +42,7 @@ case "${1:-}" in
 --no-rust) ;;
 *) echo "docs/site.sh: '$1' is not an option; there is only --no-rust" >&2 && exit 2 ;;
 esac
-if [ ! -e target/doc/protomer/index.html ]; then
+if [ ! -e target/doc/protomer_protein_verbs/index.html ]; then
     echo "docs/site.sh: target/doc is missing; leave out --no-rust" >&2 && exit 1
 fi
 install_tools

@@ -49,7 +49,7 @@ def check_schema(trajectory):
 
 
 def check_reference(path, trajectory):
-    """The values of `crates/io/tests/integration/gsd.rs`."""
+    """The values of `crates/base/io/tests/integration/gsd.rs`."""
     require(len(trajectory) == 300, f"{len(trajectory)} frames instead of 300")
     for k, frame in enumerate(trajectory):
         particles = frame.particles

@@ -4,10 +4,10 @@ use crate::errors::exception;
 use anyhow::{Result, bail, ensure};
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
-use protomer::bodies::body_file;
 use protomer_body::{Provenance, Site};
 use protomer_kernel::overlap::check_embedding;
 use protomer_kernel::{TriangleMesh, Vec3};
+use protomer_protein_verbs::bodies::body_file;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 

@@ -2,10 +2,10 @@
 
 use protomer_body::BodyError;
 use protomer_common::remedy;
-use protomer_crystal::CrystalError;
 use protomer_field::FieldError;
 use protomer_io::IoError;
 use protomer_kernel::KernelError;
+use protomer_linkage::CrystalError;
 use protomer_mc::McError;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyFileNotFoundError, PyValueError};

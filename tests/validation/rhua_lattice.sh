@@ -29,7 +29,7 @@ sweep() {
 
 if [ -z "${DRAW:-}" ]; then
     cargo build --release --quiet -p protomer-cli
-    cargo run --release --quiet -p protomer-crystal --example paper_figures -- "$output" "${options[@]}"
+    cargo run --release --quiet -p protomer-linkage --example paper_figures -- "$output" "${options[@]}"
     # Paper, figure 8: near the coherent orbit, with collisions and without, and along the orbit itself.
     lengths=0.05,0.1,$third,0.25,0.5,0.75,1,1.5,2
     near=(--r0-list "$lengths" --seeds 4 --angle-spread 0.01 --velocity-spread 0.01 --time 10 --lyapunov)

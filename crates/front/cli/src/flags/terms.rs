@@ -1,0 +1,106 @@
+//! The flags of the energy terms in addition to the charges.
+
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use protomer_body::residue_contacts::ContactScale;
+use protomer_common::range;
+use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
+
+/// Attraction between residues.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Further terms")]
+pub struct ContactArgs {
+    /// Attraction between residues, by a published scale [default: none].
+    #[arg(long, value_enum)]
+    pub contacts: Option<Scale>,
+    /// Factor on the attraction of the scale [default: 1].
+    #[arg(long, allow_negative_numbers = true, value_parser = range::STRENGTH.number())]
+    pub contact_strength: Option<f64>,
+}
+
+/// Attraction between residues, and desolvation.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Further terms")]
+pub struct TermsArgs {
+    #[command(flatten)]
+    pub attraction: ContactArgs,
+    /// Count what charges lose where other bodies displace solvent; with effective charges.
+    #[arg(long)]
+    pub desolvation: bool,
+}
+
+/// The scales of the contact term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Scale {
+    /// No attraction between residues.
+    None,
+    /// Ashbaugh-Hatch with the stickiness of Calvados 3.
+    Calvados3,
+    /// Kim-Hummer with the contact energies of Miyazawa and Jernigan.
+    KimHummer,
+}
+
+impl From<ContactScale> for Scale {
+    fn from(scale: ContactScale) -> Self {
+        match scale {
+            ContactScale::Calvados3 => Self::Calvados3,
+            ContactScale::KimHummer => Self::KimHummer,
+        }
+    }
+}
+
+impl TermsArgs {
+    /// Whether any of the flags is given.
+    pub fn is_given(&self) -> bool {
+        self.attraction.contacts.is_some()
+            || self.attraction.contact_strength.is_some()
+            || self.desolvation
+    }
+
+    /// Contact term by [`ContactArgs::over`].
+    ///
+    /// # Errors
+    /// As [`ContactArgs::over`].
+    pub fn contacts(
+        &self,
+        present: Option<ContactTerm>,
+        core: ContactCore,
+    ) -> Result<Option<ContactTerm>> {
+        self.attraction.over(present, core)
+    }
+}
+
+impl ContactArgs {
+    /// The contact term of a configuration, overridden by the flags; `None` without one.
+    ///
+    /// # Errors
+    /// For a strength without a scale.
+    pub fn over(
+        &self,
+        present: Option<ContactTerm>,
+        core: ContactCore,
+    ) -> Result<Option<ContactTerm>> {
+        let scale = match self.contacts {
+            Some(Scale::None) => None,
+            Some(Scale::Calvados3) => Some(ContactScale::Calvados3),
+            Some(Scale::KimHummer) => Some(ContactScale::KimHummer),
+            None => present.map(|term| term.scale),
+        };
+        let Some(scale) = scale else {
+            if self.contact_strength.is_some() {
+                bail!(
+                    "--contact-strength multiplies a contact term; add --contacts calvados3, or \
+                     leave it out"
+                );
+            }
+            return Ok(None);
+        };
+        let of_scale = present.filter(|term| term.scale == scale);
+        let strength = of_scale.map_or(1.0, |term| term.strength);
+        Ok(Some(ContactTerm {
+            scale,
+            strength: self.contact_strength.unwrap_or(strength),
+            core,
+        }))
+    }
+}

@@ -1,0 +1,142 @@
+//! `protomer ingest`: structure files to bodies.
+
+use crate::flags::body::{ChargeArgs, CoreArgs, SelectionArgs, SurfaceFlags, body_settings};
+use crate::front::Front;
+use crate::reply::{Outcome, Reply};
+use anyhow::{Result, bail};
+use clap::{Args, ValueEnum};
+use protomer_common::input;
+use protomer_common::range;
+use protomer_protein_verbs::bodies::ingest::{IngestSettings, Ingested, ingest_files};
+use protomer_protein_verbs::bodies::stream::{StreamState, ingest_stream};
+use protomer_results::Shard;
+use std::path::PathBuf;
+
+/// Turn structure files (PDB, mmCIF, PQR, each also gzipped) into bodies: surface mesh, charges,
+/// hydropathy.
+#[derive(Debug, Args)]
+pub struct IngestArgs {
+    /// Structure files, folders that contain them, or lists of them (NAME.txt, one file a line).
+    #[arg(required = true)]
+    inputs: Vec<PathBuf>,
+    /// Folder for the bodies.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Name of the body, for a single file; that of the file if omitted.
+    #[arg(long)]
+    name: Option<String>,
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    charges: ChargeArgs,
+    #[command(flatten)]
+    surface: SurfaceFlags,
+    #[command(flatten)]
+    core: CoreArgs,
+    /// Write the mesh and the charges in these formats as well.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    export: Vec<Export>,
+    /// For very many files: outcomes and warnings go to ingest.csv and warnings.csv in the output
+    /// folder instead of the answer, memory is bounded, and the same command continues.
+    #[arg(long, conflicts_with = "name", help_heading = "Many files")]
+    stream: bool,
+    /// With --stream: only a part of the files, such as 2/8, with separate tables.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "stream", help_heading = "Many files")]
+    part: Shard,
+    /// With --stream: stop after this many minutes; the same command continues.
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        requires = "stream",
+        help_heading = "Many files", value_parser = range::MINUTES.number())]
+    time_limit: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Export {
+    Ply,
+    Obj,
+    Off,
+    Stl,
+    Pqr,
+}
+
+impl IngestArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let files = input::expand(&self.inputs)?;
+        self.check_name(files.len())?;
+        let settings = IngestSettings {
+            body: body_settings(&self.selection, &self.charges, &self.surface, self.core)?,
+            name: self.name.clone(),
+            exports: self.export.iter().map(|export| export.ending()).collect(),
+            force: front.force(),
+        };
+        if self.stream {
+            return self.run_stream(&files, &settings, front);
+        }
+        let ingested = ingest_files(&files, &self.output, &settings, front.progress().as_ref())?;
+        let (errors, warnings) = (errors(&ingested), warnings(&ingested));
+        let some_failed = ingested.has_failures();
+        Ok(Reply::of(ingested)
+            .with_errors(errors)
+            .with_repeated(warnings)
+            .partial_if(some_failed))
+    }
+
+    fn run_stream(
+        &self,
+        files: &[PathBuf],
+        settings: &IngestSettings,
+        front: &Front,
+    ) -> Result<Reply> {
+        let notice = "finishing the current files; the same command continues";
+        let execution = front.execution(notice, self.time_limit)?;
+        let report = ingest_stream(files, &self.output, settings, self.part, &execution)?;
+        let (stopped, some_failed) = (report.state == StreamState::Stopped, report.failed > 0);
+        let reply = Reply::of(report);
+        Ok(match stopped {
+            true => reply.ending(Outcome::Stopped),
+            false => reply.partial_if(some_failed),
+        })
+    }
+
+    fn check_name(&self, files: usize) -> Result<()> {
+        let Some(name) = &self.name else {
+            return Ok(());
+        };
+        if name.contains(['/', '\\']) {
+            bail!("--name is the name of the body, not a path; use --output for the folder");
+        }
+        if files > 1 {
+            bail!("--name applies to a single file, but {files} files are given");
+        }
+        Ok(())
+    }
+}
+
+fn errors(ingested: &Ingested) -> Vec<String> {
+    let errors = ingested.files.iter().filter_map(|file| file.error.as_ref());
+    errors.map(|error| format!("error: {error}")).collect()
+}
+
+fn warnings(ingested: &Ingested) -> Vec<String> {
+    let mut lines = Vec::new();
+    for outcome in &ingested.files {
+        let file = &outcome.file;
+        let warnings = outcome.warnings.iter();
+        lines.extend(warnings.map(|warning| format!("warning: {file}: {warning}")));
+    }
+    lines
+}
+
+impl Export {
+    fn ending(self) -> &'static str {
+        match self {
+            Export::Ply => "ply",
+            Export::Obj => "obj",
+            Export::Off => "off",
+            Export::Stl => "stl",
+            Export::Pqr => "pqr",
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! `protomer export`: back to atoms.
+
+use crate::flags::settings::choice;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_common::quantity;
+use protomer_protein_verbs::export::{ExportSettings, Frame, ResidueValues, Viewer, export};
+use std::path::PathBuf;
+
+/// Write an assembly, or a frame of a simulation, as a PDB or mmCIF file with all atoms of the
+/// bodies, and a script for a viewer. Chains get new identifiers; a table in the file says which
+/// copy and chain each was.
+#[derive(Debug, Args)]
+pub struct ExportArgs {
+    /// Assembly file, body file, or directory of a simulation or a sweep.
+    input: PathBuf,
+    /// Structure file to write: .pdb or .cif.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Frame of a simulation, counted from 0, or last [default: last].
+    #[arg(long, value_parser = Frame::parse, allow_hyphen_values = true)]
+    frame: Option<Frame>,
+    /// Salt concentration of a sweep, such as 100mM.
+    #[arg(long, value_parser = quantity::salt_molar, allow_hyphen_values = true)]
+    salt: Option<f64>,
+    /// Replica of a sweep, counted from 0 [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    replica: Option<u32>,
+    /// Assembly file of a simulation, if it has moved.
+    #[arg(long)]
+    assembly: Option<PathBuf>,
+    /// Contents of the B factors of the residues; zero if omitted.
+    #[arg(long, value_parser = choice::<ResidueValues>())]
+    values: Option<ResidueValues>,
+    /// Shift copies by box lengths, so that a cluster across the border of a periodic box is in one
+    /// piece.
+    #[arg(long)]
+    gather: bool,
+    /// Write a script that opens the file, shows surfaces and colours each copy.
+    #[arg(long, value_parser = choice::<Viewer>())]
+    script: Option<Viewer>,
+}
+
+impl ExportArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = ExportSettings {
+            input: self.input.clone(),
+            output: self.output.clone(),
+            frame: self.frame,
+            salt_molar: self.salt,
+            replica: self.replica,
+            assembly: self.assembly.clone(),
+            values: self.values,
+            gather: self.gather,
+            script: self.script,
+            force: front.force(),
+        };
+        Ok(Reply::of(export(&settings)?))
+    }
+}

@@ -1,0 +1,227 @@
+//! The networks that `protomer framework` can build, each with its own flags.
+
+use anyhow::Result;
+use clap::{Args, Subcommand};
+use protomer_common::quantity::length_angstrom;
+use protomer_common::range::Range;
+use protomer_linkage::framework::analytic::Honeycomb;
+use protomer_linkage::framework::{Framework, build};
+
+/// Lengths of networks.
+const LENGTH: Range = Range::new(1e-6, 1e6, "Å");
+
+/// A length in Å, with or without a unit.
+fn length(text: &str) -> Result<f64, String> {
+    let length = length_angstrom(text).map_err(|error| error.to_string())?;
+    let checked = LENGTH.require("the length", length);
+    checked.map_err(|error| error.to_string())?;
+    Ok(length)
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Builder {
+    Honeycomb(HoneycombArgs),
+    /// Squares that share corners and rotate alternately.
+    RotatingSquares(PolygonArgs),
+    /// Equilateral triangles that share corners and rotate alternately.
+    RotatingTriangles(PolygonArgs),
+    Arrowhead(ArrowheadArgs),
+    RodLattice(RodLatticeArgs),
+    Fcc(FccArgs),
+    Diamond(DiamondArgs),
+    /// Tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed.
+    Tables,
+}
+
+/// Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90
+/// degrees.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct HoneycombArgs {
+    /// Length of the ribs along z, Å.
+    #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
+    h: f64,
+    /// Length of the inclined ribs, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    l: f64,
+    /// Angle between the two kinds of ribs, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    theta: f64,
+    /// Stiffness of each hinge between an h and an l rib, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+    /// Stiffness of each rib, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct PolygonArgs {
+    /// Side of a polygon, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    side: f64,
+    /// Rotation of each polygon from the open position, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    angle: f64,
+    /// Stiffness of the rods that make a polygon rigid, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// K_h: stiffness of the hinge between two polygons, one at every shared corner, as in the
+    /// published formulas, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+/// Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct ArrowheadArgs {
+    /// Extent of a cell along y, Å.
+    #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
+    width: f64,
+    /// Angle of the long ribs to z, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    outer: f64,
+    /// Angle of the short ribs to z, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    inner: f64,
+    /// Stiffness of each rib, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge, one between any two adjacent ribs at a node, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+/// The lattice of squares whose corners are joined by rods.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct RodLatticeArgs {
+    /// Half-diagonal of a square, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    l: f64,
+    /// Length of the rods between squares, Å.
+    #[arg(long, value_parser = length, allow_hyphen_values = true)]
+    r0: f64,
+    /// Rotation of each square, degrees; 45 is open.
+    #[arg(long, allow_negative_numbers = true)]
+    angle: f64,
+    /// Stiffness of the rods that make a square rigid, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    square_ks: f64,
+    /// Stiffness of the rods between squares, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+/// Face-centred cubic net of nearest-neighbour rods.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct FccArgs {
+    /// Edge of the cubic cell, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    edge: f64,
+    /// Stiffness of each rod, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+}
+
+/// Diamond net of nearest-neighbour rods, hinged between all rods at a node.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Network")]
+pub struct DiamondArgs {
+    /// Edge of the cubic cell, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    edge: f64,
+    /// Stiffness of each rod, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge, one between every two rods at a node, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+impl HoneycombArgs {
+    /// Parameters of the honeycomb.
+    pub fn made_of(&self, thickness_angstrom: f64) -> Honeycomb {
+        Honeycomb {
+            h_angstrom: self.h,
+            l_angstrom: self.l,
+            theta_rad: self.theta.to_radians(),
+            hinge_stiffness_kcal_mol_rad2: self.kh,
+            rod_stiffness_kcal_mol_angstrom2: self.ks,
+            thickness_angstrom,
+        }
+    }
+}
+
+impl Builder {
+    /// The name of the network in results; `None` for the tables.
+    pub fn describe(&self) -> Option<String> {
+        Some(match self {
+            Builder::Honeycomb(a) => {
+                format!(
+                    "honeycomb, h = {} Å, l = {} Å, θ = {}°, k_h = {}, k_s = {}",
+                    a.h, a.l, a.theta, a.kh, a.ks
+                )
+            }
+            Builder::RotatingSquares(a) => {
+                format!(
+                    "rotating squares, side {} Å, {}°, k_h = {}, k_s = {}",
+                    a.side, a.angle, a.kh, a.ks
+                )
+            }
+            Builder::RotatingTriangles(a) => {
+                format!(
+                    "rotating triangles, side {} Å, {}°, k_h = {}, k_s = {}",
+                    a.side, a.angle, a.kh, a.ks
+                )
+            }
+            Builder::Arrowhead(a) => format!(
+                "arrowheads, width {} Å, {}° and {}°, k_h = {}, k_s = {}",
+                a.width, a.outer, a.inner, a.kh, a.ks
+            ),
+            Builder::RodLattice(a) => format!(
+                "squares and rods, l = {} Å, r0 = {} Å, {}°, k_h = {}, k_s = {} ({} in squares)",
+                a.l, a.r0, a.angle, a.kh, a.ks, a.square_ks
+            ),
+            Builder::Fcc(a) => format!("face-centred cubic, edge {} Å, k_s = {}", a.edge, a.ks),
+            Builder::Diamond(a) => {
+                format!("diamond, edge {} Å, k_h = {}, k_s = {}", a.edge, a.kh, a.ks)
+            }
+            Builder::Tables => return None,
+        })
+    }
+
+    /// The network of one cell; `None` for the tables.
+    pub fn build(&self, thickness_angstrom: f64) -> Result<Option<Framework>> {
+        let mut network = match self {
+            Builder::Honeycomb(a) => build::honeycomb(&a.made_of(thickness_angstrom))?,
+            Builder::RotatingSquares(a) => {
+                build::rotating_squares(a.side, a.angle.to_radians(), a.ks, a.kh)?
+            }
+            Builder::RotatingTriangles(a) => {
+                build::rotating_triangles(a.side, a.angle.to_radians(), a.ks, a.kh)?
+            }
+            Builder::Arrowhead(a) => build::arrowhead(
+                a.width,
+                a.outer.to_radians(),
+                a.inner.to_radians(),
+                a.ks,
+                a.kh,
+            )?,
+            Builder::RodLattice(a) => {
+                build::rod_lattice(a.l, a.r0, a.angle.to_radians(), a.square_ks, a.ks, a.kh)?
+            }
+            Builder::Fcc(a) => build::face_centred_cubic(a.edge, a.ks)?,
+            Builder::Diamond(a) => build::diamond(a.edge, a.ks, a.kh)?,
+            Builder::Tables => return Ok(None),
+        };
+        network.thickness_angstrom = thickness_angstrom;
+        Ok(Some(network))
+    }
+}

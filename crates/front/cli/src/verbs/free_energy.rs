@@ -1,0 +1,77 @@
+//! `protomer free-energy`: the free energy of a crystal of hard bodies.
+
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::hard_body::HardBodyArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_shape_verbs::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+use std::path::PathBuf;
+
+/// Compute the free energy of a crystal of hard bodies. The same command continues the run; more sweeps
+/// extend it.
+///
+/// Springs hold the bodies and their orientations to the sites. With the strongest springs the free
+/// energy is exact; the difference to none is integrated over 21 strengths, and sweeps go to those whose
+/// errors count most (Frenkel and Ladd).
+///
+/// The free energy is A/(N kT) at this number of bodies, for a thermal wavelength of one in the unit of
+/// the shape and an integral of one over all orientations. The excess is what it is more than that of an
+/// ideal gas of the same density, ln ρ - 1.
+#[derive(Debug, Args)]
+pub struct FreeEnergyArgs {
+    #[command(flatten)]
+    body: HardBodyArgs,
+    /// Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond; square, hexagonal; row),
+    /// or the file of its unit cell.
+    #[arg(long)]
+    crystal: String,
+    /// Turn every body first: degrees in a plane, a quaternion W,X,Y,Z in space.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    turn: Vec<f64>,
+    /// Number of bodies.
+    #[arg(long, default_value_t = 216)]
+    bodies: usize,
+    /// The part of the box that the bodies fill.
+    #[arg(long, allow_negative_numbers = true)]
+    packing_fraction: f64,
+    /// Sweeps at each strength in which steps are tuned and nothing is measured.
+    #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]
+    equilibration: u64,
+    /// Sweeps after the equilibration, per strength on average.
+    #[arg(long, default_value_t = 20_000)]
+    sweeps: u64,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl FreeEnergyArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = FreeEnergySettings {
+            shape: self.body.shape.clone(),
+            rounding_radius: self.body.rounding,
+            crystal: self.crystal.clone(),
+            turn: self.turn.clone(),
+            bodies: self.bodies,
+            packing_fraction: self.packing_fraction,
+            equilibration: self.equilibration,
+            sweeps: self.sweeps,
+            seed: self.seed,
+        };
+        let execution = self.execution.execution(front)?;
+        let end = run_free_energy(&settings, &self.output, &execution)?;
+        Ok(Reply::of_end(end, || {
+            format!(
+                "stopped; the same command continues {}",
+                self.output.display()
+            )
+        }))
+    }
+}

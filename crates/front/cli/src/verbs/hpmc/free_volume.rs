@@ -1,0 +1,57 @@
+//! `protomer hpmc free-volume`: free volumes of crystals that do not move.
+
+use crate::flags::hard_body::FreeVolumeGridArgs;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_shape_verbs::hard_bodies::static_free_volume::{
+    StaticFreeVolumeSettings, static_free_volumes,
+};
+
+/// Print the free volume of depletants in a perfect crystal whose bodies do not move.
+///
+/// Lines through the unit cell are cut exactly by the bodies, each swept by a depletant; the error is
+/// that of grids of lines that are shifted against each other. For crystals that move, give `run` a
+/// start and depletants.
+#[derive(Debug, Args)]
+pub struct FreeVolumeArgs {
+    /// File with points, or the name of a shape, as for `shape`.
+    #[arg(long, value_name = "FILE")]
+    shape: String,
+    /// Radius of the ball that rounds it (Minkowski sum).
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RADIUS",
+        allow_negative_numbers = true
+    )]
+    rounding: f64,
+    /// Name of the crystal (simple-cubic, fcc, bcc, hcp, diamond, hexagonal-diamond), or the file of its
+    /// unit cell.
+    #[arg(long)]
+    crystal: String,
+    /// Turn every body first: a quaternion W,X,Y,Z.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    turn: Vec<f64>,
+    #[command(flatten)]
+    grid: FreeVolumeGridArgs,
+    /// Lines along the shortest edge of the unit cell.
+    #[arg(long, default_value_t = 100, value_name = "NUMBER")]
+    lines: usize,
+}
+
+impl FreeVolumeArgs {
+    pub fn run(&self) -> Result<Reply> {
+        Ok(Reply::data(static_free_volumes(
+            &StaticFreeVolumeSettings {
+                shape: self.shape.clone(),
+                rounding_radius: self.rounding,
+                crystal: self.crystal.clone(),
+                turn: self.turn.clone(),
+                packing_fractions: self.grid.packing_fraction.clone(),
+                depletant_radii: self.grid.depletant_radius.clone(),
+                lines: self.lines,
+            },
+        )?))
+    }
+}

@@ -1,0 +1,119 @@
+//! Flags of the bodies, their box and what is measured, shared by `run` and `sweep`.
+
+use crate::flags::hard_body::HardBodyArgs;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer_shape_verbs::hard_bodies::settings::{
+    Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
+};
+use protomer_shape_verbs::hard_bodies::start::FLUID;
+
+/// Bodies, their box, and what is measured.
+#[derive(Debug, Args)]
+pub struct SystemArgs {
+    #[command(flatten)]
+    body: HardBodyArgs,
+    /// Number of bodies.
+    #[arg(long, default_value_t = 216)]
+    bodies: usize,
+    /// Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc,
+    /// hcp, diamond, hexagonal-diamond; square, hexagonal; row), or the file of a unit cell.
+    #[arg(long, default_value = FLUID, value_name = "CRYSTAL")]
+    start: String,
+    /// Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    turn: Vec<f64>,
+    /// Edges of the box of a fluid relative to each other, such as 1,1,4 [default: equal].
+    #[arg(long = "box", value_delimiter = ',', value_name = "RATIOS")]
+    box_ratios: Vec<f64>,
+    /// Weight of a body, kT per length (the inverse of the gravitational length), between hard walls at
+    /// both ends of the last axis.
+    #[arg(long, value_name = "KT_PER_LENGTH", allow_negative_numbers = true)]
+    gravity: Option<f64>,
+    /// Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
+    /// the reservoir, several with commas between them. With density 0 only free volumes are measured.
+    #[arg(long, value_name = "RADIUS:FUGACITY,…", allow_hyphen_values = true)]
+    depletants: Option<String>,
+    /// Sweeps in which the steps are tuned and nothing is measured.
+    #[arg(long, default_value_t = 2000, value_name = "SWEEPS")]
+    equilibration: u64,
+    /// Sweeps after the equilibration; a sweep is one trial move per body.
+    #[arg(long, default_value_t = 10_000)]
+    sweeps: u64,
+    /// Sweeps between measurements.
+    #[arg(long, default_value_t = 5, value_name = "SWEEPS")]
+    sample_every: u64,
+    /// Sweeps between frames of the trajectory; 0 for none.
+    #[arg(long, default_value_t = 500, value_name = "SWEEPS")]
+    trajectory_every: u64,
+    /// Bodies inserted at random per measurement, for the chemical potential.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    insertions: usize,
+    /// Points per measurement, for free volumes [default: ten per body].
+    #[arg(long, value_name = "NUMBER")]
+    points: Option<usize>,
+}
+
+/// Changes of the box at constant pressure.
+#[derive(Debug, Args)]
+pub struct BoxArgs {
+    /// At constant pressure, trial changes of the box in a sweep [default: 4; 8 if triclinic].
+    #[arg(long, value_name = "NUMBER")]
+    box_moves: Option<u32>,
+}
+
+impl BoxArgs {
+    /// A constant pressure with this freedom of the box.
+    pub fn pressure(&self, kt_per_volume: f64, freedom: Freedom) -> Pressure {
+        Pressure {
+            kt_per_volume,
+            freedom,
+            changes_per_sweep: self.box_moves,
+        }
+    }
+
+    /// Refuses what only means something at constant pressure.
+    pub fn check(&self, has_pressure: bool) -> Result<()> {
+        if self.box_moves.is_some() && !has_pressure {
+            bail!("--box-moves is for a constant pressure; give a pressure too, or leave it out");
+        }
+        Ok(())
+    }
+}
+
+/// Freedom of the box at constant pressure.
+pub fn freedom(anisotropic: bool, triclinic: bool) -> Freedom {
+    match (anisotropic, triclinic) {
+        (_, true) => Freedom::Shape,
+        (true, false) => Freedom::Lengths,
+        (false, false) => Freedom::Volume,
+    }
+}
+
+impl SystemArgs {
+    /// The settings of a run, but for its packing fraction, pressure and seed.
+    pub fn settings(&self) -> Result<HardBodySettings> {
+        Ok(HardBodySettings {
+            shape: self.body.shape.clone(),
+            rounding_radius: self.body.rounding,
+            bodies: self.bodies,
+            equilibration: self.equilibration,
+            sweeps: self.sweeps,
+            sample_every: self.sample_every,
+            trajectory_every: self.trajectory_every,
+            insertions: self.insertions,
+            points: self.points.unwrap_or(0),
+            depletants: match &self.depletants {
+                None => Vec::new(),
+                Some(text) => parse_depletants(text)?,
+            },
+            start: self.start.clone(),
+            turn: self.turn.clone(),
+            box_ratios: self.box_ratios.clone(),
+            gravity: self.gravity.map(|weight_kt_per_length| Gravity {
+                weight_kt_per_length,
+            }),
+            ..HardBodySettings::default()
+        })
+    }
+}

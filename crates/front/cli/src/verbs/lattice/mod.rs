@@ -1,0 +1,55 @@
+//! `protomer lattice`: rigid squares joined by rods.
+
+mod animate;
+mod bench;
+mod replay;
+mod run;
+mod square;
+mod sweep;
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
+use protomer_linkage_verbs::lattice::square_of_body::{Axis, Size};
+use std::path::PathBuf;
+
+/// Two-dimensional crystals of rigid squares whose corners are joined by rigid rods.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+pub struct LatticeArgs {
+    /// The square that stands for this body, as `square` prints it.
+    #[arg(long, value_name = "BODY")]
+    from: Option<PathBuf>,
+    #[command(subcommand)]
+    verb: Option<LatticeVerb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum LatticeVerb {
+    Run(run::RunArgs),
+    Sweep(sweep::SweepArgs),
+    Animate(animate::AnimateArgs),
+    Square(square::SquareArgs),
+    Replay(replay::ReplayArgs),
+    Respond(replay::RespondArgs),
+    Bench(bench::BenchArgs),
+}
+
+impl LatticeArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        match (&self.verb, &self.from) {
+            (Some(LatticeVerb::Run(args)), _) => args.run(front),
+            (Some(LatticeVerb::Sweep(args)), _) => args.run(front),
+            (Some(LatticeVerb::Animate(args)), _) => args.run(front),
+            (Some(LatticeVerb::Square(args)), _) => args.run(front),
+            (Some(LatticeVerb::Replay(args)), _) => args.run(),
+            (Some(LatticeVerb::Respond(args)), _) => args.run(),
+            (Some(LatticeVerb::Bench(args)), _) => args.run(),
+            (None, Some(body)) => square::square(body, Axis::Auto, Size::Corners, None, front),
+            (None, None) => bail!(
+                "give a subcommand: lattice run, sweep, animate, square, replay, respond or bench"
+            ),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! `protomer md run`: one run in its directory.
+
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::settings::SettingsArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_shape_verbs::dynamics::run::run_dynamics;
+use protomer_shape_verbs::dynamics::settings::DynamicsSettings;
+use protomer_shape_verbs::dynamics::start::begin;
+use std::path::PathBuf;
+
+/// Follow convex bodies in motion, from a wide lattice through a slow compression. The same command
+/// continues a run.
+///
+/// Bodies repel each other between the points that --potential names (energy epsilon at the distance
+/// sigma_c = 0.15 sigma; sigma is the mean diameter of the balls about the centroids that fit in).
+/// Units: epsilon, the length that gives a body area or volume one, density one. The packing fraction
+/// counts bodies with a layer of sigma_c/2.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// Configuration (TOML), such as the run.toml of another run; flags override it.
+    config: Option<PathBuf>,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    #[command(flatten, next_help_heading = "Dynamics")]
+    settings: SettingsArgs<DynamicsSettings>,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+}
+
+impl RunArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = self.settings.settings(self.config.as_deref())?;
+        let begun = begin(&settings)?;
+        front.say(&format!(
+            "{} bodies from a packing fraction of {:.4} to {}, then {} steps of {}",
+            settings.bodies,
+            begun.first_packing_fraction,
+            settings.packing_fraction,
+            settings.steps,
+            settings.time_step
+        ));
+        let execution = self.execution.execution(front)?;
+        let end = run_dynamics(&settings, &self.output, &execution)?;
+        Ok(Reply::of_end(end, || {
+            format!(
+                "stopped; the same command continues {}",
+                self.output.display()
+            )
+        }))
+    }
+}

@@ -1,0 +1,69 @@
+//! `protomer shape`: what is known exactly of a convex shape, and what two shapes feel.
+
+mod contact;
+mod free_volume;
+mod overlap_volume;
+mod virial;
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
+use protomer_shape_verbs::shapes::measure_shape;
+use std::path::PathBuf;
+
+/// Measure a convex shape, rounded or not: volume, surface, integrated mean curvature and second
+/// virial coefficient, exactly.
+///
+/// The shape is that of a file: the corners of a convex polygon (text with two columns), the convex hull
+/// of points in space (three columns), or a convex .off, .obj, .ply or .stl mesh; concave ones are
+/// refused. One point with a rounding is a disk or a ball. Or it has a name: tetrahedron, cube, octahedron, dodecahedron, icosahedron, truncated-octahedron,
+/// rhombic-dodecahedron (edges of length 1), truncated-tetrahedron:T (T from 0, the tetrahedron with
+/// edges of length 1, to 1, the octahedron; 2/3 is Archimedean), cuboid:A,B,C, prism:N,HEIGHT (edges of
+/// length 1), polygon:N (area 1), ellipse:A,B and ellipsoid:A,B,C (half axes).
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, arg_required_else_help = true)]
+pub struct ShapeArgs {
+    /// File with points, or the name of a shape.
+    shape: Option<String>,
+    /// Radius of the ball, or disk, that rounds it (Minkowski sum).
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RADIUS",
+        allow_negative_numbers = true
+    )]
+    rounding: f64,
+    /// Mesh file to write, without the rounding: .ply, .obj, .off or .stl.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    #[command(subcommand)]
+    verb: Option<ShapeVerb>,
+}
+
+#[derive(Debug, Subcommand)]
+enum ShapeVerb {
+    Contact(contact::ContactArgs),
+    OverlapVolume(overlap_volume::OverlapVolumeArgs),
+    Virial(virial::VirialArgs),
+    FreeVolume(free_volume::FreeVolumeArgs),
+}
+
+impl ShapeArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        match (&self.verb, &self.shape) {
+            (Some(ShapeVerb::Contact(args)), _) => args.run(),
+            (Some(ShapeVerb::OverlapVolume(args)), _) => args.run(),
+            (Some(ShapeVerb::Virial(args)), _) => args.run(),
+            (Some(ShapeVerb::FreeVolume(args)), _) => args.run(),
+            (None, Some(shape)) => {
+                let output = self.output.as_deref();
+                let report = measure_shape(shape, self.rounding, output, front.force())?;
+                Ok(Reply::data(report))
+            }
+            (None, None) => {
+                bail!("give the file or the name of a shape, or: shape contact PAIRS.json")
+            }
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! `protomer binding`: the charge part of the binding free energy of a complex.
+
+use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
+use crate::flags::model::ModelArgs;
+use crate::flags::terms::ContactArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_common::{quantity, range};
+use protomer_protein_verbs::stability::binding::{BindingSettings, binding};
+use protomer_protein_verbs::stability::contacts::ContactCore;
+use protomer_results::End;
+use std::path::PathBuf;
+
+/// Estimate how strongly a complex of known pose binds, and the effect of salt, pH and charges: affinity
+/// from its contacts, charge part by the Poisson-Boltzmann equation, dissociation constant by
+/// integration over the poses nearby.
+#[derive(Debug, Args)]
+// `--model` names what acts between the bodies here.
+#[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
+pub struct BindingArgs {
+    /// Receptor, or the whole complex: a structure, PQR or body file.
+    receptor: PathBuf,
+    /// Ligand in the same frame; without it the two bodies are chains of the first file.
+    ligand: Option<PathBuf>,
+    #[command(flatten)]
+    bodies: ChainGroupArgs,
+    /// Concentrations of a 1:1 salt: a list such as 50mM,150mM or a range such as 10mM..1M/5. Differences
+    /// are from the first.
+    #[arg(long, allow_hyphen_values = true)]
+    salt: String,
+    /// pH values at which structure files are charged, such as 6,7.4 [default: 7.4].
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true, value_parser = range::PH.number())]
+    ph: Vec<f64>,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
+    /// Temperature, K.
+    #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
+    temperature: f64,
+    /// Leave out the integration of the dissociation constant over the poses around the given one.
+    #[arg(long)]
+    no_kd: bool,
+    /// Seed of the random numbers of the integration.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Find what each exchange of charge at the interface (heavy atoms within 5 Å of the partner) would
+    /// change, at the first salt: two more solves for each residue.
+    #[arg(long)]
+    exchanges: bool,
+    /// Spacing of the fine grid, Å; a second grid is 1.4 times coarser.
+    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true)]
+    spacing: f64,
+    /// Minimum distance between the atoms and the faces of the fine grid, Å.
+    #[arg(long, default_value_t = BindingSettings::MARGIN_ANGSTROM, allow_negative_numbers = true)]
+    margin: f64,
+    /// Relative permittivity inside the bodies.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    inner_permittivity: f64,
+    /// Relative permittivity of the solvent; that of water at the temperature if omitted.
+    #[arg(long, allow_negative_numbers = true, value_parser = range::PERMITTIVITY.number())]
+    outer_permittivity: Option<f64>,
+    /// Minimum distance of ion centres from the atoms, Å; 0 lets ions reach the surface.
+    #[arg(long, default_value_t = 2.0, allow_negative_numbers = true, value_parser = range::RADIUS.number())]
+    ion_radius: f64,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    attraction: ContactArgs,
+    #[command(flatten)]
+    selection: SelectionArgs,
+}
+
+impl BindingArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let end = binding(&settings, &front.execution_without_signals())?;
+        let End::Finished(result) = end else {
+            return Ok(Reply::stopped("stopped; nothing was kept".into()));
+        };
+        let warnings = result.warnings.clone();
+        Ok(Reply::data(result).with_notes(warnings))
+    }
+
+    fn settings(&self) -> Result<BindingSettings> {
+        let model = self
+            .model
+            .model()
+            .unwrap_or(BindingSettings::default().model);
+        Ok(BindingSettings {
+            receptor: self.receptor.clone(),
+            ligand: self.ligand.clone(),
+            bodies: self.bodies.body.clone(),
+            model,
+            contacts: self
+                .attraction
+                .over(model.contacts(), ContactCore::Surface)?,
+            selection: self.selection.settings(),
+            ph: self.ph.clone(),
+            titration: self.protonation.titration_over(model.titration())?,
+            salt_molar: quantity::salt_list(&self.salt)?,
+            temperature_kelvin: self.temperature,
+            outer_permittivity: self.outer_permittivity,
+            inner_permittivity: self.inner_permittivity,
+            ion_radius_angstrom: self.ion_radius,
+            spacing_angstrom: self.spacing,
+            margin_angstrom: self.margin,
+            integrates: !self.no_kd,
+            seed: self.seed,
+            exchanges: self.exchanges,
+        })
+    }
+}

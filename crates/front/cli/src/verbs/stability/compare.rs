@@ -1,0 +1,29 @@
+//! `protomer compare`: several sweeps in one figure.
+
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_protein_verbs::stability::compare::compare;
+use std::path::PathBuf;
+
+/// Draw several finished sweeps in one figure; the legend names the directories.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Sweep directories.
+    #[arg(required = true)]
+    sweeps: Vec<PathBuf>,
+    /// Figure to write: .png or .svg.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Title of the figure.
+    #[arg(long, default_value = "Stability against salt")]
+    title: String,
+}
+
+impl CompareArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let report = compare(&self.sweeps, &self.title, &self.output, front.force())?;
+        Ok(Reply::of(report))
+    }
+}

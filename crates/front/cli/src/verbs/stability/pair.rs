@@ -1,0 +1,256 @@
+//! `protomer pair`: the thermodynamics of two bodies.
+
+use crate::flags::body::ProtonationArgs;
+use crate::flags::cache::CacheArgs;
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::medium::MediumArgs;
+use crate::flags::model::ModelArgs;
+use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::solute::SoluteArgs;
+use crate::flags::terms::TermsArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Context, Result, bail};
+use clap::{Args, ValueEnum};
+use protomer_body::BodySettings;
+use protomer_body::chemistry::StructureTitration;
+use protomer_common::{quantity, range};
+use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
+use protomer_protein_verbs::stability::effective::SoluteModel;
+use protomer_protein_verbs::stability::model::Model;
+use protomer_protein_verbs::stability::pair::{
+    Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard,
+};
+use protomer_results::{End, Shard};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// Compute the thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
+/// potential of mean force, dissociation constant, bound poses. The same command continues work
+/// that was stopped.
+#[derive(Debug, Args)]
+pub struct PairArgs {
+    /// A body or a structure file.
+    first: PathBuf,
+    /// The other body or structure file; a second copy of the first if omitted.
+    second: Option<PathBuf>,
+    /// Directory of the results; nothing is kept if omitted.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+    /// Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..1M/8.
+    #[arg(long, allow_hyphen_values = true)]
+    salt: Option<String>,
+    /// pH values at which structure files are made into bodies, such as 4.5,7.
+    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    ph: Vec<f64>,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
+    /// Interaction of the bodies apart from their hard cores [default: bare].
+    #[arg(long, value_enum)]
+    interaction: Option<Interaction>,
+    #[command(flatten)]
+    model: ModelArgs,
+    /// The wanted standard error of B2, relative to the larger of its magnitude and its hard part.
+    #[arg(long, default_value_t = 0.004)]
+    relative_error: f64,
+    /// The wanted standard error of B22, mol mL/g², such as 3e-5; instead of a relative one.
+    #[arg(long, conflicts_with = "relative_error", allow_negative_numbers = true)]
+    b22_error: Option<f64>,
+    /// Directions with energies that may be sampled for one condition.
+    #[arg(long, default_value_t = 65_536)]
+    most_directions: u64,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Bodies whose surfaces are closer than this are bound, Å.
+    #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
+    contact_gap: f64,
+    /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
+    /// directory; the command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1", requires = "output")]
+    shard: Shard,
+    /// Hard cores of the bodies: their surfaces, or the cores of the beads of the contact term.
+    #[arg(long, value_enum, default_value_t = CoreChoice::Surface)]
+    core: CoreChoice,
+    #[command(flatten)]
+    terms: TermsArgs,
+    #[command(flatten)]
+    solute: SoluteArgs,
+    #[command(flatten)]
+    medium: MediumArgs,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+    #[command(flatten)]
+    cache: CacheArgs,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+}
+
+/// Interactions between two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Interaction {
+    /// No interaction besides the surfaces.
+    Hard,
+    /// The charges of the bodies, screened by salt.
+    Bare,
+    /// Effective charges: those that give the potential around bodies of low permittivity that salt
+    /// does not enter; from 3 Å on.
+    Effective,
+    /// The charges of the bodies, and to first order the response of the salt water that both
+    /// displace; for native contacts.
+    Response,
+}
+
+/// Hard cores of two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CoreChoice {
+    /// The solvent-excluded surfaces.
+    Surface,
+    /// The beads of the published force field, for comparison with programs that have no surfaces.
+    Beads,
+}
+
+impl PairArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
+        let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let body = self
+            .model
+            .model()
+            .map_or_else(BodySettings::default, Model::body_settings);
+        let bodies = PairBodies::read_with(&self.first, self.second.as_deref(), &settings, &body)?
+            .with_effective_store(self.cache.effective_store(front));
+        for warning in &bodies.warnings {
+            front.say(warning);
+        }
+        match &self.output {
+            Some(directory) => self.compute(front, &bodies, &settings, directory),
+            None => {
+                let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
+                self.compute(front, &bodies, &settings, &folder.path().join("pair"))
+            }
+        }
+    }
+
+    fn compute(
+        &self,
+        front: &Front,
+        bodies: &PairBodies,
+        settings: &PairRunSettings,
+        directory: &Path,
+    ) -> Result<Reply> {
+        let execution = self.execution.execution(front)?;
+        if !self.shard.is_whole() {
+            let end = run_pair_shard(bodies, settings, directory, self.shard, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
+        Ok(match run_pair(bodies, settings, directory, &execution)? {
+            End::Finished(result) => {
+                let mut warnings = Vec::new();
+                for condition in &result.conditions {
+                    warnings.extend(condition.warnings.iter().cloned());
+                }
+                let mut said = HashSet::new();
+                warnings.retain(|warning| said.insert(warning.clone()));
+                let reply = Reply::of(result).with_notes(warnings);
+                match &self.output {
+                    Some(output) => {
+                        let figure = output.join("pair.png");
+                        let reply = reply.with_note(format!("figure: {}", figure.display()));
+                        let map = output.join("pair_map.png");
+                        match map.is_file() {
+                            true => reply.with_note(format!("map: {}", map.display())),
+                            false => reply,
+                        }
+                    }
+                    None => reply,
+                }
+            }
+            End::Stopped => Reply::stopped(match &self.output {
+                Some(output) => {
+                    format!("stopped; the same command continues {}", output.display())
+                }
+                None => "stopped; without --output nothing is kept".into(),
+            }),
+        })
+    }
+
+    /// Model of the inside of the bodies. It is stored even where it is the default, so that a run
+    /// keeps it if the default changes.
+    fn effective_solute(&self) -> Option<SoluteModel> {
+        match self.interaction() {
+            Interaction::Effective | Interaction::Response => {
+                Some(self.solute.solute().unwrap_or_default())
+            }
+            Interaction::Hard | Interaction::Bare => self.solute.solute(),
+        }
+    }
+
+    /// Interaction of the charges, stated or by the model.
+    fn interaction(&self) -> Interaction {
+        let response = self.model.model().map(Model::solvent_response);
+        let by_model = match response {
+            Some(Some(_)) => Interaction::Response,
+            Some(None) | None => Interaction::Bare,
+        };
+        self.interaction.unwrap_or(by_model)
+    }
+
+    /// Titration of structure files, stated or by the model; none where no structure file is given, as bodies
+    /// have their charges.
+    fn titration(&self) -> Result<Option<StructureTitration>> {
+        let files = [Some(&self.first), self.second.as_ref()];
+        let is_body = |file: &&PathBuf| file.extension().is_some_and(|ending| ending == "body");
+        let model = self.model.model().and_then(Model::titration);
+        let are_bodies = files.into_iter().flatten().all(|file| is_body(&file));
+        self.protonation
+            .titration_over(model.filter(|_| !are_bodies))
+    }
+
+    fn contact_term(&self) -> Result<Option<ContactTerm>> {
+        let terms = self.model.terms(&self.terms);
+        match self.core {
+            CoreChoice::Surface => terms.contacts(None, ContactCore::Surface),
+            CoreChoice::Beads => match terms.contacts(None, ContactCore::Beads)? {
+                None => bail!(
+                    "--core beads takes the cores of a contact term; add --contacts calvados3, or \
+                     leave it out"
+                ),
+                term => Ok(term),
+            },
+        }
+    }
+
+    fn settings(&self) -> Result<PairRunSettings> {
+        let mut settings = PairRunSettings {
+            salt_molar: match &self.salt {
+                Some(salt) => quantity::salt_list(salt)?,
+                None => Vec::new(),
+            },
+            ph: self.ph.clone(),
+            protonation: self.titration()?,
+            energies: match self.interaction() {
+                Interaction::Hard => Energies::Hard,
+                Interaction::Bare => Energies::Bare,
+                Interaction::Effective => Energies::Effective,
+                Interaction::Response => Energies::Response,
+            },
+            solute: self.effective_solute(),
+            desolvation: self.terms.desolvation,
+            contacts: self.contact_term()?,
+            contact_gap_angstrom: self.contact_gap,
+            b22_error_mol_ml_per_g2: self.b22_error,
+            medium: self.medium.medium(),
+            ..PairRunSettings::default()
+        };
+        settings.sampling.seed = self.seed;
+        settings.sampling.relative_error = self.relative_error;
+        settings.sampling.most_directions = self.most_directions;
+        settings.check()?;
+        Ok(settings)
+    }
+}

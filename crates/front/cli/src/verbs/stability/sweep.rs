@@ -1,0 +1,107 @@
+//! `protomer sweep`: stability against salt.
+
+use super::simulate::{RunArgs, figure_of, late_warnings, say_energies, say_limits};
+use crate::flags::medium::MediumArgs;
+use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::{Owner, SettingsArgs};
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer_common::quantity;
+use protomer_protein_verbs::assemblies::assembly_file::Assembly;
+use protomer_protein_verbs::stability::run::RunSettings;
+use protomer_protein_verbs::stability::sweep::{resolved, run_shard, run_sweep};
+use protomer_results::{End, Shard};
+use std::path::PathBuf;
+
+/// Simulate an assembly at several salt concentrations, several replicas each: radius of gyration
+/// and surviving contacts against salt. The same command continues a sweep that was stopped.
+#[derive(Debug, Args)]
+pub struct SweepArgs {
+    /// Assembly file.
+    assembly: PathBuf,
+    /// Salt concentrations: a list such as 10mM,50mM,100mM or a range such as 10mM..300mM/8.
+    #[arg(long, allow_hyphen_values = true)]
+    salt: Option<String>,
+    #[command(flatten)]
+    flags: SettingsArgs<RunSettings, Sweep>,
+    /// Run only a part of the simulations, such as 2/8, alongside other processes in the same
+    /// directory; the command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+    #[command(flatten)]
+    run: RunArgs,
+    #[command(flatten)]
+    medium: MediumArgs,
+}
+
+/// Owner of the flags that `simulate` has not.
+#[derive(Debug)]
+struct Sweep;
+
+impl Owner for Sweep {
+    const VERB: Option<&'static str> = Some("sweep");
+}
+
+impl SweepArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
+        let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let assembly = Assembly::read(&self.assembly)?;
+        front.say(&format!(
+            "{} bodies, {} simulations of {} + {} sweeps",
+            assembly.len(),
+            settings.simulations(),
+            settings.equilibration_sweeps,
+            settings.sweeps
+        ));
+        for salt in &settings.salt_molar {
+            front.explain(&settings.medium.interaction(Some(*salt))?.describe());
+        }
+        let execution = self.run.execution.execution(front)?;
+        front.warn(self.run.model.body_warning(&assembly));
+        let engine = self.run.tables.engine(assembly, front)?;
+        let directory = &self.run.output;
+        say_limits(front, &engine, &settings)?;
+        let settings = resolved(&engine, &settings, directory, &execution)?;
+        say_energies(front, &engine, &settings)?;
+        if !self.shard.is_whole() {
+            let end = run_shard(&engine, &settings, directory, self.shard, &execution)?;
+            let Shard { index, of } = self.shard;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
+        Ok(
+            match run_sweep(&engine, &settings, directory, &execution)? {
+                End::Finished(result) => {
+                    let figure = figure_of(directory, &settings);
+                    let warnings = late_warnings(&engine, &settings, &result.warnings)?;
+                    let reply = Reply::of(result).with_notes(warnings);
+                    reply.with_note(format!("figure: {}", figure.display()))
+                }
+                End::Stopped => {
+                    let directory = directory.display();
+                    Reply::stopped(format!("stopped; the same command continues {directory}"))
+                }
+            },
+        )
+    }
+
+    /// The settings of the configuration file, if any, overridden by the flags.
+    fn settings(&self) -> Result<RunSettings> {
+        let mut settings = self.run.settings(&self.medium)?;
+        if let Some(salt) = &self.salt {
+            settings.salt_molar = quantity::salt_list(salt)?;
+        } else if self.run.config.is_none() {
+            bail!("no salt concentration is given; add --salt 10mM,100mM,300mM");
+        }
+        self.flags.override_in(&mut settings)?;
+        settings.check()?;
+        Ok(settings)
+    }
+}

@@ -1,0 +1,258 @@
+//! Titration of a structure: the answer for scripts, the files, and what is refused.
+
+use crate::common::{TemporaryFolder, is_ok, message};
+use serde_json::Value;
+use std::path::Path;
+
+const STRUCTURE: &str = "data/structures/5pti.cif.gz";
+
+/// A folder with the bundled structures.
+fn place() -> TemporaryFolder {
+    let place = TemporaryFolder::new();
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../data");
+    std::os::unix::fs::symlink(data, place.path("data")).unwrap();
+    place
+}
+
+/// B22 of two copies of the structure at each condition, mol mL/g².
+fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
+    let output = place.run(&format!("pair -q {STRUCTURE} --json {flags}"));
+    is_ok(&output);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut values = Vec::new();
+    for condition in answer["conditions"].as_array().unwrap() {
+        values.push(condition["b22_mol_ml_per_g2"].as_f64().unwrap());
+    }
+    values
+}
+
+#[test]
+fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
+    let place = place();
+    let output = place.run(&format!(
+        "titrate -q {STRUCTURE} --ph 2..12/21 --salt 100mM --json -o titration"
+    ));
+    is_ok(&output);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let groups = answer["groups"].as_array().unwrap();
+    assert_eq!(groups.len(), 20);
+    let mut net_charge_e = 0.0;
+    for group in groups {
+        net_charge_e += group["charge_e"].as_f64().unwrap();
+        let [pka, model_pka, desolvation, background, neighbours] = [
+            "pka",
+            "model_pka",
+            "shift_desolvation",
+            "shift_background",
+            "shift_neighbours",
+        ]
+        .map(|key| group[key].as_f64().unwrap());
+        let sum = model_pka + desolvation + background + neighbours;
+        assert!((pka - sum).abs() < 1e-9, "{group}");
+    }
+    assert!((net_charge_e - answer["net_charge_e"].as_f64().unwrap()).abs() < 1e-9);
+    assert_eq!(answer["curve"].as_array().unwrap().len(), 21);
+    // Tyrosine 23, in the protein's core: 11.7 is measured.
+    let buried = groups
+        .iter()
+        .find(|group| group["residue"] == "TYR" && group["residue_number"] == 23)
+        .unwrap();
+    assert!(buried["pka"].as_f64().unwrap() > 11.0, "{buried}");
+    for name in [
+        "titration.csv",
+        "curve.csv",
+        "titration.json",
+        "titration.svg",
+        "run.json",
+    ] {
+        assert!(place.path("titration").join(name).is_file(), "{name}");
+    }
+    is_ok(&place.run("report titration"));
+    let page = std::fs::read_to_string(place.path("titration/report.html")).unwrap();
+    for words in ["A TYR 23", "isoelectric point", "desolvation"] {
+        assert!(page.contains(words), "{words}");
+    }
+    // The second run is refused before it computes anything.
+    let again = place.run(&format!("titrate {STRUCTURE} --salt 0.1M -o titration"));
+    assert!(message(&again).contains("already exists"));
+}
+
+#[test]
+fn conditions_outside_the_fit_are_named() {
+    let place = place();
+    let output = place.run(&format!(
+        "titrate {STRUCTURE} --salt 0.1M --temperature 350 --inner-permittivity 4 --json"
+    ));
+    is_ok(&output);
+    let told = message(&output);
+    assert!(
+        told.contains("permittivity of 20") && told.contains("25 °C"),
+        "{told}"
+    );
+}
+
+/// A body that is made with the protonation of its structure has the charges of the titration, residue by
+/// residue, also with mutations and bound anions, and says so.
+#[test]
+fn a_body_carries_the_protonation_of_its_structure() {
+    let place = place();
+    let conditions = "--ph 4 --anion-binding 2";
+    let output = place.run(&format!(
+        "titrate -q {STRUCTURE} {conditions} --salt 50mM --json"
+    ));
+    is_ok(&output);
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    is_ok(&place.run(&format!(
+        "ingest -q {STRUCTURE} {conditions} --protonation structure --protonation-salt 50mM -o bodies"
+    )));
+    let (body, _) =
+        protomer_protein_verbs::bodies::body_file::read(&place.path("bodies/5pti.body")).unwrap();
+    let net_charge_e = answer["net_charge_e"].as_f64().unwrap();
+    assert!(
+        (body.net_charge_e() - net_charge_e).abs() < 1e-6,
+        "{}",
+        body.net_charge_e()
+    );
+    for residue in &body.residues {
+        let mut charge_e = 0.0;
+        for group in answer["groups"].as_array().unwrap() {
+            if group["residue_number"] == residue.number {
+                charge_e += group["charge_e"].as_f64().unwrap();
+            }
+        }
+        let difference = residue.charge_e - charge_e;
+        assert!(difference.abs() < 1e-6, "{} {difference}", residue.number);
+    }
+    let said = &body.provenance.settings["protonation"];
+    assert!(said.contains("0.05 M") && said.contains("2 /M"), "{said}");
+    // Without the flag, charges are those in water.
+    is_ok(&place.run(&format!("ingest -q {STRUCTURE} --ph 4 -o water")));
+    let (water, _) =
+        protomer_protein_verbs::bodies::body_file::read(&place.path("water/5pti.body")).unwrap();
+    assert!((water.net_charge_e() - net_charge_e).abs() > 0.5);
+    let refused = place.run(&format!("ingest {STRUCTURE} --anion-binding 2 -o refused"));
+    assert!(message(&refused).contains("add --protonation structure"));
+}
+
+/// Bodies of a pair are titrated in the salt of each condition: bound anions make B22 fall faster.
+#[test]
+fn a_pair_is_titrated_in_each_salt() {
+    let place = place();
+    let b22 = |flags: &str| {
+        let flags = format!("--ph 7 --salt 20mM,200mM --relative-error 0.05 {flags}");
+        b22_values(&place, &flags)
+    };
+    let without = b22("--protonation structure");
+    let with = b22("--protonation structure --anion-binding 10");
+    assert!(with[0] < 0.9 * without[0], "{with:?} {without:?}");
+    assert!(with[1] < without[1], "{with:?} {without:?}");
+    is_ok(&place.run(&format!("ingest -q {STRUCTURE} -o bodies")));
+    let refused = place.run("pair bodies/5pti.body --salt 0.1M --protonation structure");
+    assert!(message(&refused).contains("ingest them with --protonation"));
+}
+
+/// A model with a titration names itself for bodies that have it, and for no others.
+#[test]
+fn bodies_of_another_titration_are_not_those_of_the_model() {
+    let place = place();
+    let name = |bodies: &str| {
+        let output = place.run(&format!(
+            "pair -q {bodies} --salt 100mM --relative-error 0.5 --most-directions 1024 --model solution-2 --json"
+        ));
+        is_ok(&output);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        answer["model"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(name(&format!("{STRUCTURE} --ph 7")), "solution-2");
+    for (flags, expected) in [
+        ("--anion-binding 12", "solution-2"),
+        ("--anion-binding 1", "own terms"),
+    ] {
+        is_ok(&place.run(&format!(
+            "ingest -q {STRUCTURE} --protonation structure {flags} -o bodies --force"
+        )));
+        assert_eq!(name("bodies/5pti.body"), expected, "{flags}");
+    }
+}
+
+/// Charges that follow the potential of another body lower the energy, most at low salt.
+#[test]
+fn regulated_charges_repel_less() {
+    let place = place();
+    let b22 = |flags: &str| {
+        let conditions = "--ph 9.5 --salt 20mM --relative-error 0.02 --interaction response";
+        b22_values(&place, &format!("{conditions} {flags}"))[0]
+    };
+    let fixed = b22("--protonation structure");
+    let regulated = b22("--protonation structure --regulation");
+    // 1.5 %, with the same random numbers in both.
+    assert!(regulated < 0.995 * fixed, "{regulated} {fixed}");
+    for (flags, remedy) in [
+        ("--interaction response", "ingest --protonation structure"),
+        (
+            "--interaction effective --protonation structure",
+            "--interaction response",
+        ),
+        ("--protonation structure", "--interaction response"),
+    ] {
+        let refused = place.run(&format!(
+            "pair {STRUCTURE} --salt 0.1M --regulation {flags}"
+        ));
+        assert!(!refused.status.success(), "{flags}");
+        assert!(message(&refused).contains(remedy), "{}", message(&refused));
+    }
+}
+
+/// Salt weakens what groups do to each other: of this positive protein, aspartate 50 moves towards its
+/// pKa in water.
+#[test]
+fn salt_screens_the_shifts_by_neighbours() {
+    let place = place();
+    let pka = |salt: &str| {
+        let output = place.run(&format!("titrate -q {STRUCTURE} --salt {salt} --json"));
+        is_ok(&output);
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let groups = answer["groups"].as_array().unwrap().clone();
+        let group = groups
+            .into_iter()
+            .find(|group| group["residue_number"] == 50)
+            .unwrap();
+        group["pka"].as_f64().unwrap()
+    };
+    assert!(pka("1M") > pka("10mM") + 0.2);
+}
+
+#[test]
+fn what_cannot_be_titrated_is_refused_with_a_remedy() {
+    let place = place();
+    std::fs::write(
+        place.path("glycine.pdb"),
+        "ATOM      1  N   GLY A   2       0.000   0.000   0.000  1.00  0.00           N\n\
+         ATOM      2  CA  GLY A   2       1.460   0.000   0.000  1.00  0.00           C\n\
+         HETATM    3 ZN    ZN B   3       9.000   0.000   0.000  1.00  0.00          ZN\n",
+    )
+    .unwrap();
+    std::fs::write(
+        place.path("point.pqr"),
+        "ATOM 1 N LYS 1 0.0 0.0 0.0 1.0 2.0\n",
+    )
+    .unwrap();
+    for (words, told) in [
+        (
+            "glycine.pdb --chain B --keep-ligands --salt 0.1M",
+            "no titratable group",
+        ),
+        ("point.pqr --salt 0.1M", "give PDB or mmCIF"),
+        ("glycine.pdb --salt 0.1M --ph 20", "0 to 14"),
+        ("glycine.pdb --salt 0.1M --ph 12..2", "lower pH first"),
+        ("glycine.pdb", "--salt"),
+    ] {
+        let output = place.run(&format!("titrate {words}"));
+        assert!(!output.status.success(), "{words}");
+        assert!(
+            message(&output).contains(told),
+            "{words}: {}",
+            message(&output)
+        );
+    }
+}

@@ -1,0 +1,124 @@
+//! From settings to a network, a state on its rods, and a time step.
+
+use super::settings::{LatticeSettings, NamedTimeStep, TimeStep};
+use anyhow::Result;
+use protomer_linkage::CrystalError;
+use protomer_linkage::lattice::time_step::automatic_time_step;
+use protomer_linkage::lattice::{Network, Started, State};
+
+/// A lattice at its start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Begun {
+    /// The topology: which corners the rods join.
+    pub network: Network,
+    /// The first state.
+    pub state: State,
+    /// Standard deviation about the coherent state of the random angles that were drawn.
+    pub angle_spread_drawn: f64,
+    /// Standard deviation about the coherent state of the angles that the rods allowed.
+    pub angle_spread: f64,
+    /// Number of random starts that were discarded because squares overlapped.
+    pub discarded_draws: u32,
+}
+
+/// Builds the network of these settings and its initial state. Random angles are redrawn while
+/// squares that collide overlap.
+///
+/// # Errors
+/// Names the invalid setting, or says why the rod lengths cannot be satisfied.
+///
+/// ```
+/// use protomer_linkage_verbs::lattice::{settings::LatticeSettings, start::begin};
+/// let settings = LatticeSettings { rows: 3, columns: 3, ..LatticeSettings::default() };
+/// let begun = begin(&settings)?;
+/// assert_eq!(begun.network.squares.len(), 9);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn begin(settings: &LatticeSettings) -> Result<Begun> {
+    begin_unless(settings, &|| false)
+}
+
+/// Variant of [`begin()`] that ends when `stops` says that the work must stop: large random angles
+/// at short rods take long.
+///
+/// # Errors
+/// As [`begin()`], and [`CrystalError::Stopped`].
+pub fn begin_unless(settings: &LatticeSettings, stops: &dyn Fn() -> bool) -> Result<Begun> {
+    settings.check()?;
+    let network = network(settings)?;
+    let start = settings.first_state();
+    let must_be_apart = settings.collisions && !settings.paper && settings.angle_spread > 0.0;
+    let started = if must_be_apart {
+        start.build_apart_unless(&network, stops)
+    } else {
+        start.build_unless(&network, 0, stops)
+    };
+    let Started {
+        state,
+        angle_spread_drawn,
+        angle_spread_reached,
+        discarded_draws,
+        ..
+    } = started.map_err(|error| with_advice(error, &network))?;
+    Ok(Begun {
+        network,
+        state,
+        angle_spread_drawn,
+        angle_spread: angle_spread_reached,
+        discarded_draws,
+    })
+}
+
+/// Whether the work was stopped on request.
+pub fn is_stopped(error: &anyhow::Error) -> bool {
+    matches!(error.downcast_ref(), Some(CrystalError::Stopped))
+}
+
+fn with_advice(error: CrystalError, network: &Network) -> anyhow::Error {
+    let advice = match error {
+        CrystalError::OverConstrained { .. } if network.cell.is_some() => {
+            "straight rows and columns across periodic edges constrain each other redundantly; \
+             remove one rod of each with removed_rods"
+        }
+        // These errors explain themselves.
+        CrystalError::OverConstrained { .. }
+        | CrystalError::Overlap { .. }
+        | CrystalError::Stopped => return error.into(),
+        _ => {
+            "the rods cannot have their lengths in this start; start from 'open', lower \
+             angle_spread, or change the sizes and rods that do not fit"
+        }
+    };
+    anyhow::Error::from(error).context(advice)
+}
+
+/// The topology: which corners the rods join.
+///
+/// # Errors
+/// Names the square or rod that does not exist.
+pub fn network(settings: &LatticeSettings) -> Result<Network> {
+    Ok(settings.plan().network()?)
+}
+
+/// The time step of a run: the given one, or the longest that conserves the energy.
+///
+/// # Errors
+/// For an invalid network or state.
+pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
+    match settings.time_step {
+        TimeStep::Fixed(step) => Ok(step),
+        TimeStep::Named(NamedTimeStep::Auto) => {
+            let (network, kt) = (&begun.network, settings.temperature.unwrap_or(0.0));
+            let forces = settings.motion()?.forces(network)?;
+            Ok(automatic_time_step(network, &begun.state, forces, kt)?)
+        }
+    }
+}
+
+impl LatticeSettings {
+    /// Total number of steps.
+    pub fn total_steps(&self, time_step: f64) -> u64 {
+        self.steps
+            .unwrap_or_else(|| (self.time / time_step - 1e-9).ceil().max(0.0) as u64)
+    }
+}

@@ -1,0 +1,329 @@
+//! Assemblies from structures: chains, joined chains or whole files become bodies with poses.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `files` | the files of a structure, and what in them becomes a body |
+//! | `shapes` | the bodies, and which copies share one |
+//! | `checks` | chains that belong together, bodies that touch nothing, gaps in interfaces |
+//! | `answer` | what was made |
+
+mod answer;
+mod checks;
+mod files;
+mod shapes;
+
+pub use answer::{StructureAssembly, StructureBody};
+pub use shapes::OwnShape;
+
+use crate::assemblies::assemble::{refuse_another, write_assembly};
+use crate::bodies::body_file;
+use crate::bodies::chain_groups::ChainNames;
+use crate::bodies::ingest::BodyMeasures;
+use anyhow::{Context, Result, bail};
+use files::{File, NamedUnit};
+use protomer_body::assembly::{CoreAtoms, ResidueContacts, Separation, Unit, separate};
+use protomer_body::chemistry::radii::{core_radius_angstrom, radius_angstrom};
+use protomer_body::{BodyError, BodySettings, HardCore};
+use protomer_kernel::Vec3;
+use protomer_results::ResultKind;
+use shapes::Placed;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Shapes of the copies of a unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CopyShapes {
+    /// Shape of the reference, unless a copy differs from it and would overlap another body or lose contacts
+    /// of the structure with it.
+    #[default]
+    Fitting,
+    /// Shape of the reference.
+    Shared,
+}
+
+/// Settings for the decomposition of a structure into bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureSettings {
+    /// Settings with which bodies are made.
+    pub body: BodySettings,
+    /// Chains that make up one body; the others are a body each.
+    pub joined: Vec<ChainNames>,
+    /// Whether copies share a shape.
+    pub shapes: CopyShapes,
+    /// Whether to remove overlaps by the least displacements.
+    pub relax: bool,
+    /// Periodic box, Å.
+    pub box_angstrom: Option<[f64; 3]>,
+    /// Whether to overwrite existing files.
+    pub force: bool,
+}
+
+/// Decomposes a structure into bodies and writes them with the assembly into a folder. Each chain of one
+/// file is a body, and each of several files in one frame, unless the settings join chains.
+///
+/// # Errors
+/// Without `relax`, bodies that overlap are an error that lists the pairs; so are bodies in one place.
+///
+/// ```no_run
+/// use protomer_common::answer::Answer;
+/// use protomer_protein_verbs::assemblies::structure::{CopyShapes, StructureSettings, assemble_structure};
+/// use protomer_body::BodySettings;
+/// use std::path::{Path, PathBuf};
+/// let settings = StructureSettings {
+///     body: BodySettings::default(),
+///     joined: vec!["H,L".parse()?],
+///     shapes: CopyShapes::Fitting,
+///     relax: true,
+///     box_angstrom: Some([300.0; 3]),
+///     force: false,
+/// };
+/// let files = [PathBuf::from("1fsk.cif.gz")];
+/// let assembly = assemble_structure(&files, Path::new("1fsk"), &settings)?;
+/// println!("{}", assembly.text());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn assemble_structure(
+    inputs: &[PathBuf],
+    folder: &Path,
+    settings: &StructureSettings,
+) -> Result<StructureAssembly> {
+    ResultKind::VoxelSet.refuse_in(folder)?;
+    let files = files::read(inputs, &settings.body.selection)?;
+    let named = files::units(&files, &settings.joined)?;
+    let units: Vec<Unit> = named
+        .iter()
+        .map(|named_unit| named_unit.unit.clone())
+        .collect();
+    checks::require_one_frame(&units)?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder {}", folder.display()))?;
+    let placed = shapes::place(&files, &named, &units, folder, settings)?;
+    let names = names_of_copies(&placed);
+    let proposals = checks::joined(&units, files.len() == 1);
+    let apart = moved_apart(&placed, &units, &names, &proposals, settings)?;
+    let native = ResidueContacts::native(&units);
+    let now = ResidueContacts::of_placements(&units, &placed.types, &apart.placements);
+    let edges = settings.box_angstrom;
+    placed.files.require_room(&apart.placements, edges)?;
+    let path = folder.join("assembly.json");
+    let provenance = provenance(&files, &names, &apart);
+    let assembly = placed
+        .files
+        .assembly_file(&path, &apart.placements, edges, provenance)?;
+    let force = settings.force;
+    refuse_another(&path, &assembly, force)?;
+    for (path, body) in placed.files.paths.iter().zip(&placed.files.bodies) {
+        body_file::refuse_another(path, body, force)?;
+    }
+    for (path, body) in placed.files.paths.iter().zip(&placed.files.bodies) {
+        body_file::write_once(path, body, force)?;
+    }
+    write_assembly(&path, &assembly, force)?;
+    Ok(StructureAssembly {
+        assembly: path,
+        proposed_box_angstrom: proposed_box_angstrom(&placed, &apart),
+        placed: names,
+        native_contacts: native.len(),
+        native_contacts_kept: native.share_in(&now),
+        structure_warnings: warnings(&files, &named, &units, &native),
+        proposals,
+        skipped: skipped(&files),
+        bodies: described(&placed),
+        overlaps: placed.overlaps,
+        own_shapes: placed.own_shapes,
+        moved_angstrom: apart.moved_angstrom,
+        selection: files[0].selection.report.clone(),
+        further_selections: reports_of(&files[1..]),
+        has_box: edges.is_some(),
+    })
+}
+
+/// Names of the placed bodies in the order of their placements.
+fn names_of_copies(placed: &Placed) -> Vec<String> {
+    let copies = placed.types.iter().flat_map(|of_type| &of_type.copies);
+    copies.map(|copy| copy.chain.clone()).collect()
+}
+
+fn described(placed: &Placed) -> Vec<StructureBody> {
+    let mut described = Vec::with_capacity(placed.types.len());
+    let bodies = placed.types.iter().zip(&placed.built);
+    for ((of_type, built), file) in bodies.zip(&placed.files.paths) {
+        let copies = || of_type.copies.iter();
+        described.push(StructureBody {
+            file: file.clone(),
+            reference: of_type.reference.clone(),
+            chains: copies().map(|copy| copy.chain.clone()).collect(),
+            rmsd_angstrom: copies().map(|copy| copy.rmsd_angstrom).collect(),
+            measures: BodyMeasures::of(&built.body),
+            warnings: built.warnings.clone(),
+        });
+    }
+    described
+}
+
+fn provenance(files: &[File], names: &[String], apart: &Separation) -> serde_json::Value {
+    let sources: Vec<&str> = files.iter().map(|file| &*file.name).collect();
+    let hashes: Vec<&str> = files.iter().map(|file| &*file.sha256).collect();
+    let displacements = &apart.moved_angstrom;
+    match (&sources[..], &hashes[..]) {
+        ([source], [sha256]) => serde_json::json!({
+            "source": source, "source_sha256": sha256, "chains": names, "moved_angstrom": displacements,
+        }),
+        _ => serde_json::json!({
+            "sources": sources, "sources_sha256": hashes, "chains": names, "moved_angstrom": displacements,
+        }),
+    }
+}
+
+fn warnings(
+    files: &[File],
+    named: &[NamedUnit],
+    units: &[Unit],
+    native: &ResidueContacts,
+) -> Vec<String> {
+    let mut warnings = Vec::new();
+    for file in files {
+        for warning in &file.warnings {
+            warnings.push(match files.len() {
+                1 => warning.clone(),
+                _ => format!("{}: {warning}", file.name),
+            });
+        }
+    }
+    warnings.extend(checks::gaps_in_interfaces(files, named));
+    warnings.extend(checks::apart(units, native));
+    warnings
+}
+
+fn skipped(files: &[File]) -> BTreeMap<&'static str, usize> {
+    let mut skipped = BTreeMap::new();
+    for file in files {
+        for (reason, count) in &file.selection.report.skipped {
+            *skipped.entry(*reason).or_default() += count;
+        }
+    }
+    skipped
+}
+
+fn reports_of(files: &[File]) -> Vec<protomer_body::structure::SelectionReport> {
+    let reports = files.iter().map(|file| file.selection.report.clone());
+    reports.collect()
+}
+
+/// The edge of a cube that holds the assembly and, on each side of it, its largest body; tens of Å.
+fn proposed_box_angstrom(placed: &Placed, apart: &Separation) -> f64 {
+    let mut centre = Vec3::zeros();
+    for (_, pose) in &apart.placements {
+        centre += pose.position / apart.placements.len() as f64;
+    }
+    let (mut reach, mut largest) = (0.0_f64, 0.0_f64);
+    for (kind, pose) in &apart.placements {
+        let radius = placed.files.bodies[*kind].mesh_radius_angstrom();
+        reach = reach.max((pose.position - centre).norm() + radius);
+        largest = largest.max(radius);
+    }
+    10.0 * ((2.0 * reach + 4.0 * largest) / 10.0).ceil()
+}
+
+/// The placements without overlaps: as they are, or moved apart if `relax` is set.
+fn moved_apart(
+    placed: &Placed,
+    units: &[Unit],
+    names: &[String],
+    proposals: &[String],
+    settings: &StructureSettings,
+) -> Result<Separation> {
+    if placed.overlaps.is_empty() {
+        return Ok(Separation {
+            placements: placed.placements.clone(),
+            moved_angstrom: vec![0.0; placed.placements.len()],
+        });
+    }
+    if !settings.relax {
+        bail!(overlap_message(placed, names, proposals, settings));
+    }
+    let types = placed.types.iter();
+    let cores: Vec<CoreAtoms> = types
+        .map(|of_type| core_atoms(&units[of_type.unit], &settings.body))
+        .collect();
+    let hard = &placed.files.hard;
+    let apart = separate(&cores, &placed.placements, |a, b| {
+        hard.overlap_in_open_space(a, b)
+    });
+    match apart {
+        Err(BodyError::Interlocked { first, second }) => bail!(
+            "{} and {} interlock: no displacement of a few Å frees them; make them one body with --body \
+             {},{}",
+            names[first],
+            names[second],
+            names[first],
+            names[second]
+        ),
+        apart => Ok(apart?),
+    }
+}
+
+fn overlap_message(
+    placed: &Placed,
+    names: &[String],
+    proposals: &[String],
+    settings: &StructureSettings,
+) -> String {
+    const MOST_LISTED: usize = 20;
+    let pairs = placed.overlaps.iter();
+    let mut pairs: Vec<String> = pairs
+        .map(|(i, j)| format!("{}-{}", names[*i], names[*j]))
+        .collect();
+    let count = pairs.len();
+    if count > MOST_LISTED {
+        pairs.truncate(MOST_LISTED);
+        pairs.push(format!("and {} more", count - MOST_LISTED));
+    }
+    let mut remedies = Vec::new();
+    if settings.body.surface.core == Some(HardCore::Surface) {
+        remedies.push("leave out --core surface".to_owned());
+    }
+    if settings.shapes == CopyShapes::Shared {
+        remedies.push("leave out --shapes shared".to_owned());
+    }
+    remedies.push("move them apart with --relax".to_owned());
+    let mut message = format!(
+        "{count} pairs of bodies overlap: {}; {}",
+        pairs.join(", "),
+        remedies.join(", or ")
+    );
+    for proposal in proposals {
+        message += "; ";
+        message += proposal;
+    }
+    message
+}
+
+/// Atoms of the hard core of a unit, in the frame of its body.
+fn core_atoms(unit: &Unit, settings: &BodySettings) -> CoreAtoms {
+    let origin = protomer_body::assembly::native_contacts::centroid(unit);
+    let surface = &settings.surface;
+    let is_native = surface.core != Some(HardCore::Surface);
+    let default = if is_native {
+        HardCore::NATIVE_OFFSET_ANGSTROM
+    } else {
+        0.0
+    };
+    let offset = surface.inward_offset_angstrom.unwrap_or(default);
+    let (mut positions, mut radii_angstrom) = (Vec::new(), Vec::new());
+    for atom in unit.residues.iter().flat_map(|residue| &residue.atoms) {
+        let radius = match is_native {
+            true => core_radius_angstrom(&atom.element),
+            false => radius_angstrom(&atom.element),
+        };
+        positions.push(atom.position - origin);
+        radii_angstrom.push(radius - offset);
+    }
+    CoreAtoms {
+        positions,
+        radii_angstrom,
+    }
+}
+
+#[cfg(test)]
+mod tests;

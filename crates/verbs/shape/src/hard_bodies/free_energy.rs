@@ -1,0 +1,652 @@
+//! The free energy of a crystal of hard bodies, in its directory.
+//!
+//! ```text
+//! DIR/  run.toml  run.json  log.csv  points.csv  crystal.gsd  checkpoint.bin
+//! ```
+
+use super::result::{mean_and_error, tilt_factors};
+use super::settings::{check_bodies, check_packing_fraction, check_rounding};
+use super::start::{BodyShape, cell_text, unit_cell};
+use super::trajectory::{frame, open_trajectory};
+use anyhow::{Context, Error, Result, bail};
+use protomer_common::answer::Answer;
+use protomer_common::output_file::write_once;
+use protomer_common::range;
+use protomer_hpmc::body::HardBody;
+use protomer_hpmc::crystal::Crystal;
+use protomer_hpmc::frenkel_ladd::{
+    Estimate, FreeEnergy, Measurement, Plan, STRENGTHS, Walker, WalkerState, share,
+};
+use protomer_io::csv::{Cell, Table};
+use protomer_kernel::statistics::summarize;
+use protomer_results::checkpoint::require_lengths;
+use protomer_results::{
+    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Settings,
+    Turn, Work, drive, log, settings,
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+const LOG: &str = log::FILE;
+/// Name of the table of strengths.
+pub(super) const POINTS: &str = "points.csv";
+/// Name of the file with the crystal.
+pub(super) const CRYSTAL: &str = "crystal.gsd";
+/// Sweeps that a row of the log is the mean of.
+const SWEEPS_PER_ROW: u64 = 50;
+/// Rows that a point of the integral is given at once.
+const ROWS_AT_ONCE: u64 = 4;
+/// Parts of so many rows in a round.
+const PARTS_PER_ROUND: usize = 2 * STRENGTHS;
+/// Equilibration sweeps between two looks at the clock.
+const EQUILIBRATION_AT_ONCE: u64 = 500;
+/// A point with fewer independent samples is called slow.
+const FEW_SAMPLES: f64 = 50.0;
+
+/// The directory of a free energy.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::FreeEnergy,
+    settings: "run.toml",
+    results: &["run.json", LOG, POINTS, CRYSTAL, CHECKPOINT, "report.html"],
+    is_result: |_| false,
+};
+
+/// Settings of a free energy. Lengths are in the unit of the shape.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FreeEnergySettings {
+    /// File or name of the shape.
+    pub shape: String,
+    /// Radius of the ball, or disk, that rounds the shape.
+    pub rounding_radius: f64,
+    /// Name of the crystal, or file of its unit cell.
+    pub crystal: String,
+    /// Rotation of every body in its own frame: degrees in a plane, a quaternion in space; empty
+    /// for none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub turn: Vec<f64>,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Part of the box that the bodies fill.
+    pub packing_fraction: f64,
+    /// Sweeps at each point in which steps are tuned and nothing is measured.
+    pub equilibration: u64,
+    /// Sweeps after the equilibration, per point on average.
+    pub sweeps: u64,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Default for FreeEnergySettings {
+    fn default() -> Self {
+        Self {
+            shape: String::new(),
+            rounding_radius: 0.0,
+            crystal: String::new(),
+            turn: Vec::new(),
+            bodies: 216,
+            packing_fraction: 0.6,
+            equilibration: 2000,
+            sweeps: 20_000,
+            seed: 1,
+        }
+    }
+}
+
+impl FreeEnergySettings {
+    /// Checks what does not depend on the shape.
+    ///
+    /// # Errors
+    /// Names the setting and what it can be.
+    pub fn check(&self) -> Result<()> {
+        if self.sweeps == 0 {
+            bail!("sweeps is 0; give the sweeps per point of the integral");
+        }
+        range::STEPS.require("sweeps", self.sweeps)?;
+        range::STEPS.require("equilibration", self.equilibration)?;
+        check_packing_fraction(self.packing_fraction)?;
+        check_bodies(self.bodies)?;
+        check_rounding(self.rounding_radius)
+    }
+}
+
+impl Settings for FreeEnergySettings {
+    /// Settings without the number of sweeps: more sweeps continue a run.
+    fn essential(&self) -> Self {
+        Self {
+            // Sweeps may grow when a run continues; all else shapes the result.
+            sweeps: 0,
+            ..self.clone()
+        }
+    }
+}
+
+protomer_results::log_row! {
+    /// One row of the log: a mean over some sweeps at a point of the integral.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct ExtentRow {
+        /// Number of the point, from the weakest springs.
+        pub point: usize,
+        /// Sweeps done at this point.
+        pub sweep: u64,
+        /// f, the energy of the springs per body over their strength, squared length.
+        pub extent: f64,
+    }
+}
+
+/// A point of the integral over the strength of the springs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PointResult {
+    /// Strength λ, kT per squared length.
+    pub strength_kt_per_area: f64,
+    /// Weight of the extent in the integral.
+    pub weight: f64,
+    /// Extent f, squared length.
+    pub extent: f64,
+    /// Standard error of the extent.
+    pub extent_error: f64,
+    /// Contribution to the integral, kT per body.
+    pub contribution_kt: f64,
+    /// Standard error of the contribution.
+    #[serde(alias = "contribution_error_kt")]
+    pub contribution_kt_error: f64,
+    /// Sweeps measured.
+    pub sweeps: u64,
+    /// Integrated autocorrelation time of the extent, at least half of the sweeps of a row.
+    pub correlation_time_sweeps: f64,
+    /// Samples that would be as good if they were independent.
+    pub independent_samples: f64,
+}
+
+/// A free energy of a crystal. Lengths are in the unit of the shape, energies in kT per body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FreeEnergyResult {
+    /// File or name of the shape.
+    pub shape: String,
+    /// The crystal.
+    pub crystal: String,
+    /// Number of dimensions, 1, 2 or 3.
+    pub dimension: usize,
+    /// Number of bodies.
+    pub bodies: usize,
+    /// Part of the box that the bodies fill.
+    pub packing_fraction: f64,
+    /// Bodies per volume.
+    pub number_density: f64,
+    /// Lengths of the box.
+    pub box_edges: Vec<f64>,
+    /// Tilt factors of the box, xy, xz and yz; none where its angles are right.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub box_tilt_factors: Vec<f64>,
+    /// Proper rotations that leave the shape as it is.
+    pub symmetry_order: usize,
+    /// A/(N kT) for a thermal wavelength of one and an integral of one over all orientations.
+    pub free_energy_per_body_kt: f64,
+    /// Standard error of the free energy.
+    #[serde(alias = "free_energy_per_body_error_kt")]
+    pub free_energy_per_body_kt_error: f64,
+    /// Free energy less that of an ideal gas of this density, ln ρ - 1: no wavelength is in it.
+    pub excess_free_energy_per_body_kt: f64,
+    /// Standard error of the excess free energy.
+    #[serde(alias = "excess_free_energy_per_body_error_kt")]
+    pub excess_free_energy_per_body_kt_error: f64,
+    /// The terms of the free energy.
+    pub terms: FreeEnergy,
+    /// Results for each point of the integral.
+    pub points: Vec<PointResult>,
+    /// Points with few independent samples, whose errors are uncertain.
+    pub slow_points: Vec<usize>,
+}
+
+impl Answer for FreeEnergyResult {
+    fn text(&self) -> String {
+        let terms = &self.terms;
+        let mut lines = vec![
+            format!(
+                "{} bodies ({}), {}, packing fraction {}, number density {:.6}",
+                self.bodies, self.shape, self.crystal, self.packing_fraction, self.number_density
+            ),
+            format!(
+                "free energy {:.5} ± {:.5} kT per body (thermal wavelength 1)",
+                self.free_energy_per_body_kt, self.free_energy_per_body_kt_error
+            ),
+            format!(
+                "excess over an ideal gas {:.5} ± {:.5} kT per body",
+                self.excess_free_energy_per_body_kt, self.excess_free_energy_per_body_kt_error
+            ),
+            format!("centre of mass      {:10.5}", terms.centre_of_mass_kt),
+            format!("strongest springs   {:10.5}", terms.springs_kt),
+            format!("orientations        {:10.5}", terms.orientations_kt),
+            format!(
+                "overlaps with them  {:10.5} ± {:.5}",
+                terms.overlaps_kt, terms.overlaps_kt_error
+            ),
+            format!(
+                "weaker springs      {:10.5} ± {:.5}",
+                -terms.integral_kt, terms.integral_kt_error
+            ),
+            format!(
+                "a coarser rule differs by {:.5} ± {:.5}",
+                terms.rules_difference_kt, terms.rules_difference_kt_error
+            ),
+        ];
+        lines.extend(self.slow());
+        lines.join("\n")
+    }
+}
+
+impl FreeEnergyResult {
+    /// Number of slow strengths, and the slowest of them, in words; `None` if none is slow.
+    pub fn slow(&self) -> Option<String> {
+        let points = self.slow_points.iter().map(|number| &self.points[*number]);
+        let slowest = points.min_by(|one, other| {
+            one.independent_samples
+                .total_cmp(&other.independent_samples)
+        })?;
+        Some(format!(
+            "slow: {} of {} strengths have fewer than {FEW_SAMPLES} independent samples (springs of {:.4}: {:.0} in \
+             {} sweeps); their errors are uncertain, so give more sweeps",
+            self.slow_points.len(),
+            self.points.len(),
+            slowest.strength_kt_per_area,
+            slowest.independent_samples,
+            slowest.sweeps
+        ))
+    }
+}
+
+fn table_of(points: &[PointResult]) -> Result<String> {
+    let mut table = Table::new(vec![
+        "strength_kt_per_area",
+        "weight",
+        "extent",
+        "extent_error",
+        "contribution_kt",
+        "contribution_kt_error",
+        "sweeps",
+        "correlation_time_sweeps",
+        "independent_samples",
+    ]);
+    for point in points {
+        table.push(vec![
+            Cell::from(point.strength_kt_per_area),
+            point.weight.into(),
+            point.extent.into(),
+            point.extent_error.into(),
+            point.contribution_kt.into(),
+            point.contribution_kt_error.into(),
+            Cell::from(point.sweeps as usize),
+            point.correlation_time_sweeps.into(),
+            point.independent_samples.into(),
+        ])?;
+    }
+    Ok(table.to_csv()?)
+}
+
+/// Computes or continues the free energy of a crystal in a directory.
+///
+/// # Errors
+/// For invalid settings or bodies that overlap in the crystal, a directory that holds other work, and
+/// a file that cannot be written.
+///
+/// ```
+/// use protomer_shape_verbs::hard_bodies::free_energy::{FreeEnergySettings, run_free_energy};
+/// use protomer_results::Execution;
+/// let settings = FreeEnergySettings {
+///     shape: "rod:1".into(),
+///     crystal: "row".into(),
+///     bodies: 8,
+///     packing_fraction: 0.5,
+///     equilibration: 100,
+///     sweeps: 800,
+///     ..FreeEnergySettings::default()
+/// };
+/// # let folder = tempfile::tempdir()?;
+/// let directory = folder.path().join("rods");
+/// let end = run_free_energy(&settings, &directory, &Execution::default())?;
+/// let result = end.finished().unwrap();
+/// assert!((result.free_energy_per_body_kt + 0.84051).abs() < 0.1);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn run_free_energy(
+    settings: &FreeEnergySettings,
+    path: &Path,
+    execution: &Execution,
+) -> Result<End<FreeEnergyResult>> {
+    settings.check()?;
+    let shape = BodyShape::read(&settings.shape)?;
+    match shape.dimension() {
+        1 => in_dimension::<1>(settings, &shape, path, execution),
+        2 => in_dimension::<2>(settings, &shape, path, execution),
+        _ => in_dimension::<3>(settings, &shape, path, execution),
+    }
+}
+
+fn in_dimension<const D: usize>(
+    settings: &FreeEnergySettings,
+    shape: &BodyShape,
+    path: &Path,
+    execution: &Execution,
+) -> Result<End<FreeEnergyResult>> {
+    let body = shape
+        .body::<D>(settings.rounding_radius)
+        .with_context(|| settings.shape.clone())?;
+    let text = cell_text(&settings.crystal)?;
+    let cell = unit_cell::<D>(&settings.crystal, text.as_deref(), &settings.turn)?;
+    let crystal = Crystal::new(&cell, &body, settings.bodies, settings.packing_fraction)?;
+    let input_sha256 = shape.sha256(text.as_deref());
+    let run = FreeEnergyRun {
+        settings,
+        identity: settings::identity(settings, &input_sha256)?,
+        input_sha256,
+        measurement: Measurement::new(&body, &crystal, settings.seed)?,
+        body: &body,
+        crystal: &crystal,
+    };
+    // Only now: what was checked above refuses without a directory being made.
+    let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    execution.progress.begin(run.length(), "sweeps");
+    drive(&run, path, execution)
+}
+
+/// A free energy whose settings have been checked.
+struct FreeEnergyRun<'a, const D: usize> {
+    settings: &'a FreeEnergySettings,
+    identity: String,
+    input_sha256: String,
+    measurement: Measurement<'a, D>,
+    body: &'a HardBody<D>,
+    crystal: &'a Crystal<D>,
+}
+
+/// Bodies on springs at each point, with the open log.
+struct Open<const D: usize> {
+    plan: Plan,
+    walkers: Vec<Walker<D>>,
+    /// The extents at each point.
+    series: Vec<Vec<f64>>,
+    log: Log,
+}
+
+/// A state from which a run continues bit for bit.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Saved {
+    /// The part of the log that belongs to this state.
+    log: LogMark,
+    plan: Plan,
+    walkers: Vec<WalkerState>,
+}
+
+impl<const D: usize> Open<D> {
+    fn estimates(&self) -> Vec<Estimate> {
+        let estimate = |series: &Vec<f64>| {
+            let (mean, error) = mean_and_error(series);
+            // Too few rows for an error: the value itself as error sends work to this point first.
+            let error = error.unwrap_or(mean);
+            Estimate { mean, error }
+        };
+        self.series.iter().map(estimate).collect()
+    }
+
+    /// Rows that each point is given in the next round.
+    fn rows(&self) -> Vec<u64> {
+        let points = self.walkers.len();
+        let parts = match self.series.iter().any(Vec::is_empty) {
+            // First the same for all: without a series there is no error to share by.
+            true => vec![PARTS_PER_ROUND / points; points],
+            false => {
+                let mut measured = Vec::new();
+                for (series, estimate) in self.series.iter().zip(self.estimates()) {
+                    measured.push((series.len() as u64, estimate.error));
+                }
+                // Then where the error of the integral falls most for its cost.
+                share(&self.plan, &measured, PARTS_PER_ROUND)
+            }
+        };
+        let rows = |parts: &usize| *parts as u64 * ROWS_AT_ONCE;
+        parts.iter().map(rows).collect()
+    }
+}
+
+impl<const D: usize> FreeEnergyRun<'_, D> {
+    fn point(&self, open: &Open<D>, number: usize, estimate: &Estimate) -> PointResult {
+        let (point, series) = (&open.plan.points[number], &open.series[number]);
+        let summary = summarize(series);
+        PointResult {
+            strength_kt_per_area: point.strength,
+            weight: point.weight,
+            extent: estimate.mean,
+            extent_error: estimate.error,
+            contribution_kt: point.weight * estimate.mean,
+            contribution_kt_error: point.weight * estimate.error,
+            sweeps: series.len() as u64 * SWEEPS_PER_ROW,
+            correlation_time_sweeps: summary.autocorrelation_time * SWEEPS_PER_ROW as f64,
+            independent_samples: summary.effective_samples,
+        }
+    }
+
+    fn write_crystal(&self, open: &Open<D>, path: &Path) -> Result<()> {
+        let system = self.crystal.system(self.body, &[])?;
+        let mut trajectory = open_trajectory(path, &system, None, 0)?;
+        trajectory.append(frame(0, &system))?;
+        if let Some(weakest) = open.walkers.first() {
+            trajectory.append(frame(weakest.sweeps(), weakest.system()))?;
+        }
+        trajectory.sync()?;
+        Ok(())
+    }
+}
+
+impl<const D: usize> Run for FreeEnergyRun<'_, D> {
+    type State = Open<D>;
+    type Checkpoint = Saved;
+    type Answer = FreeEnergyResult;
+    type Error = Error;
+
+    const CHECKPOINT_KIND: &'static str = "free energy checkpoint";
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::FreeEnergy,
+            verb: "free-energy",
+            identity: self.identity.clone(),
+            input_sha256: self.input_sha256.clone(),
+        }
+    }
+
+    /// Length of the run, with whole rounds.
+    fn length(&self) -> u64 {
+        let round = PARTS_PER_ROUND as u64 * ROWS_AT_ONCE * SWEEPS_PER_ROW;
+        // Rounds are whole, so the last one may exceed what was asked for.
+        let points = STRENGTHS as u64;
+        let production = points * self.settings.sweeps;
+        points * self.settings.equilibration + production.div_ceil(round) * round
+    }
+
+    fn open(&self, directory: &Path, saved: Option<Saved>) -> Result<Open<D>> {
+        let (mark, plan, states) = match saved {
+            Some(saved) => {
+                // A checkpoint of another version may have fewer points.
+                require_lengths(&[
+                    ("strengths", saved.plan.points.len(), STRENGTHS),
+                    ("crystals", saved.walkers.len(), STRENGTHS),
+                ])?;
+                (saved.log, saved.plan, saved.walkers)
+            }
+            None => (LogMark::default(), self.measurement.plan()?, Vec::new()),
+        };
+        let mut walkers = Vec::new();
+        for (number, point) in plan.points.iter().enumerate() {
+            let stream = number as u32;
+            let (strength, turning) = (point.strength, plan.turning);
+            walkers.push(match states.get(number) {
+                Some(state) => self.measurement.resume(stream, strength, turning, state)?,
+                None => self.measurement.start(stream, strength, turning)?,
+            });
+        }
+        let path = directory.join(LOG);
+        let mut log = Log::open::<ExtentRow>(&path, &mark)?;
+        // Truncated and synced before it is read back: rows after the checkpoint must not count.
+        log.sync()?;
+        let mut series = vec![Vec::new(); walkers.len()];
+        for row in log::read::<ExtentRow>(&path)? {
+            if let Some(series) = series.get_mut(row.point) {
+                series.push(row.extent);
+            }
+        }
+        Ok(Open {
+            plan,
+            walkers,
+            series,
+            log,
+        })
+    }
+
+    fn done(&self, open: &Open<D>) -> u64 {
+        open.walkers.iter().map(Walker::sweeps).sum()
+    }
+
+    /// Does a part of the equilibration, or a round of measurements, on all threads.
+    fn advance(&self, open: &mut Open<D>, _turn: &Turn<'_>) -> Result<()> {
+        let equilibrated = open.walkers.iter().map(Walker::sweeps).min().unwrap_or(0);
+        let remaining_sweeps = self.settings.equilibration.saturating_sub(equilibrated);
+        if remaining_sweeps > 0 {
+            open.walkers.par_iter_mut().for_each(|walker| {
+                // What makes sweeps fast is made anew here, so that
+                // a run goes on from a checkpoint as it would have.
+                walker.refresh();
+                // Tuned now, since steps may not change while something is measured.
+                walker.run(remaining_sweeps.min(EQUILIBRATION_AT_ONCE), true);
+            });
+            return Ok(());
+        }
+        let rows = open.rows();
+        let measure = |(walker, rows): (&mut Walker<D>, &u64)| {
+            walker.refresh();
+            let row = |_| walker.run(SWEEPS_PER_ROW, false);
+            (0..*rows).map(row).collect::<Vec<f64>>()
+        };
+        let measured: Vec<Vec<f64>> = open
+            .walkers
+            .par_iter_mut()
+            .zip(&rows)
+            .map(measure)
+            .collect();
+        // In the order of the points, whichever thread was first: the log is the same each time.
+        for (point, extents) in measured.into_iter().enumerate() {
+            for extent in extents {
+                open.series[point].push(extent);
+                let done = open.series[point].len() as u64 * SWEEPS_PER_ROW;
+                open.log.append(&ExtentRow {
+                    point,
+                    sweep: self.settings.equilibration + done,
+                    extent,
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn save(&self, open: &mut Open<D>) -> Result<Saved> {
+        Ok(Saved {
+            log: open.log.sync()?,
+            plan: open.plan.clone(),
+            walkers: open.walkers.iter().map(Walker::state).collect(),
+        })
+    }
+
+    fn answer(&self, open: &mut Open<D>, directory: &Path) -> Result<FreeEnergyResult> {
+        let estimates = open.estimates();
+        let terms = self.measurement.free_energy(&open.plan, &estimates);
+        let (mut points, mut slow_points) = (Vec::new(), Vec::new());
+        for (number, estimate) in estimates.iter().enumerate() {
+            let point = self.point(open, number, estimate);
+            if point.independent_samples < FEW_SAMPLES {
+                slow_points.push(number);
+            }
+            points.push(point);
+        }
+        let table = table_of(&points)?;
+        // Overwritten: the points of a shorter run are no longer true.
+        write_once(&directory.join(POINTS), table.as_bytes(), true)?;
+        self.write_crystal(open, &directory.join(CRYSTAL))?;
+        let density = self.settings.packing_fraction / self.body.volume;
+        Ok(FreeEnergyResult {
+            shape: self.settings.shape.clone(),
+            crystal: self.settings.crystal.clone(),
+            dimension: D,
+            bodies: self.settings.bodies,
+            packing_fraction: self.settings.packing_fraction,
+            number_density: density,
+            box_edges: self.crystal.space.lengths().to_vec(),
+            box_tilt_factors: tilt_factors(&self.crystal.space),
+            symmetry_order: self.measurement.symmetry().rotations().len(),
+            free_energy_per_body_kt: terms.total_kt,
+            free_energy_per_body_kt_error: terms.total_kt_error,
+            // The ideal gas of this density has A/(N kT) = ln ρ - 1.
+            excess_free_energy_per_body_kt: terms.total_kt - (density.ln() - 1.0),
+            excess_free_energy_per_body_kt_error: terms.total_kt_error,
+            terms,
+            points,
+            slow_points,
+        })
+    }
+
+    fn details(&self, open: &mut Open<D>, directory: &Path) -> Result<Value> {
+        // During equilibration there is nothing to tell yet.
+        if open.series.iter().any(Vec::is_empty) {
+            return Ok(Value::Null);
+        }
+        Ok(serde_json::to_value(self.answer(open, directory)?)?)
+    }
+
+    fn check(&self, directory: &Path, saved: &Saved) -> Result<()> {
+        Ok(log::check(&directory.join(LOG), &saved.log)?)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_free_energy_that_stops_and_goes_on_writes_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let short = FreeEnergySettings {
+            shape: "polygon:4".into(),
+            crystal: "square".into(),
+            turn: vec![45.0],
+            bodies: 36,
+            packing_fraction: 0.85,
+            equilibration: 100,
+            sweeps: 400,
+            ..FreeEnergySettings::default()
+        };
+        let long = FreeEnergySettings {
+            sweeps: 800,
+            ..short.clone()
+        };
+        let run = |settings: &FreeEnergySettings, name: &str| {
+            let path = folder.path().join(name);
+            let end = run_free_energy(settings, &path, &Execution::default()).unwrap();
+            end.finished().unwrap()
+        };
+        run(&short, "parts");
+        let (in_parts, at_once) = (run(&long, "parts"), run(&long, "whole"));
+        assert_eq!(in_parts, at_once);
+        assert_eq!(in_parts.symmetry_order, 4);
+        for file in [LOG, POINTS, CRYSTAL, CHECKPOINT] {
+            let read = |name: &str| std::fs::read(folder.path().join(name).join(file)).unwrap();
+            assert!(read("parts") == read("whole"), "{file}");
+        }
+        let terms = &in_parts.terms;
+        let sum =
+            terms.centre_of_mass_kt + terms.springs_kt + terms.orientations_kt + terms.overlaps_kt
+                - terms.integral_kt;
+        assert!((sum - in_parts.free_energy_per_body_kt).abs() < 1e-12);
+    }
+}
