@@ -1,4 +1,8 @@
-"""Bodies and assemblies where verbs take files."""
+"""Bodies and assemblies where verbs take files.
+
+An object that a verb takes as a file is written where the work is kept (`DIR/input`), once per content. So the command line
+continues and reads what Python began, and the other way round.
+"""
 
 from __future__ import annotations
 

@@ -17,6 +17,9 @@
 //! [`Geometry::check`] returns errors: kernels check the lengths of their buffers before they touch
 //! them, and panic if these do not fit. That would be a mistake of the caller, and reading on would
 //! be worse.
+//!
+//! The kernels are a separate crate because they cost 32 CPU-seconds to compile in the dev profile.
+//! A crate with unit tests is compiled twice, for itself and for its tests; this one has none.
 
 mod error;
 

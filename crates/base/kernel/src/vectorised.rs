@@ -3,6 +3,9 @@
 //! A set of instructions is written down once, in [`instructions!`](crate::instructions): what a
 //! function is compiled for is what the processor is checked for before the function is called.
 //! Nothing else in the workspace names processor features.
+//!
+//! Two lists would drift apart. A function compiled for more than was checked would stop with an
+//! illegal instruction on machines, also virtual ones, that mask features.
 
 /// The sets of vector instructions: whether this processor has one, and a function compiled for it.
 ///

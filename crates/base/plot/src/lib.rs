@@ -20,6 +20,14 @@
 //! | [`heat_map`](HeatMap) | matrices as coloured squares |
 //! | [`colour_map`](ColourMap) | a table of numbers above and below zero as coloured cells |
 //! | `source` | a figure stored inside its own SVG, so that it can be drawn again |
+//!
+//! The SVG writer is our own, tiny-skia makes the PNG, and the outlines of one bundled typeface
+//! serve both, so both outputs draw the same shapes from one layout. resvg would bring 51 crates
+//! for the same PNG. tiny-skia brings 18, and most of them are there already. plotters has whole
+//! coordinates and no glyph bearings.
+//!
+//! An SVG holds what it is drawn from. A page draws it again for a narrow screen, with letters that
+//! can be read, and needs no second file and no second format.
 
 mod axis;
 mod canvas;

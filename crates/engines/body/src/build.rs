@@ -1,4 +1,8 @@
 //! From the text of a structure file to a body.
+//!
+//! A body is a draft before it has a mesh, as a surface is exact before it has one. So voxels and
+//! bodies are made of one reading and one exact surface: `learn-verbs` hands both to a `BodyStore`,
+//! which the command line makes of a folder of `protein-verbs`.
 
 use crate::body::{Body, Provenance, Site};
 use crate::chemistry::protonation::ModelValuesOnly;

@@ -1,5 +1,8 @@
 //! Sums over many charges: a treecode.
 //!
+//! A mesh of the whole box would cost more than the sums it replaces: charges lie 3 Å apart, and
+//! their potentials are wanted only on a surface and on six faces.
+//!
 //! Charges lie in the leaves of a tree of boxes. Seen from far away, a box with many charges is a
 //! grid of few: the kernel is interpolated between the Chebyshev points s_k of the box, so that
 //!

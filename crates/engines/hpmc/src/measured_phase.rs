@@ -12,6 +12,10 @@
 //!
 //! with α the part of the volume that is free for a depletant. Polynomials are fitted to (Z - 1)/φ and
 //! to (ln α)/φ; for a fluid the first begins at B2/v, and the second makes α(0) = 1.
+//!
+//! The degree of each polynomial is the lowest that the errors allow. A curve through every value
+//! would have bends of noise. Tangents would touch them and give phases that are not there. The
+//! same fits to values drawn within the errors give the errors of the results.
 
 use crate::error::{Error, Result};
 use crate::polynomial::{Measured, Polynomial};

@@ -6,6 +6,9 @@
 //! two convex pieces is convex; its near end is found by walking from plane to plane, each of which separates the
 //! pieces where it was found (after van den Bergen, *Ray casting against general convex objects with
 //! application to continuous collision detection*, 2004).
+//!
+//! With pieces every test stays one of convex bodies and is exact at contact, and depletants, walls
+//! and pressures need nothing else. A mesh of the surface would not tell what lies inside the body.
 
 use crate::body::{is_within, norm};
 use crate::{Error, Result};

@@ -1,5 +1,8 @@
 //! What can be predicted without a network. Nothing counts as learnt before it beats these on the
 //! same split.
+//!
+//! They know nothing of the voxels: majority, prior, size (with and without charge) and
+//! composition. The learning curve of a training is never shown without them.
 
 use crate::error::refuse;
 use crate::logistic::{Logistic, Table, prior};

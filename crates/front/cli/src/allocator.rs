@@ -2,7 +2,8 @@
 //!
 //! Structures come one after the other, and each needs grids of a few megabytes. glibc gives such memory
 //! back to the system every time it is freed, and the system clears it at every allocation: 8 % of
-//! the CPU time of `voxelize`.
+//! the CPU time of `voxelize`. So the command tells glibc to keep up to 64 MB of freed memory.
+//! A program that calls protomer from Python keeps its own settings.
 
 /// Keeps freed memory for the next structure, unless `GLIBC_TUNABLES` is set: then the user decides.
 /// Only glibc needs to be told. Call it before there are other threads.

@@ -30,6 +30,20 @@
 //!
 //! A is held as its lower triangle, a list of (row, column) places fixed at the start; the numbers
 //! come as one slice in the order of that list.
+//!
+//! `faer` 0.24.4 was once compared with this code, on the rods of lattices of squares. The table
+//! gives a refactorisation with one solution and a whole step of the lattice, in ms:
+//!
+//! | squares | this code | fastest of faer's variants | whole step |
+//! |---|---|---|---|
+//! | 10 x 10 | 0.015 | 0.014 | 0.036 |
+//! | 32 x 32 | 0.21 | 0.35 | 0.45 |
+//! | 100 x 100 | 3.3 | 6.1 | 7.5 |
+//!
+//! This is CPU time of one thread of a virtual Xeon, the best of five blocks of 0.2 s (2026-11-22);
+//! the step is that of `cargo bench -p protomer-linkage --bench lattice -- 10 32 100`. This code
+//! gives the same bits on every processor and names a dependent row. As a development dependency
+//! faer would add 54 crates to the tests.
 
 mod arena;
 mod error;

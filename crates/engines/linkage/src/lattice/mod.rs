@@ -27,6 +27,10 @@
 //! | [`mover`] | forces, collisions and heat bath of a run in one |
 //! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
+//! Each state has one factorisation L D Lᵀ for its rods. It serves RATTLE, the start of the
+//! multipliers, the chord iterations of SHAKE and the complementarity problem of the contacts. The
+//! rods stay exact to rounding.
+//!
 //! The equations are those of Campos-Gonzalez-Angulo, Wiesehan, Ribeiro and Yuen-Zhou,
 //! "Computational method for highly-constrained molecular dynamics of rigid bodies: coarse-grained
 //! simulation of auxetic two-dimensional protein crystals" (2020), below "the paper", with its

@@ -2,7 +2,8 @@
 //!
 //! The energy is a sum of a pair potential over sites: E = Σ q_k q_l v(r_kl) over the sites k, l of
 //! different bodies. [`Yukawa`] is the only v so far. Types name it: types generic over v would be
-//! compiled again in every crate that uses them.
+//! compiled and optimised again in every crate that uses them. What they need of v is in one trait,
+//! `SitePotential`.
 
 use protomer_kernel::exponential::{exp_of_minus, exp_of_minus_f32};
 use protomer_kernel::potential::Yukawa;

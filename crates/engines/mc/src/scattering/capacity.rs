@@ -4,7 +4,8 @@
 //! C is the capacity of a conductor of the same shape (in units in which a sphere has its radius):
 //! Hubbard and Douglas, Phys. Rev. E 47, R2983 (1993); Douglas, Zhou and Hubbard, Phys. Rev. E 49, 5319
 //! (1994). The two are equal for spheres and ellipsoids; for two touching spheres C is 2 ln 2 = 1.386
-//! radii.
+//! radii. The capacity has no noise and takes milliseconds for a cluster. Random walks need 10⁵
+//! steps for 0.3 %.
 //!
 //! C is the charge of the surface at unit potential. The surface is a set of patches with charges q_i
 //! that solve Σ_j G_ij q_j = 1. G_ij is the potential between Gaussian charges, erf(r/w)/r with w² =

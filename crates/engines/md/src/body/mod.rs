@@ -8,7 +8,8 @@
 //!
 //! The density is one. A body in space is turned so that its axes are the principal axes of inertia.
 //! Disks, balls and ellipsoids have no faces. A concave body is a rigid union of convex parts, which
-//! may touch and must not overlap; each part counts with the ball that fits into it.
+//! may touch and must not overlap; each part counts with the ball that fits into it. So every test
+//! stays one of convex bodies.
 
 mod moments;
 pub mod part;

@@ -4,6 +4,9 @@
 //! or not at all, and whoever reads one checks it, so that several programs may use one folder;
 //! removing any of them, at any time, costs time only. What was not used for longest goes first
 //! when there is no room.
+//!
+//! Entries hold energy tables, the comparisons of their levels, and effective charges. They take
+//! seconds to make.
 
 use anyhow::{Context, Result};
 use protomer_io::atomic::write_atomically;

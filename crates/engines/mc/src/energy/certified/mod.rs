@@ -9,6 +9,11 @@
 //! A decision adds the intervals of all pairs, before the move and after it, and refines the widest one
 //! until the random number lies outside. No estimate and no fitted number enters.
 //!
+//! The cells are separate from the tables and lists of the calibrated levels. Worst-case bounds of
+//! lists, equivalent charges and 16-bit coefficients are hundreds of times their errors.
+//! Polynomials of the far charges in cells, with the near charges summed, have bounds a few times
+//! their errors and need no set-up.
+//!
 //! | file | what it holds |
 //! |---|---|
 //! | `cells` | an octree of cells around a body, made where they are needed, and energies in it |

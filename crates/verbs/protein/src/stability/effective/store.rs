@@ -1,6 +1,9 @@
 //! Effective charges, each fitted once, shared by whoever asks, and kept on the disk for the next
 //! run.
 //!
+//! Fits run one at a time, on separate threads. A fit uses all threads. A thread of the common pool
+//! that waited for it would begin another simulation, which may wait for this very fit.
+//!
 //! An entry holds, in little-endian numbers:
 //!
 //! ```text
