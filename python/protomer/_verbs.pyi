@@ -578,12 +578,34 @@ def candidates(
     gap: float | str | None = None,
     box: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
     output: Path | str | None = None,
+    tilt: str | float | Sequence[str | float] | None = None,
+    spin: str | float | Sequence[str | float] | None = None,
+    refine: int | str | None = None,
+    model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
+    salt: str | None = None,
+    salt_molar: float | None = None,
+    temperature: float | str | None = None,
+    permittivity: float | str | None = None,
+    bjerrum: float | str | None = None,
+    debye: float | str | None = None,
+    cutoff: float | str | None = None,
+    interaction: Literal["bare", "effective", "response"] | None = None,
+    inner_permittivity: float | str | None = None,
+    ion_radius: float | str | None = None,
+    ions: Literal["linear", "boltzmann"] | None = None,
+    regulation: bool = False,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: float | str | None = None,
+    desolvation: bool = False,
+    memory_limit: int | str | None = None,
+    no_cache: bool = False,
     threads: int | str | None = None,
     force: bool = False,
     progress: Callable[[int, int, str], None] | None = None,
 ) -> Result:
     """Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two rings, up to the
-    symmetry of the stack, and write each as an assembly closed to contact."""
+    symmetry of the stack, and write each as an assembly closed to contact; or search their tilts and
+    spins for low energies."""
 
 def compare(
     sweeps: Path | str | Sequence[Path | str],

@@ -1,7 +1,7 @@
 //! Parses numbers with units: `150mM`, `0.15M`, `1.4A`, `0.14nm`, `10mM..300mM/8`.
 
-use crate::range::SALT;
-use anyhow::{Result, bail};
+use crate::range::{ANGLE, SALT};
+use anyhow::{Result, anyhow, bail};
 
 /// Concentration above which a salt is warned of, mol/L.
 const USUAL_SALT_MOLAR: f64 = 1.0;
@@ -119,6 +119,45 @@ pub fn salt_list(text: &str) -> Result<Vec<f64>> {
         }
     }
     Ok(salts)
+}
+
+/// Parses angles in degrees from a comma-separated list of values and ranges. A range `0..90/7` is seven
+/// values spaced evenly.
+///
+/// # Errors
+/// Names the item that is not an angle or a range.
+///
+/// ```
+/// let angles = protomer_common::quantity::angle_list("0..90/3,180")?;
+/// assert_eq!(angles, [0.0, 45.0, 90.0, 180.0]);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn angle_list(text: &str) -> Result<Vec<f64>> {
+    let angle = |text: &str| -> Result<f64> {
+        let degrees: f64 = text.trim().parse().map_err(|_| {
+            anyhow!("'{text}' is not an angle; write degrees such as 90, a list, or 0..90/7")
+        })?;
+        ANGLE.require("angle", degrees)?;
+        Ok(degrees)
+    };
+    let mut angles = Vec::new();
+    for item in text.split(',') {
+        let Some((first, remainder)) = item.split_once("..") else {
+            angles.push(angle(item)?);
+            continue;
+        };
+        let Some((last, count)) = remainder.split_once('/') else {
+            bail!("the range '{item}' lacks the number of values; write it as 0..90/7");
+        };
+        let (first, last) = (angle(first)?, angle(last)?);
+        let count: u32 = match count.trim().parse() {
+            Ok(count) if (2..=361).contains(&count) => count,
+            _ => bail!("the range '{item}' asks for '{count}' values; give a number from 2 to 361"),
+        };
+        let step = (last - first) / f64::from(count - 1);
+        angles.extend((0..count).map(|number| first + step * f64::from(number)));
+    }
+    Ok(angles)
 }
 
 fn salt_range(item: &str, first: &str, remainder: &str) -> Result<Vec<f64>> {

@@ -360,6 +360,7 @@ impl Stack {
         Recipe {
             rings,
             stagger: 0.0,
+            opening_angstrom: 0.0,
         }
     }
 }

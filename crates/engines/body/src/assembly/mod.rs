@@ -12,6 +12,7 @@
 //! | [`copies`] | identical units as one body with several poses |
 //! | [`native_contacts`] | residues of different units in contact |
 //! | [`recipe`] | rings C_n and stacks D_n, closed to contact |
+//! | [`orbits`] | bodies of an arrangement that rotations map onto each other |
 //! | [`candidates`] | up/down arrangements of a ring or stack that are different under its symmetry |
 //! | [`relax`] | the least displacements that leave no overlap |
 //! | [`insertion`] | random sequential insertion into a periodic box |
@@ -28,6 +29,7 @@ pub mod hard_bodies;
 pub mod insertion;
 pub mod joined;
 pub mod native_contacts;
+pub mod orbits;
 mod placement;
 pub mod recipe;
 pub mod relax;
@@ -36,7 +38,7 @@ pub mod units;
 
 pub use candidates::{Candidates, Stack, Symmetry};
 pub use copies::{BodyType, ChainCopy, body_types, body_types_of_units};
-pub use hard_bodies::{HardBodies, HardBody};
+pub use hard_bodies::{HardBodies, HardBody, SymmetricAssembly};
 pub use joined::{Joined, JoinedBy, joined_groups, joined_units};
 pub use native_contacts::ResidueContacts;
 pub use placement::Placement;

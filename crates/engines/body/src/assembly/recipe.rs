@@ -59,6 +59,16 @@ pub struct Recipe {
     /// Azimuth of each ring relative to the one below, as a fraction of the angle between
     /// neighbours.
     pub stagger: f64,
+    /// Distance by which neighbours around a ring stay apart beyond contact before the rings are brought
+    /// together, Å.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub opening_angstrom: f64,
+}
+
+/// Whether a recipe leaves no opening; files of recipes without one do not name it.
+#[allow(clippy::trivially_copy_pass_by_ref)] // serde gives a reference
+fn is_zero(angstrom: &f64) -> bool {
+    *angstrom == 0.0
 }
 
 /// A recipe brought to contact.
@@ -80,6 +90,7 @@ impl Recipe {
         Self {
             rings: vec![pattern.iter().cycle().take(members).copied().collect()],
             stagger: 0.0,
+            opening_angstrom: 0.0,
         }
     }
 
@@ -94,6 +105,7 @@ impl Recipe {
         Self {
             rings: vec![lower, upper],
             stagger: 0.0,
+            opening_angstrom: 0.0,
         }
     }
 
@@ -126,8 +138,9 @@ impl Recipe {
         Ok(placements)
     }
 
-    /// Shrinks the radius until bodies of a ring touch, then the distance between rings until rings
-    /// touch, to `tolerance_angstrom`. The result is free of overlap.
+    /// Shrinks the radius until bodies of a ring touch, opens the ring by the opening of the recipe, and
+    /// shrinks the distance between rings until rings touch, to `tolerance_angstrom`. The result is
+    /// free of overlap.
     ///
     /// ```
     /// use protomer_body::assembly::{Placement, Recipe, RecipeSite};
@@ -160,6 +173,7 @@ impl Recipe {
         let members = self.rings.first().map_or(1, Vec::len);
         let ring_overlaps = |radius: f64| arrangement(radius, 0.0).chunks(members).any(&overlaps);
         let radius = from_outside(1.0, tolerance_angstrom, ring_overlaps).ok_or_else(never_free)?;
+        let radius = radius + self.opening_angstrom / self.distance_per_radius();
         let stack_overlaps = |distance: f64| overlaps(&arrangement(radius, distance));
         let distance = match self.rings.len() {
             1 => 0.0,
@@ -187,11 +201,7 @@ impl Recipe {
         overlaps: impl Fn(&[Placement]) -> bool,
     ) -> Result<ClosedAssembly> {
         let mut closed = self.close(frames, 0.0, tolerance_angstrom, &overlaps)?;
-        let members = self.rings.first().map_or(1, Vec::len);
-        if members > 1 {
-            let per_radius = 2.0 * (PI / members as f64).sin();
-            closed.radius_angstrom += gap_angstrom / per_radius;
-        }
+        closed.radius_angstrom += gap_angstrom / self.distance_per_radius();
         if self.rings.len() > 1 {
             closed.ring_distance_angstrom += gap_angstrom;
         }
@@ -236,6 +246,15 @@ impl Recipe {
             cause: "no tilt to try".into(),
             remedy: "give at least one".into(),
         })
+    }
+
+    /// Distance of neighbours around a ring over its radius, 2 sin(π/n); infinite for a single body,
+    /// which has no neighbour.
+    fn distance_per_radius(&self) -> f64 {
+        match self.rings.first().map_or(1, Vec::len) {
+            0 | 1 => f64::INFINITY,
+            members => 2.0 * (PI / members as f64).sin(),
+        }
     }
 
     fn check(&self, frames: &[Rotation]) -> Result<()> {

@@ -106,16 +106,10 @@ impl Charged {
 
     /// The same with tables of the potential, which give the energy to some 10⁻⁴ kT; those of one
     /// body twice where both are the same. Direct sums are kept where they cost less.
-    pub fn with_tables(mut self, are_equal: bool) -> Self {
-        let charges = self.first.len().min(self.second.len());
-        // Few charges are summed faster than looked up, and a table has no cut-off.
-        if charges < FEW_CHARGES || self.yukawa.is_cut() {
+    pub fn with_tables(self, are_equal: bool) -> Self {
+        let Some(reach) = self.table_reach_angstrom() else {
             return self;
-        }
-        // Farther apart, energies are rarely requested, and summed directly.
-        const ENOUGH_KT: f64 = 1e-3;
-        let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
-        let reach = self.reach_angstrom(ENOUGH_KT) + radii;
+        };
         // Beyond its reach the table gives no value, and the direct sum steps in.
         let table = |of: &ChargeCloud| Arc::new(Table::new(of, &self.yukawa, reach));
         let first = table(&self.first);
@@ -123,7 +117,25 @@ impl Charged {
             true => Arc::clone(&first),
             false => table(&self.second),
         };
-        self.tables = Some([first, second]);
+        self.with_shared_tables([first, second])
+    }
+
+    /// Distance that the tables of both bodies should reach, Å; `None` where direct sums cost less.
+    pub fn table_reach_angstrom(&self) -> Option<f64> {
+        let charges = self.first.len().min(self.second.len());
+        // Few charges are summed faster than looked up, and a table has no cut-off.
+        if charges < FEW_CHARGES || self.yukawa.is_cut() {
+            return None;
+        }
+        // Farther apart, energies are rarely requested, and summed directly.
+        const ENOUGH_KT: f64 = 1e-3;
+        let radii = self.first.radius_angstrom() + self.second.radius_angstrom();
+        Some(self.reach_angstrom(ENOUGH_KT) + radii)
+    }
+
+    /// The same with tables that were made elsewhere: those of the first and of the second body.
+    pub fn with_shared_tables(mut self, tables: [Arc<Table>; 2]) -> Self {
+        self.tables = Some(tables);
         self
     }
 

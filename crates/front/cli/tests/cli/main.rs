@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
 mod bench;
+mod candidates;
 #[path = "../common/mod.rs"]
 mod common;
 mod directories;

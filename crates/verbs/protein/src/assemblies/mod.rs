@@ -5,4 +5,5 @@ pub mod assembly_file;
 pub mod candidates;
 pub mod fluid;
 pub mod ring;
+pub mod search;
 pub mod structure;

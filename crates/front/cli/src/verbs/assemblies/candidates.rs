@@ -1,19 +1,36 @@
 //! `protomer candidates`: the up/down arrangements of a ring or stack that are different under its
-//! symmetry.
+//! symmetry, and their tilts and spins of low energy.
 
+use crate::flags::medium::ConditionArgs;
+use crate::flags::model::ModelArgs;
 use crate::flags::settings::choice;
+use crate::flags::solute::ChargesArgs;
 use crate::flags::space::SpaceArgs;
+use crate::flags::tables::TablesArgs;
+use crate::flags::terms::TermsArgs;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use protomer_body::assembly::Symmetry;
-use protomer_common::range;
-use protomer_protein_verbs::assemblies::candidates::{CandidatesSettings, candidates};
+use protomer_common::{quantity, range};
+use protomer_protein_verbs::assemblies::candidates::{
+    CandidatesSettings, SearchMedium, candidates, search_candidates,
+};
+use protomer_protein_verbs::assemblies::search::SearchSettings;
+use protomer_protein_verbs::stability::inspect::inspection_settings;
+use protomer_protein_verbs::stability::run::EnergyMode;
+use protomer_results::End;
 use std::path::PathBuf;
 
+/// Salt of a search without one, mol/L.
+const USUAL_SALT_MOLAR: f64 = 0.15;
+/// Arrangements of the grid at most: a day of one processor for large bodies.
+const MOST_POINTS: usize = 10_000_000;
+
 /// Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two
-/// rings, up to the symmetry of the stack, and write each as an assembly closed to contact.
+/// rings, up to the symmetry of the stack, and write each as an assembly closed to contact; or search
+/// their tilts and spins for low energies.
 #[derive(Debug, Args)]
 pub struct CandidatesArgs {
     /// Body files, in the order in which they alternate.
@@ -33,9 +50,38 @@ pub struct CandidatesArgs {
     gap: f64,
     #[command(flatten)]
     space: SpaceArgs,
-    /// Folder for the assemblies; if omitted, they are only counted.
+    /// Folder for the assemblies; if omitted, they are only counted or listed.
     #[arg(short, long)]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    search: SearchArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    conditions: ConditionArgs,
+    #[command(flatten)]
+    charges: ChargesArgs,
+    #[command(flatten)]
+    terms: TermsArgs,
+    #[command(flatten)]
+    tables: TablesArgs,
+}
+
+/// The search of tilts and spins.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Search")]
+pub struct SearchArgs {
+    /// Search these leans of the bodies' axes about the outward direction, degrees: a list such as
+    /// 0,40,90 or a range such as 0..90/7, for each kind of body.
+    #[arg(long, allow_hyphen_values = true)]
+    tilt: Option<String>,
+    /// Search these turns of the bodies about their own axes, degrees, as --tilt.
+    #[arg(long, allow_hyphen_values = true)]
+    spin: Option<String>,
+    /// Number of the lowest arrangements that are refined: tilts, spins, stagger of the rings, and the
+    /// opening between neighbours [default: 12].
+    #[arg(long, value_parser = range::TABLE_ROWS.number::<usize>())]
+    refine: Option<usize>,
 }
 
 impl CandidatesArgs {
@@ -50,6 +96,78 @@ impl CandidatesArgs {
             output: self.output.clone(),
             force: front.force(),
         };
-        Ok(Reply::data(candidates(&settings)?))
+        match self.grid()? {
+            Some(grid) => self.search(&settings, &grid, front),
+            None => Ok(Reply::data(candidates(&settings)?)),
+        }
+    }
+
+    /// The grid of a search, if one is requested.
+    fn grid(&self) -> Result<Option<SearchSettings>> {
+        let SearchArgs { tilt, spin, refine } = &self.search;
+        if tilt.is_none() && spin.is_none() {
+            let energies = self.conditions.salt.is_some()
+                || self.model.model.is_some()
+                || self.charges.interaction.is_some()
+                || self.terms.is_given();
+            if refine.is_some() || energies {
+                bail!(
+                    "without --tilt or --spin no energies are computed; give --tilt 0..90/7 --spin 0..90/7 for a \
+                     search of low energies"
+                );
+            }
+            return Ok(None);
+        }
+        let angles = |text: &Option<String>| match text {
+            Some(text) => quantity::angle_list(text),
+            None => Ok(vec![0.0]),
+        };
+        let (tilts_degrees, spins_degrees) = (angles(tilt)?, angles(spin)?);
+        let choices = (tilts_degrees.len() * spins_degrees.len()) as f64;
+        let points = choices.powi(self.bodies.len() as i32);
+        if points > MOST_POINTS as f64 {
+            bail!(
+                "{points:.0} combinations of tilts and spins are too many; give at most {MOST_POINTS}, and let \
+                 --refine find the angles between them"
+            );
+        }
+        Ok(Some(SearchSettings {
+            tilts_degrees,
+            spins_degrees,
+            refined: refine.unwrap_or(SearchSettings::REFINED),
+            gap_angstrom: self.gap,
+        }))
+    }
+
+    fn search(
+        &self,
+        settings: &CandidatesSettings,
+        grid: &SearchSettings,
+        front: &Front,
+    ) -> Result<Reply> {
+        let conditions = &self.conditions;
+        let has_screening = conditions.salt.is_some() || conditions.medium.debye.is_some();
+        let salt = conditions
+            .salt
+            .or((!has_screening).then_some(USUAL_SALT_MOLAR));
+        front.warn(quantity::salt_warning(salt));
+        let interaction = conditions.medium.medium().interaction(salt)?;
+        let usual = inspection_settings(EnergyMode::Direct, None, 5.0);
+        let run = self.model.acting(&self.charges, &self.terms, usual)?;
+        let medium = SearchMedium {
+            run: &run,
+            interaction,
+            prepare: &|assembly| {
+                front.warn(self.model.body_warning(&assembly));
+                self.tables.engine(assembly, front)
+            },
+        };
+        let execution = front.execution("stopping the search", None)?;
+        Ok(
+            match search_candidates(settings, grid, &medium, &execution)? {
+                End::Finished(report) => Reply::data(report),
+                End::Stopped => Reply::stopped("stopped; nothing was written".into()),
+            },
+        )
     }
 }

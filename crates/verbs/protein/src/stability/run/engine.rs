@@ -16,6 +16,7 @@ use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTe
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
 use protomer_mc::{BodyType, Interaction, McError, Settings, System};
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -171,6 +172,41 @@ impl Engine {
             core: Core::Surfaces,
             contact_gap_angstrom,
         })
+    }
+
+    /// Terms of the energy of each two kinds of bodies, for energies of poses that have nothing to do with each
+    /// other: by pairs of kinds, the lower first, with tables that all pairs share.
+    ///
+    /// # Errors
+    /// If the charges have no screening, or the tables take more memory than is allowed.
+    pub fn pair_potentials(
+        &self,
+        interaction: &ScreenedCoulomb,
+    ) -> Result<BTreeMap<(usize, usize), Terms>> {
+        let yukawa = interaction.yukawa()?;
+        let mut charged = BTreeMap::new();
+        for (second, second_type) in self.types.iter().enumerate() {
+            for (first, first_type) in self.types[..=second].iter().enumerate() {
+                let pair = Charged::new(yukawa, &first_type.charges, &second_type.charges)?;
+                charged.insert((first, second), pair);
+            }
+        }
+        let reaches = charged.values().filter_map(Charged::table_reach_angstrom);
+        let reach_angstrom = reaches.fold(0.0, f64::max);
+        let tables = self.tables.of(&self.types, &yukawa, reach_angstrom)?;
+        let with_terms = |(kinds, pair): ((usize, usize), Charged)| {
+            let pair = match pair.table_reach_angstrom() {
+                Some(_) => pair
+                    .with_shared_tables([kinds.0, kinds.1].map(|kind| Arc::clone(&tables[kind]))),
+                None => pair,
+            };
+            let mut potential = Terms(vec![Arc::new(pair)]);
+            if let Some(terms) = &self.terms {
+                potential.0.extend(terms.of(kinds).0.iter().cloned());
+            }
+            (kinds, potential)
+        };
+        Ok(charged.into_iter().map(with_terms).collect())
     }
 
     /// Terms of the energy in addition to the charges; `None` if there are none.
