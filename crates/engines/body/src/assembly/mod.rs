@@ -13,6 +13,7 @@
 //! | [`native_contacts`] | residues of different units in contact |
 //! | [`recipe`] | rings C_n and stacks D_n, closed to contact |
 //! | [`orbits`] | bodies of an arrangement that rotations map onto each other |
+//! | [`point_group`] | the rotations that map placed bodies onto each other |
 //! | [`candidates`] | up/down arrangements of a ring or stack that are different under its symmetry |
 //! | [`relax`] | the least displacements that leave no overlap |
 //! | [`insertion`] | random sequential insertion into a periodic box |
@@ -31,6 +32,7 @@ pub mod joined;
 pub mod native_contacts;
 pub mod orbits;
 mod placement;
+pub mod point_group;
 pub mod recipe;
 pub mod relax;
 pub mod superposition;
@@ -42,6 +44,7 @@ pub use hard_bodies::{HardBodies, HardBody, SymmetricAssembly};
 pub use joined::{Joined, JoinedBy, joined_groups, joined_units};
 pub use native_contacts::ResidueContacts;
 pub use placement::Placement;
+pub use point_group::PointGroup;
 pub use recipe::{ClosedAssembly, Recipe, RecipeSite};
 pub use relax::{CoreAtoms, Separation, separate};
 pub use superposition::{Superposition, superpose};

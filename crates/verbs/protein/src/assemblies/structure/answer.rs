@@ -3,6 +3,7 @@
 use super::checks::shortened;
 use super::shapes::OwnShape;
 use crate::bodies::ingest::BodyMeasures;
+use protomer_body::assembly::PointGroup;
 use protomer_body::structure::SelectionReport;
 use protomer_common::answer::{Answer, columns, heading};
 use serde::Serialize;
@@ -19,6 +20,9 @@ pub struct StructureAssembly {
     pub assembly: PathBuf,
     /// The body files with the copies of each.
     pub bodies: Vec<StructureBody>,
+    /// Point group of the bodies as they are in the structure; null for one body, and where the rotations that map
+    /// them onto each other form no group.
+    pub point_group: Option<PointGroup>,
     /// Names of the placed bodies, in the order of the assembly file.
     pub placed: Vec<String>,
     /// Pairs of placed bodies that overlapped as hard bodies.
@@ -143,6 +147,17 @@ impl StructureAssembly {
         lines
     }
 
+    fn symmetry_in_words(&self) -> Option<String> {
+        let group = self.point_group.as_ref()?;
+        Some(match group.order {
+            1 => "point group C1: no rotation maps the bodies onto each other".into(),
+            _ => format!(
+                "point group {}, deviations of at most {:.2} Å",
+                group.name, group.deviation_angstrom
+            ),
+        })
+    }
+
     fn overlaps_in_words(&self) -> String {
         let displacement = self.moved_angstrom.iter().copied().fold(0.0, f64::max);
         let contacts = match self.native_contacts_kept {
@@ -188,6 +203,7 @@ impl Answer for StructureAssembly {
             let skipped = report.skipped_in_words();
             lines.extend(skipped.map(|skipped| format!("left out: {skipped}")));
         }
+        lines.extend(self.symmetry_in_words());
         lines.extend(self.own_shapes_in_words());
         lines.push(self.overlaps_in_words());
         if !self.has_box {

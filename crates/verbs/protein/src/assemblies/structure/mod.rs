@@ -21,14 +21,22 @@ use crate::bodies::chain_groups::ChainNames;
 use crate::bodies::ingest::BodyMeasures;
 use anyhow::{Context, Result, bail};
 use files::{File, NamedUnit};
-use protomer_body::assembly::{CoreAtoms, ResidueContacts, Separation, Unit, separate};
+use protomer_body::assembly::native_contacts::centroid;
+use protomer_body::assembly::point_group::point_group;
+use protomer_body::assembly::{
+    CoreAtoms, PointGroup, ResidueContacts, Separation, Unit, body_types_of_units, separate,
+};
 use protomer_body::chemistry::radii::{core_radius_angstrom, radius_angstrom};
+use protomer_body::structure::SelectionReport;
 use protomer_body::{BodyError, BodySettings, HardCore};
 use protomer_kernel::Vec3;
 use protomer_results::ResultKind;
 use shapes::Placed;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// Copies in equivalent places are nearer than this to where a rotation maps each other, Å.
+const SAME_PLACE_ANGSTROM: f64 = 3.0;
 
 /// Shapes of the copies of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -110,6 +118,7 @@ pub fn assemble_structure(
     let assembly = placed
         .files
         .assembly_file(&path, &apart.placements, edges, provenance)?;
+    let point_group = point_group_of(&units)?;
     let force = settings.force;
     refuse_another(&path, &assembly, force)?;
     for (path, body) in placed.files.paths.iter().zip(&placed.files.bodies) {
@@ -122,6 +131,7 @@ pub fn assemble_structure(
     Ok(StructureAssembly {
         assembly: path,
         proposed_box_angstrom: proposed_box_angstrom(&placed, &apart),
+        point_group,
         placed: names,
         native_contacts: native.len(),
         native_contacts_kept: native.share_in(&now),
@@ -136,6 +146,33 @@ pub fn assemble_structure(
         further_selections: reports_of(&files[1..]),
         has_box: edges.is_some(),
     })
+}
+
+/// The point group of the units as they are in the structure; `None` for a single one.
+fn point_group_of(units: &[Unit]) -> Result<Option<PointGroup>> {
+    // Copies may keep their own shape, and are copies nevertheless.
+    let types = body_types_of_units(units, &SelectionReport::default(), &BTreeSet::new())?;
+    let (mut placements, mut radii_angstrom) = (Vec::new(), Vec::new());
+    for (kind, of_type) in types.iter().enumerate() {
+        placements.extend(of_type.copies.iter().map(|copy| (kind, copy.pose)));
+        radii_angstrom.push(radius_of_gyration_angstrom(&units[of_type.unit]));
+    }
+    Ok(match placements.len() {
+        0 | 1 => None,
+        _ => point_group(&placements, &radii_angstrom, SAME_PLACE_ANGSTROM),
+    })
+}
+
+/// The radius of gyration of the atoms of a unit, Å.
+fn radius_of_gyration_angstrom(unit: &Unit) -> f64 {
+    let centre = centroid(unit);
+    let atoms = unit.residues.iter().flat_map(|residue| &residue.atoms);
+    let (mut sum, mut count) = (0.0, 0.0_f64);
+    for atom in atoms {
+        sum += (atom.position - centre).norm_squared();
+        count += 1.0;
+    }
+    (sum / count.max(1.0)).sqrt()
 }
 
 /// Names of the placed bodies in the order of their placements.
@@ -301,7 +338,7 @@ fn overlap_message(
 
 /// Atoms of the hard core of a unit, in the frame of its body.
 fn core_atoms(unit: &Unit, settings: &BodySettings) -> CoreAtoms {
-    let origin = protomer_body::assembly::native_contacts::centroid(unit);
+    let origin = centroid(unit);
     let surface = &settings.surface;
     let is_native = surface.core != Some(HardCore::Surface);
     let default = if is_native {
