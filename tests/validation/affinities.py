@@ -1,11 +1,13 @@
 """Measured and estimated binding free energies of natural complexes: the calibration of `protomer binding`.
 
-    python tests/validation/affinities.py FOLDER OUTPUT [--protomer PATH]
+    python tests/validation/affinities.py FOLDER OUTPUT [--integrate] [--protomer PATH]
 
 FOLDER holds affinities.csv (columns entry, delta_g_kcal_per_mol, class, buried_area_angstrom2 and
 prodigy_prediction_kcal_per_mol) and ENTRY_receptor_bound.pdb.gz, ENTRY_ligand_bound.pdb.gz, such as the docking benchmark 5
-(https://github.com/haddocking/BM5-clean) with the affinities of Vangone and Bonvin, eLife 4, e07454 (2015). Writes OUTPUT/natural-complexes.csv
-and OUTPUT/natural-complexes.svg and prints the tables of the page. Work that is done is not repeated. Needs numpy and matplotlib.
+(https://github.com/haddocking/BM5-clean) with the affinities of Vangone and Bonvin, eLife 4, e07454 (2015). With
+--integrate the dissociation constant is also integrated over the poses around the crystal pose, which takes one to five CPU-minutes for a
+complex. Writes OUTPUT/natural-complexes.csv and OUTPUT/natural-complexes.svg and prints the tables of the page. Work that is done
+is not repeated. Needs numpy and matplotlib.
 """
 
 import argparse
@@ -22,6 +24,8 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
 SALTS_MOLAR = [0.15, 0.05, 1.0]
+# RT ln 10 at 298.15 K.
+KCAL_PER_MOL_PER_DECADE = 1.3643
 CLASSES = {
     "A": "antibody, antigen",
     "AB": "antigen, bound antibody",
@@ -35,22 +39,36 @@ CLASSES = {
 }
 
 
-def complexes(folder, output, protomer):
+def answer(folder, path, protomer, entry, words):
+    """The answer of `binding` about a complex, kept in a file."""
+    if not path.exists():
+        parts = [folder / f"{entry.lower()}_{part}_bound.pdb.gz" for part in ("receptor", "ligand")]
+        command = [protomer, "binding", *parts, "--json", "-q", *words]
+        done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
+        if done.returncode != 0:
+            raise SystemExit(f"{entry}: {done.stderr}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(done.stdout)
+    return json.loads(path.read_text())
+
+
+def integrated(folder, output, protomer, entry):
+    """Logarithm of the integrated dissociation constant in mol/L, and its standard error."""
+    path = output / "runs" / f"{entry}-integrated.json"
+    (condition,) = answer(folder, path, protomer, entry, ["--salt", f"{SALTS_MOLAR[0]:g}M", "--spacing", 0.9])["conditions"]
+    return {
+        "integrated_log10_kd_molar": round(condition["log10_kd_molar"], 2),
+        "integrated_error": round(condition["log10_kd_error"], 2),
+    }
+
+
+def complexes(folder, output, protomer, integrate):
     """One row for each complex: measured, estimated, and what the estimate rests on."""
     rows = []
     for measured in csv.DictReader((folder / "affinities.csv").open()):
         entry = measured["entry"]
-        answer = output / "runs" / f"{entry}.json"
-        if not answer.exists():
-            parts = [folder / f"{entry.lower()}_{part}_bound.pdb.gz" for part in ("receptor", "ligand")]
-            salts = ",".join(f"{salt:g}M" for salt in SALTS_MOLAR)
-            command = [protomer, "binding", *parts, "--salt", salts, "--no-kd", "--json", "-q"]
-            done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
-            if done.returncode != 0:
-                raise SystemExit(f"{entry}: {done.stderr}")
-            answer.parent.mkdir(parents=True, exist_ok=True)
-            answer.write_text(done.stdout)
-        found = json.loads(answer.read_text())
+        salts = ",".join(f"{salt:g}M" for salt in SALTS_MOLAR)
+        found = answer(folder, output / "runs" / f"{entry}.json", protomer, entry, ["--salt", salts, "--no-kd"])
         at_salt = {condition["salt_molar"]: condition for condition in found["conditions"]}
         estimated = {salt: at_salt[salt]["delta_g_kcal_per_mol"] for salt in SALTS_MOLAR}
         rows.append(
@@ -67,6 +85,7 @@ def complexes(folder, output, protomer):
                 "buried_area_angstrom2": float(measured["buried_area_angstrom2"]),
                 "prodigy_kcal_per_mol": float(measured["prodigy_prediction_kcal_per_mol"]),
             }
+            | (integrated(folder, output, protomer, entry) if integrate else {})
         )
     return rows
 
@@ -116,6 +135,12 @@ def tables(rows):
     row("buried area, fitted", left_out(measured, [column["buried_area_angstrom2"]])[0], measured)
     row("Poisson-Boltzmann charge part, fitted", left_out(measured, [column["poisson_boltzmann_kt"]])[0], measured)
     row("PRODIGY, trained on these", column["prodigy_kcal_per_mol"], measured)
+    if "integrated_log10_kd_molar" in column:
+        constants = column["integrated_log10_kd_molar"] * KCAL_PER_MOL_PER_DECADE
+        row("integrated K_D, nothing fitted", constants, measured)
+        row("integrated K_D, scaled and shifted, left out", left_out(measured, [constants])[0], measured)
+        row("integrated K_D with a cost of polar contacts, left out", left_out(measured, [constants, polar])[0], measured)
+        print(f"\nintegrated: mean error {np.mean(constants - measured):+.2f}, spread {np.std(constants) / np.std(measured):.2f} of the measured")
     print(f"\nfitted: G {numbers[0]:.3f}, p {numbers[1]:.4f}; with a fitted strength {slopes[0]:.3f}, {slopes[1]:.3f}, {slopes[2]:.4f}")
     print(f"contacts {column['contacts'].min():.1f} to {column['contacts'].max():.1f}\n")
     print("| class | complexes | mean error | RMSE (kcal/mol), left out | PRODIGY |\n|---|---|---|---|---|")
@@ -153,10 +178,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("output", type=Path)
+    parser.add_argument("--integrate", action="store_true", help="integrate the dissociation constants as well")
     parser.add_argument("--protomer", type=Path, default=Path("target/release/protomer"))
     arguments = parser.parse_args()
     arguments.output.mkdir(parents=True, exist_ok=True)
-    rows = complexes(arguments.folder, arguments.output, arguments.protomer)
+    rows = complexes(arguments.folder, arguments.output, arguments.protomer, arguments.integrate)
     with (arguments.output / "natural-complexes.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
