@@ -572,7 +572,7 @@ assemble: _Assemble
 def candidates(
     bodies: Path | str | Body | Sequence[Path | str | Body],
     *,
-    ring: int | str,
+    ring: int | str | None = None,
     stack: int | str | None = None,
     symmetry: Literal["none", "cyclic", "dihedral"] | None = None,
     gap: float | str | None = None,
@@ -581,6 +581,9 @@ def candidates(
     tilt: str | float | Sequence[str | float] | None = None,
     spin: str | float | Sequence[str | float] | None = None,
     refine: int | str | None = None,
+    group: Literal["tetrahedral", "octahedral", "icosahedral"] | None = None,
+    samples: int | str | None = None,
+    seed: int | str | None = None,
     model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
     salt: str | None = None,
     salt_molar: float | None = None,
@@ -605,7 +608,7 @@ def candidates(
 ) -> Result:
     """Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two rings, up to the
     symmetry of the stack, and write each as an assembly closed to contact; or search their tilts and
-    spins for low energies."""
+    spins, or cages of a cubic group, for low energies."""
 
 def compare(
     sweeps: Path | str | Sequence[Path | str],

@@ -12,6 +12,7 @@
 //! | [`copies`] | identical units as one body with several poses |
 //! | [`native_contacts`] | residues of different units in contact |
 //! | [`recipe`] | rings C_n and stacks D_n, closed to contact |
+//! | [`cage`] | bodies in general positions of a cubic group, closed to contact |
 //! | [`orbits`] | bodies of an arrangement that rotations map onto each other |
 //! | [`point_group`] | the rotations that map placed bodies onto each other |
 //! | [`candidates`] | up/down arrangements of a ring or stack that are different under its symmetry |
@@ -22,6 +23,7 @@
 //! | `contact` | the parameter at which placements touch |
 //! | `placement` | a body and its pose |
 
+pub mod cage;
 pub mod candidates;
 mod cells;
 mod contact;
@@ -38,6 +40,7 @@ pub mod relax;
 pub mod superposition;
 pub mod units;
 
+pub use cage::{Cage, CageSite, ClosedCage, CubicGroup};
 pub use candidates::{Candidates, Stack, Symmetry};
 pub use copies::{BodyType, ChainCopy, body_types, body_types_of_units};
 pub use hard_bodies::{HardBodies, HardBody, SymmetricAssembly};

@@ -4,6 +4,7 @@
 use protomer_kernel::Vec3;
 use protomer_kernel::pose::RelativePose;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 use std::sync::Arc;
 
@@ -113,6 +114,9 @@ impl AddAssign for EnergyParts {
 /// All terms of an energy; none for hard bodies.
 #[derive(Clone, Default)]
 pub struct Terms(pub Vec<Arc<dyn PairPotential>>);
+
+/// Terms of the energy of each two kinds of bodies, the lower kind first.
+pub type TermsOfKinds = BTreeMap<(usize, usize), Terms>;
 
 impl Terms {
     /// The energy at a pose of the second body in the frame of the first, kT.

@@ -45,6 +45,29 @@ fn refined_arrangements_are_assemblies_of_the_stated_energy() {
     }
 }
 
+#[test]
+fn cages_are_assemblies_of_the_stated_energy() {
+    let place = TemporaryFolder::new();
+    let command =
+        "candidates a.body b.body --group tetrahedral --samples 30 --refine 2 --salt 100mM";
+    let found = json(&place, &format!("{command} -o found"));
+    let cage = &found["cages"][0];
+    assert_eq!(
+        (&cage["is_refined"], &cage["bodies"]),
+        (&true.into(), &24.into())
+    );
+    let assembly = found["assemblies"][0].as_str().unwrap();
+    let state = json(&place, &format!("inspect {assembly} --salt 100mM"));
+    assert_eq!(state["overlaps"].as_array().unwrap().len(), 0);
+    let [energy, direct] = [&cage["energy_kt"], &state["energy_kT"]].map(|e| e.as_f64().unwrap());
+    assert!(
+        (energy - direct).abs() < 1e-6 * (1.0 + direct.abs()),
+        "{energy} {direct}"
+    );
+    let output = place.run("candidates a.body --group tetrahedral --ring 4");
+    assert_eq!(output.status.code(), Some(2));
+}
+
 /// A search does not depend on the number of threads, and without a salt it says which one it takes.
 #[test]
 fn a_search_is_the_same_on_every_number_of_threads() {

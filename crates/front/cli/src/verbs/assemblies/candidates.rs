@@ -12,12 +12,18 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
-use protomer_body::assembly::Symmetry;
+use protomer_body::assembly::{CubicGroup, Symmetry};
+use protomer_common::answer::Answer;
 use protomer_common::{quantity, range};
-use protomer_protein_verbs::assemblies::candidates::{
-    CandidatesSettings, SearchMedium, candidates, search_candidates,
+use protomer_protein_verbs::assemblies::candidates::cages::{
+    CagesSettings, search_cage_candidates,
 };
-use protomer_protein_verbs::assemblies::search::SearchSettings;
+use protomer_protein_verbs::assemblies::candidates::rings::search_candidates;
+use protomer_protein_verbs::assemblies::candidates::{
+    CandidatesSettings, SearchMedium, candidates,
+};
+use protomer_protein_verbs::assemblies::search::Searched;
+use protomer_protein_verbs::assemblies::search::ring::RingGrid;
 use protomer_protein_verbs::stability::inspect::inspection_settings;
 use protomer_protein_verbs::stability::run::EnergyMode;
 use protomer_results::End;
@@ -30,15 +36,15 @@ const MOST_POINTS: usize = 10_000_000;
 
 /// Enumerate the distinct up/down arrangements of bodies in a ring or a stack of two
 /// rings, up to the symmetry of the stack, and write each as an assembly closed to contact; or search
-/// their tilts and spins for low energies.
+/// their tilts and spins, or cages of a cubic group, for low energies.
 #[derive(Debug, Args)]
 pub struct CandidatesArgs {
     /// Body files, in the order in which they alternate.
     #[arg(required = true)]
     bodies: Vec<PathBuf>,
     /// Bodies per ring.
-    #[arg(long, value_parser = range::MEMBERS.number::<usize>())]
-    ring: usize,
+    #[arg(long, required_unless_present = "group", value_parser = range::MEMBERS.number::<usize>())]
+    ring: Option<usize>,
     /// Number of rings: one or two.
     #[arg(long, default_value_t = 1)]
     stack: usize,
@@ -82,13 +88,25 @@ pub struct SearchArgs {
     /// opening between neighbours [default: 12].
     #[arg(long, value_parser = range::TABLE_ROWS.number::<usize>())]
     refine: Option<usize>,
+    /// Search cages of this group in the place of rings.
+    #[arg(long, value_parser = choice::<CubicGroup>(), conflicts_with_all = ["ring", "stack", "symmetry", "tilt", "spin"])]
+    group: Option<CubicGroup>,
+    /// Random cages at the start of a search.
+    #[arg(long, default_value_t = 2000, value_parser = range::OBJECTS.number::<usize>())]
+    samples: usize,
+    /// Seed of the random cages.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
 }
 
 impl CandidatesArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
+        if let Some(group) = self.search.group {
+            return self.search_cages(group, front);
+        }
         let settings = CandidatesSettings {
             bodies: self.bodies.clone(),
-            ring: self.ring,
+            ring: self.ring.unwrap_or(1),
             stack: self.stack,
             symmetry: self.symmetry,
             gap_angstrom: self.gap,
@@ -97,20 +115,20 @@ impl CandidatesArgs {
             force: front.force(),
         };
         match self.grid()? {
-            Some(grid) => self.search(&settings, &grid, front),
+            Some(grid) => self.search_rings(&settings, &grid, front),
             None => Ok(Reply::data(candidates(&settings)?)),
         }
     }
 
-    /// The grid of a search, if one is requested.
-    fn grid(&self) -> Result<Option<SearchSettings>> {
-        let SearchArgs { tilt, spin, refine } = &self.search;
+    /// The grid of a search of rings, if one is requested.
+    fn grid(&self) -> Result<Option<RingGrid>> {
+        let SearchArgs { tilt, spin, .. } = &self.search;
         if tilt.is_none() && spin.is_none() {
             let energies = self.conditions.salt.is_some()
                 || self.model.model.is_some()
                 || self.charges.interaction.is_some()
                 || self.terms.is_given();
-            if refine.is_some() || energies {
+            if self.search.refine.is_some() || energies {
                 bail!(
                     "without --tilt or --spin no energies are computed; give --tilt 0..90/7 --spin 0..90/7 for a \
                      search of low energies"
@@ -131,20 +149,54 @@ impl CandidatesArgs {
                  --refine find the angles between them"
             );
         }
-        Ok(Some(SearchSettings {
+        Ok(Some(RingGrid {
             tilts_degrees,
             spins_degrees,
-            refined: refine.unwrap_or(SearchSettings::REFINED),
-            gap_angstrom: self.gap,
         }))
     }
 
-    fn search(
+    fn search_rings(
         &self,
         settings: &CandidatesSettings,
-        grid: &SearchSettings,
+        grid: &RingGrid,
         front: &Front,
     ) -> Result<Reply> {
+        let execution = front.execution("stopping the search", None)?;
+        let end = self.in_medium(front, |medium| {
+            search_candidates(settings, grid, self.refined(), medium, &execution)
+        })?;
+        Ok(reply(end))
+    }
+
+    fn search_cages(&self, group: CubicGroup, front: &Front) -> Result<Reply> {
+        let settings = CagesSettings {
+            bodies: self.bodies.clone(),
+            group,
+            samples: self.search.samples,
+            refined: self.refined(),
+            seed: self.search.seed,
+            gap_angstrom: self.gap,
+            box_angstrom: self.space.box_angstrom()?,
+            output: self.output.clone(),
+            force: front.force(),
+        };
+        let execution = front.execution("stopping the search", None)?;
+        let end = self.in_medium(front, |medium| {
+            search_cage_candidates(&settings, medium, &execution)
+        })?;
+        Ok(reply(end))
+    }
+
+    fn refined(&self) -> usize {
+        self.search.refine.unwrap_or(Searched::REFINED)
+    }
+
+    /// Result of a search with the model and in the medium of the flags.
+    fn in_medium<T>(
+        &self,
+        front: &Front,
+        search: impl FnOnce(&SearchMedium) -> Result<T>,
+    ) -> Result<T> {
         let conditions = &self.conditions;
         let has_screening = conditions.salt.is_some() || conditions.medium.debye.is_some();
         let salt = conditions
@@ -154,20 +206,20 @@ impl CandidatesArgs {
         let interaction = conditions.medium.medium().interaction(salt)?;
         let usual = inspection_settings(EnergyMode::Direct, None, 5.0);
         let run = self.model.acting(&self.charges, &self.terms, usual)?;
-        let medium = SearchMedium {
+        search(&SearchMedium {
             run: &run,
             interaction,
             prepare: &|assembly| {
                 front.warn(self.model.body_warning(&assembly));
                 self.tables.engine(assembly, front)
             },
-        };
-        let execution = front.execution("stopping the search", None)?;
-        Ok(
-            match search_candidates(settings, grid, &medium, &execution)? {
-                End::Finished(report) => Reply::data(report),
-                End::Stopped => Reply::stopped("stopped; nothing was written".into()),
-            },
-        )
+        })
+    }
+}
+
+fn reply(end: End<impl Answer + Send + 'static>) -> Reply {
+    match end {
+        End::Finished(report) => Reply::data(report),
+        End::Stopped => Reply::stopped("stopped; nothing was written".into()),
     }
 }

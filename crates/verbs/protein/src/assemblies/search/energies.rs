@@ -7,11 +7,11 @@
 use protomer_body::assembly::Placement;
 use protomer_body::assembly::orbits::Orbit;
 use protomer_kernel::pose::RelativePose;
-use protomer_mc::energy::terms::{EnergyParts, Term, Terms};
+use protomer_mc::energy::terms::{EnergyParts, Term, TermsOfKinds};
 use std::collections::BTreeMap;
 
 /// Terms of the energy of each two kinds of bodies.
-pub(super) struct PairEnergies(pub BTreeMap<(usize, usize), Terms>);
+pub(super) struct PairEnergies(pub TermsOfKinds);
 
 impl PairEnergies {
     /// The energy of an arrangement by terms, kT.

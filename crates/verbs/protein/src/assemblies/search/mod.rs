@@ -1,313 +1,313 @@
 //! Search of symmetric arrangements for low energies.
 //!
-//! The pattern of a ring or stack fixes which bodies stand where and which of them point up. Tilts, spins, the
-//! stagger of the rings and the opening between neighbours are left. A grid over tilts and spins comes
-//! first; the lowest arrangements are then refined one coordinate at a time, by steps that are halved when
-//! no step helps. Every arrangement is closed to contact by the exact overlap test, so no energy is that of
+//! Starting points come first: a grid over tilts and spins of a ring or stack (`ring`), or random sites of a
+//! cubic group (`cage`). The lowest are then refined one coordinate at a time, by steps that are halved when no
+//! step helps. Every arrangement is closed to contact by the exact overlap test, so no energy is that of
 //! bodies in each other.
 //!
 //! | module | one idea |
 //! |---|---|
-//! | `coordinates` | what is left free, and the recipe that it makes |
+//! | [`ring`] | tilts, spins, stagger and opening of rings and stacks |
+//! | [`cage`] | positions and orientations in a cubic group |
 //! | `energies` | energies by orbits |
 
-mod coordinates;
+pub mod cage;
 mod energies;
+pub mod ring;
 
-use anyhow::Result;
-use coordinates::{Coordinates, Steps, grid};
 use energies::PairEnergies;
-use protomer_body::assembly::{ClosedAssembly, HardBodies, Recipe};
+use protomer_body::assembly::orbits::Orbit;
+use protomer_body::assembly::{HardBodies, Placement};
 use protomer_common::cpu_time::ProcessClock;
-use protomer_kernel::Rotation;
-use protomer_mc::energy::terms::{EnergyParts, Terms};
+use protomer_mc::energy::terms::{EnergyParts, TermsOfKinds};
 use protomer_results::Execution;
 use rayon::prelude::*;
-use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Tolerance of contacts in the grid, Å.
+/// Tolerance of contacts of starting points, Å.
 const COARSE_ANGSTROM: f64 = 0.02;
 /// Tolerance of contacts of refined arrangements, Å: that of `assemble ring`.
 const FINE_ANGSTROM: f64 = 1e-3;
-/// First steps of a refinement where the grid has none, and the last ones.
+/// First steps of a refinement.
 const FIRST: Steps = Steps {
     angle_degrees: 10.0,
     angstrom: 1.0,
-    stagger: 0.1,
+    share: 0.1,
 };
-/// Halvings of the steps until an arrangement counts as refined: 0.6°, 0.06 Å and 0.006 in the end.
-const HALVINGS: usize = 4;
-/// Arrangements are one if their energies are nearer than this, kT, and their sizes as below.
+/// Starting points that take the first steps, for each arrangement that is refined to the end: wells are narrow, and
+/// the lowest starting point need not lie in the lowest one.
+const TRIED_FOR_ONE: usize = 6;
+/// Step sizes of these first steps: 10° and 5°.
+const FIRST_SIZES: usize = 2;
+/// Step sizes of the remaining refinement: down to 0.6°, 0.06 Å and 0.006.
+const LAST_SIZES: usize = 3;
+/// Energies of one arrangement that was found twice are nearer than this, kT.
 const SAME_KT: f64 = 0.05;
-/// Radii and ring distances of one arrangement are nearer than this, Å.
+/// Sizes of one arrangement that was found twice are nearer than this, Å.
 const SAME_ANGSTROM: f64 = 0.1;
 
-/// Grid of a search and number of refinements.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SearchSettings {
-    /// Tilts of the grid, degrees.
-    pub tilts_degrees: Vec<f64>,
-    /// Spins of the grid, degrees.
-    pub spins_degrees: Vec<f64>,
+/// Bodies of a search and the energies between them.
+pub struct Searched<'a> {
+    /// The bodies, prepared for overlap tests.
+    pub bodies: &'a HardBodies,
+    /// Terms of the energy of each two kinds of bodies, the lower kind first.
+    pub potentials: TermsOfKinds,
+    /// Gap between bodies beyond contact, Å.
+    pub gap_angstrom: f64,
     /// Number of arrangements that are refined.
     pub refined: usize,
-    /// Gap between neighbours and between rings, Å.
-    pub gap_angstrom: f64,
 }
 
-impl SearchSettings {
+impl Searched<'_> {
     /// Number of arrangements that are refined where none is stated.
     pub const REFINED: usize = 12;
 }
 
-/// An arrangement that the search found.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FoundArrangement {
-    /// Direction of each body (true: up), ring by ring from below.
-    pub up: Vec<bool>,
-    /// Tilt of each kind of body, degrees.
-    pub tilt_degrees: Vec<f64>,
-    /// Spin of each kind of body, degrees.
-    pub spin_degrees: Vec<f64>,
-    /// Azimuth of the upper ring over the angle between neighbours.
-    pub stagger: f64,
-    /// Distance that neighbours keep beyond contact and gap, Å.
-    pub opening_angstrom: f64,
-    /// Radius of the rings, Å.
-    pub radius_angstrom: f64,
-    /// Distance of the two rings, Å; zero for one ring.
-    pub ring_distance_angstrom: f64,
-    /// Energy of the whole arrangement, kT.
-    pub energy_kt: f64,
-    /// Terms of the energy, kT.
-    pub terms_kt: BTreeMap<&'static str, f64>,
-    /// Whether the arrangement was refined, or is a point of the grid.
-    pub is_refined: bool,
-    /// The recipe.
-    #[serde(skip)]
-    pub recipe: Recipe,
-}
-
 /// The arrangements of a search, the lowest energy first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Found {
+pub struct Found<F> {
     /// Different arrangements.
-    pub arrangements: Vec<FoundArrangement>,
+    pub arrangements: Vec<F>,
     /// Arrangements that were tried.
     pub evaluated: usize,
-    /// Arrangements of the grid that cannot be closed, because bodies interlock.
+    /// Starting points that cannot be closed, because bodies interlock.
     pub unusable: usize,
     /// Processor time of the search, s.
     pub cpu_seconds: f64,
 }
 
-/// A pattern of bodies: which stand where, and which of them point up.
+/// Steps of a refinement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Steps {
+    /// Step of angles, degrees.
+    angle_degrees: f64,
+    /// Step of distances, Å.
+    angstrom: f64,
+    /// Step of what is a share of another length or angle.
+    share: f64,
+}
+
+impl Steps {
+    /// Steps of half the size.
+    fn halved(self) -> Self {
+        Self {
+            angle_degrees: 0.5 * self.angle_degrees,
+            angstrom: 0.5 * self.angstrom,
+            share: 0.5 * self.share,
+        }
+    }
+}
+
+/// A symmetric arrangement with free coordinates.
+trait Arrangement: Clone + Send + Sync {
+    /// Number of free coordinates.
+    fn coordinates(&self) -> usize;
+
+    /// The arrangement with one coordinate moved by a step; `None` where there is no such arrangement.
+    fn moved(&self, coordinate: usize, steps: &Steps, sign: f64) -> Option<Self>;
+
+    /// The arrangement at contact; `None` if bodies interlock.
+    fn close(&self, bodies: &HardBodies, gap_angstrom: f64, tolerance: f64) -> Option<Closed>;
+}
+
+/// An arrangement at contact.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
-    /// Direction of each body (true: up).
-    pub up: Vec<bool>,
-    /// Recipe of the pattern, without tilts and spins.
-    pub recipe: Recipe,
+struct Closed {
+    placements: Vec<Placement>,
+    orbits: Vec<Orbit>,
+    radius_angstrom: f64,
+    /// Distance of the two rings of a stack, Å.
+    ring_distance_angstrom: f64,
 }
 
-/// One arrangement in the search.
+/// An arrangement at contact, with its energy.
 #[derive(Debug, Clone)]
-struct Point {
-    pattern: usize,
-    coordinates: Coordinates,
-    closed: ClosedAssembly,
+struct Point<A> {
+    arrangement: A,
+    closed: Closed,
     energy: EnergyParts,
+    is_refined: bool,
 }
 
-impl Point {
+impl<A> Point<A> {
     fn is_below(&self, other: &Self) -> bool {
         self.energy.total_kt() < other.energy.total_kt()
     }
+
+    fn has_size_of(&self, other: &Self) -> bool {
+        let near = |a: f64, b: f64| (a - b).abs() < SAME_ANGSTROM;
+        near(self.closed.radius_angstrom, other.closed.radius_angstrom)
+            && near(
+                self.closed.ring_distance_angstrom,
+                other.closed.ring_distance_angstrom,
+            )
+    }
 }
 
-/// Searches the patterns for arrangements of low energy; `None` if the work was interrupted.
-///
-/// # Errors
-/// For recipes that do not fit the bodies, and bodies that overlap at every distance.
-pub fn search(
-    bodies: &HardBodies,
-    potentials: BTreeMap<(usize, usize), Terms>,
-    patterns: &[Pattern],
-    settings: &SearchSettings,
+/// Finds arrangements of low energy from these starting points; `None` if the work was interrupted.
+/// `describe` makes the answer of each; it gets the terms of its energy by name, kT.
+fn search<A: Arrangement, F>(
+    searched: Searched,
+    starts: Vec<A>,
     execution: &Execution,
-) -> Result<Option<Found>> {
+    describe: impl Fn(Point<A>, BTreeMap<&'static str, f64>) -> F,
+) -> Option<Found<F>> {
     let clock = ProcessClock::start();
-    let kinds = 1 + patterns
-        .iter()
-        .flat_map(|pattern| pattern.recipe.rings.iter().flatten())
-        .map(|site| site.body)
-        .max()
-        .unwrap_or(0);
     let search = Search {
-        bodies,
-        energies: PairEnergies(potentials),
-        patterns,
-        settings,
+        bodies: searched.bodies,
+        energies: PairEnergies(searched.potentials),
+        gap_angstrom: searched.gap_angstrom,
         execution,
     };
-    // What is wrong with a pattern is an error; what cannot be closed later is an arrangement less.
-    let frames = vec![Rotation::identity(); kinds];
-    for pattern in patterns {
-        pattern.recipe.placements(&frames, 1.0, 1.0, 0.0)?;
-    }
-    let grid = grid(kinds, &settings.tilts_degrees, &settings.spins_degrees);
-    let Some(points) = search.grid(&grid) else {
-        return Ok(None);
-    };
+    let points = search.start(starts)?;
     let mut evaluated = points.len();
-    let points: Vec<Point> = points.into_iter().flatten().collect();
+    let points: Vec<Point<A>> = points.into_iter().flatten().collect();
     let unusable = evaluated - points.len();
-    let mut sorted = different(points);
-    let remaining = sorted.split_off(settings.refined.min(sorted.len()));
-    let refined: Vec<Option<(Point, usize)>> = sorted
-        .into_par_iter()
-        .map(|point| search.refine(point))
-        .collect();
-    let Some(refined) = refined.into_iter().collect::<Option<Vec<_>>>() else {
-        return Ok(None);
-    };
-    evaluated += refined.iter().map(|(_, tried)| tried).sum::<usize>();
-    let refined = different(refined.into_iter().map(|(point, _)| point).collect());
-    let mut arrangements: Vec<FoundArrangement> = Vec::new();
-    for (points, is_refined) in [(refined, true), (remaining, false)] {
-        arrangements.extend(points.into_iter().map(|p| search.found(p, is_refined)));
+    let mut lowest = different(points);
+    let mut remaining = lowest.split_off(lowest.len().min(TRIED_FOR_ONE * searched.refined));
+    let last = (0..FIRST_SIZES).fold(FIRST, |steps, _| steps.halved());
+    lowest = search.refine(lowest, FIRST, FIRST_SIZES, COARSE_ANGSTROM, &mut evaluated)?;
+    remaining.extend(lowest.split_off(lowest.len().min(searched.refined)));
+    let mut refined = search.refine(lowest, last, LAST_SIZES, FINE_ANGSTROM, &mut evaluated)?;
+    for point in &mut refined {
+        point.is_refined = true;
     }
-    arrangements.sort_by(|a, b| a.energy_kt.total_cmp(&b.energy_kt));
-    Ok(Some(Found {
-        arrangements,
+    let mut points = refined;
+    points.extend(remaining);
+    points.sort_by(|a, b| a.energy.total_kt().total_cmp(&b.energy.total_kt()));
+    let answer = |point: Point<A>| {
+        let terms_kt = search.energies.by_name(&point.energy);
+        describe(point, terms_kt)
+    };
+    Some(Found {
+        arrangements: points.into_iter().map(answer).collect(),
         evaluated,
         unusable,
         cpu_seconds: clock.seconds(),
-    }))
+    })
 }
 
-/// Bodies, energies and patterns that all arrangements of a search share.
+/// Bodies and energies that all arrangements of a search share.
 struct Search<'a> {
     bodies: &'a HardBodies,
     energies: PairEnergies,
-    patterns: &'a [Pattern],
-    settings: &'a SearchSettings,
+    gap_angstrom: f64,
     execution: &'a Execution,
 }
 
 impl Search<'_> {
-    /// Every pattern at every point of the grid, where it can be closed; `None` if the work was interrupted.
-    fn grid(&self, grid: &[Coordinates]) -> Option<Vec<Option<Point>>> {
+    /// The starting points that can be closed; `None` if the work was interrupted.
+    fn start<A: Arrangement>(&self, starts: Vec<A>) -> Option<Vec<Option<Point<A>>>> {
         let progress = &self.execution.progress;
-        progress.begin((grid.len() * self.patterns.len()) as u64, "arrangements");
-        let points = (0..grid.len() * self.patterns.len()).into_par_iter();
-        let closed = points.map(|number| {
+        progress.begin(starts.len() as u64, "arrangements");
+        let closed = starts.into_par_iter().map(|start| {
             if self.execution.interrupt.is_requested() {
                 return None;
             }
-            let (pattern, point) = (number / grid.len(), number % grid.len());
-            let point = self.point(pattern, grid[point].clone(), COARSE_ANGSTROM);
+            let point = self.point(start, COARSE_ANGSTROM);
             progress.advance(1);
             Some(point)
         });
         closed.collect()
     }
 
-    /// An arrangement, closed to contact, with its energy; `None` if the gap would bring bodies that
-    /// interlock into each other.
-    fn point(&self, pattern: usize, coordinates: Coordinates, tolerance: f64) -> Option<Point> {
-        let recipe = coordinates.recipe(&self.patterns[pattern].recipe);
-        let gap = self.settings.gap_angstrom;
-        let symmetric = self.bodies.close_symmetric(&recipe, gap, tolerance).ok()?;
-        let placements = &symmetric.closed.placements;
+    /// An arrangement, closed to contact, with its energy.
+    fn point<A: Arrangement>(&self, arrangement: A, tolerance: f64) -> Option<Point<A>> {
+        let closed = arrangement.close(self.bodies, self.gap_angstrom, tolerance)?;
         Some(Point {
-            pattern,
-            coordinates,
-            energy: self.energies.energy(placements, &symmetric.orbits),
-            closed: symmetric.closed,
+            arrangement,
+            energy: self.energies.energy(&closed.placements, &closed.orbits),
+            closed,
+            is_refined: false,
         })
+    }
+
+    /// The different arrangements after steps of this many sizes, the lowest first. Adds to the number of
+    /// arrangements that were tried; `None` if the work was interrupted.
+    fn refine<A: Arrangement>(
+        &self,
+        points: Vec<Point<A>>,
+        first: Steps,
+        sizes: usize,
+        tolerance: f64,
+        tried: &mut usize,
+    ) -> Option<Vec<Point<A>>> {
+        let descended = points
+            .into_par_iter()
+            .map(|point| self.descend(point, first, sizes, tolerance));
+        let descended: Vec<(Point<A>, usize)> = descended.collect::<Option<_>>()?;
+        *tried += descended.iter().map(|(_, tried)| tried).sum::<usize>();
+        let points = descended.into_iter().map(|(point, _)| point);
+        Some(different(points.collect()))
     }
 
     /// The arrangement after steps of its coordinates, each of which lowered the energy, and the number
     /// of arrangements that were tried; `None` if the work was interrupted.
-    fn refine(&self, start: Point) -> Option<(Point, usize)> {
-        let pattern = start.pattern;
-        let rings = self.patterns[pattern].recipe.rings.len();
-        let mut steps = FIRST;
-        // Closed again, because the tolerance of the grid is wider.
-        let fine = self.point(pattern, start.coordinates.clone(), FINE_ANGSTROM);
-        let mut best = fine.unwrap_or(start);
+    fn descend<A: Arrangement>(
+        &self,
+        start: Point<A>,
+        first: Steps,
+        sizes: usize,
+        tolerance: f64,
+    ) -> Option<(Point<A>, usize)> {
+        let mut steps = first;
+        // Closed again, because the tolerance may have been wider before.
+        let closed = self.point(start.arrangement.clone(), tolerance);
+        let mut best = closed.unwrap_or(start);
         let mut tried = 1;
-        for _ in 0..=HALVINGS {
-            let mut helped = true;
-            while helped {
-                helped = false;
-                for coordinate in 0..best.coordinates.count(rings) {
-                    for sign in [1.0, -1.0] {
-                        if self.execution.interrupt.is_requested() {
-                            return None;
-                        }
-                        let Some(moved) = best.coordinates.moved(coordinate, &steps, sign) else {
-                            continue;
-                        };
-                        tried += 1;
-                        let next = self.point(pattern, moved, FINE_ANGSTROM);
-                        let lower = next.filter(|next| next.is_below(&best));
-                        if let Some(next) = lower {
-                            best = next;
-                            helped = true;
-                            break;
-                        }
-                    }
-                }
+        for _ in 0..sizes {
+            while let Some(lower) = self.lower(&best, &steps, tolerance, &mut tried)? {
+                best = lower;
             }
             steps = steps.halved();
         }
         Some((best, tried))
     }
 
-    fn found(&self, point: Point, is_refined: bool) -> FoundArrangement {
-        let pattern = &self.patterns[point.pattern];
-        let recipe = point.coordinates.recipe(&pattern.recipe);
-        let Coordinates {
-            tilt_degrees,
-            spin_degrees,
-            stagger,
-            opening_angstrom,
-        } = point.coordinates.wrapped();
-        FoundArrangement {
-            up: pattern.up.clone(),
-            tilt_degrees,
-            spin_degrees,
-            stagger,
-            opening_angstrom,
-            radius_angstrom: point.closed.radius_angstrom,
-            ring_distance_angstrom: point.closed.ring_distance_angstrom,
-            energy_kt: point.energy.total_kt(),
-            terms_kt: self.energies.by_name(&point.energy),
-            is_refined,
-            recipe,
+    /// The arrangement after a round of steps, one for each coordinate that helps; `Some(None)` if none
+    /// does, `None` if the work was interrupted.
+    #[allow(clippy::option_option)] // ended, no step helps, a lower one
+    fn lower<A: Arrangement>(
+        &self,
+        point: &Point<A>,
+        steps: &Steps,
+        tolerance: f64,
+        tried: &mut usize,
+    ) -> Option<Option<Point<A>>> {
+        let mut best: Option<Point<A>> = None;
+        for coordinate in 0..point.arrangement.coordinates() {
+            for sign in [1.0, -1.0] {
+                if self.execution.interrupt.is_requested() {
+                    return None;
+                }
+                let lowest = best.as_ref().unwrap_or(point);
+                let Some(moved) = lowest.arrangement.moved(coordinate, steps, sign) else {
+                    continue;
+                };
+                *tried += 1;
+                let next = self.point(moved, tolerance);
+                if let Some(next) = next.filter(|next| next.is_below(lowest)) {
+                    best = Some(next);
+                    break;
+                }
+            }
         }
+        Some(best)
     }
 }
 
 /// The points in the order of their energies, without those that are the same arrangement as an earlier
 /// one: of the same energy and size.
-fn different(mut points: Vec<Point>) -> Vec<Point> {
+fn different<A>(mut points: Vec<Point<A>>) -> Vec<Point<A>> {
     points.sort_by(|a, b| a.energy.total_kt().total_cmp(&b.energy.total_kt()));
-    let mut kept: Vec<Point> = Vec::with_capacity(points.len());
+    let mut kept: Vec<Point<A>> = Vec::with_capacity(points.len());
     for point in points {
-        let is_same = |other: &&Point| {
-            (point.closed.radius_angstrom - other.closed.radius_angstrom).abs() < SAME_ANGSTROM
-                && (point.closed.ring_distance_angstrom - other.closed.ring_distance_angstrom).abs()
-                    < SAME_ANGSTROM
-        };
-        let near = kept
+        let energy_kt = point.energy.total_kt();
+        let mut near = kept
             .iter()
             .rev()
-            .take_while(|other| point.energy.total_kt() - other.energy.total_kt() < SAME_KT);
-        if !near.into_iter().any(|other| is_same(&other)) {
+            .take_while(|other| energy_kt - other.energy.total_kt() < SAME_KT);
+        if !near.any(|other| point.has_size_of(other)) {
             kept.push(point);
         }
     }

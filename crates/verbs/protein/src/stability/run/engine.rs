@@ -12,6 +12,7 @@ use crate::stability::terms::FurtherTerms;
 use anyhow::{Context, Result, bail};
 use protomer_kernel::potential::Yukawa;
 use protomer_kernel::{Boundary, Pose, Vec3};
+use protomer_mc::energy::terms::TermsOfKinds;
 use protomer_mc::energy::{DirectSum, EnergyModel, NoCharges, TermsByType, WithTerms};
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
@@ -179,10 +180,7 @@ impl Engine {
     ///
     /// # Errors
     /// If the charges have no screening, or the tables take more memory than is allowed.
-    pub fn pair_potentials(
-        &self,
-        interaction: &ScreenedCoulomb,
-    ) -> Result<BTreeMap<(usize, usize), Terms>> {
+    pub fn pair_potentials(&self, interaction: &ScreenedCoulomb) -> Result<TermsOfKinds> {
         let yukawa = interaction.yukawa()?;
         let mut charged = BTreeMap::new();
         for (second, second_type) in self.types.iter().enumerate() {
