@@ -22,6 +22,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 PH, SALT = 7, "100mM"
+# Net charges are compared at this pH, where carboxylates titrate, for entries with so many values.
+CHARGE_PH, MANY_VALUES = 4.5, 10
 # Groups less exposed than this are buried.
 BURIED_BELOW_PERCENT = 20.0
 # A pKa that titrate cannot find lies beyond these.
@@ -201,6 +203,37 @@ def table(values, programs):
             print(row_of(name, part, programs))
 
 
+def charge_e(residue, pka, ph):
+    """Charge of a group by the equation of Henderson and Hasselbalch, e."""
+    protonated = 1.0 / (1.0 + 10.0 ** (ph - pka))
+    return protonated - 1.0 if residue in ACIDS else protonated
+
+
+def charge_errors(by_entry, program, ph):
+    """Computed less measured charge of the measured groups of each entry, e."""
+    errors = {}
+    for entry, values in by_entry.items():
+        error = 0.0
+        for value in values:
+            residue = value.group.residue
+            error += charge_e(residue, value.computed[program], ph) - charge_e(residue, value.measured, ph)
+        errors[entry] = error
+    return errors
+
+
+def charge_table(by_entry, programs):
+    """Errors of the charge of all measured groups together, where there are many."""
+    many = {entry: values for entry, values in by_entry.items() if len(values) >= MANY_VALUES}
+    print(f"\nCharge of the measured groups at pH {CHARGE_PH:g}, {len(many)} entries with {MANY_VALUES} values and more (e)\n")
+    print("| | mean of the size of the error | root mean square | largest |\n|---|---|---|---|")
+    for program in programs:
+        errors = charge_errors(many, program, CHARGE_PH)
+        sizes = [abs(error) for error in errors.values()]
+        worst = max(errors, key=lambda entry: abs(errors[entry]))
+        rms = math.sqrt(sum(size**2 for size in sizes) / len(sizes))
+        print(f"| {program} | {sum(sizes) / len(sizes):.2f} | {rms:.2f} | {errors[worst]:+.1f} ({worst.upper()}) |")
+
+
 def list_values(values, programs):
     print(f"| group | measured | {' | '.join(programs)} |")
     print("|---" * (2 + len(programs)) + "|")
@@ -230,13 +263,14 @@ def main():
         if entry not in entries:
             raise SystemExit(f"{arguments.folder / 'measured.csv'} has no entry {arguments.entry}")
         entries = {entry: entries[entry]}
-    values = []
-    for entry, rows in sorted(entries.items()):
-        values += values_of_entry(arguments, entry, rows, structures)
+    by_entry = {entry: values_of_entry(arguments, entry, rows, structures) for entry, rows in sorted(entries.items())}
+    values = [value for of_entry in by_entry.values() for value in of_entry]
     if not values:
         raise SystemExit("no measured value has a computed one")
     programs = ["model values", "protomer"] + (["PROPKA"] if arguments.propka else [])
     (list_values if arguments.entry else table)(values, programs)
+    if not arguments.entry:
+        charge_table(by_entry, programs)
     total = sum(map(len, entries.values()))
     print(f"\n{len(values)} of {total} measured values, {len(entries)} entries")
 
