@@ -431,6 +431,34 @@ pub fn without_double_dash(mut error: clap::Error) -> clap::Error {
     error
 }
 
+/// The error for a word that is not a number, in words of this program: those of the standard library say
+/// nothing to a user.
+pub fn with_plain_number(error: clap::Error) -> clap::Error {
+    let cause = std::error::Error::source(&error).map(ToString::to_string);
+    let remedy = match cause.as_deref() {
+        Some("invalid float literal" | "cannot parse float from empty string") => {
+            "write a number such as 0.5"
+        }
+        Some("invalid digit found in string" | "cannot parse integer from empty string") => {
+            "write a whole number such as 5"
+        }
+        _ => return error,
+    };
+    let text = |kind: ContextKind| error.get(kind).map(ToString::to_string);
+    let (Some(flag), Some(value)) = (
+        text(ContextKind::InvalidArg),
+        text(ContextKind::InvalidValue),
+    ) else {
+        return error;
+    };
+    clap::Error::raw(
+        ErrorKind::ValueValidation,
+        format!(
+            "invalid value '{value}' for '{flag}': {remedy}\n\nFor more information, try '--help'.\n"
+        ),
+    )
+}
+
 /// The error for a verb that this build does not have, with the way to get it.
 pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::Error {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {

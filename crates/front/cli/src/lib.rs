@@ -85,6 +85,7 @@ fn parsed<W: Into<OsString> + Clone>(
     let matches = syntax.try_get_matches_from_mut(words);
     let matches = matches
         .map_err(help::without_double_dash)
+        .map_err(help::with_plain_number)
         .map_err(|error| help::with_missing_feature(error, &mut syntax))?;
     paths::require_text(&syntax, &matches)?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut syntax))

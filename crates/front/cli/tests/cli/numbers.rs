@@ -312,3 +312,20 @@ fn no_number_of_any_flag_panics_hangs_or_becomes_nonsense() {
     }
     check(&all);
 }
+
+/// Words in the place of a number are refused in words of the program, not of the standard library.
+#[test]
+fn a_word_for_a_number_says_what_to_write() {
+    let flags = number_flags();
+    assert!(flags.len() > 100);
+    for flag in flags {
+        let name = format!("--{}", flag.flag);
+        let mut words: Vec<&str> = flag.verb.iter().map(String::as_str).collect();
+        words.extend([name.as_str(), "many"]);
+        let called = protomer_cli::call(&words, protomer_cli::Host::default());
+        let error = called.err().unwrap();
+        let text = error.to_string();
+        let is_plain = !text.contains("literal") && !text.contains("digit found");
+        assert!(text.contains("many") && is_plain, "{words:?}: {text}");
+    }
+}

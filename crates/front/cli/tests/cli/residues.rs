@@ -9,14 +9,6 @@ const STRUCTURE: &str = "data/structures/5pti.cif.gz";
 /// Exchanges that make BPTI negative.
 const MINUS: &str = "A:R17E,A:K26E,A:R39E,A:K41E,A:R42E,A:K46E,A:R53E";
 
-/// A folder with the bundled structures.
-fn place() -> TemporaryFolder {
-    let place = TemporaryFolder::new();
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../data");
-    std::os::unix::fs::symlink(data, place.path("data")).unwrap();
-    place
-}
-
 fn ingest(place: &TemporaryFolder, name: &str, mutations: &str) {
     is_ok(&place.run(&format!(
         "ingest -q {STRUCTURE} -o . --name {name} --core surface --charges formal --density 0.5 --mutate {mutations}"
@@ -210,7 +202,7 @@ fn exchanges_in_a_contact_are_marked_and_not_recommended() {
 /// The energy of the run's log is that of the shares; files and report are there.
 #[test]
 fn a_run_is_shared_out_and_shown() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     ingest(&place, "plus", "A:D3K,A:E49K");
     ingest(&place, "minus", MINUS);
     is_ok(&place.run("assemble ring -q plus.body minus.body --members 4 --box 200 -o four.json"));
@@ -324,7 +316,7 @@ fn the_response_of_the_solvent_is_shared_out_among_residues() {
 /// The surface of a body belongs to its residues, and those without any are marked.
 #[test]
 fn buried_residues_are_marked() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     ingest(&place, "bpti", "A:D3K");
     is_ok(&place.run("assemble ring -q bpti.body --members 2 -o two.json"));
     let found = json(&place.run("residues two.json --salt 100mM --json").stdout);
@@ -421,7 +413,7 @@ fn an_affinity_moves_with_salt_and_ph() {
 #[test]
 #[ignore = "takes half a minute of processor time"]
 fn interlocked_chains_have_a_constant() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let output = place.run(
         "binding data/structures/4e43.pdb.gz --body A --body B --salt 150mM --spacing 0.9 --json",
     );

@@ -2,17 +2,8 @@
 
 use crate::common::{TemporaryFolder, is_ok, message};
 use serde_json::Value;
-use std::path::Path;
 
 const STRUCTURE: &str = "data/structures/5pti.cif.gz";
-
-/// A folder with the bundled structures.
-fn place() -> TemporaryFolder {
-    let place = TemporaryFolder::new();
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../data");
-    std::os::unix::fs::symlink(data, place.path("data")).unwrap();
-    place
-}
 
 /// B22 of two copies of the structure at each condition, mol mL/g².
 fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
@@ -28,7 +19,7 @@ fn b22_values(place: &TemporaryFolder, flags: &str) -> Vec<f64> {
 
 #[test]
 fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let output = place.run(&format!(
         "titrate -q {STRUCTURE} --ph 2..12/21 --salt 100mM --json -o titration"
     ));
@@ -79,7 +70,7 @@ fn a_titration_says_what_shifts_each_pka_and_writes_its_tables() {
 
 #[test]
 fn conditions_outside_the_fit_are_named() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let output = place.run(&format!(
         "titrate {STRUCTURE} --salt 0.1M --temperature 350 --inner-permittivity 4 --json"
     ));
@@ -95,7 +86,7 @@ fn conditions_outside_the_fit_are_named() {
 /// residue, also with mutations and bound anions, and says so.
 #[test]
 fn a_body_carries_the_protonation_of_its_structure() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let conditions = "--ph 4 --anion-binding 2";
     let output = place.run(&format!(
         "titrate -q {STRUCTURE} {conditions} --salt 50mM --json"
@@ -137,7 +128,7 @@ fn a_body_carries_the_protonation_of_its_structure() {
 /// Bodies of a pair are titrated in the salt of each condition: bound anions make B22 fall faster.
 #[test]
 fn a_pair_is_titrated_in_each_salt() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let b22 = |flags: &str| {
         let flags = format!("--ph 7 --salt 20mM,200mM --relative-error 0.05 {flags}");
         b22_values(&place, &flags)
@@ -154,7 +145,7 @@ fn a_pair_is_titrated_in_each_salt() {
 /// A model with a titration names itself for bodies that have it, and for no others.
 #[test]
 fn bodies_of_another_titration_are_not_those_of_the_model() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let name = |bodies: &str| {
         let output = place.run(&format!(
             "pair -q {bodies} --salt 100mM --relative-error 0.5 --most-directions 1024 --model solution-2 --json"
@@ -178,7 +169,7 @@ fn bodies_of_another_titration_are_not_those_of_the_model() {
 /// Charges that follow the potential of another body lower the energy, most at low salt.
 #[test]
 fn regulated_charges_repel_less() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let b22 = |flags: &str| {
         let conditions = "--ph 9.5 --salt 20mM --relative-error 0.02 --interaction response";
         b22_values(&place, &format!("{conditions} {flags}"))[0]
@@ -207,7 +198,7 @@ fn regulated_charges_repel_less() {
 /// pKa in water.
 #[test]
 fn salt_screens_the_shifts_by_neighbours() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     let pka = |salt: &str| {
         let output = place.run(&format!("titrate -q {STRUCTURE} --salt {salt} --json"));
         is_ok(&output);
@@ -224,7 +215,7 @@ fn salt_screens_the_shifts_by_neighbours() {
 
 #[test]
 fn what_cannot_be_titrated_is_refused_with_a_remedy() {
-    let place = place();
+    let place = TemporaryFolder::with_data();
     std::fs::write(
         place.path("glycine.pdb"),
         "ATOM      1  N   GLY A   2       0.000   0.000   0.000  1.00  0.00           N\n\

@@ -60,6 +60,14 @@ impl TemporaryFolder {
         place
     }
 
+    /// The same with the bundled data as `data`.
+    pub fn with_data() -> Self {
+        let place = Self::new();
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../data");
+        std::os::unix::fs::symlink(data, place.path("data")).unwrap();
+        place
+    }
+
     /// A path in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
