@@ -12,6 +12,7 @@
 //! Hydrogens that are kept have no charge; it is on their heavy atom.
 
 use super::amino_acid::{AminoAcid, BACKBONE};
+use super::cofactors::cofactor_of;
 use super::protonation::{C_TERMINUS, Group, N_TERMINUS, ResidueProtonation, side_chain_groups};
 use super::templates::{self, Template, forms};
 use super::treatment::{formal_charge_e, ion_of};
@@ -58,14 +59,17 @@ pub fn residue_charge_e(residue: &SelectedResidue, protonation: &ResidueProtonat
     charge
 }
 
-/// Charges that no pH changes: one per phosphate of a nucleic acid, ions by their name, ligands and
-/// residues in no table as the file states.
+/// Charges that no pH changes: one per phosphate of a nucleic acid, ions and cofactors by their name,
+/// other ligands and residues in no table as the file states.
 fn fixed_charge_e(residue: &SelectedResidue) -> f64 {
     match residue.class {
         ResidueClass::Nucleotide if residue.atom("P").is_some() => -1.0,
         ResidueClass::Ligand => match ion_of(residue) {
             Some(charge) => f64::from(charge),
-            None => f64::from(formal_charge_e(residue)),
+            None => match cofactor_of(residue) {
+                Some(cofactor) => cofactor.charge_e(),
+                None => f64::from(formal_charge_e(residue)),
+            },
         },
         ResidueClass::UnknownAminoAcid => f64::from(formal_charge_e(residue)),
         _ => 0.0,
@@ -333,7 +337,7 @@ impl<'a> Charges<'a> {
         }
     }
 
-    /// Phosphates, and the formal charges of ligands and of residues in no table. The charge of an
+    /// Phosphates, groups of cofactors, and the formal charges of other ligands and of residues in no table. The charge of an
     /// ion is assigned later, as the remainder.
     fn place_fixed(&mut self) {
         match self.residue.class {
@@ -341,6 +345,12 @@ impl<'a> Charges<'a> {
                 self.place(&["OP1", "OP2", "O1P", "O2P"], -1.0);
             }
             ResidueClass::Ligand if ion_of(self.residue).is_some() => {}
+            ResidueClass::Ligand if cofactor_of(self.residue).is_some() => {
+                let cofactor = cofactor_of(self.residue);
+                for (atoms, charge_e) in cofactor.into_iter().flat_map(|found| found.groups) {
+                    self.place(atoms, *charge_e);
+                }
+            }
             ResidueClass::Ligand | ResidueClass::UnknownAminoAcid => {
                 for (atom, value) in self.residue.atoms.iter().zip(&mut self.values) {
                     *value += f64::from(atom.formal_charge_e.unwrap_or(0));

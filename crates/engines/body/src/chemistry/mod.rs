@@ -6,6 +6,7 @@
 //! | `additives` | molecules of the crystallisation, which do not belong to the protein |
 //! | [`residue_names`] | other residue names: modified residues and their parents, force fields, caps, nucleotides, waters |
 //! | [`ions`] | ions by their residue names |
+//! | `cofactors` | charges of cofactors, nucleotides and sugars by their residue names |
 //! | [`protonation`] | titratable groups, model pKa values, Henderson-Hasselbalch |
 //! | [`templates`] | AMBER ff94 charges of each residue |
 //! | [`charges`] | the charge of one residue, distributed over its atoms |
@@ -18,6 +19,7 @@
 pub(crate) mod additives;
 pub mod amino_acid;
 pub mod charges;
+pub(crate) mod cofactors;
 pub mod ions;
 pub mod mutation;
 pub mod protonation;

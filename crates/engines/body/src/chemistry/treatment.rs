@@ -1,5 +1,6 @@
 //! How a residue that is not one of the twenty is treated, in words.
 
+use super::cofactors::cofactor_of;
 use super::ions::ion_charge_e;
 use super::protonation::Group;
 use super::residue_names::{ModifiedResidue, is_polymer};
@@ -38,6 +39,13 @@ fn describe_ligand(residue: &SelectedResidue) -> String {
         .atoms
         .iter()
         .any(|atom| atom.formal_charge_e.is_some());
+    if let (None, Some(cofactor)) = (ion_of(residue), cofactor_of(residue)) {
+        return format!(
+            "ligand, {}: {:+} e by its name",
+            cofactor.description,
+            cofactor.charge_e()
+        );
+    }
     match ion_of(residue) {
         Some(charge) => format!("ligand, {charge:+} e by its name"),
         None if states_charges => format!(
