@@ -87,7 +87,7 @@ pub use checkpoint::Checkpoint;
 pub use error::{McError, Result};
 pub use exchange::Ladder;
 pub use observables::Observables;
-pub use settings::{Interaction, Settings};
+pub use settings::{DEFAULT_CONTACT_GAP_ANGSTROM, Interaction, Settings};
 pub use simulation::{Outcome, Simulation};
 pub use statistics::Statistics;
 pub use system::System;

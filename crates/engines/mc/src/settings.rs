@@ -9,6 +9,9 @@ use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
+/// Surfaces closer than this are in contact where nothing else is stated, Å.
+pub const DEFAULT_CONTACT_GAP_ANGSTROM: f64 = 5.0;
+
 /// The interaction of bodies, in addition to their hard cores.
 ///
 /// ```
@@ -115,7 +118,7 @@ impl Settings {
             cluster_moves_per_sweep: 1,
             binding_moves_per_sweep: 0,
             cluster_axis_reach_angstrom: None,
-            contact_gap_angstrom: 5.0,
+            contact_gap_angstrom: DEFAULT_CONTACT_GAP_ANGSTROM,
         }
     }
 

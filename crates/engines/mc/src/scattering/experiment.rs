@@ -43,7 +43,7 @@ impl Default for Settings {
             largest_q_per_angstrom: 0.3,
             wave_numbers: 60,
             directions: 24,
-            contact_gap_angstrom: 5.0,
+            contact_gap_angstrom: crate::DEFAULT_CONTACT_GAP_ANGSTROM,
             hydration_angstrom: 1.1,
             light_q_per_angstrom: 0.00264,
             seed: 1,

@@ -18,3 +18,5 @@ pub mod reweighting;
 pub mod run;
 pub mod sweep;
 pub mod terms;
+
+pub use protomer_mc::DEFAULT_CONTACT_GAP_ANGSTROM;

@@ -24,6 +24,7 @@ use protomer_protein_verbs::assemblies::candidates::{
 };
 use protomer_protein_verbs::assemblies::search::Searched;
 use protomer_protein_verbs::assemblies::search::ring::RingGrid;
+use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::inspect::inspection_settings;
 use protomer_protein_verbs::stability::run::EnergyMode;
 use protomer_results::End;
@@ -204,7 +205,7 @@ impl CandidatesArgs {
             .or((!has_screening).then_some(USUAL_SALT_MOLAR));
         front.warn(quantity::salt_warning(salt));
         let interaction = conditions.medium.medium().interaction(salt)?;
-        let usual = inspection_settings(EnergyMode::Direct, None, 5.0);
+        let usual = inspection_settings(EnergyMode::Direct, None, DEFAULT_CONTACT_GAP_ANGSTROM);
         let run = self.model.acting(&self.charges, &self.terms, usual)?;
         search(&SearchMedium {
             run: &run,

@@ -13,6 +13,7 @@ use anyhow::Result;
 use clap::Args;
 use protomer_common::{quantity, range};
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
+use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::inspect::{inspect, inspection_settings};
 use protomer_protein_verbs::stability::run::EnergyMode;
 use std::path::PathBuf;
@@ -28,7 +29,7 @@ pub struct InspectArgs {
     #[command(flatten)]
     tolerance: ToleranceArgs,
     /// Surfaces closer than this are in contact, Å.
-    #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
+    #[arg(long, default_value_t = DEFAULT_CONTACT_GAP_ANGSTROM, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
     #[command(flatten)]
     model: ModelArgs,

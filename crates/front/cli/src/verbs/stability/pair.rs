@@ -15,6 +15,7 @@ use clap::{Args, ValueEnum};
 use protomer_body::BodySettings;
 use protomer_body::chemistry::StructureTitration;
 use protomer_common::{quantity, range};
+use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
 use protomer_protein_verbs::stability::effective::SoluteModel;
 use protomer_protein_verbs::stability::model::Model;
@@ -63,7 +64,7 @@ pub struct PairArgs {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Bodies whose surfaces are closer than this are bound, Å.
-    #[arg(long, default_value_t = 5.0, value_parser = range::CONTACT_GAP.number())]
+    #[arg(long, default_value_t = DEFAULT_CONTACT_GAP_ANGSTROM, value_parser = range::CONTACT_GAP.number())]
     contact_gap: f64,
     /// Compute only a part of the conditions, such as 2/8, alongside other processes in the same
     /// directory; the command without this flag collects the parts.

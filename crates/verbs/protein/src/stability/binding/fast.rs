@@ -11,14 +11,12 @@ use anyhow::Result;
 use protomer_body::residue_contacts::beads_of;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::{Boundary, Pose};
+use protomer_mc::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_mc::energy::terms::Term;
 use protomer_mc::hard::overlapping_pairs;
 use protomer_mc::pair::BodyPair;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// Surfaces nearer than this are in contact, Å; no energy depends on it.
-const CONTACT_GAP_ANGSTROM: f64 = 5.0;
 
 /// Two bodies prepared for the interaction of simulations.
 pub(super) struct FastInteraction {
@@ -72,7 +70,7 @@ impl FastInteraction {
             settings: RunSettings {
                 solvent_response: settings.model.solvent_response(),
                 contacts: settings.contacts.filter(|_| has_beads),
-                ..inspection_settings(EnergyMode::Direct, None, CONTACT_GAP_ANGSTROM)
+                ..inspection_settings(EnergyMode::Direct, None, DEFAULT_CONTACT_GAP_ANGSTROM)
             },
         })
     }

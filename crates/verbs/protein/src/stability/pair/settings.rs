@@ -95,7 +95,7 @@ impl Default for PairRunSettings {
             ph: Vec::new(),
             protonation: None,
             energies: Energies::Bare,
-            contact_gap_angstrom: 5.0,
+            contact_gap_angstrom: protomer_mc::DEFAULT_CONTACT_GAP_ANGSTROM,
             contact_definition: Some(ContactDefinition::BetweenSurfaces),
             sampling: PairSettings::default(),
             b22_error_mol_ml_per_g2: None,

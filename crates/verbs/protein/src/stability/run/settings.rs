@@ -62,7 +62,7 @@ protomer_common::settings! {
         /// Seed of the random numbers.
         seed: u64 = 1_u64;
         /// Surfaces closer than this are in contact, Å.
-        contact_gap_angstrom: f64 = 5.0, in CONTACT_GAP, flag "contact-gap";
+        contact_gap_angstrom: f64 = protomer_mc::DEFAULT_CONTACT_GAP_ANGSTROM, in CONTACT_GAP, flag "contact-gap";
         /// Definition of the contact gap; stated in the settings of every run that
         /// [`Engine::resolved`](super::Engine::resolved) has seen.
         contact_definition: Option<ContactDefinition>, omit "is_default", from file;
