@@ -252,7 +252,9 @@ impl Contributions {
                     let pair = &mut energies.pairs[a * columns + b];
                     match kind {
                         Term::Charges => pair.charges_kt += energy_kt,
-                        _ => pair.contacts_kt += energy_kt,
+                        Term::Contacts => pair.contacts_kt += energy_kt,
+                        // These have no shares of pairs.
+                        Term::Desolvation | Term::SolventResponse => {}
                     }
                 }
             });
