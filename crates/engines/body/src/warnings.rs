@@ -1,6 +1,7 @@
 //! Warnings about a structure file and the body made from it.
 
 use crate::chemistry::additives::is_crystallisation_additive;
+use crate::structure::confidence::{LOW_PERCENT, LowConfidence};
 use crate::structure::report::reason;
 use crate::structure::{
     Disulfide, DisulfideEvidence, ListedResidue, SelectionReport, Structure, messages::listed,
@@ -63,11 +64,29 @@ pub(crate) fn selection_warnings(report: &SelectionReport) -> Vec<String> {
             gap.before, gap.after
         ));
     }
+    warnings.extend(confidence_warning(&report.low_confidence));
     if report.unobserved > 0 {
         let count = report.unobserved;
         warnings.push(format!("{count} residues are listed as not observed"));
     }
     warnings
+}
+
+/// Warning of residues whose places a prediction does not know.
+fn confidence_warning(ranges: &[LowConfidence]) -> Option<String> {
+    let residues: usize = ranges.iter().map(|range| range.residues).sum();
+    let places: Vec<String> = ranges.iter().map(LowConfidence::in_words).collect();
+    (residues > 0).then(|| {
+        let (are, their) = match residues {
+            1 => ("residue has", "its place is"),
+            _ => ("residues have", "their places are"),
+        };
+        format!(
+            "{residues} {are} a confidence (pLDDT) below {LOW_PERCENT}: {}; {their} uncertain, and --residues keeps \
+             the others",
+            listed(&places)
+        )
+    })
 }
 
 /// Warning that one of several models is used, unless the user chose it.

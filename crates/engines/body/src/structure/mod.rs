@@ -60,6 +60,7 @@
 //! | [`report`] | 5 | what was selected, what was left out, and how residues were treated |
 //! | `residue_range` | 5 | ranges of residues by chain and number |
 //! | `completeness` | 5 | missing atoms and chain breaks |
+//! | `confidence` | 5 | residues of low confidence in predicted models |
 //! | `ends` | 5 | free amines and carboxylates at the ends of chains |
 //! | `disulfides` | 5 | disulfide bonds, from records first and by distance second |
 //! | `assembled` | 5 | selected residues copied by an assembly's operators |
@@ -75,6 +76,7 @@ mod cif_syntax;
 pub mod classes;
 mod columns;
 mod completeness;
+pub(crate) mod confidence;
 mod contents;
 mod corrections;
 mod disulfides;
@@ -103,6 +105,7 @@ pub mod write;
 
 pub use biological_assembly::{BiologicalAssembly, Operator};
 pub use classes::ResidueClass;
+pub use confidence::LowConfidence;
 pub use contents::{
     Atom, Header, Model, RecordedDisulfide, Structure, UnitCell, UnobservedResidue,
 };

@@ -1,5 +1,6 @@
 //! The report of a selection.
 
+use super::confidence::LowConfidence;
 use super::contents::Atom;
 use super::residue_key::ResidueKey;
 use serde::Serialize;
@@ -55,6 +56,9 @@ pub struct SelectionReport {
     pub repeated_numbers: usize,
     /// Selected atoms with zero occupancy.
     pub zero_occupancy: usize,
+    /// Residues of low confidence, of a predicted model.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub low_confidence: Vec<LowConfidence>,
 }
 
 impl SelectionReport {

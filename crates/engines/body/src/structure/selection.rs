@@ -5,6 +5,7 @@ use super::assembled::apply_assembly;
 use super::biological_assembly::BiologicalAssembly;
 use super::classes::ResidueClass;
 use super::completeness;
+use super::confidence::low_confidence;
 use super::contents::{Atom, Model, Structure, UnobservedResidue};
 use super::disulfides::mark_disulfides;
 use super::ends::mark_chain_ends;
@@ -120,6 +121,7 @@ impl Structure {
         treat_gaps(&mut residues, settings.missing, &mut report)?;
         report.disulfides = mark_disulfides(&mut residues, &self.disulfides);
         count_rest(&residues, &self.header.unobserved, &mut report);
+        report.low_confidence = low_confidence(&self.header, &residues);
         if residues.is_empty() {
             return Err(nothing_selected(&self.source, &report));
         }
