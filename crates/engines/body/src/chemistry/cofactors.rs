@@ -45,12 +45,12 @@ const COFACTORS: &[Cofactor] = &[
         groups: &[ALPHA, BETA, GAMMA],
     },
     Cofactor {
-        names: &["ADP", "GDP", "CDP", "UDP", "TYD", "DAD"],
+        names: &["ADP", "GDP", "CDP", "UDP", "TYD"],
         description: "nucleoside diphosphate",
         groups: &[ALPHA, LAST_BETA],
     },
     Cofactor {
-        names: &["AMP", "GMP", "C5P", "U5P", "TMP"],
+        names: &["AMP", "5GP", "C5P", "U5P", "TMP"],
         description: "nucleoside monophosphate",
         groups: &[SINGLE],
     },
@@ -101,7 +101,7 @@ const COFACTORS: &[Cofactor] = &[
     Cofactor {
         names: &["PLP"],
         description: "pyridoxal phosphate, its ring neutral",
-        groups: &[(&["OP1", "OP2", "OP3"], -2.0)],
+        groups: &[SINGLE],
     },
     Cofactor {
         names: &["TPP"],
@@ -129,11 +129,20 @@ const COFACTORS: &[Cofactor] = &[
         groups: &[(&["O1", "O2"], -1.0)],
     },
     Cofactor {
-        names: &["CIT", "FLC"],
+        names: &["CIT"],
+        description: "citrate",
+        groups: &[
+            (&["O1", "O2"], -1.0),
+            (&["O3", "O4"], -1.0),
+            (&["O5", "O6"], -1.0),
+        ],
+    },
+    Cofactor {
+        names: &["FLC"],
         description: "citrate",
         groups: &[
             (&["OA1", "OA2"], -1.0),
-            (&["OB1", "OB2", "OHB1", "OHB2"], -1.0),
+            (&["OB1", "OB2"], -1.0),
             (&["OG1", "OG2"], -1.0),
         ],
     },
