@@ -47,6 +47,8 @@ pub enum Purpose {
     PairDescent = 9,
     /// Poses of one bound state.
     BoundState = 10,
+    /// Configurations of the parts of an assembly.
+    PartGrowth = 11,
     /// The order in which samples are dealt into the parts of a split.
     Split = 60,
     /// Samples drawn with replacement for a confidence interval.

@@ -21,6 +21,8 @@
 //! | [`surface_points`] | the vertices of a surface, about which bodies turn |
 //! | [`observables`] | radius of gyration, contacts between surfaces, clusters |
 //! | [`pair`] | two bodies: virial coefficient, mean force, association, bound poses |
+//! | [`parts`] | how much of an assembly there is: its connected parts, and mass action over them |
+//! | `nested` | nested sampling: the integral of a Boltzmann factor |
 //! | [`settings`] | the settings of a simulation |
 //! | [`simulation`] | the loop |
 //! | [`exchange`] | a ladder of simulations that swap their states |
@@ -67,8 +69,10 @@ pub mod exchange;
 pub mod hard;
 pub mod moves;
 mod neighbours;
+mod nested;
 pub mod observables;
 pub mod pair;
+pub mod parts;
 pub mod reweighting;
 pub mod scatter;
 pub mod scattering;

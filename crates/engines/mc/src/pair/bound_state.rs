@@ -5,25 +5,19 @@
 //! ```
 //!
 //! Poses are nearer than the limit if the points of the second body are displaced by less, as a root mean
-//! square. A native well holds 10⁻¹⁰ of these poses, in places that nobody knows beforehand. Nested sampling
-//! (Skilling, Bayesian Anal. 1, 833 (2006)) closes in on them: of N live poses it replaces the one of highest
-//! energy by one below, drawn evenly, so that the volume shrinks by a factor 1 - 1/N at a time, on average. It needs no temperature and no
-//! guess of the form of the well, and hard surfaces do not disturb it.
-//!
-//! A new pose comes from a walk that starts at another live pose. Its steps are differences of live poses
-//! (ter Braak, Stat. Comput. 16, 239 (2006)), which have the shape of what is left. Equal energies are told apart by a random
-//! mark. The error is √(H/N), with the information H in nats, or the spread of independent runs if that is larger.
+//! square. The error is that of the nested sampling, or the spread of independent runs if
+//! that is larger.
 
 use super::BodyPair;
-use super::wells::square_displacement;
+use super::region::{Region, density};
+use crate::nested::{Nested, Space, Step, Stepped, ln_sum, nested};
 use crate::{McError, Result};
-use nalgebra::{UnitQuaternion, Vector6};
+use nalgebra::Vector6;
+use protomer_kernel::Pose;
 use protomer_kernel::pose::RelativePose;
 use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::statistics::RunningMoments;
-use protomer_kernel::{Pose, Vec3};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Settings of the sampling of a bound state.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,17 +69,6 @@ pub struct BoundState {
     pub evaluations: u64,
 }
 
-/// Share of the integral that may be left when a run ends.
-const LEFT: f64 = 1e-3;
-/// Poses that are tried for the first live ones, for each of them.
-const MOST_TRIES: u64 = 2000;
-/// Accepted steps that a walk should have.
-const WANTED_STEPS: f64 = 12.0;
-/// Shortest step of a walk, in differences of live poses; the longest is one. Shorter ones mix too slowly: with 0.05 the
-/// integral of a harmonic well comes out 28 % too large.
-const SHORTEST: f64 = 0.25;
-/// Fewest and most steps of a walk.
-const STEPS: (f64, f64) = (16.0, 160.0);
 /// Poses drawn from each run.
 const SAMPLES: usize = 64;
 
@@ -138,39 +121,6 @@ pub(super) fn relative(pose: &Pose) -> RelativePose {
 /// Energy of a pose, kT; `None` at overlap.
 pub(super) type EnergyOfPose<'a> = dyn Fn(&Pose) -> Option<f64> + Sync + 'a;
 
-/// The poses around one, by displacement and rotation vector.
-struct Region {
-    about: Pose,
-    square_of_gyration_angstrom2: f64,
-    limit_angstrom: f64,
-}
-
-/// A pose of a run.
-#[derive(Debug, Clone, Copy)]
-struct Live {
-    /// Displacement (Å) and rotation vector (rad) from the given pose.
-    place: Vector6<f64>,
-    energy_kt: f64,
-    /// Random mark that tells equal energies apart.
-    mark: f64,
-}
-
-impl Live {
-    fn is_below(&self, energy_kt: f64, mark: f64) -> bool {
-        self.energy_kt < energy_kt || (self.energy_kt == energy_kt && self.mark < mark)
-    }
-}
-
-/// Result of one run.
-struct Nested {
-    /// Poses with the logarithms of their weights in the integral.
-    poses: Vec<(Live, f64)>,
-    ln_integral: f64,
-    /// Variance of the logarithm of the integral.
-    variance: f64,
-    evaluations: u64,
-}
-
 fn sample(
     region: &Region,
     energy_kt: &EnergyOfPose<'_>,
@@ -178,10 +128,51 @@ fn sample(
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<BoundState>> {
     check(settings)?;
-    let nested = |run: u32| region.nested(energy_kt, settings, run, goes_on);
-    let runs: Vec<Option<Nested>> = (0..settings.runs).into_par_iter().map(nested).collect();
-    let runs: Option<Vec<Nested>> = runs.into_iter().collect();
+    let space = Poses { region, energy_kt };
+    let one = |run: u32| {
+        let stream =
+            |step: u64| CounterRng::for_purpose(settings.seed, run, step, Purpose::BoundState);
+        nested(&space, settings.live_poses, &stream, goes_on)
+    };
+    let runs: Vec<Option<Run>> = (0..settings.runs).into_par_iter().map(one).collect();
+    let runs: Option<Vec<Run>> = runs.into_iter().collect();
     Ok(runs.map(|runs| region.state(&runs, settings.seed)))
+}
+
+/// One run over places.
+type Run = Nested<Vector6<f64>>;
+
+/// Poses of a region with an energy.
+struct Poses<'a> {
+    region: &'a Region,
+    energy_kt: &'a EnergyOfPose<'a>,
+}
+
+impl Space for Poses<'_> {
+    /// Displacement (Å) and rotation vector (rad) from the given pose.
+    type State = Vector6<f64>;
+
+    fn volume(&self) -> f64 {
+        self.region.volume_angstrom3()
+    }
+
+    fn draw(&self, rng: &mut CounterRng) -> Option<(Vector6<f64>, f64)> {
+        let place = self.region.draw(rng);
+        Some((place, (self.energy_kt)(&self.region.pose(&place))?))
+    }
+
+    fn step(&self, step: &Step<'_, Vector6<f64>>, _: &mut CounterRng) -> Stepped<Vector6<f64>> {
+        let [a, b] = step.between;
+        let place = step.from + step.scale * (a - b);
+        // The density makes the walk even in rotations, not in their vectors.
+        if !self.region.holds(&place) || step.uniform * density(step.from) > density(&place) {
+            return Stepped::Refused;
+        }
+        match (self.energy_kt)(&self.region.pose(&place)) {
+            None => Stepped::Overlap,
+            Some(energy_kt) => Stepped::Free(place, energy_kt),
+        }
+    }
 }
 
 fn check(settings: &BoundStateSettings) -> Result<()> {
@@ -214,224 +205,8 @@ fn check(settings: &BoundStateSettings) -> Result<()> {
 }
 
 impl Region {
-    /// Square of the displacement of the second body, Å².
-    fn square_displacement(&self, place: &Vector6<f64>) -> f64 {
-        let (shift, turn) = parts(place);
-        square_displacement(
-            shift.norm_squared(),
-            turn.norm(),
-            self.square_of_gyration_angstrom2,
-        )
-    }
-
-    /// The widest rotation within the limit, rad.
-    fn widest_turn_rad(&self) -> f64 {
-        // 1 - cos θ at which the turn alone moves the points by the limit.
-        let versine = self.limit_angstrom.powi(2) / (4.0 / 3.0 * self.square_of_gyration_angstrom2);
-        // Beyond 2 even a half turn stays within the limit: small bodies.
-        if versine < 2.0 {
-            (1.0 - versine).acos()
-        } else {
-            PI
-        }
-    }
-
-    /// Whether a place is within the limit, and its rotation vector the only one of its rotation.
-    fn holds(&self, place: &Vector6<f64>) -> bool {
-        let (_, turn) = parts(place);
-        // |turn| ≤ π: every rotation has one vector, so none is counted twice.
-        turn.norm() <= PI && self.square_displacement(place) < self.limit_angstrom.powi(2)
-    }
-
-    /// ∫ d³R dΩ/8π² over the region, Å³: with the density (1 - cos θ)/π of rotation angles and the ball that
-    /// the limit leaves to displacements.
-    fn volume_angstrom3(&self) -> f64 {
-        const INTERVALS: usize = 2000;
-        let widest = self.widest_turn_rad();
-        let step = widest / INTERVALS as f64;
-        let mut sum = 0.0;
-        // The midpoint rule in the angle; the integrand
-        // is smooth but at its end, where it vanishes.
-        for interval in 0..INTERVALS {
-            let angle = (interval as f64 + 0.5) * step;
-            let turned = square_displacement(0.0, angle, self.square_of_gyration_angstrom2);
-            let radius = (self.limit_angstrom.powi(2) - turned).max(0.0).sqrt();
-            sum += (1.0 - angle.cos()) / PI * 4.0 / 3.0 * PI * radius.powi(3) * step;
-        }
-        sum
-    }
-
-    fn pose(&self, place: &Vector6<f64>) -> Pose {
-        let (shift, turn) = parts(place);
-        Pose {
-            position: self.about.position + shift,
-            rotation: UnitQuaternion::from_scaled_axis(turn) * self.about.rotation,
-        }
-    }
-
-    /// A place drawn evenly.
-    fn draw(&self, rng: &mut CounterRng) -> Vector6<f64> {
-        let widest = self.widest_turn_rad();
-        loop {
-            let shift = rng.vector_in_ball(self.limit_angstrom);
-            let turn = rng.vector_in_ball(widest);
-            let place = joined(&shift, &turn);
-            // Rejection turns evenly drawn vectors into evenly
-            // drawn rotations; the density is at most one.
-            if rng.uniform() < rotation_density(turn.norm()) && self.holds(&place) {
-                return place;
-            }
-        }
-    }
-
-    /// One run; `None` without room, or if the work was ended.
-    fn nested(
-        &self,
-        energy_kt: &EnergyOfPose<'_>,
-        settings: &BoundStateSettings,
-        run: u32,
-        goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Nested> {
-        let count = settings.live_poses;
-        let stream =
-            |step: u64| CounterRng::for_purpose(settings.seed, run, step, Purpose::BoundState);
-        let (mut live, share, mut evaluations) =
-            self.first_poses(energy_kt, count, &mut stream(0), goes_on)?;
-        let mut ln_volume = (self.volume_angstrom3() * share).ln();
-        let mut poses = Vec::new();
-        let mut ln_integral = f64::NEG_INFINITY;
-        // A guess: twice the wanted steps, as if half of them were accepted; it adapts.
-        let mut steps = WANTED_STEPS * 2.0;
-        for step in 1.. {
-            if !goes_on() {
-                return None;
-            }
-            let (highest, lowest_kt) = ends(&live);
-            let removed = live[highest];
-            // Each removal shrinks the volume by 1 - 1/N on average, in logarithms.
-            let ln_next = ln_volume + (-1.0 / count as f64).ln_1p();
-            let ln_weight = ln_difference(ln_volume, ln_next) - removed.energy_kt;
-            // All live poses at the lowest energy could add no more than this part: enough.
-            if ln_next - lowest_kt < ln_integral + LEFT.ln() {
-                break;
-            }
-            ln_integral = ln_sum(ln_integral, ln_weight);
-            poses.push((removed, ln_weight));
-            ln_volume = ln_next;
-            let mut rng = stream(step);
-            let walk = self.walk(energy_kt, &live, highest, steps as u32, &mut rng);
-            // The removed pose's place is filled by a walk
-            // from one of the others, below the same energy.
-            evaluations += walk.evaluations;
-            steps = walk.next_steps(steps);
-            live[highest] = walk.end;
-        }
-        // What is left of the volume, shared by the live poses.
-        for left in live {
-            let ln_weight = ln_volume - (count as f64).ln() - left.energy_kt;
-            ln_integral = ln_sum(ln_integral, ln_weight);
-            poses.push((left, ln_weight));
-        }
-        let information = information(&poses, ln_integral, self.volume_angstrom3() * share);
-        // H/N of the shrinkage, and the error of the share without overlap.
-        let variance = (information.max(0.0) + (1.0 - share)) / count as f64;
-        Some(Nested {
-            poses,
-            ln_integral,
-            variance,
-            evaluations,
-        })
-    }
-
-    /// Live poses without overlap, the share of such poses, and the number of poses tried.
-    fn first_poses(
-        &self,
-        energy_kt: &EnergyOfPose<'_>,
-        count: usize,
-        rng: &mut CounterRng,
-        goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Option<(Vec<Live>, f64, u64)> {
-        let mut live = Vec::with_capacity(count);
-        let mut tries = 0;
-        while live.len() < count {
-            // No room within the limit, or asked to stop.
-            if tries > MOST_TRIES * count as u64 || !goes_on() {
-                return None;
-            }
-            tries += 1;
-            let place = self.draw(rng);
-            if let Some(energy_kt) = energy_kt(&self.pose(&place)) {
-                let mark = rng.uniform();
-                live.push(Live {
-                    place,
-                    energy_kt,
-                    mark,
-                });
-            }
-        }
-        // The last try is a success by construction; without it the share has no bias.
-        let share = match tries {
-            1 => 1.0,
-            tries => (count - 1) as f64 / (tries - 1) as f64,
-        };
-        Some((live, share, tries))
-    }
-
-    /// A walk below the highest of the live poses, from one of the others.
-    fn walk(
-        &self,
-        energy_kt: &EnergyOfPose<'_>,
-        live: &[Live],
-        highest: usize,
-        steps: u32,
-        rng: &mut CounterRng,
-    ) -> Walk {
-        // Any live pose but the highest, without a loop of rejections.
-        let other = |rng: &mut CounterRng| (highest + 1 + rng.index(live.len() - 1)) % live.len();
-        let limit = live[highest];
-        let mut walk = Walk {
-            end: live[other(rng)],
-            accepted: 0,
-            steps,
-            evaluations: 0,
-        };
-        for _ in 0..steps {
-            let (a, b) = (other(rng), other(rng));
-            // Lengths over a range of scales: the live poses
-            // may lie in a ridge or in several places.
-            let scale =
-                SHORTEST.powf(rng.uniform()) * (if rng.uniform() < 0.5 { 1.0 } else { -1.0 });
-            let place = walk.end.place + scale * (live[a].place - live[b].place);
-            // Drawn before any test: how many numbers a step takes must not depend on its outcome.
-            let (mark, uniform) = (rng.uniform(), rng.uniform());
-            let density = |place: &Vector6<f64>| rotation_density(parts(place).1.norm());
-            // a = b is no step. The density makes the walk even in rotations, not in their vectors.
-            if a == b || !self.holds(&place) || uniform * density(&walk.end.place) > density(&place)
-            {
-                continue;
-            }
-            walk.evaluations += 1;
-            // An overlap is infinite energy: never below.
-            let Some(energy_kt) = energy_kt(&self.pose(&place)) else {
-                continue;
-            };
-            let moved = Live {
-                place,
-                energy_kt,
-                mark,
-            };
-            // Energies only need to be below the limit: within
-            // it the walk is even, without a temperature.
-            if moved.is_below(limit.energy_kt, limit.mark) {
-                walk.end = moved;
-                walk.accepted += 1;
-            }
-        }
-        walk
-    }
-
     /// The state from all runs.
-    fn state(&self, runs: &[Nested], seed: u64) -> BoundState {
+    fn state(&self, runs: &[Run], seed: u64) -> BoundState {
         let count = runs.len() as f64;
         let all = runs
             .iter()
@@ -453,17 +228,17 @@ impl Region {
             evaluations: runs.iter().map(|run| run.evaluations).sum(),
         };
         let near_limit = (0.8 * self.limit_angstrom).powi(2);
-        for (pose, ln_weight) in runs.iter().flat_map(|run| &run.poses) {
+        for (live, ln_weight) in runs.iter().flat_map(|run| &run.states) {
             let weight = (ln_weight - all).exp();
-            let square = self.square_displacement(&pose.place);
-            state.mean_energy_kt += weight * pose.energy_kt;
+            let square = self.square_displacement(&live.state);
+            state.mean_energy_kt += weight * live.energy_kt;
             state.displacement_angstrom += weight * square;
             if square > near_limit {
                 state.share_at_limit += weight;
             }
-            if pose.energy_kt < state.lowest_energy_kt {
-                state.lowest_energy_kt = pose.energy_kt;
-                state.lowest_pose = self.pose(&pose.place);
+            if live.energy_kt < state.lowest_energy_kt {
+                state.lowest_energy_kt = live.energy_kt;
+                state.lowest_pose = self.pose(&live.state);
                 state.lowest_displacement_angstrom = square.sqrt();
             }
         }
@@ -474,103 +249,22 @@ impl Region {
             let wanted = (share * (SAMPLES * runs.len()) as f64).round() as usize;
             let mut rng =
                 CounterRng::for_purpose(seed, number as u32, u64::MAX, Purpose::BoundState);
+            let drawn = run.resampled(wanted, rng.uniform());
             state
                 .samples
-                .extend(self.resampled(run, wanted, rng.uniform()));
+                .extend(drawn.into_iter().map(|place| self.pose(place)));
         }
         state
     }
-
-    /// Poses in proportion to their weights, by equal steps from a random start.
-    fn resampled(&self, run: &Nested, wanted: usize, start: f64) -> Vec<Pose> {
-        let mut samples = Vec::with_capacity(wanted);
-        let mut sum = 0.0;
-        for (pose, ln_weight) in &run.poses {
-            sum += (ln_weight - run.ln_integral).exp() * wanted as f64;
-            while (samples.len() as f64 + start) < sum && samples.len() < wanted {
-                samples.push(self.pose(&pose.place));
-            }
-        }
-        samples
-    }
-}
-
-/// A walk and how it went.
-struct Walk {
-    end: Live,
-    accepted: u32,
-    steps: u32,
-    evaluations: u64,
-}
-
-impl Walk {
-    /// Steps of the next walk: enough for the wanted accepted ones, changed slowly.
-    fn next_steps(&self, present: f64) -> f64 {
-        // Half a step more, so that a walk without success does not divide by zero.
-        let rate = (f64::from(self.accepted) + 0.5) / f64::from(self.steps);
-        let wanted = (WANTED_STEPS / rate).clamp(STEPS.0, STEPS.1);
-        // One part in twenty per walk: the length follows
-        // the shrinking volume, not the luck of a walk.
-        present + 0.05 * (wanted - present)
-    }
-}
-
-/// Displacement and rotation vector.
-fn parts(place: &Vector6<f64>) -> (Vec3, Vec3) {
-    let shift = Vec3::new(place[0], place[1], place[2]);
-    (shift, Vec3::new(place[3], place[4], place[5]))
-}
-
-fn joined(shift: &Vec3, turn: &Vec3) -> Vector6<f64> {
-    Vector6::new(shift.x, shift.y, shift.z, turn.x, turn.y, turn.z)
-}
-
-/// Density of even rotations over rotation vectors, relative to that of small ones: 2 (1 - cos θ)/θ².
-fn rotation_density(angle_rad: f64) -> f64 {
-    // The quotient of two small numbers would lose its digits.
-    match angle_rad < 1e-4 {
-        true => 1.0,
-        false => 2.0 * (1.0 - angle_rad.cos()) / angle_rad.powi(2),
-    }
-}
-
-/// The live pose of highest energy, and the lowest energy, kT.
-fn ends(live: &[Live]) -> (usize, f64) {
-    let (mut highest, mut lowest_kt) = (0, f64::INFINITY);
-    for (number, pose) in live.iter().enumerate() {
-        if live[highest].is_below(pose.energy_kt, pose.mark) {
-            highest = number;
-        }
-        lowest_kt = lowest_kt.min(pose.energy_kt);
-    }
-    (highest, lowest_kt)
-}
-
-/// H = ∫ P ln(P/π): how far the state is from an even distribution, in nats.
-fn information(poses: &[(Live, f64)], ln_integral: f64, volume_angstrom3: f64) -> f64 {
-    let mean = |(pose, ln_weight): &(Live, f64)| -(ln_weight - ln_integral).exp() * pose.energy_kt;
-    poses.iter().map(mean).sum::<f64>() - ln_integral + volume_angstrom3.ln()
-}
-
-/// ln(exp a + exp b).
-fn ln_sum(a: f64, b: f64) -> f64 {
-    let (large, small) = (a.max(b), a.min(b));
-    // -∞ less -∞ would be no number.
-    match large == f64::NEG_INFINITY {
-        true => large,
-        false => large + (small - large).exp().ln_1p(),
-    }
-}
-
-/// ln(exp a - exp b) for a > b.
-fn ln_difference(a: f64, b: f64) -> f64 {
-    a + (-(b - a).exp()).ln_1p()
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use nalgebra::UnitQuaternion;
+    use protomer_kernel::Vec3;
+    use std::f64::consts::PI;
 
     const GYRATION_ANGSTROM: f64 = 12.0;
 

@@ -24,6 +24,7 @@
 //! | [`estimator`] | pilot, adaptation, replicas with error bars |
 //! | `replicas` | a mean over replicas and its error |
 //! | [`profile`] | the potential of mean force |
+//! | `region` | poses around one, and coordinates for them |
 //! | [`bound_state`] | the association constant of one bound pose |
 //! | [`wells`] | bound poses: local minima of the energy, each once |
 //! | [`deep_wells`] | wells that decide the association constant, integrated one by one, and the sampled rest |
@@ -43,6 +44,7 @@ pub mod potential;
 pub mod profile;
 mod proposal;
 mod radial;
+pub(crate) mod region;
 mod replicas;
 pub mod wells;
 

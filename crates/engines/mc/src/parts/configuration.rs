@@ -1,0 +1,207 @@
+//! Poses of the bodies of a part, with the energies between them.
+
+use super::PartKind;
+use crate::nested::step_scale;
+use crate::pair::region::{Region, density};
+use protomer_kernel::Pose;
+use protomer_kernel::random::CounterRng;
+
+/// Energy of two bodies of an assembly at these poses, kT; `None` at overlap.
+pub(super) type EnergyOfBodies<'a> = dyn Fn(usize, usize, &Pose, &Pose) -> Option<f64> + Sync + 'a;
+
+/// Poses of the bodies of a part.
+#[derive(Debug, Clone)]
+pub(super) struct Configuration {
+    /// Poses, in the order of the bodies of the part.
+    pub poses: Vec<Pose>,
+    /// Energies of each two bodies, kT: full rows of a symmetric matrix.
+    pub energies_kt: Vec<f64>,
+}
+
+impl Configuration {
+    /// A single body.
+    pub fn single(pose: Pose) -> Self {
+        Self {
+            poses: vec![pose],
+            energies_kt: vec![0.0],
+        }
+    }
+
+    /// The configuration with another body, which has these energies with the present ones, kT.
+    pub fn with_body(&self, pose: Pose, energies_kt: &[f64]) -> Self {
+        let bodies = self.poses.len();
+        let mut poses = self.poses.clone();
+        poses.push(pose);
+        let mut all = Vec::with_capacity((bodies + 1).pow(2));
+        for (row, energy_kt) in energies_kt.iter().enumerate() {
+            all.extend_from_slice(&self.energies_kt[row * bodies..(row + 1) * bodies]);
+            all.push(*energy_kt);
+        }
+        all.extend_from_slice(energies_kt);
+        all.push(0.0);
+        Self {
+            poses,
+            energies_kt: all,
+        }
+    }
+
+    /// Energy of all bodies, kT.
+    pub fn energy_kt(&self) -> f64 {
+        0.5 * self.energies_kt.iter().sum::<f64>()
+    }
+
+    fn row_kt(&self, body: usize) -> &[f64] {
+        let bodies = self.poses.len();
+        &self.energies_kt[body * bodies..(body + 1) * bodies]
+    }
+
+    /// Change of the energy by a move, kT.
+    pub fn change_kt(&self, moved: &Moved) -> f64 {
+        let before: f64 = self.row_kt(moved.body).iter().sum();
+        moved.energies_kt.iter().sum::<f64>() - before
+    }
+
+    /// Moves one body.
+    pub fn place(&mut self, moved: &Moved) {
+        let bodies = self.poses.len();
+        self.poses[moved.body] = moved.pose;
+        for (other, energy_kt) in moved.energies_kt.iter().enumerate() {
+            self.energies_kt[moved.body * bodies + other] = *energy_kt;
+            self.energies_kt[other * bodies + moved.body] = *energy_kt;
+        }
+    }
+}
+
+/// A trial move of one body.
+pub(super) struct Moved {
+    /// Number of the body in the part.
+    pub body: usize,
+    /// Its new pose.
+    pub pose: Pose,
+    /// Its energies with the other bodies, kT.
+    pub energies_kt: Vec<f64>,
+}
+
+/// A part whose bodies move, each within the limit of the body that it is attached to.
+pub(super) struct Flexible<'a> {
+    part: &'a PartKind,
+    energy_kt: &'a EnergyOfBodies<'a>,
+    /// Poses of each body about that in the assembly, in the frame of the body that it is attached to; the first body has
+    /// the frame of the second, for differences only.
+    regions: Vec<Region>,
+}
+
+impl<'a> Flexible<'a> {
+    /// A part with the regions of its bodies, from the second on.
+    pub fn new(part: &'a PartKind, attached: &[Region], energy_kt: &'a EnergyOfBodies<'a>) -> Self {
+        let mut regions = Vec::with_capacity(part.bodies.len());
+        if let Some(second) = attached.first() {
+            regions.push(Region {
+                about: second.about.inverse(),
+                ..second.clone()
+            });
+        }
+        regions.extend_from_slice(attached);
+        Self {
+            part,
+            energy_kt,
+            regions,
+        }
+    }
+
+    /// The body whose frame a body is described in.
+    fn reference(&self, body: usize) -> usize {
+        match body {
+            0 => 1,
+            body => self.part.attached_to[body],
+        }
+    }
+
+    /// A move of one body that the regions allow and nothing blocks.
+    pub fn proposed(
+        &self,
+        configuration: &Configuration,
+        body: usize,
+        between: [&Configuration; 2],
+        scale: f64,
+        uniform: f64,
+    ) -> Option<Moved> {
+        let (region, reference) = (&self.regions[body], self.reference(body));
+        let place =
+            |of: &Configuration| region.place(&of.poses[body].then(&of.poses[reference].inverse()));
+        let present = place(configuration);
+        let [a, b] = between.map(place);
+        let next = present + scale * (a - b);
+        // The density makes moves even in rotations, not in their vectors.
+        if next.fixed_rows::<3>(3).norm() > std::f64::consts::PI
+            || uniform * density(&present) > density(&next)
+        {
+            return None;
+        }
+        let pose = region.pose(&next).then(&configuration.poses[reference]);
+        if !self.is_within_limits(configuration, body, &pose) {
+            return None;
+        }
+        Some(Moved {
+            body,
+            energies_kt: self.energies_kt(&configuration.poses, body, &pose)?,
+            pose,
+        })
+    }
+
+    /// Whether a body at a pose is within the limits of the body that it is attached to and of those attached to it.
+    fn is_within_limits(&self, configuration: &Configuration, body: usize, pose: &Pose) -> bool {
+        let into_body = pose.inverse();
+        (1..self.part.bodies.len()).all(|attached| {
+            let to = self.part.attached_to[attached];
+            let relative = match (attached == body, to == body) {
+                (true, _) => pose.then(&configuration.poses[to].inverse()),
+                (_, true) => configuration.poses[attached].then(&into_body),
+                _ => return true,
+            };
+            let region = &self.regions[attached];
+            region.holds(&region.place(&relative))
+        })
+    }
+
+    /// Energies of a body at a pose with all others of the part, kT; `None` at overlap.
+    fn energies_kt(&self, poses: &[Pose], body: usize, pose: &Pose) -> Option<Vec<f64>> {
+        let energy_kt = |(other, other_pose): (usize, &Pose)| match other == body {
+            true => Some(0.0),
+            false => {
+                let bodies = &self.part.bodies;
+                (self.energy_kt)(bodies[body], bodies[other], pose, other_pose)
+            }
+        };
+        poses.iter().enumerate().map(energy_kt).collect()
+    }
+
+    /// Lets configurations forget each other: each body of each is moved this many times.
+    pub fn relax(&self, configurations: &mut [Configuration], rounds: usize, rng: &mut CounterRng) {
+        // Differences of the configurations as they were: they stay
+        // fixed, so the moves keep the equilibrium.
+        let former = configurations.to_vec();
+        if former.len() < 3 || self.part.bodies.len() < 2 {
+            return;
+        }
+        for (number, configuration) in configurations.iter_mut().enumerate() {
+            for _ in 0..rounds * self.part.bodies.len() {
+                let body = rng.index(self.part.bodies.len());
+                let other = |rng: &mut CounterRng| {
+                    (number + 1 + rng.index(former.len() - 1)) % former.len()
+                };
+                let (a, b) = (other(rng), other(rng));
+                let scale = step_scale(rng);
+                let (uniform, threshold) = (rng.uniform(), rng.uniform());
+                let between = [&former[a], &former[b]];
+                let moved = self.proposed(configuration, body, between, scale, uniform);
+                // Metropolis' rule; a rise of the energy is accepted with its Boltzmann factor.
+                if let Some(moved) = moved
+                    && threshold < (-configuration.change_kt(&moved)).exp()
+                {
+                    configuration.place(&moved);
+                }
+            }
+        }
+    }
+}
