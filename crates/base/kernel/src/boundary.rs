@@ -32,6 +32,12 @@ pub enum Boundary {
 impl Boundary {
     /// A periodic box with these edge lengths, Å.
     ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// assert!(Boundary::periodic(Vec3::new(10.0, 20.0, 30.0)).is_ok());
+    /// assert!(Boundary::periodic(Vec3::new(10.0, 0.0, 30.0)).is_err());
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless all three lengths are
     /// positive and finite.
@@ -48,12 +54,28 @@ impl Boundary {
     }
 
     /// The shortest displacement from one point to an image of the other, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let (from, to) = (Vec3::new(-4.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0));
+    /// assert_eq!(Boundary::Open.displacement(&from, &to).x, 8.0);
+    /// assert_eq!(Boundary::periodic(Vec3::repeat(10.0))?.displacement(&from, &to).x, -2.0);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn displacement(&self, from: &Vec3, to: &Vec3) -> Vec3 {
         self.minimum_image(to - from)
     }
 
     /// The shortest image of a displacement, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let space = Boundary::periodic(Vec3::new(10.0, 20.0, 30.0))?;
+    /// let nearest = space.minimum_image(Vec3::repeat(8.0));
+    /// assert_eq!(nearest, Vec3::new(-2.0, 8.0, 8.0));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn minimum_image(&self, displacement: Vec3) -> Vec3 {
         match self {
@@ -95,6 +117,14 @@ impl Boundary {
 
     /// The smallest box length, Å; infinite where there is no box. Interactions that reach farther
     /// than half of it would need more than the nearest image.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let space = Boundary::periodic(Vec3::new(10.0, 20.0, 30.0))?;
+    /// assert_eq!(space.smallest_length_angstrom(), 10.0);
+    /// assert_eq!(Boundary::Open.smallest_length_angstrom(), f64::INFINITY);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn smallest_length_angstrom(&self) -> f64 {
         match self {
             Boundary::Periodic { lengths_angstrom } => lengths_angstrom.min(),
@@ -103,6 +133,15 @@ impl Boundary {
     }
 
     /// The volume of the space in Å³; infinite for open space.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// let space = Boundary::periodic(Vec3::new(10.0, 20.0, 30.0))?;
+    /// assert_eq!(space.volume_angstrom3(), 6000.0);
+    /// let ball = Boundary::SphereWall { radius_angstrom: 3.0 };
+    /// assert!((ball.volume_angstrom3() - 36.0 * std::f64::consts::PI).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn volume_angstrom3(&self) -> f64 {
         match self {
             Boundary::Open => f64::INFINITY,

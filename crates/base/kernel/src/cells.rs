@@ -98,6 +98,17 @@ impl CellList {
     }
 
     /// Updates the list after a point has moved.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3, cells::CellList};
+    /// let mut places: Vec<Vec3> = (0..100).map(|i| Vec3::new(f64::from(i), 0.0, 0.0)).collect();
+    /// let mut cells = CellList::new(&Boundary::Open, 5.0, &places);
+    /// let from = std::mem::replace(&mut places[99], Vec3::new(2.0, 1.0, 0.0));
+    /// cells.moved(99, &from, &places[99]);
+    /// let mut near = Vec::new();
+    /// cells.candidates(&Vec3::zeros(), &mut near);
+    /// assert!(near.contains(&99) && !near.contains(&98));
+    /// ```
     pub fn moved(&mut self, index: usize, from: &Vec3, to: &Vec3) {
         if let Some(grid) = &mut self.grid {
             grid.relocate(index, from, to);

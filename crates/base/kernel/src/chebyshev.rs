@@ -47,6 +47,12 @@ impl<const N: usize> Default for Chebyshev<N> {
 impl<const N: usize> Chebyshev<N> {
     /// Largest factor by which interpolation enlarges errors at the points: the largest Σ |l_i(t)|
     /// of the Lagrange polynomials, which for these points stands at the ends.
+    ///
+    /// ```
+    /// use protomer_kernel::chebyshev::Chebyshev;
+    /// // The line through values at -1/√2 and 1/√2 reaches √2 at the ends if they are -1 and 1.
+    /// assert!((Chebyshev::<2>::lebesgue_constant() - 2.0_f64.sqrt()).abs() < 1e-14);
+    /// ```
     pub fn lebesgue_constant() -> f64 {
         let cotangents = (0..N).map(|i| 1.0 / (0.5 * angle::<N>(i)).tan());
         cotangents.sum::<f64>() / N as f64
@@ -104,6 +110,14 @@ impl<const N: usize> Interpolation<N> {
     }
 
     /// The weights at x of the values at the points; they sum to one.
+    ///
+    /// ```
+    /// use protomer_kernel::chebyshev::Interpolation;
+    /// let line = Interpolation::<2>::new(0.0, 2.0);
+    /// let [first, second] = line.weights_at(1.0);
+    /// assert!((first - 0.5).abs() < 1e-14 && (second - 0.5).abs() < 1e-14);
+    /// assert_eq!(line.weights_at(line.points[1]), [0.0, 1.0]);
+    /// ```
     pub fn weights_at(&self, x: f64) -> [f64; N] {
         let mut weights = [0.0; N];
         let mut sum = 0.0;

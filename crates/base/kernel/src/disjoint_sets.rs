@@ -43,6 +43,15 @@ impl DisjointSets {
     }
 
     /// The root of each number.
+    ///
+    /// ```
+    /// use protomer_kernel::disjoint_sets::DisjointSets;
+    /// let mut sets = DisjointSets::new(4);
+    /// sets.join(2, 3);
+    /// let mut roots = sets.into_roots();
+    /// roots.dedup();
+    /// assert_eq!(roots, [0, 1, 2], "the smallest member of each set");
+    /// ```
     pub fn into_roots(mut self) -> Vec<u32> {
         let numbers = 0..self.parents.len() as u32;
         numbers.map(|number| self.root(number)).collect()

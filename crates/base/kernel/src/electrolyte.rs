@@ -47,6 +47,14 @@ pub struct Electrolyte {
 impl Electrolyte {
     /// A salt (mol/L) in a solvent of this relative permittivity.
     ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let ethanol = Electrolyte::new(298.15, 0.0, 24.3)?;
+    /// assert!((ethanol.bjerrum_length_angstrom() - 23.06).abs() < 0.01);
+    /// assert!(Electrolyte::new(298.15, -0.1, 24.3).is_err());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the temperature is
     /// positive, the salt zero or positive, and the permittivity at least 1.
@@ -88,6 +96,14 @@ impl Electrolyte {
     /// A salt (mol/L) in water, whose permittivity follows from the temperature
     /// ([`water_permittivity`]).
     ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let saline = Electrolyte::in_water(310.15, 0.15)?;
+    /// assert!((saline.relative_permittivity() - 74.15).abs() < 0.01);
+    /// assert!(Electrolyte::in_water(200.0, 0.15).is_err(), "ice");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) for a temperature outside
     /// 273.15-373.15 K or a negative salt concentration.
@@ -98,6 +114,15 @@ impl Electrolyte {
 
     /// The same salt with a stated Bjerrum length (Å). Where the Debye length follows from the salt,
     /// it follows from this Bjerrum length.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let saline = Electrolyte::in_water(298.15, 0.1)?;
+    /// let doubled = saline.with_bjerrum_length(2.0 * saline.bjerrum_length_angstrom())?;
+    /// let ratio = saline.debye_length_angstrom() / doubled.debye_length_angstrom();
+    /// assert!((ratio - 2.0_f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the length is positive
@@ -118,6 +143,13 @@ impl Electrolyte {
     /// The same solvent with a stated Debye length (Å) instead of a salt concentration; infinite
     /// for no screening.
     ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let stated = Electrolyte::in_water(298.15, 0.1)?.with_debye_length(20.0)?;
+    /// assert_eq!(stated.inverse_debye_length_per_angstrom(), 0.05);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the length is positive.
     pub fn with_debye_length(self, angstrom: f64) -> Result<Self> {
@@ -137,6 +169,14 @@ impl Electrolyte {
     }
 
     /// Concentration of the 1:1 salt, mol/L; `None` where the Debye length was stated instead.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let saline = Electrolyte::in_water(298.15, 0.1)?;
+    /// assert_eq!(saline.salt_molar(), Some(0.1));
+    /// assert_eq!(saline.with_debye_length(9.6)?.salt_molar(), None);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn salt_molar(&self) -> Option<f64> {
         self.salt_molar
     }
@@ -153,16 +193,38 @@ impl Electrolyte {
 
     /// Bjerrum length l = λ_B ε_r of the vacuum in Å, which takes the permittivity of each place as
     /// a divisor.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let water = Electrolyte::in_water(298.15, 0.0)?;
+    /// assert!((water.vacuum_bjerrum_length_angstrom() - 560.4).abs() < 0.1);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn vacuum_bjerrum_length_angstrom(&self) -> f64 {
         self.bjerrum_length_angstrom * self.relative_permittivity
     }
 
     /// Debye screening length κ⁻¹ in Å; infinite without salt.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let [dilute, salty] = [0.01, 0.04].map(|molar| Electrolyte::in_water(298.15, molar));
+    /// let ratio = dilute?.debye_length_angstrom() / salty?.debye_length_angstrom();
+    /// assert!((ratio - 2.0).abs() < 1e-12, "four times the salt screens twice as fast");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn debye_length_angstrom(&self) -> f64 {
         self.debye_length_angstrom
     }
 
     /// Inverse Debye length κ in 1/Å; zero without salt.
+    ///
+    /// ```
+    /// use protomer_kernel::Electrolyte;
+    /// let water = Electrolyte::in_water(298.15, 0.0)?;
+    /// assert_eq!(water.inverse_debye_length_per_angstrom(), 0.0);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn inverse_debye_length_per_angstrom(&self) -> f64 {
         self.debye_length_angstrom.recip()
     }

@@ -40,6 +40,15 @@ impl fmt::Display for AtMost {
 }
 
 /// Errors of the kernels.
+///
+/// ```
+/// use protomer_kernel::Electrolyte;
+/// let message = Electrolyte::in_water(298.15, -1.0).map_err(|error| error.to_string());
+/// assert_eq!(
+///     message,
+///     Err("salt concentration in mol/L is -1; it must be zero or positive".to_owned())
+/// );
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KernelError {

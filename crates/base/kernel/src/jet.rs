@@ -32,6 +32,13 @@ pub struct Jet<const N: usize = 1> {
 
 impl<const N: usize> Jet<N> {
     /// A constant.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let x = Jet::<1>::variable(3.0, 0);
+    /// let product = x * Jet::constant(2.0);
+    /// assert_eq!((product.value, product.first()), (6.0, 2.0));
+    /// ```
     pub fn constant(value: f64) -> Self {
         Self {
             value,
@@ -41,6 +48,12 @@ impl<const N: usize> Jet<N> {
     }
 
     /// The variable of this index.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let (x, y) = (Jet::<2>::variable(3.0, 0), Jet::<2>::variable(5.0, 1));
+    /// assert_eq!((x * y).gradient, [5.0, 3.0]);
+    /// ```
     pub fn variable(value: f64, index: usize) -> Self {
         let mut jet = Self::constant(value);
         jet.gradient[index] = 1.0;
@@ -48,6 +61,14 @@ impl<const N: usize> Jet<N> {
     }
 
     /// g(f) from g, g' and g'' at f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// // sin(2x) at x = 0 has the slope 2.
+    /// let argument = Jet::<1>::variable(0.0, 0) * 2.0;
+    /// let (sine, cosine) = argument.value.sin_cos();
+    /// assert_eq!(argument.chain(sine, cosine, -sine).first(), 2.0);
+    /// ```
     pub fn chain(&self, value: f64, first: f64, second: f64) -> Self {
         let mut jet = Self::constant(value);
         for i in 0..N {
@@ -62,12 +83,24 @@ impl<const N: usize> Jet<N> {
     }
 
     /// √f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let root = Jet::<1>::variable(4.0, 0).sqrt();
+    /// assert_eq!((root.value, root.first(), root.second()), (2.0, 0.25, -1.0 / 32.0));
+    /// ```
     pub fn sqrt(&self) -> Self {
         let root = self.value.sqrt();
         self.chain(root, 0.5 / root, -0.25 / (root * self.value))
     }
 
     /// ln f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let logarithm = Jet::<1>::variable(2.0, 0).ln();
+    /// assert_eq!((logarithm.first(), logarithm.second()), (0.5, -0.25));
+    /// ```
     pub fn ln(&self) -> Self {
         let inverse = self.value.recip();
         self.chain(self.value.ln(), inverse, -inverse * inverse)
@@ -86,6 +119,12 @@ impl<const N: usize> Jet<N> {
     }
 
     /// 1/f.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let inverse = Jet::<1>::variable(2.0, 0).recip();
+    /// assert_eq!((inverse.value, inverse.first(), inverse.second()), (0.5, -0.25, 0.25));
+    /// ```
     pub fn recip(&self) -> Self {
         let inverse = self.value.recip();
         self.chain(
@@ -96,11 +135,23 @@ impl<const N: usize> Jet<N> {
     }
 
     /// f².
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let square = Jet::<1>::variable(3.0, 0).square();
+    /// assert_eq!((square.value, square.first(), square.second()), (9.0, 6.0, 2.0));
+    /// ```
     pub fn square(&self) -> Self {
         *self * *self
     }
 
     /// The angle of the vector (x, y), in (-π, π]; derivatives ∂θ = (x ∂y - y ∂x)/(x² + y²).
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let (x, y) = (Jet::<2>::variable(2.0, 0), Jet::<2>::variable(0.0, 1));
+    /// assert_eq!(Jet::atan2(&y, &x).gradient, [0.0, 0.5]);
+    /// ```
     pub fn atan2(y: &Self, x: &Self) -> Self {
         let square = x.value * x.value + y.value * y.value;
         let (tx, ty) = (-y.value / square, x.value / square);
@@ -120,6 +171,13 @@ impl<const N: usize> Jet<N> {
     }
 
     /// (arcsin √f)² for 0 ≤ f < 1, smooth at zero.
+    ///
+    /// ```
+    /// use protomer_kernel::jet::Jet;
+    /// let arc = Jet::<1>::variable(0.25, 0).arcsine_of_root_squared();
+    /// let thirty_degrees = std::f64::consts::PI / 6.0;
+    /// assert!((arc.value - thirty_degrees * thirty_degrees).abs() < 1e-15);
+    /// ```
     pub fn arcsine_of_root_squared(&self) -> Self {
         let z = self.value;
         // Near zero the closed form cancels, and at zero it is 0/0.
@@ -247,11 +305,25 @@ impl<const N: usize> Div for Jet<N> {
 }
 
 /// The scalar product.
+///
+/// ```
+/// use protomer_kernel::jet::{Jet, dot};
+/// let a: [Jet<3>; 3] = std::array::from_fn(|axis| Jet::variable(axis as f64, axis));
+/// let square = dot(&a, &a);
+/// assert_eq!((square.value, square.gradient), (5.0, [0.0, 2.0, 4.0]));
+/// ```
 pub fn dot<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> Jet<N> {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The vector product.
+///
+/// ```
+/// use protomer_kernel::jet::{Jet, cross};
+/// let vector = |numbers: [f64; 3]| numbers.map(Jet::<1>::constant);
+/// let z = cross(&vector([1.0, 0.0, 0.0]), &vector([0.0, 1.0, 0.0]));
+/// assert_eq!(z.map(|component| component.value), [0.0, 0.0, 1.0]);
+/// ```
 pub fn cross<const N: usize>(a: &[Jet<N>; 3], b: &[Jet<N>; 3]) -> [Jet<N>; 3] {
     [
         a[1] * b[2] - a[2] * b[1],

@@ -32,6 +32,14 @@ pub struct TriangleMesh {
 }
 
 /// Topology of a closed mesh, found by [`TriangleMesh::topology`].
+///
+/// ```
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let cube = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0)).topology()?;
+/// // 8 vertices, 18 edges, 12 triangles
+/// assert_eq!((cube.euler_number, cube.genus, cube.cavities), (8 - 18 + 12, 0, 0));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Topology {
     /// Connected components (shells).
@@ -45,6 +53,15 @@ pub struct Topology {
 }
 
 /// Volume, centroid and second moments of the solid inside a closed mesh.
+///
+/// ```
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let cube = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(2.0)).mass_properties()?;
+/// assert!((cube.centroid - Vec3::repeat(1.0)).norm() < 1e-12);
+/// // m a²/6 about each axis
+/// assert!((cube.inertia_angstrom5[(0, 0)] - 8.0 * 4.0 / 6.0).abs() < 1e-12);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MassProperties {
     /// Enclosed volume, Å³.
@@ -81,6 +98,15 @@ impl TriangleMesh {
     }
 
     /// The three corners of a triangle, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let mesh = TriangleMesh {
+    ///     vertices: vec![Vec3::zeros(), Vec3::x(), Vec3::y()],
+    ///     triangles: vec![[1, 2, 0]],
+    /// };
+    /// assert_eq!(mesh.corners(0), [Vec3::x(), Vec3::y(), Vec3::zeros()]);
+    /// ```
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
         self.triangles[triangle].map(|vertex| self.vertices[vertex as usize])
     }
@@ -91,6 +117,12 @@ impl TriangleMesh {
     }
 
     /// Surface area, Å².
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let cuboid = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::new(1.0, 2.0, 3.0));
+    /// assert!((cuboid.area_angstrom2() - 22.0).abs() < 1e-12);
+    /// ```
     pub fn area_angstrom2(&self) -> f64 {
         let area = |[a, b, c]: [Vec3; 3]| 0.5 * (b - a).cross(&(c - a)).norm();
         self.all_corners().map(area).sum()
@@ -155,6 +187,12 @@ impl TriangleMesh {
     }
 
     /// Radius of the smallest sphere about the origin that holds every vertex, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let cuboid = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::new(3.0, 4.0, 0.0));
+    /// assert_eq!(cuboid.radius_about_origin_angstrom(), 5.0);
+    /// ```
     pub fn radius_about_origin_angstrom(&self) -> f64 {
         let squares = self.vertices.iter().map(Vec3::norm_squared);
         squares.fold(0.0, f64::max).sqrt()
@@ -177,6 +215,14 @@ impl TriangleMesh {
     }
 
     /// Checks that the mesh is closed and 2-manifold and counts its shells.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let mut cube = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0));
+    /// assert!(cube.topology().is_ok());
+    /// cube.triangles.pop();
+    /// assert!(cube.topology().is_err(), "it has a hole");
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] names the first defect: an index out of range, a repeated corner,
@@ -214,6 +260,17 @@ impl TriangleMesh {
 
     /// The connected shells of a closed mesh, each as a separate mesh, in the order of their first
     /// triangle.
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// let mut mesh = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0));
+    /// let other = TriangleMesh::cuboid(&Vec3::repeat(5.0), &Vec3::repeat(7.0));
+    /// mesh.triangles.extend(other.triangles.iter().map(|corners| corners.map(|corner| corner + 8)));
+    /// mesh.vertices.extend(&other.vertices);
+    /// let volumes: Vec<f64> = mesh.shells()?.iter().map(TriangleMesh::volume_angstrom3).collect();
+    /// assert!((volumes[0] - 1.0).abs() < 1e-12 && (volumes[1] - 8.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::BadMesh`] if an edge is not shared by exactly two triangles.

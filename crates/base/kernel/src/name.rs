@@ -56,6 +56,11 @@ pub fn printable(text: &str) -> Cow<'_, str> {
 }
 
 /// The text with every character of a kind replaced by another.
+///
+/// ```
+/// use protomer_kernel::name::replaced;
+/// assert_eq!(replaced("chain A/B", |character| character == '/', '-'), "chain A-B");
+/// ```
 pub fn replaced(text: &str, is_bad: impl Fn(char) -> bool, substitute: char) -> String {
     let characters = text.chars();
     characters

@@ -24,6 +24,16 @@ pub fn as_nan<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Erro
 
 /// Reads a number, and `null` as infinity.
 ///
+/// ```
+/// use protomer_kernel::null;
+/// use serde::de::IntoDeserializer;
+/// use serde::de::value::{Error, UnitDeserializer};
+///
+/// let nothing: UnitDeserializer<Error> = ().into_deserializer();
+/// assert_eq!(null::as_infinity(nothing)?, f64::INFINITY);
+/// # Ok::<(), Error>(())
+/// ```
+///
 /// # Errors
 /// If the value is neither.
 pub fn as_infinity<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {

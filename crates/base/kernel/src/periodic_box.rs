@@ -52,6 +52,14 @@ pub struct PeriodicBox<const D: usize> {
 impl<const D: usize> PeriodicBox<D> {
     /// A box with right angles and these edges.
     ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::rectangular([2.0, 3.0, 4.0])?;
+    /// assert_eq!(space.volume(), 24.0);
+    /// assert!(PeriodicBox::rectangular([2.0, 0.0]).is_err());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless they are positive and finite.
     pub fn rectangular(lengths: [f64; D]) -> Result<Self> {
@@ -60,6 +68,13 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// A box of these lengths and tilt factors: xy, xz, yz in space, xy in a plane. Without any it is
     /// rectangular.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let sheared = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// assert_eq!((sheared.edge(0), sheared.edge(1)), ([4.0, 0.0], [1.0, 2.0]));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) for lengths that are not positive, tilt
@@ -94,6 +109,14 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// A box with these lengths of its edges and angles between them in degrees: α between the second and the
     /// third, β between the first and the third, γ between the first and the second; in a plane γ.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let rhombohedral = PeriodicBox::with_angles(&[1.0; 3], &[60.0; 3])?;
+    /// assert!((rhombohedral.volume() - 0.5_f64.sqrt()).abs() < 1e-12);
+    /// assert!(PeriodicBox::with_angles(&[1.0; 3], &[150.0; 3]).is_err(), "no such corner");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) for edges that are not positive, and
@@ -164,6 +187,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// Whether all angles are right.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// assert!(PeriodicBox::with_angles(&[2.0, 3.0], &[90.0])?.is_rectangular());
+    /// assert!(!PeriodicBox::with_angles(&[2.0, 3.0], &[89.0])?.is_rectangular());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn is_rectangular(&self) -> bool {
         self.is_rectangular
@@ -177,6 +207,12 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The smallest of the lengths. Ranges up to half of it meet one image of a place at most.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// assert_eq!(PeriodicBox::rectangular([5.0, 3.0, 4.0])?.smallest_length(), 3.0);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn smallest_length(&self) -> f64 {
         self.lengths.iter().copied().fold(f64::INFINITY, f64::min)
     }
@@ -187,6 +223,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The distances between opposite faces, L_k/|row k of the inverse of N|.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let [width, height] = PeriodicBox::with_angles(&[2.0, 2.0], &[30.0])?.heights();
+    /// assert!((width - 1.0).abs() < 1e-12 && (height - 1.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn heights(&self) -> [f64; D] {
         let mut heights = self.lengths;
         for (axis, height) in heights.iter_mut().enumerate() {
@@ -204,6 +247,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The place u in the rectangular box that shears to x.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// assert_eq!(space.unsheared(&[3.0, 2.0]), [2.0, 2.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn unsheared(&self, place: &[f64; D]) -> [f64; D] {
         let mut straight = *place;
@@ -216,6 +266,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The place x = N u.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// assert_eq!(space.sheared(&[2.0, 2.0]), [3.0, 2.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn sheared(&self, straight: &[f64; D]) -> [f64; D] {
         let mut place = *straight;
@@ -229,6 +286,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The place at these parts of the edges.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// assert_eq!(space.at(&[0.5, 0.5]), [2.5, 1.0], "the middle");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn at(&self, parts: &[f64; D]) -> [f64; D] {
         self.sheared(&std::array::from_fn(|axis| {
             parts[axis] * self.lengths[axis]
@@ -236,6 +300,15 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// Moves a place by whole edge vectors.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// let mut place = [0.0, 0.0];
+    /// space.add_edges(&mut place, 1, -2.0);
+    /// assert_eq!(place, [-2.0, -4.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn add_edges(&self, place: &mut [f64; D], edge: usize, times: f64) {
         place[edge] += times * self.lengths[edge];
@@ -245,6 +318,13 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The image of a place in the box.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::rectangular([4.0, 2.0])?;
+    /// assert_eq!(space.wrap(&[-1.0, 5.0]), [3.0, 1.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn wrap(&self, place: &[f64; D]) -> [f64; D] {
         if self.is_rectangular {
             return std::array::from_fn(|axis| wrapped(place[axis], self.lengths[axis]));
@@ -264,6 +344,13 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// The image of a displacement whose components are shorter than half of the lengths. It is the
     /// shortest one if that is shorter than half of the [smallest length](Self::smallest_length).
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::rectangular([4.0, 10.0])?;
+    /// assert_eq!(space.nearest_image(&[3.0, 3.0]), [-1.0, 3.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     #[inline]
     pub fn nearest_image(&self, displacement: &[f64; D]) -> [f64; D] {
         let mut nearest = *displacement;
@@ -337,6 +424,14 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// The box after the space has been deformed: x → E x with an upper triangular E, row by row, whose diagonal
     /// is positive.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let square = PeriodicBox::rectangular([2.0, 2.0])?;
+    /// let sheared = square.deformed(&[[1.0, 0.25], [0.0, 1.0]]);
+    /// assert_eq!((sheared.edge(1), sheared.volume()), ([0.5, 2.0], 4.0));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn deformed(&self, deformation: &[[f64; D]; D]) -> Self {
         let mut lengths = self.lengths;
         for axis in 0..D {
@@ -360,11 +455,25 @@ impl<const D: usize> PeriodicBox<D> {
     }
 
     /// The same box larger by this factor.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::rectangular([1.0, 2.0, 3.0])?;
+    /// assert_eq!(space.scaled(2.0).volume(), 8.0 * space.volume());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn scaled(&self, factor: f64) -> Self {
         Self::of_parts(self.lengths.map(|length| length * factor), self.tilts)
     }
 
     /// The box made of this many copies along each edge.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let cell = PeriodicBox::new([4.0, 2.0], &[0.5])?;
+    /// assert_eq!(cell.repeated(&[1, 3]).edge(1), [3.0, 6.0]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn repeated(&self, times: &[usize; D]) -> Self {
         let lengths = std::array::from_fn(|axis| self.lengths[axis] * times[axis] as f64);
         Self::of_parts(lengths, self.tilts)
@@ -372,6 +481,13 @@ impl<const D: usize> PeriodicBox<D> {
 
     /// The box itself if its edges overhang little: the part of each along an earlier axis is at most 3/4 of
     /// the length there. Otherwise a box with the same images in which these parts are at most half of it.
+    ///
+    /// ```
+    /// use protomer_kernel::periodic_box::PeriodicBox;
+    /// let space = PeriodicBox::new([1.0, 1.0], &[2.25])?;
+    /// assert_eq!(space.reduced().tilt_factors(), [0.25]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn reduced(&self) -> Self {
         let overhangs = |row: usize, column: usize, tilts: &[[f64; D]; D]| {
             tilts[row][column] * self.lengths[column] / self.lengths[row]

@@ -7,6 +7,12 @@
 use std::borrow::Cow;
 
 /// Reasons why bytes are not the text of a file.
+///
+/// ```
+/// use protomer_kernel::plain_text::{NotText, decode};
+/// assert_eq!(decode(b" \n"), Err(NotText::Empty));
+/// assert_eq!(decode(b"<html><body>404"), Err(NotText::WebPage));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NotText {
     /// A file that is empty or holds only blanks.
@@ -29,6 +35,12 @@ pub enum NotText {
 
 impl NotText {
     /// The line to name in a message; zero for the whole file.
+    ///
+    /// ```
+    /// use protomer_kernel::plain_text::{NotText, decode};
+    /// let fault = decode(b"ATOM\nATOM\n\0\x01");
+    /// assert_eq!(fault.map_err(|fault| fault.line()), Err(3));
+    /// ```
     pub fn line(&self) -> usize {
         match self {
             NotText::Binary { line } => *line,
@@ -37,6 +49,11 @@ impl NotText {
     }
 
     /// Description of the fault, for a message.
+    ///
+    /// ```
+    /// use protomer_kernel::plain_text::NotText;
+    /// assert_eq!(NotText::Binary { line: 3 }.cause(), "binary data, not text");
+    /// ```
     pub fn cause(&self) -> String {
         match self {
             NotText::Empty => "the file is empty".into(),
@@ -47,6 +64,13 @@ impl NotText {
     }
 
     /// Advice to the user, for a message.
+    ///
+    /// ```
+    /// use protomer_kernel::plain_text::{NotText, decode};
+    /// let remedy = decode(b"BZh91AY").map_err(|fault| fault.remedy());
+    /// let expected = "decompress the file with 'bzip2 -d FILE' and give the result";
+    /// assert_eq!(remedy, Err(expected.to_owned()));
+    /// ```
     pub fn remedy(&self) -> String {
         match self {
             NotText::Empty => "give a file with content, or fetch it again".into(),

@@ -22,6 +22,12 @@ pub struct Pose {
 
 impl Pose {
     /// The pose that leaves every point where it is.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let point = Vec3::new(1.0, 2.0, 3.0);
+    /// assert_eq!(Pose::identity().transform_point(&point), point);
+    /// ```
     pub fn identity() -> Self {
         Self {
             position: Vec3::zeros(),
@@ -30,6 +36,12 @@ impl Pose {
     }
 
     /// A pose from a position (Å) and a quaternion, scalar first; the quaternion is normalised.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let quarter_turn_about_z = Pose::from_wxyz(Vec3::zeros(), [1.0, 0.0, 0.0, 1.0]);
+    /// assert!((quarter_turn_about_z.transform_point(&Vec3::x()) - Vec3::y()).norm() < 1e-12);
+    /// ```
     pub fn from_wxyz(position: Vec3, [w, x, y, z]: [f64; 4]) -> Self {
         Self {
             position,
@@ -38,6 +50,12 @@ impl Pose {
     }
 
     /// The orientation as a quaternion, scalar first.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let pose = Pose::from_wxyz(Vec3::zeros(), [0.0, 0.0, 0.0, 2.0]);
+    /// assert_eq!(pose.wxyz(), [0.0, 0.0, 0.0, 1.0]);
+    /// ```
     pub fn wxyz(&self) -> [f64; 4] {
         let q = self.rotation.quaternion();
         [q.w, q.i, q.j, q.k]
@@ -49,6 +67,12 @@ impl Pose {
     }
 
     /// The point of the body that is at `point`, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let pose = Pose { position: Vec3::new(5.0, 0.0, 0.0), ..Pose::identity() };
+    /// assert_eq!(pose.inverse_transform_point(&Vec3::new(6.0, 1.0, 0.0)), Vec3::new(1.0, 1.0, 0.0));
+    /// ```
     pub fn inverse_transform_point(&self, point: &Vec3) -> Vec3 {
         self.rotation.inverse() * (point - self.position)
     }
@@ -69,6 +93,12 @@ impl Pose {
     }
 
     /// The motion that undoes this one.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let pose = Pose { position: Vec3::new(1.0, 2.0, 3.0), ..Pose::identity() };
+    /// assert_eq!(pose.inverse().position, Vec3::new(-1.0, -2.0, -3.0));
+    /// ```
     pub fn inverse(&self) -> Pose {
         let rotation = self.rotation.inverse();
         Pose {
@@ -100,6 +130,17 @@ pub struct RelativePose {
 impl RelativePose {
     /// The pose of `second` in the frame of `first`. `displacement` (Å) leads from `first` to the
     /// image of `second` that is meant; in open space it is `second.position - first.position`.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose, RelativePose, Vec3};
+    /// let space = Boundary::periodic(Vec3::repeat(10.0))?;
+    /// let first = Pose { position: Vec3::new(4.0, 0.0, 0.0), ..Pose::identity() };
+    /// let second = Pose { position: Vec3::new(-4.0, 0.0, 0.0), ..Pose::identity() };
+    /// let displacement = space.displacement(&first.position, &second.position);
+    /// let relative = RelativePose::new(&first, &second, &displacement);
+    /// assert_eq!(relative.translation, Vec3::new(2.0, 0.0, 0.0));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn new(first: &Pose, second: &Pose, displacement: &Vec3) -> Self {
         let into_first = first.rotation.inverse();
         Self {
@@ -111,6 +152,13 @@ impl RelativePose {
     }
 
     /// The pose of the first body in the frame of the second.
+    ///
+    /// ```
+    /// use protomer_kernel::{Pose, RelativePose, Vec3};
+    /// let pose = Pose::identity();
+    /// let relative = RelativePose::new(&pose, &pose, &Vec3::new(3.0, 1.0, 0.0));
+    /// assert_eq!(relative.inverse().translation, Vec3::new(-3.0, -1.0, 0.0));
+    /// ```
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation.transpose();
         Self {

@@ -44,6 +44,14 @@ fn is_no_cutoff(angstrom: &f64) -> bool {
 impl Yukawa {
     /// The potential with these lengths.
     ///
+    /// ```
+    /// use protomer_kernel::potential::Yukawa;
+    /// let cut = Yukawa::new(7.0, 0.1, 30.0)?;
+    /// assert!(cut.energy_kt(29.9) > 0.0 && cut.energy_kt(30.0) == 0.0);
+    /// assert!(Yukawa::new(7.0, 0.1, -30.0).is_err());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::OutOfRange`](crate::KernelError::OutOfRange) unless the Bjerrum length and
     /// the cut-off are positive and the inverse Debye length is zero or positive.
@@ -77,6 +85,13 @@ impl Yukawa {
     }
 
     /// The potential with these lengths and without a cut-off.
+    ///
+    /// ```
+    /// use protomer_kernel::potential::Yukawa;
+    /// let coulomb = Yukawa::uncut(7.0, 0.0)?;
+    /// assert_eq!((coulomb.energy_kt(14.0), coulomb.is_cut()), (0.5, false));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Yukawa::new`].
@@ -145,6 +160,13 @@ impl Yukawa {
     }
 
     /// Energy of two unit charges at this distance (Å), kT; multiply by the product of the charges.
+    ///
+    /// ```
+    /// use protomer_kernel::potential::Yukawa;
+    /// let coulomb = Yukawa::uncut(7.0, 0.0)?;
+    /// assert_eq!(2.0 * -3.0 * coulomb.energy_kt(21.0), -2.0, "charges of 2 and -3");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn energy_kt(&self, distance_angstrom: f64) -> f64 {
         if distance_angstrom < self.cutoff_angstrom {
             let screening = (-self.inverse_debye_length_per_angstrom * distance_angstrom).exp();

@@ -4,6 +4,12 @@ use crate::Vec3;
 use std::f64::consts::PI;
 
 /// A place between -1 and 1, with the weight of the value there.
+///
+/// ```
+/// use protomer_kernel::quadrature::gauss_legendre;
+/// let midpoint = gauss_legendre(1)[0];
+/// assert!(midpoint.place.abs() < 1e-15 && (midpoint.weight - 2.0).abs() < 1e-15);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     /// The place xᵢ.
@@ -102,6 +108,12 @@ pub const KRONROD_NODES: usize = 21;
 
 /// A node of the Gauss-Kronrod rule, with its weight and that in the Gauss rule of ten of them. The
 /// difference of the two rules tells how far either can be off.
+///
+/// ```
+/// use protomer_kernel::quadrature::gauss_kronrod;
+/// let middle = gauss_kronrod()[10];
+/// assert_eq!((middle.place, middle.gauss_weight), (0.0, 0.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KronrodNode {
     /// The place xᵢ.

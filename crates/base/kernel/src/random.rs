@@ -21,6 +21,13 @@ const PURPOSE_SHIFT: u32 = 24;
 /// Each purpose has its own streams, so that two uses of one seed never share numbers. The values
 /// are part of every seeded result: a new purpose takes a new value, and no value ever changes. The
 /// compiler refuses two equal ones.
+///
+/// ```
+/// use protomer_kernel::random::{CounterRng, Purpose};
+/// let draw = |purpose| CounterRng::for_purpose(7, 0, 0, purpose).uniform();
+/// assert_eq!(draw(Purpose::Simulation), CounterRng::new(7, 0, 0).uniform());
+/// assert_ne!(draw(Purpose::Simulation), draw(Purpose::Exchange));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Purpose {
@@ -140,6 +147,12 @@ pub struct CounterRng {
 
 impl CounterRng {
     /// The stream of this seed, replica and step of a simulation.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let (mut first, mut second) = (CounterRng::new(7, 0, 12), CounterRng::new(7, 1, 12));
+    /// assert_ne!(first.uniform(), second.uniform(), "replicas share no numbers");
+    /// ```
     pub fn new(seed: u64, replica: u32, step: u64) -> Self {
         Self::for_purpose(seed, replica, step, Purpose::Simulation)
     }
@@ -184,17 +197,38 @@ impl CounterRng {
     }
 
     /// A number uniform in [0, 1), a multiple of 2⁻⁵³.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let mean = (0..10_000).map(|_| rng.uniform()).sum::<f64>() / 10_000.0;
+    /// assert!((mean - 0.5).abs() < 0.02);
+    /// ```
     pub fn uniform(&mut self) -> f64 {
         // 53 random bits: exactly the multiples of 2⁻⁵³, all of which a double holds.
         (self.two_words() >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
     /// A number uniform in [low, high).
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// assert!((0..1000).all(|_| (-5.0..-3.0).contains(&rng.uniform_in(-5.0, -3.0))));
+    /// ```
     pub fn uniform_in(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
     /// An index uniform in 0..count (0 for an empty range); the bias is below count / 2⁶⁴.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let mut counts = [0; 6];
+    /// (0..6000).for_each(|_| counts[rng.index(6)] += 1);
+    /// assert!(counts.iter().all(|count| (850..1150).contains(count)), "a fair die");
+    /// ```
     pub fn index(&mut self, count: usize) -> usize {
         // The high half of the 128-bit product scales without a division and without rejection.
         ((u128::from(self.two_words()) * count as u128) >> 64) as usize
@@ -217,11 +251,26 @@ impl CounterRng {
     }
 
     /// A standard normal number from two uniform ones, the first of [`Self::normal_pair`].
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let within_one = (0..10_000).filter(|_| rng.normal().abs() < 1.0).count();
+    /// assert!((6600..7050).contains(&within_one), "68 % lie within one standard deviation");
+    /// ```
     pub fn normal(&mut self) -> f64 {
         self.normal_pair()[0]
     }
 
     /// A direction uniform on the unit sphere.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, random::CounterRng};
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// assert!((rng.unit_vector().norm() - 1.0).abs() < 1e-12);
+    /// let sum: Vec3 = (0..10_000).map(|_| rng.unit_vector()).sum();
+    /// assert!(sum.norm() < 300.0, "no direction is preferred");
+    /// ```
     pub fn unit_vector(&mut self) -> Vec3 {
         // Archimedes: z is uniform on the sphere.
         let z = self.uniform_in(-1.0, 1.0);
@@ -232,6 +281,13 @@ impl CounterRng {
     }
 
     /// A vector uniform in the ball of this radius.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let inner = (0..8000).filter(|_| rng.vector_in_ball(2.0).norm() < 1.0).count();
+    /// assert!((850..1150).contains(&inner), "half of the radius holds an eighth of the volume");
+    /// ```
     pub fn vector_in_ball(&mut self, radius: f64) -> Vec3 {
         let direction = self.unit_vector();
         // The volume within r grows as r³.
@@ -239,6 +295,13 @@ impl CounterRng {
     }
 
     /// A rotation uniform over all rotations (Shoemake, Graphics Gems III (1992), 124).
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, random::CounterRng};
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let sum: Vec3 = (0..10_000).map(|_| rng.rotation() * Vec3::x()).sum();
+    /// assert!(sum.norm() < 300.0, "no orientation is preferred");
+    /// ```
     pub fn rotation(&mut self) -> Rotation {
         let u = self.uniform();
         let (sine_1, cosine_1) = (TAU * self.uniform()).sin_cos();
@@ -254,6 +317,13 @@ impl CounterRng {
 
     /// A rotation by at most `largest_angle_rad` whose rotation vector is uniform in a ball. A
     /// rotation and its inverse are equally likely, which is what a trial move needs.
+    ///
+    /// ```
+    /// use protomer_kernel::random::CounterRng;
+    /// let mut rng = CounterRng::new(1, 0, 0);
+    /// let angles: Vec<f64> = (0..1000).map(|_| rng.small_rotation(0.1).angle()).collect();
+    /// assert!(angles.iter().all(|angle| *angle <= 0.1) && angles.iter().any(|angle| *angle > 0.09));
+    /// ```
     pub fn small_rotation(&mut self, largest_angle_rad: f64) -> Rotation {
         UnitQuaternion::from_scaled_axis(self.vector_in_ball(largest_angle_rad))
     }

@@ -31,6 +31,12 @@ pub struct Choice {
 }
 
 /// A type that a setting may have.
+///
+/// ```
+/// use protomer_kernel::setting::{Kind, Setting};
+/// assert!(matches!(u32::KIND, Kind::Whole(4_294_967_295)));
+/// assert_eq!((2e-9_f64.text(), None::<f64>.text()), (Some("2e-9".to_owned()), None));
+/// ```
 pub trait Setting {
     /// Kind of the values.
     const KIND: Kind;

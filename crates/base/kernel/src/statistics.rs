@@ -27,6 +27,13 @@ const UNCORRELATED_TIME: f64 = 0.5;
 const LONGEST_LAG: usize = 1000;
 
 /// Summary of a correlated series: its average, its spread, and the precision of the average.
+///
+/// ```
+/// use protomer_kernel::statistics::summarize;
+/// let constant = summarize(&[3.0; 10]);
+/// assert_eq!((constant.mean, constant.standard_error), (3.0, 0.0));
+/// assert_eq!((constant.autocorrelation_time, constant.effective_samples), (0.5, 10.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Mean.
@@ -150,6 +157,14 @@ fn pair_averages(values: &[f64]) -> Vec<f64> {
 }
 
 /// The error of the mean at one level of blocking.
+///
+/// ```
+/// use protomer_kernel::statistics::block_errors;
+/// let alternating: Vec<f64> = (0..64).map(|t| f64::from(t % 2)).collect();
+/// let [single, pairs] = [0, 1].map(|level| block_errors(&alternating)[level]);
+/// assert!((single.standard_error - 0.5 / 63.0_f64.sqrt()).abs() < 1e-12);
+/// assert_eq!((pairs.block_length, pairs.blocks, pairs.standard_error), (2, 32, 0.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BlockError {
     /// Samples in a block, a power of two.
@@ -217,6 +232,12 @@ pub fn block_standard_error(series: &[f64]) -> Option<f64> {
 }
 
 /// Mean Σ x / n of values; NaN without any.
+///
+/// ```
+/// use protomer_kernel::statistics::mean;
+/// assert_eq!(mean(&[1.0, 2.0, 6.0]), 3.0);
+/// assert!(mean(&[]).is_nan());
+/// ```
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
@@ -283,6 +304,12 @@ pub struct RunningMoments {
 impl RunningMoments {
     /// Moments of values that are all in memory: first their mean, then Σ (x - mean)². Rounding leaves
     /// the smallest error that way; the last digits can differ from those of a stream.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments = RunningMoments::in_two_passes(&[1e9, 1e9 + 2.0]);
+    /// assert_eq!((moments.mean(), moments.variance()), (1e9 + 1.0, 2.0));
+    /// ```
     pub fn in_two_passes(values: &[f64]) -> Self {
         if values.is_empty() {
             return Self::default();
@@ -306,6 +333,13 @@ impl RunningMoments {
     }
 
     /// Adds all values of another stream (Chan, Golub and LeVeque, Am. Stat. 37, 242 (1983)).
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let mut moments: RunningMoments = [1.0, 3.0].into_iter().collect();
+    /// moments.merge(&[5.0, 7.0].into_iter().collect());
+    /// assert_eq!((moments.mean(), moments.variance()), (4.0, 20.0 / 3.0));
+    /// ```
     pub fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
@@ -328,6 +362,12 @@ impl RunningMoments {
     }
 
     /// Unbiased variance of the values; zero for fewer than two.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments: RunningMoments = [1.0, 3.0, 5.0].into_iter().collect();
+    /// assert_eq!(moments.variance(), (4.0 + 0.0 + 4.0) / 2.0);
+    /// ```
     pub fn variance(&self) -> f64 {
         if self.count < 2 {
             0.0
@@ -337,17 +377,35 @@ impl RunningMoments {
     }
 
     /// The square root of the variance.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments: RunningMoments = [1.0, 3.0, 5.0].into_iter().collect();
+    /// assert_eq!(moments.standard_deviation(), 2.0);
+    /// ```
     pub fn standard_deviation(&self) -> f64 {
         self.variance().sqrt()
     }
 
     /// Root mean square deviation from the mean, √(Σ (x - mean)² / n); NaN without values.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let moments: RunningMoments = [1.0, 5.0].into_iter().collect();
+    /// assert_eq!(moments.root_mean_square_deviation(), 2.0);
+    /// ```
     pub fn root_mean_square_deviation(&self) -> f64 {
         (self.squares / self.count as f64).sqrt()
     }
 
     /// Standard error of the mean of *independent* values, such as the averages of replicas;
     /// infinite for fewer than two.
+    ///
+    /// ```
+    /// use protomer_kernel::statistics::RunningMoments;
+    /// let replicas: RunningMoments = [1.0, 1.0, 5.0, 5.0].into_iter().collect();
+    /// assert!((replicas.independent_standard_error() - (16.0_f64 / 3.0 / 4.0).sqrt()).abs() < 1e-12);
+    /// ```
     pub fn independent_standard_error(&self) -> f64 {
         if self.count < 2 {
             f64::INFINITY

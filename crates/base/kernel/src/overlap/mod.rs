@@ -189,6 +189,16 @@ pub fn comes_within(
 /// Distance between two surfaces, Å; zero if they intersect. It is exact and slow (every pair of
 /// triangles), for reports and tests. The distance of a body inside another is that from the other's
 /// surface.
+///
+/// ```
+/// use protomer_kernel::overlap::distance;
+/// use protomer_kernel::{CollisionShape, Pose, RelativePose, TriangleMesh, Vec3};
+/// let cube = CollisionShape::new(&TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(1.0)))?;
+/// let pose = Pose::identity();
+/// let diagonal = RelativePose::new(&pose, &pose, &Vec3::new(4.0, 5.0, 0.0));
+/// assert!((distance(&cube, &cube, &diagonal) - 5.0).abs() < 1e-12);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 pub fn distance(
     first: &CollisionShape,
     second: &CollisionShape,

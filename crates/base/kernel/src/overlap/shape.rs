@@ -47,11 +47,27 @@ impl CollisionShape {
     }
 
     /// Radius of the smallest sphere about the body's origin that holds it, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{CollisionShape, TriangleMesh, Vec3};
+    /// let cube = TriangleMesh::cuboid(&Vec3::repeat(-1.0), &Vec3::repeat(1.0));
+    /// let radius = CollisionShape::new(&cube)?.bounding_radius_angstrom();
+    /// assert!((radius - 3.0_f64.sqrt()).abs() < 1e-6);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn bounding_radius_angstrom(&self) -> f64 {
         self.radius
     }
 
     /// Distance of the surface from the body's origin, Å: no point of it is nearer.
+    ///
+    /// ```
+    /// use protomer_kernel::{CollisionShape, TriangleMesh, Vec3};
+    /// let cuboid = TriangleMesh::cuboid(&Vec3::repeat(-1.0), &Vec3::new(2.0, 3.0, 4.0));
+    /// let least = CollisionShape::new(&cuboid)?.least_radius_angstrom();
+    /// assert!((least - 1.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn least_radius_angstrom(&self) -> f64 {
         let origin = [Vec3::zeros(); 3];
         let mut least = f64::INFINITY;
@@ -75,6 +91,14 @@ impl CollisionShape {
     }
 
     /// Whether a point (Å, in the body's frame) lies in the solid or on its surface.
+    ///
+    /// ```
+    /// use protomer_kernel::{CollisionShape, TriangleMesh, Vec3};
+    /// let cube = CollisionShape::new(&TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(2.0)))?;
+    /// assert!(cube.contains_point(&Vec3::repeat(1.0)));
+    /// assert!(!cube.contains_point(&Vec3::repeat(3.0)));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn contains_point(&self, point: &Vec3) -> bool {
         point.norm() <= self.radius && solid_contains(&self.mesh, &self.tree, self.radius, point)
     }

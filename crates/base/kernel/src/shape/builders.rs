@@ -17,6 +17,14 @@ const MOST_CORNERS: f64 = 1000.0;
 
 /// The shape of this name.
 ///
+/// ```
+/// use protomer_kernel::shape::builders::by_name;
+/// assert_eq!(by_name("icosahedron")?.corners(), 12);
+/// assert_eq!(by_name("prism:6,2")?.corners(), 12);
+/// assert!(by_name("sphere").is_err());
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
+///
 /// # Errors
 /// [`KernelError::BadShape`] for an unknown name, which lists the [`NAMES`], or for numbers that do
 /// not make the shape.

@@ -22,6 +22,12 @@ pub(super) const MOST_STEPS: usize = 500;
 const WIDE: f64 = 1e-6;
 
 /// The closest points of two bodies.
+///
+/// ```
+/// use protomer_kernel::{Vec3, shape::closest::ClosestPoints};
+/// let points = ClosestPoints { on_first: Vec3::new(3.0, 4.0, 0.0), on_second: Vec3::zeros() };
+/// assert_eq!((points.separation(), points.distance()), (Vec3::new(3.0, 4.0, 0.0), 5.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ClosestPoints {
     /// The point of the first body.

@@ -9,6 +9,15 @@ const IN_PLANE: f64 = 1e-12;
 const FLAT: f64 = 1e-9;
 
 /// The convex hull of points in space.
+///
+/// ```
+/// use protomer_kernel::Vec3;
+/// use protomer_kernel::shape::{Shape, hull::Hull};
+/// let on_a_line = Shape::solid(&[Vec3::zeros(), 2.0 * Vec3::x(), Vec3::x()])?;
+/// let Shape::Solid(Hull::Segment(ends)) = on_a_line else { panic!("no segment") };
+/// assert_eq!((ends[1] - ends[0]).norm(), 2.0);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Hull {
     /// A single point: the hull of coincident points.

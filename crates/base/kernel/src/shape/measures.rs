@@ -17,6 +17,14 @@ use std::f64::consts::PI;
 
 /// Measures of a convex shape with rounded edges. In a plane, the volume is the area, the surface
 /// the perimeter, and the integrated curvature 2π.
+///
+/// ```
+/// use protomer_kernel::shape::{builders::by_name, measures::Measures};
+/// let square = Measures::of(&by_name("polygon:4")?, 0.0)?;
+/// // A + P²/4π
+/// assert!((square.b2 - (1.0 + 16.0 / (4.0 * std::f64::consts::PI))).abs() < 1e-12);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Volume.
@@ -31,6 +39,17 @@ pub struct Measures {
 
 impl Measures {
     /// Measures of the Minkowski sum of a shape with a ball (a disk in a plane) of this radius.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, measures::Measures};
+    /// let cube = by_name("cube")?;
+    /// assert!((Measures::of(&cube, 0.0)?.surface - 6.0).abs() < 1e-12);
+    /// // Six faces, a quarter of a cylinder at each of twelve edges, a ball at the corners.
+    /// let pi = std::f64::consts::PI;
+    /// let rounded = 6.0 + 12.0 * pi / 2.0 * 0.1 + 4.0 * pi * 0.01;
+    /// assert!((Measures::of(&cube, 0.1)?.surface - rounded).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`KernelError::OutOfRange`] for a negative radius; [`KernelError::BadShape`] for a shape

@@ -42,6 +42,15 @@ use crate::{KernelError, Result, Vec3};
 use hull::Hull;
 
 /// The convex hull of points, in a plane or in space.
+///
+/// ```
+/// use protomer_kernel::{Vec3, shape::Shape};
+/// let triangle = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+/// let tetrahedron = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
+/// assert_eq!(Shape::flat(&triangle)?.dimension(), 2);
+/// assert_eq!(Shape::solid(&tetrahedron)?.dimension(), 3);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// The corners of a polygon, counter-clockwise; a segment has two and a point one.
@@ -53,6 +62,13 @@ pub enum Shape {
 impl Shape {
     /// The convex hull of points in a plane.
     ///
+    /// ```
+    /// use protomer_kernel::shape::Shape;
+    /// let square = Shape::flat(&[[0.0, 0.0], [2.0, 0.0], [1.0, 1.0], [2.0, 2.0], [0.0, 2.0]])?;
+    /// assert_eq!(square.corners(), 4, "a point inside is no corner");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`KernelError::BadShape`] without points, or for numbers that are not finite.
     pub fn flat(points: &[[f64; 2]]) -> Result<Self> {
@@ -61,6 +77,14 @@ impl Shape {
     }
 
     /// The convex hull of points in space.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::Shape};
+    /// let corners = [Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z(), Vec3::repeat(0.1)];
+    /// assert_eq!(Shape::solid(&corners)?.corners(), 4);
+    /// assert!(Shape::solid(&[]).is_err());
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Shape::flat`].
@@ -79,6 +103,13 @@ impl Shape {
     }
 
     /// The corners; those of a flat shape have z = 0.
+    ///
+    /// ```
+    /// use protomer_kernel::{Vec3, shape::Shape};
+    /// let segment = Shape::flat(&[[0.0, 0.0], [3.0, 4.0]])?;
+    /// assert_eq!(segment.corner_points(), [Vec3::zeros(), Vec3::new(3.0, 4.0, 0.0)]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn corner_points(&self) -> Vec<Vec3> {
         match self {
             Shape::Flat(corners) => corners

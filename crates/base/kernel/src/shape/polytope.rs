@@ -32,6 +32,15 @@ pub struct Polytope {
 }
 
 /// A face of a polyhedron, or an edge of a polygon.
+///
+/// ```
+/// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+/// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+/// let mut offsets: Vec<f64> = cuboid.faces.iter().map(|face| face.offset).collect();
+/// offsets.sort_by(f64::total_cmp);
+/// assert!((offsets[0] - 1.0).abs() < 1e-12 && (offsets[5] - 3.0).abs() < 1e-12);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
     /// Corners of the face, counter-clockwise from outside.
@@ -60,6 +69,16 @@ impl Polytope {
     }
 
     /// The polytope of a shape, and the position of its centroid in the shape.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{Shape, polytope::Polytope};
+    /// use protomer_kernel::Vec3;
+    /// let square = Shape::flat(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])?;
+    /// let (polytope, centroid) = Polytope::placed(&square)?;
+    /// assert!((centroid - Vec3::new(1.0, 1.0, 0.0)).norm() < 1e-12);
+    /// assert!((polytope.corners[0].norm() - 2.0_f64.sqrt()).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Polytope::of`].
@@ -132,6 +151,13 @@ impl Polytope {
     }
 
     /// The radius of the smallest ball about the centroid that holds the polytope.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,4")?)?;
+    /// assert!((cuboid.circumradius() - 3.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn circumradius(&self) -> f64 {
         self.corners.iter().map(Vec3::norm).fold(0.0, f64::max)
     }
@@ -144,6 +170,15 @@ impl Polytope {
 
     /// The face through which a ray from the centroid leaves the body; the direction is in the
     /// frame of the body.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// use protomer_kernel::Vec3;
+    /// let cuboid = Polytope::of(&by_name("cuboid:2,4,6")?)?;
+    /// let face = cuboid.face_towards(&Vec3::new(1.0, 1.0, 1.0));
+    /// assert!((face.normal - Vec3::x()).norm() < 1e-12, "the nearest face is met first");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn face_towards(&self, direction: &Vec3) -> &Face {
         let mut best = (&self.faces[0], f64::NEG_INFINITY);
         for face in &self.faces {

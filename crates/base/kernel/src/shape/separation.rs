@@ -33,6 +33,12 @@ const OF_A_HEIGHT: f64 = 8.0 * f64::EPSILON;
 const NO_GAIN: f64 = 1e-14;
 
 /// Packs corners for [`Pair`]; the last block repeats the last corner.
+///
+/// ```
+/// use protomer_kernel::shape::separation::pack;
+/// let triangle = pack(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+/// assert_eq!(triangle, [[[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]]]);
+/// ```
 pub fn pack<const D: usize>(corners: &[[f64; D]]) -> Vec<Block<D>> {
     let mut blocks = vec![[[0.0; LANES]; D]; corners.len().div_ceil(LANES)];
     for (number, block) in blocks.iter_mut().enumerate() {
@@ -48,6 +54,14 @@ pub fn pack<const D: usize>(corners: &[[f64; D]]) -> Vec<Block<D>> {
 }
 
 /// Turns packed corners by a matrix, of which the first D rows and columns count.
+///
+/// ```
+/// use protomer_kernel::shape::separation::{pack, turn};
+/// let from = pack(&[[1.0, 0.0]]);
+/// let mut to = from.clone();
+/// turn(&[[0.0, -1.0], [1.0, 0.0]], &from, &mut to);
+/// assert_eq!(to, pack(&[[0.0, 1.0]]));
+/// ```
 pub fn turn<const D: usize>(matrix: &[[f64; D]; D], from: &[Block<D>], to: &mut [Block<D>]) {
     for (from, to) in from.iter().zip(to) {
         for (row, out) in matrix.iter().zip(to.iter_mut()) {
@@ -144,6 +158,20 @@ fn farthest<const D: usize>(corners: &[Block<D>], direction: &[f64; D]) -> [f64;
 }
 
 /// Two bodies in their places.
+///
+/// ```
+/// use protomer_kernel::shape::separation::{Pair, error_of_heights, pack};
+/// let square = pack(&[[0.5, 0.5], [-0.5, 0.5], [-0.5, -0.5], [0.5, -0.5]]);
+/// let pair = Pair {
+///     first: &square,
+///     second: &square,
+///     offset: [3.0, 0.0],
+///     reach: 0.5,
+///     error: error_of_heights(5.0),
+/// };
+/// assert!(pair.is_separated_along(&[1.0, 0.0]) && !pair.is_separated_along(&[0.0, 1.0]));
+/// assert_eq!(pair.gap_along(&[1.0, 0.0]), 3.0 - 1.0 - 0.5);
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Pair<'a, const D: usize> {
     /// The corners of the first body from its centre, turned as it is.

@@ -1,6 +1,13 @@
 //! The error type of factorisations.
 
 /// Errors of a factorisation.
+///
+/// ```
+/// use protomer_kernel::sparse::{LdlFactor, SparseError};
+/// let mut factor = LdlFactor::new(2, &[(0, 0), (1, 0), (1, 1)], &[[0.0; 3]; 2]);
+/// let singular = factor.factor(&[1.0, 1.0, 1.0]);
+/// assert!(matches!(singular, Err(SparseError::Dependent { .. })));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SparseError {

@@ -111,6 +111,14 @@ impl LdlFactor {
     }
 
     /// The logarithm ln det A of the determinant of the last matrix factored.
+    ///
+    /// ```
+    /// use protomer_kernel::sparse::LdlFactor;
+    /// let mut factor = LdlFactor::new(2, &[(0, 0), (1, 0), (1, 1)], &[[0.0; 3]; 2]);
+    /// factor.factor(&[4.0, 1.0, 3.0])?;
+    /// assert!((factor.log_determinant() - 11.0_f64.ln()).abs() < 1e-14);
+    /// # Ok::<(), protomer_kernel::sparse::SparseError>(())
+    /// ```
     pub fn log_determinant(&self) -> f64 {
         self.numbers.pivots.iter().map(|pivot| pivot.ln()).sum()
     }

@@ -76,17 +76,48 @@ impl Swept {
     }
 
     /// Whether a point is at most the radius away from the body.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, swept::Swept};
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let cube = Swept::new(&by_name("cube")?, 0.25, &Pose::identity())?;
+    /// assert!(cube.holds(&Vec3::new(0.7, 0.0, 0.0)));
+    /// assert!(!cube.holds(&Vec3::new(0.7, 0.7, 0.0)), "its edges are rounded");
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn holds(&self, point: &Vec3) -> bool {
         let through = self.pieces.interval(point, &Vec3::x());
         through.is_some_and(|[from, to]| from <= 0.0 && to >= 0.0)
     }
 
     /// The part of a line that is inside, as distances from its origin along a direction of length one.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, swept::Swept};
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let cube = Swept::new(&by_name("cube")?, 0.25, &Pose::identity())?;
+    /// let interval = cube.interval(&Vec3::new(-2.0, 0.0, 0.0), &Vec3::x());
+    /// assert!(interval.is_some_and(|[from, to]| {
+    ///     (from - 1.25).abs() < 1e-12 && (to - 2.75).abs() < 1e-12
+    /// }));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn interval(&self, origin: &Vec3, direction: &Vec3) -> Option<[f64; 2]> {
         self.pieces.interval(origin, direction)
     }
 
     /// The volume (in a plane, the area) inside both bodies, to about 1e-7 of it.
+    ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, swept::Swept};
+    /// use protomer_kernel::{Pose, Vec3};
+    /// let cube = by_name("cube")?;
+    /// let half_way = Pose { position: Vec3::new(0.5, 0.0, 0.0), ..Pose::identity() };
+    /// let first = Swept::new(&cube, 0.0, &Pose::identity())?;
+    /// let shared = first.overlap(&Swept::new(&cube, 0.0, &half_way)?);
+    /// assert!((shared - 0.5).abs() < 1e-6);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn overlap(&self, other: &Self) -> f64 {
         let shared = Shared::of([self, other]);
         match shared {
