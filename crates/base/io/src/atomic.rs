@@ -55,6 +55,16 @@ pub fn write_atomically(
 
 /// Writes these bytes as [`write_atomically`] does.
 ///
+/// ```
+/// use protomer_io::atomic::write_bytes;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.txt");
+/// write_bytes(&path, b"first")?;
+/// write_bytes(&path, b"second")?;
+/// assert_eq!(std::fs::read(&path)?, b"second");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`write_atomically`].
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<()> {

@@ -65,6 +65,13 @@ pub struct Array {
 }
 
 /// The values of an array.
+///
+/// ```
+/// use protomer_io::container::{Array, Values};
+/// let array = Array::new(Values::U8(vec![1, 2, 3]), vec![3])?;
+/// assert_eq!(array, Array::u8(vec![1, 2, 3], [3])?);
+/// # Ok::<(), protomer_io::IoError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
     /// 64-bit floating point.
@@ -199,6 +206,13 @@ array_constructors!(f64 F64 f64, f32 F32 f32, u64 U64 u64, i64 I64 i64, u32 U32 
 impl Array {
     /// An array of this shape.
     ///
+    /// ```
+    /// use protomer_io::container::{Array, Values};
+    /// let values = Values::I32(vec![1, 2, 3, 4]);
+    /// assert!(Array::new(values.clone(), vec![2, 2]).is_ok());
+    /// assert!(Array::new(values, vec![2, 3]).is_err(), "it has six places");
+    /// ```
+    ///
     /// # Errors
     /// [`IoError::Unwritable`] unless the shape has as many elements as there are values.
     pub fn new(values: Values, shape: Vec<usize>) -> Result<Self> {
@@ -234,6 +248,16 @@ impl Container {
     }
 
     /// Adds an array, replacing one of the same name.
+    ///
+    /// ```
+    /// use protomer_io::container::{Array, Container};
+    /// let mut container = Container::new("body", serde_json::json!({}));
+    /// container.insert("charges", Array::f64(vec![1.0], [1])?);
+    /// container.insert("charges", Array::f64(vec![1.0, -1.0], [2])?);
+    /// assert_eq!(container.get("charges").map(Array::shape), Some(&[2][..]));
+    /// assert_eq!(container.get("vertices"), None);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn insert(&mut self, name: impl Into<String>, array: Array) {
         self.arrays.insert(name.into(), array);
     }
@@ -244,6 +268,16 @@ impl Container {
     }
 
     /// The arrays in the order of their names.
+    ///
+    /// ```
+    /// use protomer_io::container::{Array, Container};
+    /// let mut container = Container::new("body", serde_json::json!({}));
+    /// container.insert("vertices", Array::f64(vec![0.0; 3], [1, 3])?);
+    /// container.insert("charges", Array::f64(vec![1.0], [1])?);
+    /// let names: Vec<&str> = container.arrays().map(|(name, _)| name).collect();
+    /// assert_eq!(names, ["charges", "vertices"]);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     pub fn arrays(&self) -> impl Iterator<Item = (&str, &Array)> {
         self.arrays
             .iter()
@@ -312,6 +346,16 @@ impl Container {
     }
 
     /// Reads a container of this kind. `file` is its name for error messages.
+    ///
+    /// ```
+    /// use protomer_io::container::Container;
+    /// let mut bytes = Container::new("body", serde_json::json!({})).to_bytes()?;
+    /// assert!(Container::from_bytes("a.body", "checkpoint", &bytes).is_err(), "another kind");
+    /// bytes[30] ^= 1;
+    /// let error = Container::from_bytes("a.body", "body", &bytes).map_err(|error| error.to_string());
+    /// assert!(error.is_err_and(|message| message.contains("its checksum differs")));
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     ///
     /// # Errors
     /// [`IoError::Parse`] says whether the file is not a protomer file, newer than this program,

@@ -108,6 +108,15 @@ impl Table {
 
     /// Adds a row.
     ///
+    /// ```
+    /// use protomer_io::csv::Table;
+    /// let mut table = Table::new(["replica", "energy_kt"]);
+    /// table.push([1_usize.into(), (-2.5).into()])?;
+    /// assert!(table.push([2_usize.into()]).is_err(), "the second cell is missing");
+    /// assert_eq!(table.rows().len(), 1);
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`IoError::Unwritable`] unless it has a cell for each column.
     pub fn push(&mut self, row: impl IntoIterator<Item = Cell>) -> Result<()> {
@@ -125,6 +134,14 @@ impl Table {
     }
 
     /// The header line and a line per row.
+    ///
+    /// ```
+    /// use protomer_io::csv::{Cell, Table};
+    /// let mut table = Table::new(["space group", "copies"]);
+    /// table.push([Cell::from("P 1, 2"), Cell::Empty])?;
+    /// assert_eq!(table.to_csv()?, "space group,copies\n\"P 1, 2\",\n");
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     ///
     /// # Errors
     /// Never for text in memory.

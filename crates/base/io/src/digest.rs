@@ -18,6 +18,12 @@ pub struct Digest([u8; 32]);
 
 impl Digest {
     /// The SHA-256 of these bytes.
+    ///
+    /// ```
+    /// use protomer_io::digest::Digest;
+    /// assert_eq!(Digest::of(b"").to_string()[..8], *"e3b0c442");
+    /// assert_ne!(Digest::of(b"abc"), Digest::of(b"abc\n"));
+    /// ```
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
@@ -54,6 +60,13 @@ impl Digest {
     }
 
     /// Reads its hexadecimal form, as it is displayed; `None` for anything else.
+    ///
+    /// ```
+    /// use protomer_io::digest::Digest;
+    /// assert!(Digest::from_hex(&"0a".repeat(32)).is_some());
+    /// assert_eq!(Digest::from_hex(&"0A".repeat(32)), None, "capital letters");
+    /// assert_eq!(Digest::from_hex("0a"), None, "too short");
+    /// ```
     pub fn from_hex(text: &str) -> Option<Self> {
         // Small letters only, as `Display` writes them: one digest has one form.
         let is_hex = |byte: u8| matches!(byte, b'0'..=b'9' | b'a'..=b'f');

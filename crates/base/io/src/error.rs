@@ -3,6 +3,12 @@
 use std::path::{Path, PathBuf};
 
 /// Errors of reading and writing files.
+///
+/// ```
+/// use protomer_io::points::read_xyzr;
+/// let message = read_xyzr("two.xyzr", b"0 0 0 1.5\n0 0 3\n").map_err(|error| error.to_string());
+/// assert_eq!(message, Err("two.xyzr:2: the radius is missing; complete the line".to_owned()));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum IoError {

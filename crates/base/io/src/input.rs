@@ -35,6 +35,15 @@ pub fn open(path: impl AsRef<Path>) -> io::Result<File> {
 
 /// The bytes of a file.
 ///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.pdb");
+/// std::fs::write(&path, "END\n")?;
+/// assert_eq!(protomer_io::input::read(&path)?, b"END\n");
+/// assert!(protomer_io::input::read(folder.path().join("b.pdb")).is_err());
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
 /// # Errors
 /// As [`open`], and if the file cannot be read.
 pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
@@ -44,6 +53,16 @@ pub fn read(path: impl AsRef<Path>) -> io::Result<Vec<u8>> {
 }
 
 /// The text of a file.
+///
+/// ```
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.txt");
+/// std::fs::write(&path, [0xff])?;
+/// assert!(protomer_io::input::read_to_string(&path).is_err(), "not UTF-8");
+/// std::fs::write(&path, "3 Å")?;
+/// assert_eq!(protomer_io::input::read_to_string(&path)?, "3 Å");
+/// # Ok::<(), std::io::Error>(())
+/// ```
 ///
 /// # Errors
 /// As [`read`], and for bytes that are not UTF-8.

@@ -19,6 +19,13 @@ pub struct PqrFile {
 
 impl PqrFile {
     /// Warning that only the first of several models was read, if there are several.
+    ///
+    /// ```
+    /// use protomer_io::pqr::PqrFile;
+    /// let file = |models| PqrFile { models, ..PqrFile::default() };
+    /// assert_eq!(file(1).models_warning(), None);
+    /// assert_eq!(file(20).models_warning(), Some("the first of 20 models is used".to_owned()));
+    /// ```
     pub fn models_warning(&self) -> Option<String> {
         let models = self.models;
         (models > 1).then(|| format!("the first of {models} models is used"))

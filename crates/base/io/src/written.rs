@@ -167,6 +167,12 @@ pub struct FileNames {
 
 impl FileNames {
     /// The file name of a further name.
+    ///
+    /// ```
+    /// use protomer_io::written::FileNames;
+    /// let mut names = FileNames::default();
+    /// assert_eq!((names.add("chain A"), names.add("chain A")), ("chain A".into(), "chain A_2".into()));
+    /// ```
     pub fn add(&mut self, name: &str) -> String {
         let first = file_name(name);
         let mut unused = first.clone();

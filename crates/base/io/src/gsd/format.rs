@@ -32,6 +32,13 @@ pub struct Chunk {
 }
 
 /// The values of a chunk.
+///
+/// ```
+/// use protomer_io::gsd::{Chunk, ChunkData};
+/// let positions = Chunk::new("particles/position", 3, ChunkData::F32(vec![0.0; 6]));
+/// assert_eq!(positions.data.len(), 6);
+/// assert!(ChunkData::U32(Vec::new()).is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum ChunkData {
     /// 8-bit unsigned integers.

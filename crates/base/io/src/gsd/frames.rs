@@ -68,6 +68,19 @@ impl FrameWriter {
 
     /// Appends a frame.
     ///
+    /// ```
+    /// use protomer_io::gsd::{Chunk, FrameWriter, GsdFile};
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("trajectory.gsd");
+    /// let mut frames = FrameWriter::open(&path, vec![Chunk::text("particles/types", &["a"])?], 0)?;
+    /// frames.append(vec![Chunk::text("log/state", &["bound"])?])?;
+    /// frames.append(vec![Chunk::text("log/state", &["free"])?])?;
+    /// frames.sync()?;
+    /// let mut file = GsdFile::open(&path)?;
+    /// assert_eq!((file.frame(0)?.len(), file.frame(1)?.len()), (2, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`GsdWriter::append_frame`].
     pub fn append(&mut self, mut chunks: Vec<Chunk>) -> Result<()> {
@@ -120,6 +133,14 @@ impl Chunk {
     }
 
     /// Strings as rows of equal length, each terminated by a zero byte.
+    ///
+    /// ```
+    /// use protomer_io::gsd::Chunk;
+    /// let types = Chunk::text("particles/types", &["a", "dimer"])?;
+    /// assert_eq!((types.columns, types.data.len()), (6, 12));
+    /// assert_eq!(types.texts(), Some(vec!["a".to_owned(), "dimer".to_owned()]));
+    /// # Ok::<(), protomer_io::IoError>(())
+    /// ```
     ///
     /// # Errors
     /// [`IoError::Unwritable`] for strings of 4 GB and more.

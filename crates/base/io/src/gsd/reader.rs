@@ -76,6 +76,16 @@ impl GsdFile {
     }
 
     /// Name and version (major, minor) of the schema.
+    ///
+    /// ```
+    /// use protomer_io::gsd::{FrameWriter, GsdFile};
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("trajectory.gsd");
+    /// FrameWriter::open(&path, Vec::new(), 0)?.sync()?;
+    /// let file = GsdFile::open(&path)?;
+    /// assert_eq!((file.schema(), file.frames()), (("hoomd", (1, 4)), 0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn schema(&self) -> (&str, (u16, u16)) {
         let version = self.header.schema_version;
         (

@@ -20,6 +20,16 @@ pub struct ParticleType {
 }
 
 /// The data that is the same in every frame.
+///
+/// ```
+/// use protomer_io::gsd::{ParticleType, TrajectoryHeader, TrajectoryWriter};
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("trajectory.gsd");
+/// let types = vec![ParticleType { name: "a".into(), mesh: None }];
+/// let header = TrajectoryHeader { types, type_ids: vec![0, 1], charges_e: vec![6.0, 6.0] };
+/// assert!(TrajectoryWriter::create(&path, &header).is_err(), "there is no second type");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrajectoryHeader {
     /// The kinds of bodies.

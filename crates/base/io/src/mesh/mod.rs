@@ -15,6 +15,14 @@ use crate::{IoError, Result};
 use protomer_kernel::TriangleMesh;
 
 /// The mesh formats.
+///
+/// ```
+/// use protomer_io::mesh::{MeshFormat, write_mesh};
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let vertices = vec![Vec3::zeros(), Vec3::x(), Vec3::y()];
+/// let mesh = TriangleMesh { vertices, triangles: vec![[0, 1, 2]] };
+/// assert!(write_mesh(MeshFormat::Off, &mesh).starts_with(b"OFF\n3 1 "));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MeshFormat {
     /// Polygon File Format (Stanford), written as binary little-endian.
