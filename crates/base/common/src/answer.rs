@@ -114,6 +114,12 @@ pub fn columns(rows: &[Vec<String>]) -> String {
 }
 
 /// A heading as a row of [`columns`].
+///
+/// ```
+/// use protomer_common::answer::{columns, heading};
+/// let rows = [heading(["salt", "pH"]), heading(["0.1 M", "7"])];
+/// assert_eq!(columns(&rows), "salt   pH\n0.1 M  7");
+/// ```
 pub fn heading<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.map(str::to_owned).to_vec()
 }

@@ -43,6 +43,14 @@ impl ProcessClock {
 }
 
 /// Adds up the processor time of several pieces of work on one thread.
+///
+/// ```
+/// use protomer_common::cpu_time::Stopwatch;
+/// let mut stopwatch = Stopwatch::default();
+/// let sum: u64 = stopwatch.time(|| (0..1_000_000_u64).map(std::hint::black_box).sum());
+/// assert_eq!(sum, 499_999_500_000);
+/// assert!(stopwatch.seconds() > 0.0 && stopwatch.wall_seconds() > 0.0);
+/// ```
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stopwatch {
     processor: Duration,

@@ -14,6 +14,17 @@ const STRUCTURE_ENDINGS: [&str; 5] = ["pdb", "ent", "cif", "mmcif", "pqr"];
 
 /// The relative path from a directory, which need not exist yet, to a file. It stays valid when a
 /// folder that holds both is moved. `None` if there is no such file, or no relative path.
+///
+/// ```
+/// use protomer_common::input::path_from;
+/// use std::path::Path;
+/// # let folder = tempfile::tempdir()?;
+/// std::fs::create_dir(folder.path().join("results"))?;
+/// std::fs::write(folder.path().join("5pti.pdb"), "END\n")?;
+/// let path = path_from(&folder.path().join("5pti.pdb"), &folder.path().join("results"));
+/// assert_eq!(path.as_deref(), Some(Path::new("../5pti.pdb")));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 pub fn path_from(file: &Path, directory: &Path) -> Option<PathBuf> {
     let file = file.canonicalize().ok()?;
     let from = directory
@@ -70,6 +81,15 @@ impl InputFile {
     }
 
     /// Computes the SHA-256 of a file as stored, without decompression.
+    ///
+    /// ```
+    /// use protomer_common::input::InputFile;
+    /// # let folder = tempfile::tempdir()?;
+    /// let path = folder.path().join("abc.txt");
+    /// std::fs::write(&path, "abc")?;
+    /// assert!(InputFile::sha256_of(&path)?.starts_with("ba7816bf8f01cfea"));
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
     ///
     /// # Errors
     /// Names the file.

@@ -58,6 +58,17 @@ pub fn write_folder(folder: &Path, files: &[(&str, Vec<u8>)], force: bool) -> Re
 /// Refuses a file that exists with other content, unless `force` is set. Verbs that write several
 /// files check all of them first.
 ///
+/// ```
+/// use protomer_common::output_file::refuse_to_replace;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("network.toml");
+/// std::fs::write(&path, "nodes = []")?;
+/// assert!(refuse_to_replace(&path, b"nodes = []", false).is_ok());
+/// assert!(refuse_to_replace(&path, b"rods = []", false).is_err());
+/// assert!(refuse_to_replace(&path, b"rods = []", true).is_ok());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
 /// # Errors
 /// If the file exists with other content and `force` is not set.
 pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
@@ -71,6 +82,16 @@ pub fn refuse_to_replace(path: &Path, bytes: &[u8], force: bool) -> Result<()> {
 }
 
 /// Refuses an existing file, unless `force` is set.
+///
+/// ```
+/// use protomer_common::output_file::refuse_to_overwrite;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("network.toml");
+/// assert!(refuse_to_overwrite(&path, false).is_ok());
+/// std::fs::write(&path, "nodes = []")?;
+/// assert!(refuse_to_overwrite(&path, false).is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 ///
 /// # Errors
 /// If the file exists and `force` is not set.

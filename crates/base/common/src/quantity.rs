@@ -57,6 +57,14 @@ pub fn salt_warning(salts_molar: impl IntoIterator<Item = f64>) -> Option<String
 
 /// Parses a length in Å from `1.4A`, `0.14nm` or a bare number in Å.
 ///
+/// ```
+/// use protomer_common::quantity::length_angstrom;
+/// assert_eq!(length_angstrom("4.8nm")?, 48.0);
+/// assert_eq!(length_angstrom("48")?, 48.0);
+/// assert!(length_angstrom("48mm").is_err());
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
 /// # Errors
 /// Quotes the input and gives the accepted forms.
 pub fn length_angstrom(text: &str) -> Result<f64> {

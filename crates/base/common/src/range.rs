@@ -91,6 +91,13 @@ pub struct Range {
 
 impl Range {
     /// The range from the least number to the largest, with their unit.
+    ///
+    /// ```
+    /// use protomer_common::range::Range;
+    /// let density = Range::new(0.5, 20.0, "g/mL");
+    /// assert!(density.holds(0.5) && density.holds(20.0) && !density.holds(0.0));
+    /// assert_eq!(density.to_string(), "0.5 to 20 g/mL");
+    /// ```
     pub const fn new(least: f64, most: f64, unit: &'static str) -> Self {
         Self {
             least,
@@ -101,6 +108,13 @@ impl Range {
     }
 
     /// The same range with zero added.
+    ///
+    /// ```
+    /// use protomer_common::range::Range;
+    /// let salt = Range::new(1e-3, 5.0, "mol/L").or_zero();
+    /// assert!(salt.holds(0.0) && !salt.holds(1e-4));
+    /// assert_eq!(salt.to_string(), "0, or 0.001 to 5 mol/L");
+    /// ```
     pub const fn or_zero(self) -> Self {
         Self {
             has_zero: true,
@@ -115,6 +129,13 @@ impl Range {
     }
 
     /// Refuses the value of a key that is outside the range.
+    ///
+    /// ```
+    /// use protomer_common::range::PH;
+    /// assert!(PH.require("ph", 7.4).is_ok());
+    /// let message = PH.require("ph", 15.0).map_err(|error| error.to_string());
+    /// assert_eq!(message, Err("ph is 15; give 0 to 14".to_owned()));
+    /// ```
     ///
     /// # Errors
     /// Names the key, the value and the range.
@@ -200,12 +221,24 @@ impl Count {
     }
 
     /// The same range with another least number.
+    ///
+    /// ```
+    /// use protomer_common::range::STEPS;
+    /// assert!(STEPS.require("steps", 0).is_ok());
+    /// assert!(STEPS.at_least(1).require("steps", 0).is_err());
+    /// ```
     #[must_use]
     pub const fn at_least(self, least: u64) -> Self {
         Self { least, ..self }
     }
 
     /// Refuses the value of a key that is outside the range.
+    ///
+    /// ```
+    /// use protomer_common::range::Count;
+    /// let message = Count::new(2, 8).require("replicas", 9).map_err(|error| error.to_string());
+    /// assert_eq!(message, Err("replicas is 9; give a whole number from 2 to 8".to_owned()));
+    /// ```
     ///
     /// # Errors
     /// Names the key, the value and the range.
@@ -217,6 +250,15 @@ impl Count {
     }
 
     /// The reader of a flag.
+    ///
+    /// ```
+    /// use protomer_common::range::Count;
+    /// let read = Count::new(0, 1000).number::<u8>();
+    /// assert_eq!(read("255")?, 255);
+    /// assert!(read("256").is_err(), "no byte");
+    /// assert!(read("1.5").is_err());
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
     pub fn number<T: TryFrom<u64> + 'static>(
         self,
     ) -> impl Fn(&str) -> Result<T> + Clone + Send + Sync + 'static {

@@ -32,6 +32,13 @@ impl From<Count> for Bounds {
 }
 
 /// A setting with a flag, as its declaration has it.
+///
+/// ```
+/// use protomer_common::settings::Declaration;
+/// let declaration = Declaration::new("time_step", &[" Time step."], &0.001);
+/// assert_eq!((&*declaration.flag, &*declaration.value_name), ("time-step", "TIME_STEP"));
+/// assert_eq!(declaration.default.as_deref(), Some("0.001"));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Declaration {
     /// Key in TOML.
@@ -97,6 +104,12 @@ impl Declaration {
     }
 
     /// Names the flag.
+    ///
+    /// ```
+    /// use protomer_common::settings::Declaration;
+    /// let declaration = Declaration::new("time_step", &[" Time step."], &0.001).flag("dt");
+    /// assert_eq!((declaration.key, &*declaration.flag, &*declaration.value_name), ("time_step", "dt", "DT"));
+    /// ```
     #[must_use]
     pub fn flag(self, flag: &str) -> Self {
         Self {
@@ -126,6 +139,11 @@ impl Declaration {
 }
 
 /// Lines of a doc comment as one paragraph, without the full stop at its end.
+///
+/// ```
+/// use protomer_common::settings::paragraph;
+/// assert_eq!(paragraph(&[" Length of", " a step."]), "Length of a step");
+/// ```
 pub fn paragraph(lines: &[&str]) -> String {
     let mut words = Vec::new();
     for line in lines {
@@ -136,6 +154,11 @@ pub fn paragraph(lines: &[&str]) -> String {
 }
 
 /// Whether a setting has the default of its type, as files may leave it out.
+///
+/// ```
+/// use protomer_common::settings::is_default;
+/// assert!(is_default(&0.0) && is_default(&String::new()) && !is_default(&Some(0)));
+/// ```
 pub fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
@@ -159,6 +182,15 @@ pub trait Declared: Default + DeserializeOwned {
 }
 
 /// One word or several; a file has a single one as a word, several as a list.
+///
+/// ```
+/// use protomer_common::settings::Words;
+/// let one = Words::from("6mdr");
+/// let several = Words(vec!["6mdr".to_owned(), "5pti".to_owned()]);
+/// assert_eq!(serde_json::to_string(&one)?, r#""6mdr""#);
+/// assert_eq!(serde_json::to_string(&several)?, r#"["6mdr","5pti"]"#);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Words(pub Vec<String>);
 
@@ -209,6 +241,14 @@ impl<'de> Deserialize<'de> for Words {
 }
 
 /// A range that a setting of a type can be held against.
+///
+/// ```
+/// use protomer_common::range::SHARE;
+/// use protomer_common::settings::Holds;
+/// assert!(SHARE.require_setting("part", &0.5).is_ok());
+/// assert!(SHARE.require_setting("part", &None::<f64>).is_ok());
+/// assert!(SHARE.require_setting("parts", &vec![0.5, 1.5]).is_err());
+/// ```
 pub trait Holds<T> {
     /// Refuses a value that is outside the range.
     ///

@@ -156,6 +156,15 @@ impl Contents {
 
     /// Adds a section, or a problem that begins with `failure`, as in "*The bodies cannot be shown*:
     /// the trajectory holds no frame".
+    ///
+    /// ```
+    /// use protomer_common::page::{Contents, Section};
+    /// let mut page = Contents::new("Walk");
+    /// page.add_if_readable(Ok(Section::new("Path", Vec::new())), "The path cannot be shown");
+    /// page.add_if_readable(Err(anyhow::anyhow!("no frame")), "The bodies cannot be shown");
+    /// assert_eq!(page.sections.len(), 1);
+    /// assert_eq!(page.problems, ["The bodies cannot be shown: no frame"]);
+    /// ```
     pub fn add_if_readable(&mut self, section: Result<Section, Error>, failure: &str) {
         match section {
             Ok(section) => self.add(section),

@@ -36,6 +36,12 @@ pub fn significant(value: f64, digits: usize) -> String {
 }
 
 /// A number with `digits` significant digits, or a dash if it is unknown.
+///
+/// ```
+/// use protomer_common::page::significant_or_dash;
+/// assert_eq!(significant_or_dash(Some(3.14159), 3), "3.14");
+/// assert_eq!(significant_or_dash(None, 3), "–");
+/// ```
 pub fn significant_or_dash(value: Option<f64>, digits: usize) -> String {
     match value {
         Some(value) => significant(value, digits),
@@ -64,6 +70,11 @@ pub fn with_error(value: f64, error: Option<f64>) -> String {
 }
 
 /// A number with `digits` significant digits, and its error, if it is known, with two.
+///
+/// ```
+/// use protomer_common::page::with_error_to;
+/// assert_eq!(with_error_to(1.23456, Some(0.0314), 3), "1.23 ± 0.031");
+/// ```
 pub fn with_error_to(value: f64, error: Option<f64>, digits: usize) -> String {
     let value = significant(value, digits);
     match error {

@@ -1,6 +1,13 @@
 //! The verdict of a run on its own results, which a page says before anything else.
 
 /// A question about the results as a whole, and the answer of the run.
+///
+/// ```
+/// use protomer_common::page::Verdict;
+/// let good = Verdict::sampled_enough(true, "each error is below 1 %");
+/// let unknown = Verdict::equilibrated(None, "the run is short");
+/// assert!(good.is_good() && !unknown.is_good());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
     /// Question, as in "*Equilibrated*: yes".
@@ -19,6 +26,12 @@ const REPEATED: [&str; 2] = [
 
 impl Verdict {
     /// The verdict on whether the results are those of an equilibrium.
+    ///
+    /// ```
+    /// use protomer_common::page::Verdict;
+    /// let verdict = Verdict::equilibrated(Some(false), "not equilibrated: the energy still falls");
+    /// assert_eq!(verdict.reason, "the energy still falls");
+    /// ```
     pub fn equilibrated(answer: Option<bool>, reason: &str) -> Self {
         let repeated = REPEATED.iter().find_map(|words| reason.strip_prefix(words));
         Self {
