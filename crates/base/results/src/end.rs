@@ -17,6 +17,13 @@ pub enum End<T> {
 
 impl<T> End<T> {
     /// The result, unless the work was stopped.
+    ///
+    /// ```
+    /// use protomer_results::End;
+    /// let parts = [End::Finished(1), End::Stopped, End::Finished(3)];
+    /// let all: End<Vec<i32>> = parts.into_iter().collect();
+    /// assert_eq!(all.finished(), None, "one part was stopped");
+    /// ```
     pub fn finished(self) -> Option<T> {
         match self {
             End::Finished(result) => Some(result),

@@ -49,6 +49,14 @@ pub struct Execution {
 impl Execution {
     /// The execution of a part of larger work: its directory was cleared with the whole, and its
     /// progress is reported in units of the whole.
+    ///
+    /// ```
+    /// use protomer_results::Execution;
+    /// let whole = Execution { start_anew: true, ..Execution::default() };
+    /// let part = whole.of_part();
+    /// whole.interrupt.request();
+    /// assert!(part.interrupt.is_requested() && !part.start_anew);
+    /// ```
     #[must_use]
     pub fn of_part(&self) -> Self {
         Self {

@@ -28,6 +28,15 @@ pub struct Interrupt {
 
 impl Interrupt {
     /// An interrupt that requests itself after `limit`, if there is one.
+    ///
+    /// ```
+    /// use protomer_results::Interrupt;
+    /// use std::time::Duration;
+    /// let interrupt = Interrupt::after(Some(Duration::ZERO));
+    /// assert!(interrupt.is_requested());
+    /// assert_eq!(interrupt.reason(), "the time limit");
+    /// assert!(!Interrupt::after(None).is_requested());
+    /// ```
     pub fn after(limit: Option<Duration>) -> Self {
         Self {
             deadline: limit.map(|limit| Instant::now() + limit),
@@ -36,6 +45,16 @@ impl Interrupt {
     }
 
     /// The same request, with an additional time limit.
+    ///
+    /// ```
+    /// use protomer_results::Interrupt;
+    /// use std::time::Duration;
+    /// let whole = Interrupt::default();
+    /// let part = whole.clone().with_limit(Some(Duration::ZERO));
+    /// assert!(part.is_requested() && !whole.is_requested());
+    /// whole.request();
+    /// assert_eq!(part.reason(), "a signal", "the request is shared");
+    /// ```
     pub fn with_limit(mut self, limit: Option<Duration>) -> Self {
         self.deadline = limit.map(|limit| Instant::now() + limit);
         self
@@ -48,6 +67,13 @@ impl Interrupt {
     }
 
     /// Asks the other parts of the work to stop at their next step, because one of them has failed.
+    ///
+    /// ```
+    /// use protomer_results::Interrupt;
+    /// let interrupt = Interrupt::default();
+    /// interrupt.request_after_failure();
+    /// assert_eq!(interrupt.reason(), "the failure of another part");
+    /// ```
     pub fn request_after_failure(&self) {
         // Before the request, so that whoever hears it finds the reason.
         self.after_failure.store(true, Ordering::Relaxed);

@@ -9,6 +9,15 @@ use strsim::levenshtein;
 
 /// Deserialises JSON.
 ///
+/// ```
+/// use protomer_results::keys::from_json;
+/// use std::path::Path;
+/// assert_eq!(from_json::<Vec<u32>>(Path::new("a.json"), b"[1, 2]")?, [1, 2]);
+/// let error = from_json::<Vec<u32>>(Path::new("a.json"), b"[1, 2").map_err(|error| error.to_string());
+/// assert!(error.is_err_and(|message| message.contains("the file ends too early")));
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
+///
 /// # Errors
 /// Names the file, line, and key; for an unknown key the nearest valid one.
 pub fn from_json<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T> {
@@ -86,6 +95,16 @@ pub fn read_json<T: DeserializeOwned>(path: &Path) -> Result<T> {
 
 /// Reads a JSON file that may be missing.
 ///
+/// ```
+/// use protomer_results::keys::read_json_if_present;
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("a.json");
+/// assert_eq!(read_json_if_present::<u32>(&path)?, None);
+/// std::fs::write(&path, "7")?;
+/// assert_eq!(read_json_if_present::<u32>(&path)?, Some(7));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`from_json`]; also if it exists but cannot be read.
 pub fn read_json_if_present<T: DeserializeOwned>(path: &Path) -> Result<Option<T>> {
@@ -106,6 +125,14 @@ pub fn read_toml<T: DeserializeOwned>(path: &Path) -> Result<T> {
 }
 
 /// The TOML text of a value, such as settings.
+///
+/// ```
+/// use protomer_results::keys::to_toml;
+/// use std::collections::BTreeMap;
+/// let text = to_toml("the settings", &BTreeMap::from([("sweeps", 100)]))?;
+/// assert_eq!(text, "sweeps = 100\n");
+/// # Ok::<(), protomer_results::Error>(())
+/// ```
 ///
 /// # Errors
 /// [`Error::Unwritable`] if it cannot be represented in TOML.

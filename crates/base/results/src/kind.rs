@@ -182,6 +182,12 @@ impl ResultKind {
     }
 
     /// The word in JSON.
+    ///
+    /// ```
+    /// use protomer_results::ResultKind;
+    /// assert_eq!(ResultKind::HardBodies.word(), "hard bodies");
+    /// assert_eq!(ResultKind::Other("walk".into()).word(), "walk");
+    /// ```
     pub fn word(&self) -> &str {
         match (self, self.words()) {
             (Self::Other(word), _) => word,

@@ -42,6 +42,13 @@ pub struct Curve<R> {
 
 impl<R> Curve<R> {
     /// Curves of the parts of a column, by their names; without names, of its first part.
+    ///
+    /// ```
+    /// use protomer_results::log::Curve;
+    /// let curves = Curve::parts("pressure", &["xx", "yy"], |row: &[f64; 2], part| row.get(part).copied());
+    /// let values: Vec<Option<f64>> = curves.iter().map(|curve| curve.value(&[1.5, 2.5])).collect();
+    /// assert_eq!((curves[1].name, values), ("yy", vec![Some(1.5), Some(2.5)]));
+    /// ```
     pub fn parts(
         panel: &'static str,
         names: &[&'static str],
@@ -65,6 +72,14 @@ impl<R> Curve<R> {
 }
 
 /// A value of a column.
+///
+/// ```
+/// use protomer_results::log::Cell;
+/// let pressure = vec![1.5, 0.1];
+/// assert_eq!(pressure.write(), "1.5 0.1");
+/// assert_eq!(Vec::<f64>::read("1.5 0.1"), Some(pressure.clone()));
+/// assert_eq!((pressure.number(1), pressure.number(2)), (Some(0.1), None));
+/// ```
 pub trait Cell: Sized {
     /// The text of the cell. Numbers must read back exactly.
     fn write(&self) -> String;
@@ -340,6 +355,26 @@ fn cut(path: &Path, bytes: u64) -> std::io::Result<File> {
 
 /// Checks that a log begins with the part that belongs to a checkpoint.
 ///
+/// ```
+/// use protomer_results::{Log, LogMark, log, log_row};
+///
+/// log_row! {
+///     struct Place {
+///         position: f64,
+///     }
+/// }
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("log.csv");
+/// let mut log = Log::open::<Place>(&path, &LogMark::default())?;
+/// log.append(&Place { position: 0.1 })?;
+/// let mark = log.sync()?;
+/// assert!(log::check(&path, &mark).is_ok());
+/// std::fs::write(&path, "position\n0.2\n")?;
+/// assert!(log::check(&path, &mark).is_err(), "it was changed");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`Error::ChangedLog`] if it was changed or truncated since; [`Error::LostLog`] if it cannot be
 /// read.
@@ -379,6 +414,23 @@ pub fn read<R: Row>(path: &Path) -> Result<Vec<R>> {
 
 /// Reads the log of a run that may still be working, or was killed: without an incomplete last
 /// line.
+///
+/// ```
+/// use protomer_results::{log, log_row};
+///
+/// log_row! {
+///     #[derive(Debug, PartialEq)]
+///     struct Place {
+///         position: f64,
+///     }
+/// }
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("log.csv");
+/// std::fs::write(&path, "position\n0.5\n0.")?;
+/// assert_eq!(log::read_so_far::<Place>(&path)?, [Place { position: 0.5 }]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`read`].

@@ -132,6 +132,12 @@ impl Record {
 
     /// Cause that stopped a part, as in "50 mM, replica 1: *stopped by a signal after 3 of 9 sweeps*";
     /// `None` if it is finished. `progress` is its progress according to its record.
+    ///
+    /// ```
+    /// use protomer_results::Record;
+    /// let problem = Record::problem_of_part(None, " after 3 of 9 sweeps");
+    /// assert!(problem.is_some_and(|problem| problem.starts_with("no record")));
+    /// ```
     pub fn problem_of_part(record: Option<&Self>, progress: &str) -> Option<String> {
         let Some(record) = record else {
             return Some("no record; it was not started, or was killed early".into());
@@ -183,6 +189,14 @@ impl Record {
 
 impl Exit {
     /// Status of a run that this interrupt stopped.
+    ///
+    /// ```
+    /// use protomer_results::{Exit, Interrupt};
+    /// let interrupt = Interrupt::default();
+    /// interrupt.request();
+    /// let exit = Exit::stopped_by(&interrupt);
+    /// assert_eq!(exit, Exit::Stopped { by: Some("a signal".to_owned()) });
+    /// ```
     pub fn stopped_by(interrupt: &Interrupt) -> Self {
         Exit::Stopped {
             by: Some(interrupt.reason().into()),
@@ -197,6 +211,12 @@ impl Exit {
     }
 
     /// The word in JSON: `running`, `done`, `stopped` or `failed`.
+    ///
+    /// ```
+    /// use protomer_results::Exit;
+    /// let failed = Exit::failed(&"no space left");
+    /// assert_eq!((failed.word(), Exit::Done.word()), ("failed", "done"));
+    /// ```
     pub fn word(&self) -> &'static str {
         match self {
             Exit::Running => "running",

@@ -36,11 +36,23 @@ impl Shard {
     }
 
     /// Whether an item belongs to the part.
+    ///
+    /// ```
+    /// use protomer_results::Shard;
+    /// let second = Shard { index: 2, of: 3 };
+    /// let items: Vec<usize> = (0..9).filter(|number| second.has(*number)).collect();
+    /// assert_eq!(items, [1, 4, 7]);
+    /// ```
     pub fn has(self, number: usize) -> bool {
         number % self.of == self.index - 1
     }
 
     /// Whether the part is everything.
+    ///
+    /// ```
+    /// use protomer_results::Shard;
+    /// assert!(Shard::WHOLE.is_whole() && !Shard { index: 1, of: 2 }.is_whole());
+    /// ```
     pub fn is_whole(self) -> bool {
         self.of == 1
     }
