@@ -92,6 +92,12 @@ const NARROW_ROW_HEIGHT: f64 = 60.0;
 
 impl ColourMap {
     /// The end of the scale of colours: the largest magnitude.
+    ///
+    /// ```
+    /// use protomer_plot::ColourMap;
+    /// let map = ColourMap { values: vec![Some(1.0), None, Some(-4.0)], ..ColourMap::default() };
+    /// assert_eq!(map.limit(), 4.0);
+    /// ```
     pub fn limit(&self) -> f64 {
         let sizes = self.values.iter().flatten().map(|value| value.abs());
         let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);

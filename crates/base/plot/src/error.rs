@@ -3,6 +3,12 @@
 use protomer_io::IoError;
 
 /// Errors of drawing and writing figures.
+///
+/// ```
+/// use protomer_plot::{Figure, PlotError};
+/// let figure = Figure { title: "empty".into(), ..Figure::default() };
+/// assert!(matches!(figure.to_svg(), Err(PlotError::NoPanels { title }) if title == "empty"));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {

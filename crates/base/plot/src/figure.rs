@@ -121,6 +121,12 @@ pub struct Span {
 }
 
 /// A point with its error.
+///
+/// ```
+/// use protomer_plot::Point;
+/// let exact = Point { x: 0.1, y: 60.0, ..Point::default() };
+/// assert_eq!(exact.error, None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
@@ -145,6 +151,12 @@ impl Axis {
     }
 
     /// A linear axis of a count, such as epochs, whose ticks are whole numbers.
+    ///
+    /// ```
+    /// use protomer_plot::Axis;
+    /// let epochs = Axis::count("epoch");
+    /// assert!(epochs.whole && !epochs.log);
+    /// ```
     pub fn count(label: impl Into<String>) -> Self {
         Self {
             whole: true,
@@ -153,6 +165,15 @@ impl Axis {
     }
 
     /// A logarithmic axis that fits its data.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[0.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let figure = |x| Figure { x, panels: panels.clone(), ..Figure::default() };
+    /// assert!(figure(Axis::linear("salt / M")).to_svg().is_ok());
+    /// assert!(figure(Axis::log("salt / M")).to_svg().is_err(), "zero has no logarithm");
+    /// ```
     pub fn log(label: impl Into<String>) -> Self {
         Self {
             label: label.into(),
@@ -163,6 +184,18 @@ impl Axis {
     }
 
     /// The same axis with these ends.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let figure = |to| Figure {
+    ///     x: Axis::linear("x").with_range(0.0, to),
+    ///     panels: vec![Panel { y: Axis::linear("y"), series: vec![series.clone()] }],
+    ///     ..Figure::default()
+    /// };
+    /// assert!(figure(3.0).to_svg().is_ok());
+    /// assert!(figure(2.0).to_svg().is_err(), "3 lies outside");
+    /// ```
     #[must_use]
     pub fn with_range(self, from: f64, to: f64) -> Self {
         Self {

@@ -37,6 +37,16 @@ impl Figure {
     /// Variant of [`Figure::to_svg`] for a narrow screen, with larger letters relative to the
     /// width, and without the embedded figure.
     ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, Panel, Series};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let svg = Figure { panels, ..Figure::default() }.to_narrow_svg()?;
+    /// assert!(svg.contains("viewBox=\"0 0 520 "));
+    /// assert!(Figure::from_svg(&svg)?.is_none(), "it holds no figure");
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Figure::to_svg`].
     pub fn to_narrow_svg(&self) -> Result<String> {
@@ -70,6 +80,17 @@ impl Figure {
     }
 
     /// The bytes of a PNG file of [`WIDTH`] x [`HEIGHT`] pixels.
+    ///
+    /// ```
+    /// use protomer_plot::{Axis, Figure, HEIGHT, Panel, Series, WIDTH};
+    /// let series = Series { replicas: vec![[1.0, 2.0], [3.0, 4.0]], ..Series::default() };
+    /// let panels = vec![Panel { y: Axis::linear("y"), series: vec![series] }];
+    /// let png = Figure { panels, ..Figure::default() }.to_png()?;
+    /// assert!(png.starts_with(b"\x89PNG"));
+    /// let size = |place: usize| u32::from_be_bytes([png[place], png[place + 1], png[place + 2], png[place + 3]]);
+    /// assert_eq!((size(16), size(20)), (WIDTH, HEIGHT));
+    /// # Ok::<(), protomer_plot::PlotError>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Figure::to_svg`].
