@@ -8,6 +8,17 @@ use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A rigid body in its own frame.
+///
+/// ```
+/// use protomer_body::{Source, SurfaceSettings, build_body_of_points};
+/// use protomer_kernel::PointRecord;
+/// let ball = PointRecord { radius_angstrom: 3.0, charge_e: -2.0, ..PointRecord::default() };
+/// let source = Source { file: "ball.pqr", sha256: "" };
+/// let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
+/// assert_eq!((body.sites.len(), body.net_charge_e()), (1, -2.0));
+/// assert!((body.mass_properties.volume_angstrom3 - 36.0 * std::f64::consts::PI).abs() < 0.1);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Name, as it appears in assemblies and tables.
@@ -120,6 +131,19 @@ impl Body {
 
     /// Names of the residues whose mass is not known, each once: ligands, nucleotides, ions, and
     /// modified residues in no table.
+    ///
+    /// ```
+    /// # use protomer_body::{BodySettings, Source, build_body};
+    /// # let text = "\
+    /// # ATOM      1  N   XYZ A   7      11.104   6.134  -6.504  1.00 10.00           N
+    /// # ATOM      2  CA  XYZ A   7      11.639   6.071  -5.147  1.00 10.00           C
+    /// # ATOM      3  C   XYZ A   7      13.120   6.071  -5.147  1.00 10.00           C";
+    /// # let source = Source { file: "xyz.pdb", sha256: "" };
+    /// let body = build_body("xyz", source, text.as_bytes(), &BodySettings::default())?.body;
+    /// assert!(body.residues_of_unknown_mass().contains("XYZ"));
+    /// assert_eq!(body.molar_mass_g_per_mol(), None);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn residues_of_unknown_mass(&self) -> BTreeSet<&str> {
         let names = self.residues.iter().map(|residue| residue.name.as_str());
         names
@@ -133,6 +157,17 @@ impl Body {
     }
 
     /// Radius of the sphere about the body's origin that holds the mesh, Å.
+    ///
+    /// ```
+    /// # use protomer_body::{Source, SurfaceSettings, build_body_of_points};
+    /// # use protomer_kernel::PointRecord;
+    /// # let ball = PointRecord { radius_angstrom: 3.0, ..PointRecord::default() };
+    /// # let source = Source { file: "ball.xyzr", sha256: "" };
+    /// let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
+    /// assert!((body.mesh_radius_angstrom() - 3.0).abs() < 0.2);
+    /// assert_eq!(body.charge_radius_angstrom(), 0.0, "its only charge is in the centre");
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn mesh_radius_angstrom(&self) -> f64 {
         self.mesh.radius_about_origin_angstrom()
     }

@@ -39,6 +39,13 @@ pub struct BodySettings {
 const LATTICE_SPACINGS_ANGSTROM: RangeInclusive<f64> = 0.05..=1.0;
 
 /// Settings of the surface.
+///
+/// ```
+/// use protomer_body::SurfaceSettings;
+/// let fine = SurfaceSettings { density_per_angstrom2: 4.0, ..SurfaceSettings::default() };
+/// assert_eq!(fine.probe_radius_angstrom, 1.4);
+/// assert!(fine.check().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceSettings {
     /// Radius of the probe, Å.
@@ -521,6 +528,13 @@ fn describe_protonation(conditions: &StructureProtonation) -> String {
 
 impl SurfaceSettings {
     /// Checks what does not depend on the atoms.
+    ///
+    /// ```
+    /// use protomer_body::SurfaceSettings;
+    /// let coarse = SurfaceSettings { lattice_spacing_angstrom: 2.0, ..SurfaceSettings::default() };
+    /// let message = coarse.check().map_err(|error| error.to_string());
+    /// assert!(message.is_err_and(|message| message.contains("give 0.05 to 1 Å")));
+    /// ```
     ///
     /// # Errors
     /// [`BodyError::Invalid`] names the setting and its range.

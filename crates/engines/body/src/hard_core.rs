@@ -15,6 +15,18 @@ use crate::{BodyError, Result, Site, SurfaceSettings};
 use protomer_kernel::TriangleMesh;
 
 /// The definition of the hard core of a body.
+///
+/// ```
+/// use protomer_body::{HardCore, Source, SurfaceSettings, build_body_of_points};
+/// # use protomer_kernel::PointRecord;
+/// # let ball = PointRecord { radius_angstrom: 3.0, ..PointRecord::default() };
+/// # let source = Source { file: "ball.xyzr", sha256: "" };
+/// let surface = SurfaceSettings { core: Some(HardCore::Surface), ..SurfaceSettings::default() };
+/// let body = build_body_of_points("ball", source, &[ball], &surface)?.body;
+/// assert!(body.core.is_none(), "the surface itself is hard");
+/// assert_eq!(body.hard_mesh(), &body.mesh);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HardCore {
     /// A solid that is small enough for the contacts of natural complexes.

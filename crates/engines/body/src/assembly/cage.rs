@@ -104,6 +104,17 @@ pub struct ClosedCage {
 
 impl Cage {
     /// Bodies and poses at a radius, Å.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Cage, CageSite, CubicGroup};
+    /// use protomer_kernel::{Rotation, Vec3};
+    /// let position = Vec3::new(1.0, 2.0, 2.0) / 3.0;
+    /// let sites = vec![CageSite { body: 0, position, rotation: Rotation::identity() }];
+    /// let cage = Cage { group: CubicGroup::Octahedral, sites };
+    /// let placements = cage.placements(50.0);
+    /// assert_eq!(placements.len(), 24);
+    /// assert!(placements.iter().all(|(_, pose)| (pose.position.norm() - 50.0).abs() < 1e-9));
+    /// ```
     pub fn placements(&self, radius_angstrom: f64) -> Vec<Placement> {
         let rotations = self.group.rotations();
         let mut placements = Vec::with_capacity(self.sites.len() * rotations.len());
@@ -120,6 +131,15 @@ impl Cage {
     }
 
     /// The bodies that the group maps onto each other: those of a site.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Cage, CageSite, CubicGroup};
+    /// use protomer_kernel::{Rotation, Vec3};
+    /// let site = |body| CageSite { body, position: Vec3::x(), rotation: Rotation::identity() };
+    /// let cage = Cage { group: CubicGroup::Tetrahedral, sites: vec![site(0), site(1)] };
+    /// let first: Vec<usize> = cage.orbits().iter().map(|orbit| orbit.representative).collect();
+    /// assert_eq!(first, [0, 12]);
+    /// ```
     pub fn orbits(&self) -> Vec<Orbit> {
         let bodies = self.group.order();
         let sites = 0..self.sites.len();

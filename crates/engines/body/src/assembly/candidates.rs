@@ -138,6 +138,12 @@ impl Stack {
 
     /// A ring or stack.
     ///
+    /// ```
+    /// use protomer_body::assembly::Stack;
+    /// assert!(Stack::new(8, 2, vec![0, 1]).is_ok());
+    /// assert!(Stack::new(7, 2, vec![0, 1]).is_err(), "two bodies do not alternate around seven");
+    /// ```
+    ///
     /// # Errors
     /// [`BodyError::Invalid`] for a number of rings other than one or two, a pattern that does not
     /// fit the ring a whole number of times, and more than [`Stack::MOST_BODIES`] bodies.

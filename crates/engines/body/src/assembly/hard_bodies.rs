@@ -114,6 +114,20 @@ impl HardBodies {
     }
 
     /// Whether two placed bodies overlap, in open space.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{HardBodies, HardBody};
+    /// # use protomer_body::{Source, SurfaceSettings, build_body_of_points};
+    /// # use protomer_kernel::{PointRecord, Pose, Vec3};
+    /// # let ball = PointRecord { radius_angstrom: 5.0, ..PointRecord::default() };
+    /// # let source = Source { file: "ball.xyzr", sha256: "" };
+    /// # let body = build_body_of_points("ball", source, &[ball], &SurfaceSettings::default())?.body;
+    /// let balls = HardBodies::new(vec![HardBody::of(&body)?]);
+    /// let ball_at = |x| (0, Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() });
+    /// assert!(balls.overlap_in_open_space(&ball_at(0.0), &ball_at(9.0)));
+    /// assert!(!balls.overlap_in_open_space(&ball_at(0.0), &ball_at(11.0)));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn overlap_in_open_space(&self, first: &Placement, second: &Placement) -> bool {
         self.overlap(first, second, &Boundary::Open)
     }

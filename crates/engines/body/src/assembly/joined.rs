@@ -20,6 +20,11 @@ const BASE_PAIR_ANGSTROM: (f64, f64) = (2.5, 3.3);
 const FEWEST_PAIRS: usize = 4;
 
 /// A bond or duplex that joins two units.
+///
+/// ```
+/// use protomer_body::assembly::JoinedBy;
+/// assert_eq!(JoinedBy::Duplex(12).to_string(), "12 base pairs");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum JoinedBy {
     /// A disulfide bond between two residues.
@@ -102,6 +107,12 @@ pub fn joined_units(units: &[Unit]) -> Vec<Joined> {
 }
 
 /// The units that are joined, directly or through others, as lists of their numbers.
+///
+/// ```
+/// use protomer_body::assembly::{Joined, JoinedBy, joined_groups};
+/// let pair = |first, second| Joined { units: (first, second), by: JoinedBy::Duplex(12) };
+/// assert_eq!(joined_groups(5, &[pair(0, 3), pair(1, 3)]), [[0, 1, 3]]);
+/// ```
 pub fn joined_groups(units: usize, joined: &[Joined]) -> Vec<Vec<usize>> {
     let mut sets = DisjointSets::new(units);
     for Joined { units: (a, b), .. } in joined {

@@ -14,6 +14,21 @@ pub const CONTACT_ANGSTROM: f64 = 4.5;
 type ResidueOfUnit = (usize, usize);
 
 /// Pairs of residues of different units that are in contact.
+///
+/// ```
+/// use protomer_body::assembly::{ResidueContacts, units_of_chains};
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let text = "\
+/// ATOM      1  CA  GLY A   7       0.000   0.000   0.000  1.00 10.00           C
+/// ATOM      2  CA  GLY B   7       4.000   0.000   0.000  1.00 10.00           C
+/// ATOM      3  CA  GLY C   7      20.000   0.000   0.000  1.00 10.00           C";
+/// let structure = Structure::read("three.pdb", text.as_bytes())?;
+/// let contacts = ResidueContacts::native(&units_of_chains(&structure.select(&SelectionSettings::default())?));
+/// assert_eq!(contacts.len(), 1);
+/// assert!(contacts.partners(0).contains(&1) && contacts.partners(2).is_empty());
+/// assert_eq!(contacts.share_in(&ResidueContacts::default()), Some(0.0));
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ResidueContacts(BTreeSet<(ResidueOfUnit, ResidueOfUnit)>);
 

@@ -25,6 +25,13 @@ pub struct Orbit {
 ///
 /// The half turn about the azimuth α maps the azimuth φ to 2α - φ, and a lower position 2πi/n to an
 /// upper one 2π(j + s)/n for α = π(i + j + s)/n, s being the stagger.
+///
+/// ```
+/// use protomer_body::assembly::orbits::stack_rotations;
+/// use protomer_body::assembly::{Recipe, RecipeSite};
+/// let ring = Recipe::ring(5, &[RecipeSite::upright(0)]);
+/// assert_eq!(stack_rotations(&ring).len(), 10, "five about the axis and five half turns");
+/// ```
 pub fn stack_rotations(recipe: &Recipe) -> Vec<Rotation> {
     let members = recipe.rings.first().map_or(0, Vec::len);
     let stagger = match recipe.rings.len() {

@@ -33,6 +33,12 @@ pub struct RecipeSite {
 
 impl RecipeSite {
     /// An upright body: no tilt, no spin.
+    ///
+    /// ```
+    /// use protomer_body::assembly::RecipeSite;
+    /// let leaning = RecipeSite { tilt_radian: 0.2, ..RecipeSite::upright(1) };
+    /// assert!(leaning.up && leaning.body == 1 && leaning.spin_radian == 0.0);
+    /// ```
     pub fn upright(body: usize) -> Self {
         Self {
             body,
@@ -52,6 +58,13 @@ impl RecipeSite {
 }
 
 /// A ring or a stack of rings of equal size.
+///
+/// ```
+/// use protomer_body::assembly::{Recipe, RecipeSite};
+/// let [a, b] = [0, 1].map(RecipeSite::upright);
+/// let recipe = Recipe { stagger: 0.5, ..Recipe::dihedral(8, &[a, b]) };
+/// assert_eq!((recipe.rings.len(), recipe.rings[0].len()), (2, 8));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Recipe {
     /// Rings from bottom to top, each with its positions in order of azimuth.
@@ -86,6 +99,13 @@ pub struct ClosedAssembly {
 
 impl Recipe {
     /// One ring of `members`, the pattern repeated around it.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Recipe, RecipeSite};
+    /// let recipe = Recipe::ring(4, &[RecipeSite::upright(0), RecipeSite::upright(1)]);
+    /// let bodies: Vec<usize> = recipe.rings[0].iter().map(|site| site.body).collect();
+    /// assert_eq!(bodies, [0, 1, 0, 1]);
+    /// ```
     pub fn ring(members: usize, pattern: &[RecipeSite]) -> Self {
         Self {
             rings: vec![pattern.iter().cycle().take(members).copied().collect()],
@@ -97,6 +117,13 @@ impl Recipe {
     /// A stack of two rings, mapped onto each other by half turns about axes between them: position
     /// i of the upper ring is position 1 - i of the lower, turned over. Where two bodies alternate,
     /// each is above one of the other kind.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Recipe, RecipeSite};
+    /// let recipe = Recipe::dihedral(4, &[RecipeSite::upright(0), RecipeSite::upright(1)]);
+    /// let upper: Vec<(usize, bool)> = recipe.rings[1].iter().map(|site| (site.body, site.up)).collect();
+    /// assert_eq!(upper, [(1, false), (0, false), (1, false), (0, false)]);
+    /// ```
     pub fn dihedral(members: usize, pattern: &[RecipeSite]) -> Self {
         let lower: Vec<RecipeSite> = pattern.iter().cycle().take(members).copied().collect();
         let upper = (0..lower.len())
@@ -111,6 +138,17 @@ impl Recipe {
 
     /// The placements at a radius and a distance between rings, Å, with `tilt_radian` added to
     /// every tilt. `frames` has one rotation per body.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Recipe, RecipeSite};
+    /// use protomer_kernel::{Rotation, Vec3};
+    /// let ring = Recipe::ring(4, &[RecipeSite::upright(0)]);
+    /// let placements = ring.placements(&[Rotation::identity()], 10.0, 0.0, 0.0)?;
+    /// let (body, pose) = placements[1];
+    /// assert_eq!(body, 0);
+    /// assert!((pose.position - Vec3::new(0.0, 10.0, 0.0)).norm() < 1e-12, "a quarter of the way round");
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     ///
     /// # Errors
     /// [`BodyError::Invalid`] for rings that are empty or differ in size, and for a body without a
@@ -190,6 +228,19 @@ impl Recipe {
     /// Closes the recipe to contact without tilt and then opens it: neighbours around a ring move
     /// `gap_angstrom` further apart (their distance is 2 r sin(π/n)), and so do the rings of a
     /// stack. The gaps between surfaces are at least about this large.
+    ///
+    /// ```
+    /// use protomer_body::assembly::{Placement, Recipe, RecipeSite};
+    /// use protomer_kernel::Rotation;
+    /// let spheres_overlap = |placements: &[Placement]| {
+    ///     let place = |i: usize| placements[i].1.position;
+    ///     (0..placements.len()).any(|i| (0..i).any(|j| (place(i) - place(j)).norm() < 2.0))
+    /// };
+    /// let ring = Recipe::ring(6, &[RecipeSite::upright(0)]);
+    /// let opened = ring.close_with_gap(&[Rotation::identity()], 0.5, 1e-9, spheres_overlap)?;
+    /// assert!((opened.radius_angstrom - 2.5).abs() < 1e-8, "six neighbours are a radius apart");
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     ///
     /// # Errors
     /// Those of [`Recipe::close`]; [`BodyError::Invalid`] if the opened assembly overlaps.
@@ -307,6 +358,13 @@ fn orientation(site: &RecipeSite, azimuth: f64, tilt_radian: f64) -> Rotation {
 /// The rotation that turns the longest principal axis of a set of points onto z and the shortest
 /// onto x. Its sense along the axis is that in which the third moment is positive, so that it does
 /// not depend on the input's orientation.
+///
+/// ```
+/// use protomer_body::assembly::recipe::upright_frame;
+/// use protomer_kernel::Vec3;
+/// let rod = [-3.0, -1.0, 0.0, 1.0, 5.0].map(|x| Vec3::new(x, 0.0, 0.0));
+/// assert!((upright_frame(&rod) * Vec3::x() - Vec3::z()).norm() < 1e-9);
+/// ```
 pub fn upright_frame(points: &[Vec3]) -> Rotation {
     let mean = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
     let arms: Vec<Vec3> = points.iter().map(|point| point - mean).collect();

@@ -5,6 +5,15 @@ use nalgebra::Matrix3;
 use protomer_kernel::{Pose, Rotation, Vec3};
 
 /// The best rigid motion and the distance that remains.
+///
+/// ```
+/// use protomer_body::assembly::superpose;
+/// use protomer_kernel::Vec3;
+/// let segment = |length: f64| [Vec3::zeros(), length * Vec3::x()];
+/// let best = superpose(&segment(2.0), &segment(4.0))?;
+/// assert!((best.rmsd_angstrom - 1.0).abs() < 1e-12, "each end is 1 Å off");
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Superposition {
     /// Maps the moving points onto the fixed ones.

@@ -33,6 +33,19 @@ impl Unit {
     }
 
     /// Some chains of a selection as one unit, in the order in which they are named.
+    ///
+    /// ```
+    /// use protomer_body::assembly::Unit;
+    /// use protomer_body::structure::{SelectionSettings, Structure};
+    /// let text = "\
+    /// ATOM      1  CA  GLY A   7       0.000   0.000   0.000  1.00 10.00           C
+    /// ATOM      2  CA  GLY B   7       4.000   0.000   0.000  1.00 10.00           C
+    /// ATOM      3  CA  GLY C   7      20.000   0.000   0.000  1.00 10.00           C";
+    /// let selection = Structure::read("three.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+    /// let unit = Unit::of_chains(&selection, &["C".to_owned(), "A".to_owned()]);
+    /// assert_eq!((unit.name.as_str(), unit.atoms()), ("C,A", 2));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn of_chains(selection: &Selection, chains: &[String]) -> Self {
         let mut residues = Vec::new();
         for chain in chains {
@@ -65,6 +78,18 @@ impl Unit {
 }
 
 /// One unit per chain, in the order of the structure.
+///
+/// ```
+/// use protomer_body::assembly::units_of_chains;
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let text = "\
+/// ATOM      1  CA  GLY A   7       0.000   0.000   0.000  1.00 10.00           C
+/// ATOM      2  CA  GLY B   7       4.000   0.000   0.000  1.00 10.00           C";
+/// let selection = Structure::read("two.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+/// let names: Vec<String> = units_of_chains(&selection).into_iter().map(|unit| unit.name).collect();
+/// assert_eq!(names, ["A", "B"]);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 pub fn units_of_chains(selection: &Selection) -> Vec<Unit> {
     let mut index_of: HashMap<&str, usize> = HashMap::new();
     let mut units: Vec<Unit> = Vec::new();

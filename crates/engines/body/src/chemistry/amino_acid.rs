@@ -134,6 +134,12 @@ pub const BACKBONE: [&str; 4] = ["N", "CA", "C", "O"];
 
 impl AminoAcid {
     /// All twenty amino acids, by name.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// let letters: String = AminoAcid::all().map(AminoAcid::letter).collect();
+    /// assert_eq!(letters, "ARNDCQEGHILKMFPSTWYV");
+    /// ```
     pub fn all() -> impl Iterator<Item = AminoAcid> {
         TABLE.iter().map(|entry| entry.0)
     }
@@ -184,11 +190,22 @@ impl AminoAcid {
     }
 
     /// One-letter code.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!((AminoAcid::Lys.letter(), AminoAcid::Lys.name()), ('K', "LYS"));
+    /// ```
     pub fn letter(self) -> char {
         self.entry().2
     }
 
     /// Kyte-Doolittle hydropathy index.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!(AminoAcid::Ile.hydropathy(), 4.5);
+    /// assert_eq!(AminoAcid::Arg.hydropathy(), -4.5);
+    /// ```
     pub fn hydropathy(self) -> f64 {
         self.entry().3
     }
@@ -225,6 +242,12 @@ impl AminoAcid {
     }
 
     /// Heavy atoms of the side chain, in the names of the Protein Data Bank.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid;
+    /// assert_eq!(AminoAcid::Thr.side_chain(), ["CB", "OG1", "CG2"]);
+    /// assert!(AminoAcid::Gly.side_chain().is_empty());
+    /// ```
     pub fn side_chain(self) -> &'static [&'static str] {
         self.entry().4
     }

@@ -20,6 +20,19 @@ use crate::structure::{Atom, ResidueClass, SelectedResidue};
 
 protomer_kernel::choices! {
     /// Distribution of the charge of a residue over its atoms.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::{ChargeModel, SiteSettings, build_sites};
+    /// use protomer_body::structure::{SelectionSettings, Structure};
+    /// # let text = "\
+    /// # ATOM      1  NZ  LYS A   1      11.104   6.134  -6.504  1.00 10.00           N
+    /// # ATOM      2  CE  LYS A   1      11.639   6.071  -5.147  1.00 10.00           C";
+    /// let selection = Structure::read("lysine.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+    /// let settings = SiteSettings { charges: ChargeModel::Formal, ph: 10.5, ..SiteSettings::default() };
+    /// let sites = build_sites(&selection, &settings)?.sites;
+    /// assert!((sites[0].charge_e - 0.5).abs() < 0.01 && sites[1].charge_e.abs() < 0.01);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub enum ChargeModel, default ForceField {
         /// Partial charges of AMBER ff94 on every heavy atom.
         ForceField = "force-field",
@@ -45,6 +58,19 @@ pub fn side_groups(residue: &SelectedResidue) -> &'static [Group] {
 
 /// Net charge of a residue, e: side chain, ends of the chain, and the fixed charge of ions, ligands
 /// and phosphates.
+///
+/// ```
+/// use protomer_body::chemistry::ResidueProtonation;
+/// use protomer_body::chemistry::charges::{residue_charge_e, side_groups};
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// # let text = "ATOM      1  CA  GLU A   1      11.639   6.071  -5.147  1.00 10.00           C";
+/// let selection = Structure::read("e.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+/// let mut glutamate = selection.residues[0].clone();
+/// (glutamate.n_terminus, glutamate.c_terminus) = (false, false);
+/// let protonation = ResidueProtonation::in_water(side_groups(&glutamate), 4.5);
+/// assert!((residue_charge_e(&glutamate, &protonation) + 0.5).abs() < 1e-12, "the pKa is 4.5");
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 pub fn residue_charge_e(residue: &SelectedResidue, protonation: &ResidueProtonation) -> f64 {
     let mut charge = fixed_charge_e(residue);
     for (group, protonated) in side_groups(residue).iter().zip(&protonation.side) {

@@ -1,6 +1,12 @@
 //! Ions by their residue names: the wwPDB's, and those of other programs.
 
 /// A monatomic ion.
+///
+/// ```
+/// use protomer_body::chemistry::ions::ion;
+/// let magnesium = ion("MG");
+/// assert_eq!(magnesium.map(|ion| (ion.element, ion.charge_e)), Some(("MG", 2)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ion {
     /// Residue name in the wwPDB chemical component dictionary.
@@ -74,6 +80,12 @@ pub fn ion(name: &str) -> Option<&'static Ion> {
 }
 
 /// The charge of an ion by its residue name and its number of atoms other than hydrogen, e.
+///
+/// ```
+/// use protomer_body::chemistry::ions::ion_charge_e;
+/// assert_eq!((ion_charge_e("SO4", 5), ion_charge_e("ZN", 1)), (Some(-2), Some(2)));
+/// assert_eq!(ion_charge_e("ZN", 7), None, "no ion has seven atoms");
+/// ```
 pub fn ion_charge_e(name: &str, heavy_atoms: usize) -> Option<i32> {
     if let Some((_, charge)) = MOLECULAR_IONS
         .iter()

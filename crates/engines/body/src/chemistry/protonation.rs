@@ -28,6 +28,12 @@ pub struct Group {
 
 impl Group {
     /// A group that is neutral when protonated.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::protonation::Group;
+    /// let carboxylate = Group::acid(4.0, &["OD1", "OD2"]);
+    /// assert!((carboxylate.charge_e(5.0) + 10.0 / 11.0).abs() < 1e-12);
+    /// ```
     pub const fn acid(pka: f64, atoms: &'static [&'static str]) -> Self {
         Self {
             pka,
@@ -37,6 +43,12 @@ impl Group {
     }
 
     /// A group that is positive when protonated.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::protonation::Group;
+    /// let amine = Group::base(10.0, &["NZ"]);
+    /// assert!((amine.charge_e(9.0) - 10.0 / 11.0).abs() < 1e-12);
+    /// ```
     pub const fn base(pka: f64, atoms: &'static [&'static str]) -> Self {
         Self {
             pka,
@@ -56,6 +68,11 @@ impl Group {
     }
 
     /// The mean charge of a group with its proton for this fraction of the time, e.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::protonation::{C_TERMINUS, N_TERMINUS};
+    /// assert_eq!((N_TERMINUS.mean_charge_e(0.25), C_TERMINUS.mean_charge_e(0.25)), (0.25, -0.75));
+    /// ```
     pub fn mean_charge_e(&self, protonated: f64) -> f64 {
         self.protonated_charge_e - (1.0 - protonated)
     }
@@ -72,6 +89,15 @@ pub fn protonated_fraction(pka: f64, ph: f64) -> f64 {
 }
 
 /// Protonated fractions of the groups of a residue, 0 to 1, and what they change by.
+///
+/// ```
+/// use protomer_body::chemistry::ResidueProtonation;
+/// use protomer_body::chemistry::protonation::{C_TERMINUS, N_TERMINUS};
+/// let ends = ResidueProtonation::in_water(&[], 8.0);
+/// assert_eq!((ends.side.len(), ends.n_terminus), (0, 0.5));
+/// let charge = N_TERMINUS.mean_charge_e(ends.n_terminus) + C_TERMINUS.mean_charge_e(ends.c_terminus);
+/// assert!((charge + 0.5).abs() < 1e-4);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResidueProtonation {
     /// Groups of the side chain, in the order of [`side_groups`](super::charges::side_groups).
@@ -87,6 +113,14 @@ pub struct ResidueProtonation {
 
 impl ResidueProtonation {
     /// Fractions by model pKa values, those of each group alone in water.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::ResidueProtonation;
+    /// use protomer_body::chemistry::protonation::Group;
+    /// let histidine = [Group::base(6.5, &["ND1", "NE2"])];
+    /// let protonation = ResidueProtonation::in_water(&histidine, 7.5);
+    /// assert!((protonation.side[0] - 1.0 / 11.0).abs() < 1e-12);
+    /// ```
     pub fn in_water(side_groups: &[Group], ph: f64) -> Self {
         let fraction = |group: &Group| protonated_fraction(group.pka, ph);
         Self {
@@ -119,6 +153,13 @@ pub struct StructureTitration {
 
 impl StructureTitration {
     /// The protonation in a salt (mol/L) at a temperature (K).
+    ///
+    /// ```
+    /// use protomer_body::chemistry::StructureTitration;
+    /// let titration = StructureTitration { anion_binding_per_molar: 2.0 };
+    /// let conditions = titration.conditions(0.15, 298.15);
+    /// assert_eq!((conditions.salt_molar, conditions.anion_binding_per_molar), (0.15, 2.0));
+    /// ```
     pub fn conditions(self, salt_molar: f64, temperature_kelvin: f64) -> StructureProtonation {
         StructureProtonation {
             salt_molar,

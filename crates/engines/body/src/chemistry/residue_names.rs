@@ -285,6 +285,13 @@ const WATERS: &[&str] = &[
 ];
 
 /// The entry of a modified residue.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::residue_names::modified_residue;
+/// assert_eq!(modified_residue("MSE").and_then(|entry| entry.parent), Some(AminoAcid::Met));
+/// assert!(modified_residue("MET").is_none());
+/// ```
 pub fn modified_residue(name: &str) -> Option<&'static ModifiedResidue> {
     MODIFIED.iter().find(|entry| entry.name == name)
 }
@@ -295,6 +302,11 @@ pub fn has_blocked_amine(name: &str) -> bool {
 }
 
 /// Whether the name is that of a cap, such as acetyl.
+///
+/// ```
+/// use protomer_body::chemistry::residue_names::is_cap;
+/// assert!(is_cap("ACE") && is_cap("NME") && !is_cap("ALA"));
+/// ```
 pub fn is_cap(name: &str) -> bool {
     cap_mass_g_per_mol(name).is_some()
 }
@@ -395,16 +407,32 @@ pub fn mass_in_chain_g_per_mol(name: &str) -> Option<f64> {
 }
 
 /// Whether the name is that of a nucleotide.
+///
+/// ```
+/// use protomer_body::chemistry::residue_names::is_nucleotide;
+/// assert!(is_nucleotide("DA") && is_nucleotide("U") && !is_nucleotide("ALA"));
+/// ```
 pub fn is_nucleotide(name: &str) -> bool {
     NUCLEOTIDES.contains(&name)
 }
 
 /// Whether the name is that of a water molecule.
+///
+/// ```
+/// use protomer_body::chemistry::residue_names::is_water;
+/// assert!(is_water("HOH") && is_water("TIP3") && !is_water("SO4"));
+/// ```
 pub fn is_water(name: &str) -> bool {
     WATERS.contains(&name)
 }
 
 /// Whether the name is that of an amino acid, a modified one, a cap or a nucleotide.
+///
+/// ```
+/// use protomer_body::chemistry::residue_names::is_polymer;
+/// assert!(["ALA", "MSE", "ACE", "DG"].into_iter().all(is_polymer));
+/// assert!(!is_polymer("HEM") && !is_polymer("HOH"));
+/// ```
 pub fn is_polymer(name: &str) -> bool {
     parent_amino_acid(name).is_some()
         || modified_residue(name).is_some()

@@ -15,6 +15,19 @@ use protomer_kernel::{PointRecord, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Settings of the charges.
+///
+/// ```
+/// use protomer_body::chemistry::{SiteSettings, build_sites};
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// # let text = "\
+/// # ATOM      1  CB  ASP A   1      11.104   6.134  -6.504  1.00 10.00           C
+/// # ATOM      2  CG  ASP A   1      11.639   6.071  -5.147  1.00 10.00           C";
+/// let selection = Structure::read("d.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+/// let charge_at = |ph| build_sites(&selection, &SiteSettings { ph, ..SiteSettings::default() });
+/// let [acidic, neutral] = [charge_at(2.0)?, charge_at(7.0)?].map(|sites| sites.net_charge_e());
+/// assert!(acidic > neutral && neutral > -1.01);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiteSettings {
@@ -50,6 +63,18 @@ impl SiteSettings {
 }
 
 /// Sites and residues in the body's frame.
+///
+/// ```
+/// use protomer_body::chemistry::{SiteSettings, build_sites};
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let text = "\
+/// ATOM      1  N   GLY A   7      10.000   0.000   0.000  1.00 10.00           N
+/// ATOM      2  CA  GLY A   7      12.000   0.000   0.000  1.00 10.00           C";
+/// let selection = Structure::read("gly.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+/// let sites = build_sites(&selection, &SiteSettings::default())?;
+/// assert_eq!((sites.origin_angstrom.x, sites.sites[0].position.x), (11.0, -1.0));
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChargedSites {
     /// The frame's origin in the coordinates of the file, Å: the unweighted centroid of the atoms.

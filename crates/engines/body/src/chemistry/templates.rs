@@ -24,6 +24,15 @@ pub struct Forms {
 
 /// The forms of a residue. A form with several templates (the two tautomers of neutral histidine)
 /// is their unweighted mean.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::templates::{Template, forms};
+/// let charge = |template: &Template| -> f64 { template.iter().map(|(_, own, of_h)| own + of_h).sum() };
+/// let aspartate = forms(AminoAcid::Asp, false);
+/// assert!(charge(&aspartate.protonated[0]).abs() < 1e-9);
+/// assert!((charge(&aspartate.deprotonated[0]) + 1.0).abs() < 1e-9);
+/// ```
 pub fn forms(residue: AminoAcid, in_disulfide: bool) -> Forms {
     let (protonated, deprotonated): (&'static [Template], &'static [Template]) = match residue {
         AminoAcid::Ala => (&[ALA], &[]),

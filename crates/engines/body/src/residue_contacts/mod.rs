@@ -71,6 +71,14 @@ impl ContactScale {
     }
 
     /// Depth d_ij of the attraction of two residues, kJ/mol; negative where they repel.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid::{Glu, Phe};
+    /// use protomer_body::residue_contacts::ContactScale::Calvados3;
+    /// // 0.2 kcal/mol times the stickiness 0.8906 of phenylalanine
+    /// assert!((Calvados3.depth_kj_per_mol(Phe, Phe) - 0.745).abs() < 1e-3);
+    /// assert!(Calvados3.depth_kj_per_mol(Glu, Glu) < 0.001);
+    /// ```
     pub fn depth_kj_per_mol(self, first: AminoAcid, second: AminoAcid) -> f64 {
         match self {
             Self::Calvados3 => {
@@ -93,6 +101,12 @@ impl ContactScale {
     }
 
     /// σ_ij, the mean of the two diameters, Å. Both force fields share them but for rounding.
+    ///
+    /// ```
+    /// use protomer_body::chemistry::AminoAcid::{Ala, Gly};
+    /// use protomer_body::residue_contacts::ContactScale::Calvados3;
+    /// assert!((Calvados3.diameter_angstrom(Gly, Ala) - 0.5 * (4.50 + 5.04)).abs() < 1e-12);
+    /// ```
     pub fn diameter_angstrom(self, first: AminoAcid, second: AminoAcid) -> f64 {
         let diameter = |amino_acid| match self {
             Self::Calvados3 => calvados(amino_acid).1,

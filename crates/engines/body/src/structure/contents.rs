@@ -9,6 +9,19 @@ use protomer_kernel::Vec3;
 use std::sync::Arc;
 
 /// The content of a PDB or mmCIF file; [`Structure::read`] makes it.
+///
+/// ```
+/// use protomer_body::structure::Structure;
+/// let text = "\
+/// TITLE     ONE ATOM
+/// ATOM      1  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C
+/// END
+/// ";
+/// let structure = Structure::read("one.pdb", text.as_bytes())?;
+/// assert_eq!(structure.header.title, "ONE ATOM");
+/// assert_eq!(structure.models[0].atoms[0].residue_number, 7);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Structure {
     /// The file as the user named it.
@@ -99,6 +112,17 @@ pub struct RecordedDisulfide {
 
 impl RecordedDisulfide {
     /// Whether one of the cysteines belongs to a symmetry copy of the deposited coordinates.
+    ///
+    /// ```
+    /// use protomer_body::structure::{RecordedDisulfide, ResidueKey};
+    /// let cysteine = |number| ResidueKey { chain: "A".into(), number, insertion_code: "".into() };
+    /// let bond = |symmetry: [&str; 2]| RecordedDisulfide {
+    ///     residues: [cysteine(5), cysteine(9)],
+    ///     symmetry: symmetry.map(Into::into),
+    /// };
+    /// assert!(bond(["1555", "2655"]).is_between_symmetry_copies());
+    /// assert!(!bond(["1555", "1555"]).is_between_symmetry_copies());
+    /// ```
     pub fn is_between_symmetry_copies(&self) -> bool {
         let [first, second] = &self.symmetry;
         !first.is_empty() && !second.is_empty() && first != second
@@ -115,6 +139,16 @@ pub struct Model {
 }
 
 /// One atom record.
+///
+/// ```
+/// use protomer_body::structure::Structure;
+/// let text = "HETATM    1 ZN    ZN A 101      11.639   6.071  -5.147  0.50 10.00          ZN2+";
+/// let structure = Structure::read("zinc.pdb", text.as_bytes())?;
+/// let zinc = &structure.models[0].atoms[0];
+/// assert_eq!((&*zinc.element, zinc.formal_charge_e, zinc.occupancy), ("ZN", Some(2), 0.5));
+/// assert!(zinc.hetero && !zinc.is_hydrogen());
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Atom {
     /// Serial number; one more than the previous where it cannot be read.

@@ -6,6 +6,15 @@
 //! them, and there is no warning.
 
 /// Ending of a structure file.
+///
+/// ```
+/// use protomer_body::structure::{Ending, Structure};
+/// let atom = "ATOM      1  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C\n";
+/// let by_hand = Structure::read("one.pdb", atom.as_bytes())?;
+/// let complete = Structure::read("one.pdb", format!("{atom}END\n").as_bytes())?;
+/// assert_eq!((by_hand.ending, complete.ending), (Ending::Unknown, Ending::Whole));
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Ending {
     /// The file is complete.

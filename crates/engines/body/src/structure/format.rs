@@ -83,6 +83,11 @@ impl Format {
     }
 
     /// The name of the format.
+    ///
+    /// ```
+    /// use protomer_body::structure::Format;
+    /// assert_eq!(Format::of_name("1crn.cif").map(Format::name), Some("mmCIF"));
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Format::Pdb => "PDB",

@@ -8,6 +8,19 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Report of what was selected, what was left out and why, and how residues were treated.
+///
+/// ```
+/// use protomer_body::structure::{SelectionSettings, Structure};
+/// let text = "\
+/// ATOM      1  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C
+/// HETATM    2  O   HOH A 201      20.639   6.071  -5.147  1.00 10.00           O
+/// ";
+/// let structure = Structure::read("wet.pdb", text.as_bytes())?;
+/// let report = structure.select(&SelectionSettings::default())?.report;
+/// assert_eq!((report.records, report.atoms), (2, 1));
+/// assert_eq!(report.skipped_in_words(), Some("1 water".to_owned()));
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SelectionReport {
     /// Model used.

@@ -30,6 +30,15 @@ pub struct ResidueRange {
 
 impl ResidueRange {
     /// Whether a residue number of the chain is in the range.
+    ///
+    /// ```
+    /// use protomer_body::structure::ResidueRange;
+    /// let to_the_end: ResidueRange = "A:5-".parse()?;
+    /// assert!(to_the_end.holds(1000) && !to_the_end.holds(4));
+    /// let below_zero: ResidueRange = "A:-3-2".parse()?;
+    /// assert!(below_zero.holds(-3) && !below_zero.holds(3));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn holds(&self, number: i32) -> bool {
         number >= self.first && self.last.is_none_or(|last| number <= last)
     }

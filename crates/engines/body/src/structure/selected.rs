@@ -23,6 +23,20 @@ impl Selection {
     }
 
     /// The residues of some chains in the order of the file, with the report of the whole selection.
+    ///
+    /// ```
+    /// use protomer_body::structure::{SelectionSettings, Structure};
+    /// let text = "\
+    /// ATOM      1  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C
+    /// ATOM      2  CA  ALA B   7      31.639   6.071  -5.147  1.00 10.00           C
+    /// ATOM      3  CA  SER C   7      51.639   6.071  -5.147  1.00 10.00           C
+    /// ";
+    /// let selection = Structure::read("three.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+    /// let part = selection.only_chains(&["C", "A"]);
+    /// let names: Vec<&str> = part.residues.iter().map(|residue| &*residue.name).collect();
+    /// assert_eq!((names, part.report.atoms), (vec!["GLY", "SER"], 2));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn only_chains(&self, chains: &[impl AsRef<str>]) -> Selection {
         let mut residues = Vec::new();
         for residue in &self.residues {
@@ -69,6 +83,16 @@ pub struct SelectedResidue {
 
 impl SelectedResidue {
     /// The atom of a name.
+    ///
+    /// ```
+    /// use protomer_body::structure::{SelectionSettings, Structure};
+    /// let text = "ATOM      1  CA  GLY A   7      11.639   6.071  -5.147  1.00 10.00           C";
+    /// let selection = Structure::read("one.pdb", text.as_bytes())?.select(&SelectionSettings::default())?;
+    /// let glycine = &selection.residues[0];
+    /// assert_eq!(glycine.atom("CA").map(|atom| atom.position.x), Some(11.639));
+    /// assert!(glycine.atom("CB").is_none());
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn atom(&self, name: &str) -> Option<&Atom> {
         self.atoms.iter().find(|atom| &*atom.name == name)
     }

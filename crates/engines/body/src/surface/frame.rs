@@ -11,6 +11,15 @@ use protomer_kernel::{Rotation, Vec3};
 const TIE: f64 = 1e-9;
 
 /// A rigid frame: lattice coordinates to input coordinates.
+///
+/// ```
+/// use protomer_body::surface::frame::Frame;
+/// use protomer_kernel::Vec3;
+/// let points = [Vec3::zeros(), Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+/// let frame = Frame::of_points(&points);
+/// let image = frame.to_input(&frame.to_lattice(&points[1]));
+/// assert!((image - points[1]).norm() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Origin of the lattice in input coordinates, Å.
@@ -26,6 +35,16 @@ impl Frame {
     /// choose, also for symmetric sets. All of it is then turned by generic angles and moved by a
     /// little, so that no node of the lattice lies on a symmetry plane or between two touching
     /// atoms, where rounding would decide on which side of the surface it is.
+    ///
+    /// ```
+    /// use protomer_body::surface::frame::Frame;
+    /// use protomer_kernel::Vec3;
+    /// let points = [Vec3::zeros(), Vec3::new(3.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+    /// let shift = Vec3::new(5.0, 6.0, 7.0);
+    /// let shifted = points.map(|point| point + shift);
+    /// let [first, second] = [points, shifted].map(|points| Frame::of_points(&points));
+    /// assert!((first.to_lattice(&points[1]) - second.to_lattice(&shifted[1])).norm() < 1e-9);
+    /// ```
     pub fn of_points(points: &[Vec3]) -> Self {
         let origin = points.iter().sum::<Vec3>() / points.len().max(1) as f64;
         let first = farthest(points.iter().map(|point| point - origin)).unwrap_or(Vec3::x());

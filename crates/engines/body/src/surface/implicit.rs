@@ -7,6 +7,33 @@ pub type Ball = (Vec3, f64);
 
 /// A solid given by a signed function: negative inside, positive outside, zero on its surface,
 /// 1-Lipschitz.
+///
+/// ```
+/// use protomer_body::surface::{Ball, ImplicitSolid, MeshSettings, mesh_solid};
+/// use protomer_kernel::Vec3;
+///
+/// struct UnitBall;
+///
+/// impl ImplicitSolid for UnitBall {
+///     fn signed_distance(&self, point: &Vec3) -> f64 {
+///         point.norm() - 1.0
+///     }
+///     fn project(&self, point: &Vec3) -> (Vec3, Vec3) {
+///         (point.normalize(), point.normalize())
+///     }
+///     fn bounds(&self) -> (Vec3, Vec3) {
+///         (Vec3::repeat(-1.0), Vec3::repeat(1.0))
+///     }
+///     fn cover(&self) -> Vec<Ball> {
+///         vec![(Vec3::zeros(), 1.0)]
+///     }
+/// }
+///
+/// let settings = MeshSettings { density_per_angstrom2: 40.0, ..MeshSettings::default() };
+/// let volume = mesh_solid(&UnitBall, &settings, None)?.volume_angstrom3();
+/// assert!((volume - 4.0 / 3.0 * std::f64::consts::PI).abs() < 0.05);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
 pub trait ImplicitSolid: Sync {
     /// Signed distance-like value at a point, Å: exact near the surface.
     fn signed_distance(&self, point: &Vec3) -> f64;

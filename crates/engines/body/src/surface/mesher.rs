@@ -183,6 +183,19 @@ fn finish(
 
 /// The mesh without the shells that enclose negative volume, and how many those were.
 ///
+/// ```
+/// use protomer_body::surface::without_cavities;
+/// use protomer_kernel::{TriangleMesh, Vec3};
+/// let mut hollow = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(3.0));
+/// let wall = TriangleMesh::cuboid(&Vec3::repeat(1.0), &Vec3::repeat(2.0));
+/// hollow.triangles.extend(wall.triangles.iter().map(|[a, b, c]| [a + 8, c + 8, b + 8]));
+/// hollow.vertices.extend(&wall.vertices);
+/// let (filled, cavities) = without_cavities(&hollow)?;
+/// assert_eq!(cavities, 1);
+/// assert!((hollow.volume_angstrom3() - 26.0).abs() < 1e-9 && (filled.volume_angstrom3() - 27.0).abs() < 1e-9);
+/// # Ok::<(), protomer_body::BodyError>(())
+/// ```
+///
 /// # Errors
 /// [`BodyError::Kernel`] if the mesh is not closed.
 pub fn without_cavities(mesh: &TriangleMesh) -> Result<(TriangleMesh, usize)> {

@@ -149,6 +149,14 @@ impl Arrangement {
     }
 
     /// Radii of the expanded balls: atomic radius, probe radius and perturbation, Å.
+    ///
+    /// ```
+    /// use protomer_body::surface::Arrangement;
+    /// use protomer_kernel::Vec3;
+    /// let arrangement = Arrangement::new(&[Vec3::zeros()], &[1.7], 1.4)?;
+    /// assert!((arrangement.expanded_radii_angstrom()[0] - 3.1).abs() < 1e-6);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn expanded_radii_angstrom(&self) -> &[f64] {
         &self.balls.radii
     }
@@ -169,6 +177,14 @@ impl Arrangement {
     }
 
     /// Number of shells, the connected components of the accessible surface.
+    ///
+    /// ```
+    /// use protomer_body::surface::Arrangement;
+    /// use protomer_kernel::Vec3;
+    /// let shells = |x| Arrangement::new(&[Vec3::zeros(), Vec3::new(x, 0.0, 0.0)], &[1.7; 2], 1.4);
+    /// assert_eq!((shells(6.0)?.shell_count(), shells(6.5)?.shell_count()), (1, 2));
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn shell_count(&self) -> usize {
         self.traced().shells as usize
     }
@@ -179,6 +195,15 @@ impl Arrangement {
     }
 
     /// Atoms with at least one face, in increasing order.
+    ///
+    /// ```
+    /// use protomer_body::surface::Arrangement;
+    /// use protomer_kernel::Vec3;
+    /// let centres = [Vec3::zeros(), Vec3::new(0.5, 0.0, 0.0)];
+    /// let arrangement = Arrangement::new(&centres, &[3.0, 1.0], 1.4)?;
+    /// assert_eq!(arrangement.exposed_atoms(), [0], "the small atom is inside the large one");
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn exposed_atoms(&self) -> Vec<u32> {
         let mut atoms = self.joined.free_atoms.clone();
         for arc in &self.joined.arcs {

@@ -30,6 +30,17 @@ use std::ops::{Add, AddAssign};
 const ROUNDING: f64 = 1e-12;
 
 /// Areas and volumes of a shell or of several together.
+///
+/// ```
+/// use protomer_body::surface::SurfaceMeasure;
+/// let shell = SurfaceMeasure {
+///     convex_area_angstrom2: 30.0,
+///     toroidal_area_angstrom2: 15.0,
+///     concave_area_angstrom2: 5.0,
+///     ..SurfaceMeasure::default()
+/// };
+/// assert_eq!(shell.ses_area_angstrom2(), 50.0);
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SurfaceMeasure {
     /// Area of the accessible surface, Å².
@@ -133,6 +144,17 @@ impl Measure {
 
     /// Areas and volumes of all shells together: the areas include the walls of cavities, the
     /// volumes exclude the cavities.
+    ///
+    /// ```
+    /// use protomer_body::surface::{Arrangement, Measure};
+    /// use protomer_kernel::Vec3;
+    /// let far_apart = [Vec3::zeros(), Vec3::new(20.0, 0.0, 0.0)];
+    /// let measure = Measure::new(&Arrangement::new(&far_apart, &[1.5, 1.5], 1.5)?);
+    /// assert_eq!(measure.shells.len(), 2);
+    /// let two_spheres = 2.0 * 4.0 * std::f64::consts::PI * 3.0_f64.powi(2);
+    /// assert!((measure.total().sas_area_angstrom2 - two_spheres).abs() < 1e-5);
+    /// # Ok::<(), protomer_body::BodyError>(())
+    /// ```
     pub fn total(&self) -> SurfaceMeasure {
         let mut sum = SurfaceMeasure::default();
         for shell in &self.shells {
