@@ -94,6 +94,13 @@ pub struct BindingEnergyAtSalt {
 }
 
 /// Response of ΔG to added charges.
+///
+/// ```
+/// use protomer_field::binding::ChargeResponse;
+/// let response = ChargeResponse { first_order_kt: -3.0, second_order_kt: 0.5 };
+/// assert_eq!(response.change_kt(1.0), -2.5);
+/// assert_eq!(response.change_kt(-1.0), 3.5);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChargeResponse {
     /// Change of ΔG of first order, kT.
@@ -111,6 +118,11 @@ impl ChargeResponse {
 
 impl BoundPair<'_> {
     /// Solves of [`binding_energy`](Self::binding_energy), each on both grids.
+    ///
+    /// ```
+    /// use protomer_field::binding::BoundPair;
+    /// assert_eq!(BoundPair::solves(2, 0), 6, "the complex and its two parts in each salt");
+    /// ```
     pub fn solves(salts: usize, added: usize) -> usize {
         3 * salts + 2 * added
     }

@@ -4,6 +4,21 @@ use protomer_body::Site;
 use protomer_kernel::Vec3;
 
 /// An atom: a sphere with a charge at its centre.
+///
+/// ```
+/// use protomer_body::Site;
+/// use protomer_field::ChargedSphere;
+/// use protomer_kernel::Vec3;
+/// let site = Site {
+///     position: Vec3::x(),
+///     charge_e: -0.5,
+///     radius_angstrom: 1.5,
+///     atom_name: "OD1".into(),
+///     residue: None,
+/// };
+/// let sphere = ChargedSphere::from(&site);
+/// assert_eq!((sphere.centre, sphere.charge_e, sphere.radius_angstrom), (Vec3::x(), -0.5, 1.5));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChargedSphere {
     /// Centre, Å.

@@ -106,6 +106,19 @@ impl Superposition {
     }
 
     /// The potential on a grid, kT/e.
+    ///
+    /// ```
+    /// use protomer_field::{ChargedSphere, DielectricModel, Grid, debye_huckel::Superposition};
+    /// use protomer_kernel::{Electrolyte, Vec3};
+    /// let saline = Electrolyte::in_water(298.15, 0.1)?;
+    /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 };
+    /// let potential = Superposition::new(&[ion], &DielectricModel::new(saline));
+    /// let grid = Grid { origin_angstrom: [4.0, 0.0, 0.0], spacing_angstrom: 2.0, shape: [3, 1, 1] };
+    /// let field = potential.on(grid);
+    /// assert_eq!(field.values[1], potential.at(&Vec3::new(6.0, 0.0, 0.0)));
+    /// assert!(field.values[0] > field.values[1] && field.values[1] > field.values[2]);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn on(&self, grid: Grid) -> ScalarField {
         let mut values = vec![0.0; grid.len()];
         set_points(grid.shape, &mut values, |[i, j, k], value| {

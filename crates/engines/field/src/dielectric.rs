@@ -36,6 +36,15 @@ pub struct DielectricModel {
 impl DielectricModel {
     /// A protein in this electrolyte: permittivity 2 inside the solvent-excluded surface of a probe
     /// of 1.4 Å, and ions of 2 Å that respond linearly.
+    ///
+    /// ```
+    /// use protomer_field::DielectricModel;
+    /// use protomer_kernel::Electrolyte;
+    /// let protein = DielectricModel::new(Electrolyte::in_water(298.15, 0.15)?);
+    /// assert_eq!((protein.inner_permittivity, protein.probe_angstrom), (2.0, 1.4));
+    /// assert_eq!(protein.electrolyte.salt_molar(), Some(0.15));
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn new(electrolyte: Electrolyte) -> Self {
         Self {
             electrolyte,

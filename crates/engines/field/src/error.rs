@@ -4,6 +4,13 @@ use protomer_body::BodyError;
 use protomer_kernel::{KernelError, Number};
 
 /// Errors of a field calculation.
+///
+/// ```
+/// use protomer_field::Grid;
+/// use protomer_kernel::Vec3;
+/// let message = Grid::around(&Vec3::zeros(), &Vec3::x(), -1.0, 1).map_err(|error| error.to_string());
+/// assert_eq!(message, Err("spacing is -1; it must be positive, Å".to_owned()));
+/// ```
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FieldError {

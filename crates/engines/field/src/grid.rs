@@ -33,6 +33,15 @@ impl Grid {
     /// The smallest grid of this spacing that holds a box (lowest and highest corner, Å) and has
     /// `multiple` · n + 1 points along each axis, centred on the box.
     ///
+    /// ```
+    /// use protomer_field::Grid;
+    /// use protomer_kernel::Vec3;
+    /// let grid = Grid::around(&Vec3::zeros(), &Vec3::repeat(3.0), 1.0, 4)?;
+    /// assert_eq!(grid.shape, [5; 3], "the next multiple of four cells");
+    /// assert_eq!(grid.origin_angstrom, [-0.5; 3]);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`FieldError::BadSetting`] for a spacing that is not positive, [`FieldError::BadInput`] for
     /// more points than any machine holds.
@@ -99,12 +108,27 @@ impl Grid {
     }
 
     /// Index of the value of point (i, j, k) in a list of values.
+    ///
+    /// ```
+    /// use protomer_field::Grid;
+    /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [4, 3, 2] };
+    /// assert_eq!(grid.len(), 24);
+    /// assert_eq!(grid.index(1, 2, 1), 1 + 4 * 2 + 12);
+    /// assert_eq!(grid.strides(), [1, 4, 12]);
+    /// ```
     #[inline]
     pub fn index(&self, i: usize, j: usize, k: usize) -> usize {
         (k * self.shape[1] + j) * self.shape[0] + i
     }
 
     /// The place of point (i, j, k), Å.
+    ///
+    /// ```
+    /// use protomer_field::Grid;
+    /// use protomer_kernel::Vec3;
+    /// let grid = Grid { origin_angstrom: [-1.0; 3], spacing_angstrom: 0.5, shape: [5; 3] };
+    /// assert_eq!(grid.point(0, 2, 4), Vec3::new(-1.0, 0.0, 1.0));
+    /// ```
     #[inline]
     pub fn point(&self, i: usize, j: usize, k: usize) -> Vec3 {
         let h = self.spacing_angstrom;
@@ -154,6 +178,14 @@ impl Grid {
     }
 
     /// The cell that a place lies in, and where in it, (0..1)³; `None` outside the grid.
+    ///
+    /// ```
+    /// use protomer_field::Grid;
+    /// use protomer_kernel::Vec3;
+    /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 2.0, shape: [3; 3] };
+    /// assert_eq!(grid.locate(&Vec3::new(1.0, 3.5, 4.0)), Some(([0, 1, 1], [0.5, 0.75, 1.0])));
+    /// assert_eq!(grid.locate(&Vec3::repeat(4.1)), None);
+    /// ```
     pub fn locate(&self, place: &Vec3) -> Option<([usize; 3], [f64; 3])> {
         let mut cell = [0; 3];
         let mut part = [0.0; 3];
@@ -306,6 +338,13 @@ pub(crate) fn set_points<T: Send>(
 }
 
 /// Values on a grid.
+///
+/// ```
+/// use protomer_field::{Grid, ScalarField};
+/// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [2, 2, 2] };
+/// let field = ScalarField { grid, values: (0..8).map(f64::from).collect() };
+/// assert_eq!(field.values[grid.index(1, 0, 1)], 5.0);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScalarField {
     /// The points.

@@ -12,6 +12,17 @@
 use crate::{FieldError, Result};
 
 /// Response of the ions to the potential.
+///
+/// ```
+/// use protomer_field::{DielectricModel, IonResponse, SaltValence};
+/// use protomer_kernel::Electrolyte;
+/// let linear = DielectricModel::new(Electrolyte::in_water(298.15, 0.1)?);
+/// assert_eq!(linear.ion_response, IonResponse::Linear);
+/// let response = IonResponse::Boltzmann(SaltValence::ONE_TO_ONE);
+/// let exact = DielectricModel { ion_response: response, ..linear };
+/// assert_ne!(exact, linear);
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum IonResponse {
     /// Proportional to the potential: N(φ) = φ.
@@ -33,6 +44,14 @@ protomer_kernel::choices! {
 
 impl IonModel {
     /// The response of the ions of a salt.
+    ///
+    /// ```
+    /// use protomer_field::{IonModel, IonResponse, SaltValence};
+    /// let salt = SaltValence::new(2, 1)?;
+    /// assert_eq!(IonModel::Boltzmann.with(salt), IonResponse::Boltzmann(salt));
+    /// assert_eq!(IonModel::Linear.with(salt), IonResponse::Linear);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
     pub fn with(self, salt: SaltValence) -> IonResponse {
         match self {
             Self::Linear => IonResponse::Linear,
@@ -71,6 +90,13 @@ impl SaltValence {
 
     /// A salt of cations and anions with these numbers of charges.
     ///
+    /// ```
+    /// use protomer_field::SaltValence;
+    /// assert_eq!(SaltValence::new(1, 1)?, SaltValence::ONE_TO_ONE);
+    /// assert!(SaltValence::new(0, 1).is_err() && SaltValence::new(2, 5).is_err());
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`FieldError::BadSetting`] unless both are from 1 to 4.
     pub fn new(cation: u8, anion: u8) -> Result<Self> {
@@ -87,6 +113,14 @@ impl SaltValence {
     }
 
     /// Ionic strength ½ Σ c z² of the salt, mol/L, from the concentration of its formula units.
+    ///
+    /// ```
+    /// use protomer_field::SaltValence;
+    /// assert_eq!(SaltValence::ONE_TO_ONE.ionic_strength_molar(0.1), 0.1);
+    /// // MgSO₄ has one ion of each kind: ½ (2² + 2²) c.
+    /// assert_eq!(SaltValence::new(2, 2)?.ionic_strength_molar(0.5), 2.0);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
     pub fn ionic_strength_molar(self, concentration_molar: f64) -> f64 {
         let [cation, anion] = [self.cation, self.anion].map(f64::from);
         let divisor = f64::from(greatest_common_divisor(self.cation, self.anion));
@@ -95,6 +129,12 @@ impl SaltValence {
     }
 
     /// N(φ), for a potential in kT/e.
+    ///
+    /// ```
+    /// use protomer_field::SaltValence;
+    /// let charge = SaltValence::ONE_TO_ONE.charge(2.0);
+    /// assert!((charge - 2.0_f64.sinh()).abs() < 1e-12);
+    /// ```
     pub fn charge(self, potential: f64) -> f64 {
         let [of_cations, of_anions] = self.boltzmann_factors(potential);
         (of_anions - of_cations) / self.sum()

@@ -7,6 +7,18 @@ use protomer_kernel::cells::CellList;
 use protomer_kernel::{Boundary, Vec3};
 
 /// Surface at which the permittivity changes.
+///
+/// ```
+/// use protomer_field::{ChargedSphere, SurfaceDefinition, surface::surface_of};
+/// use protomer_kernel::Vec3;
+/// let atom = |x| ChargedSphere { centre: Vec3::new(x, 0.0, 0.0), radius_angstrom: 2.0, charge_e: 0.0 };
+/// let pair = [atom(-2.2), atom(2.2)];
+/// let crevice = Vec3::zeros();
+/// let spheres = surface_of(&pair, SurfaceDefinition::VanDerWaals, 1.4)?;
+/// let excluded = surface_of(&pair, SurfaceDefinition::SolventExcluded, 1.4)?;
+/// assert!(spheres.signed_distance(&crevice) > 0.0 && excluded.signed_distance(&crevice) < 0.0);
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SurfaceDefinition {
     /// The volume that a probe rolling over the spheres cannot enter (Richards, Annu. Rev. Biophys.
@@ -48,6 +60,18 @@ pub fn surface_of(
 }
 
 /// The solvent-excluded surface of those spheres that have a radius.
+///
+/// ```
+/// use protomer_body::surface::ImplicitSolid;
+/// use protomer_field::{ChargedSphere, surface::solvent_excluded};
+/// use protomer_kernel::Vec3;
+/// let atom = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 0.0 };
+/// let solid = solvent_excluded(&[atom], 1.4)?;
+/// assert!((solid.signed_distance(&Vec3::new(3.0, 0.0, 0.0)) - 1.0).abs() < 1e-6);
+/// let point_charge = ChargedSphere { radius_angstrom: 0.0, ..atom };
+/// assert!(solvent_excluded(&[point_charge], 1.4).is_err());
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
 ///
 /// # Errors
 /// As [`surface_of`].

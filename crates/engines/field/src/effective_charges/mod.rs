@@ -76,6 +76,19 @@ impl EffectiveCharges {
     /// A charge at a depth a counts exp(κa)/(1 + κa) times from afar. At high salt that factor reaches
     /// hundreds, the charges of the fit cancel to a small part of themselves, and their weighted sum is
     /// an extrapolation of its errors.
+    ///
+    /// ```
+    /// use protomer_field::effective_charges::EffectiveCharges;
+    /// let seen_as = |net_effective_charge_e| EffectiveCharges {
+    ///     charges: Vec::new(),
+    ///     net_charge_e: 3.0,
+    ///     net_effective_charge_e,
+    ///     relative_residual: 0.01,
+    ///     condition: 1e6,
+    /// };
+    /// assert_eq!(seen_as(5.0).charge_from_afar_e(), Some(5.0));
+    /// assert_eq!(seen_as(-200.0).charge_from_afar_e(), None);
+    /// ```
     pub fn charge_from_afar_e(&self) -> Option<f64> {
         let largest_e = LARGEST_RATIO_FROM_AFAR * self.net_charge_e.abs().max(1.0);
         let charge_e = self.net_effective_charge_e;

@@ -150,6 +150,19 @@ impl Potential {
     /// The potential at a place, kT/e; `None` outside the grid. Where all corners of the cell are
     /// outside the surface, φ itself is interpolated; elsewhere the reaction field is, and the
     /// Coulomb potential is added.
+    ///
+    /// ```
+    /// use protomer_field::{ChargedSphere, DielectricModel, SolveSettings, solve};
+    /// use protomer_kernel::{Electrolyte, Vec3};
+    /// let water = DielectricModel::new(Electrolyte::in_water(298.15, 0.0)?);
+    /// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 3.0, charge_e: 1.0 };
+    /// let potential = solve(&[ion], &water, &SolveSettings::default())?;
+    /// let coulomb = water.electrolyte.bjerrum_length_angstrom() / 8.0;
+    /// let solved = potential.at(&Vec3::new(8.0, 0.0, 0.0));
+    /// assert!(solved.is_some_and(|solved| (solved / coulomb - 1.0).abs() < 0.01));
+    /// assert_eq!(potential.at(&Vec3::new(80.0, 0.0, 0.0)), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let corners = self.reduced.grid.trilinear(place)?;
         // Any corner inside: the reaction field is smooth across, φ is not.

@@ -25,6 +25,12 @@ pub enum BoundaryCondition {
 }
 
 /// Settings of a solve.
+///
+/// ```
+/// use protomer_field::{BoundaryCondition, SolveSettings};
+/// let fine = SolveSettings { spacing_angstrom: 0.25, ..SolveSettings::default() };
+/// assert_eq!((fine.margin_angstrom, fine.boundary), (10.0, BoundaryCondition::ScreenedAtoms));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveSettings {
     /// Grid spacing, Å.
@@ -133,6 +139,17 @@ pub(super) fn check_range(
 }
 
 /// The grid on which the potential of these spheres is solved.
+///
+/// ```
+/// use protomer_field::poisson_boltzmann::grid_around;
+/// use protomer_field::{ChargedSphere, SolveSettings};
+/// use protomer_kernel::Vec3;
+/// let ion = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 2.0, charge_e: 1.0 };
+/// let grid = grid_around(&[ion], &SolveSettings::default())?;
+/// // 24 Å with the margins are 48 cells of 0.5 Å, three times sixteen.
+/// assert_eq!((grid.shape, grid.origin_angstrom), ([49; 3], [-12.0; 3]));
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
 ///
 /// # Errors
 /// [`FieldError::BadSetting`] names the setting; [`FieldError::BadInput`] and

@@ -80,6 +80,15 @@ impl ResponseTable {
     }
 
     /// The numbers at a place, interpolated linearly; zeros beyond the grid.
+    ///
+    /// ```
+    /// use protomer_field::{Grid, solvent_response::ResponseTable};
+    /// use protomer_kernel::Vec3;
+    /// let grid = Grid { origin_angstrom: [0.0; 3], spacing_angstrom: 1.0, shape: [2; 3] };
+    /// let table = ResponseTable { grid, values: vec![[4.0, 3.0, 2.0, 1.0]; 8] };
+    /// assert_eq!(table.at(&Vec3::repeat(0.5)), [4.0, 3.0, 2.0, 1.0]);
+    /// assert_eq!(table.at(&Vec3::repeat(1.5)), [0.0; 4]);
+    /// ```
     pub fn at(&self, place: &Vec3) -> [f64; 4] {
         let Some(stencil) = self.grid.trilinear(place) else {
             return [0.0; 4];

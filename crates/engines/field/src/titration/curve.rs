@@ -17,6 +17,24 @@ impl TitratingGroups {
     /// The pH at which a group is half protonated, for each group; `None` outside -2 to 16. A group that
     /// crosses one half several times has the crossing of its first charge: the highest for an acid, the
     /// lowest for a base.
+    ///
+    /// ```
+    /// # use protomer_field::titration::TitratingGroups;
+    /// let acid_and_base = TitratingGroups {
+    ///     model_pka: vec![4.0, 10.0],
+    ///     charge_e: vec![-1.0, 1.0],
+    ///     shift_kt: vec![10_f64.ln(), 0.0],
+    /// #   tautomer_kt: vec![None; 2],
+    /// #   pair_kt: vec![0.0; 4],
+    /// #   tautomer_pair_kt: vec![0.0; 4],
+    /// #   bound_ion_weight: vec![0.0; 2],
+    /// #   ion_pair_factor: 1.0,
+    ///     // ...
+    /// };
+    /// // A shift of ln 10 kT, which is against the charge, is worth one unit of the pH.
+    /// let pka: Vec<f64> = acid_and_base.pka_values().into_iter().flatten().collect();
+    /// assert!((pka[0] - 5.0).abs() < 1e-6 && (pka[1] - 10.0).abs() < 1e-6);
+    /// ```
     pub fn pka_values(&self) -> Vec<Option<f64>> {
         let steps = ((HIGHEST_PH - LOWEST_PH) / STEP_PH).round() as usize;
         let phs: Vec<f64> = (0..=steps)
@@ -34,6 +52,23 @@ impl TitratingGroups {
     /// Capacitance of each group at a pH, e²: the fall of its mean charge per kT/e of a potential that all
     /// groups feel. A potential φ acts on protons as a pH that is lower by φ/ln 10, so it is
     /// -dq/dpH/ln 10 (Lund and Jönsson, Biochemistry 44, 5722 (2005)).
+    ///
+    /// ```
+    /// # use protomer_field::titration::TitratingGroups;
+    /// # let acid = TitratingGroups {
+    /// #     model_pka: vec![4.0],
+    /// #     charge_e: vec![-1.0],
+    /// #     shift_kt: vec![0.0],
+    /// #     tautomer_kt: vec![None],
+    /// #     pair_kt: vec![0.0],
+    /// #     tautomer_pair_kt: vec![0.0],
+    /// #     bound_ion_weight: vec![0.0],
+    /// #     ion_pair_factor: 1.0,
+    /// # };
+    /// // An acid with a pKa of 4: the variance of its charge is ¼ e² where it is half charged.
+    /// assert!((acid.capacitances_e2(4.0)[0] - 0.25).abs() < 1e-3);
+    /// assert!(acid.capacitances_e2(8.0)[0] < 1e-3);
+    /// ```
     pub fn capacitances_e2(&self, ph: f64) -> Vec<f64> {
         let [low, high] = [ph - 0.5 * SLOPE_PH, ph + 0.5 * SLOPE_PH];
         let shares = [low, high].map(|ph| self.charged_shares(ph));
@@ -47,6 +82,22 @@ impl TitratingGroups {
     }
 
     /// Sum of the mean charges of all groups at a pH, e.
+    ///
+    /// ```
+    /// # use protomer_field::titration::TitratingGroups;
+    /// # let acid_and_base = TitratingGroups {
+    /// #     model_pka: vec![4.0, 10.0],
+    /// #     charge_e: vec![-1.0, 1.0],
+    /// #     shift_kt: vec![0.0; 2],
+    /// #     tautomer_kt: vec![None; 2],
+    /// #     pair_kt: vec![0.0; 4],
+    /// #     tautomer_pair_kt: vec![0.0; 4],
+    /// #     bound_ion_weight: vec![0.0; 2],
+    /// #     ion_pair_factor: 1.0,
+    /// # };
+    /// // An acid with a pKa of 4, half charged, and a base of 10.
+    /// assert!((acid_and_base.net_charge_e(4.0) - 0.5).abs() < 1e-5);
+    /// ```
     pub fn net_charge_e(&self, ph: f64) -> f64 {
         let shares = self.charged_shares(ph);
         let mut sum = 0.0;
@@ -58,6 +109,25 @@ impl TitratingGroups {
 
     /// The pH at which groups and fixed charges add up to zero, to 0.001; `None` if they do nowhere
     /// from 0 to 14.
+    ///
+    /// ```
+    /// # use protomer_field::titration::TitratingGroups;
+    /// # let acid_and_base = TitratingGroups {
+    /// #     model_pka: vec![4.0, 10.0],
+    /// #     charge_e: vec![-1.0, 1.0],
+    /// #     shift_kt: vec![0.0; 2],
+    /// #     tautomer_kt: vec![None; 2],
+    /// #     pair_kt: vec![0.0; 4],
+    /// #     tautomer_pair_kt: vec![0.0; 4],
+    /// #     bound_ion_weight: vec![0.0; 2],
+    /// #     ion_pair_factor: 1.0,
+    /// # };
+    /// // An acid with a pKa of 4 and a base of 10: half-way, and where a fixed charge is outweighed.
+    /// let neutral_ph = |fixed_charge_e| acid_and_base.isoelectric_point(fixed_charge_e);
+    /// assert!(neutral_ph(0.0).is_some_and(|ph| (ph - 7.0).abs() < 1e-3));
+    /// assert!(neutral_ph(-0.5).is_some_and(|ph| (ph - 4.0).abs() < 1e-3));
+    /// assert_eq!(neutral_ph(2.0), None);
+    /// ```
     pub fn isoelectric_point(&self, fixed_charge_e: f64) -> Option<f64> {
         let total = |ph: f64| self.net_charge_e(ph) + fixed_charge_e;
         let (mut low, mut high) = (0.0, 14.0);

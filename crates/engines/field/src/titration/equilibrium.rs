@@ -30,6 +30,21 @@ const TOLERANCE: f64 = 1e-6;
 const DELTA_SHARE: f64 = 0.2;
 
 /// A system of titratable groups, energies in kT.
+///
+/// ```
+/// use protomer_field::titration::TitratingGroups;
+/// let histidine_in_water = TitratingGroups {
+///     model_pka: vec![6.5],
+///     charge_e: vec![1.0],
+///     shift_kt: vec![0.0],
+///     tautomer_kt: vec![None],
+///     pair_kt: vec![0.0],
+///     tautomer_pair_kt: vec![0.0],
+///     bound_ion_weight: vec![0.0],
+///     ion_pair_factor: 1.0,
+/// };
+/// assert!((histidine_in_water.charged_shares(7.5)[0] - 1.0 / 11.0).abs() < 1e-9);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct TitratingGroups {
     /// pKa of each group in water.

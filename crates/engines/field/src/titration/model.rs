@@ -56,6 +56,12 @@ impl Default for TitrationModel {
 impl TitrationModel {
     /// Desolvation as the model counts it, kT, from the energy of the solver. A negative energy, which a
     /// grid can give for a group in water, has no square.
+    ///
+    /// ```
+    /// use protomer_field::titration::TitrationModel;
+    /// let model = TitrationModel::default();
+    /// assert!((model.desolvation_kt(2.0) - (0.36 * 2.0 + 0.294 * 4.0)).abs() < 1e-12);
+    /// ```
     pub fn desolvation_kt(&self, energy_kt: f64) -> f64 {
         self.desolvation * energy_kt + self.desolvation_squared_per_kt * energy_kt.max(0.0).powi(2)
     }

@@ -86,6 +86,14 @@ fn protonation(
 
 impl TitrationModel {
     /// A protein of this model in an electrolyte.
+    ///
+    /// ```
+    /// use protomer_field::titration::TitrationModel;
+    /// use protomer_kernel::Electrolyte;
+    /// let dielectric = TitrationModel::default().dielectric(Electrolyte::in_water(298.15, 0.1)?);
+    /// assert_eq!(dielectric.inner_permittivity, 20.0);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
     pub fn dielectric(&self, electrolyte: Electrolyte) -> DielectricModel {
         DielectricModel {
             inner_permittivity: self.inner_permittivity,

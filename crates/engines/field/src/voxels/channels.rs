@@ -16,6 +16,12 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// A value that voxels can hold.
+///
+/// ```
+/// use protomer_field::voxels::Channel;
+/// let names: Vec<&str> = Channel::ALL.into_iter().map(Channel::name).collect();
+/// assert_eq!(names, ["shape", "solid", "potential", "hydropathy", "spacing"]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Channel {
@@ -77,6 +83,16 @@ pub struct VoxelAtom {
 }
 
 /// Channels of the voxels, and the settings with which they are computed.
+///
+/// ```
+/// use protomer_field::DielectricModel;
+/// use protomer_field::voxels::{Channel, VoxelSettings};
+/// use protomer_kernel::Electrolyte;
+/// let model = DielectricModel::new(Electrolyte::in_water(298.15, 0.15)?);
+/// let settings = VoxelSettings { channels: vec![Channel::Solid], ..VoxelSettings::new(model) };
+/// assert_eq!((settings.solve.spacing_angstrom, settings.hydropathy_reach_angstrom), (1.0, 5.0));
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct VoxelSettings {
     /// Channels, in this order.

@@ -61,6 +61,15 @@ impl HydropathyMap {
     }
 
     /// The mean index at a place; `None` if no residue has one.
+    ///
+    /// ```
+    /// use protomer_field::voxels::hydropathy::HydropathyMap;
+    /// use protomer_kernel::Vec3;
+    /// let atoms = [(Vec3::zeros(), Some(0)), (Vec3::x(), Some(1))];
+    /// let leucine_and_ligand = HydropathyMap::new(atoms, &[Some(3.8), None], 2.0);
+    /// assert_eq!(leucine_and_ligand.at(&Vec3::x()), Some(3.8), "the ligand has no index");
+    /// assert_eq!(HydropathyMap::new(atoms, &[None, None], 2.0).at(&Vec3::x()), None);
+    /// ```
     pub fn at(&self, place: &Vec3) -> Option<f64> {
         let mut residues = self.residues_within_reach(place);
         if residues.is_empty() {

@@ -28,6 +28,12 @@ pub struct Lattice {
 impl Lattice {
     /// A lattice of this many voxels along each edge, with voxels of this edge in Å.
     ///
+    /// ```
+    /// use protomer_field::voxels::Lattice;
+    /// assert!(Lattice::new(64, 1.0).is_ok());
+    /// assert!(Lattice::new(4, 1.0).is_err() && Lattice::new(64, 5.0).is_err());
+    /// ```
+    ///
     /// # Errors
     /// [`FieldError::BadSetting`] for sizes outside [`SIZE_RANGE`] and spacings outside
     /// [`SPACING_RANGE_ANGSTROM`].
@@ -63,12 +69,26 @@ impl Lattice {
     }
 
     /// The coordinate of the centres in a layer along any axis, Å.
+    ///
+    /// ```
+    /// use protomer_field::voxels::Lattice;
+    /// let lattice = Lattice::new(8, 2.0)?;
+    /// assert_eq!((lattice.coordinate(0), lattice.coordinate(7)), (-7.0, 7.0));
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
     #[inline]
     pub fn coordinate(&self, layer: usize) -> f64 {
         self.spacing_angstrom * (layer as f64 - 0.5 * (self.size as f64 - 1.0))
     }
 
     /// The number of the voxel in column x, row y and layer z.
+    ///
+    /// ```
+    /// use protomer_field::voxels::Lattice;
+    /// let lattice = Lattice::new(8, 1.0)?;
+    /// assert_eq!(lattice.index(3, 2, 1), 3 + 8 * 2 + 64);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
     #[inline]
     pub fn index(&self, x: usize, y: usize, z: usize) -> u32 {
         // 512³ < 2³².
@@ -89,6 +109,12 @@ impl Lattice {
 
     /// The largest extent along an axis, Å, of a solid centred on the origin, if all voxels that its
     /// surface passes through are to lie on the lattice: (size - 1) h.
+    ///
+    /// ```
+    /// use protomer_field::voxels::Lattice;
+    /// assert_eq!(Lattice::new(64, 1.5)?.room_angstrom(), 94.5);
+    /// # Ok::<(), protomer_field::FieldError>(())
+    /// ```
     pub fn room_angstrom(&self) -> f64 {
         (self.size as f64 - 1.0) * self.spacing_angstrom
     }

@@ -28,6 +28,18 @@ pub struct Occupied {
 /// neighbours on different sides of the surface at least one is in the shell. Walls of cavities are
 /// part of it. For the same reason neighbours that are both far from the surface are on one side of it,
 /// and one distance does for a whole run of them.
+///
+/// ```
+/// use protomer_field::voxels::{Lattice, shell::occupied};
+/// use protomer_field::{ChargedSphere, SurfaceDefinition, surface::surface_of};
+/// use protomer_kernel::Vec3;
+/// let ball = ChargedSphere { centre: Vec3::zeros(), radius_angstrom: 6.0, charge_e: 0.0 };
+/// let solid = surface_of(&[ball], SurfaceDefinition::VanDerWaals, 1.4)?;
+/// let voxels = occupied(&Lattice::new(16, 1.0)?, &*solid);
+/// let volume = 4.0 / 3.0 * std::f64::consts::PI * 6.0_f64.powi(3);
+/// assert!((voxels.inside.len() as f64 / volume - 1.0).abs() < 0.05);
+/// # Ok::<(), protomer_field::FieldError>(())
+/// ```
 pub fn occupied(lattice: &Lattice, solid: &dyn ImplicitSolid) -> Occupied {
     let (low, high) = solid.bounds();
     let half = 0.5 * lattice.spacing_angstrom() + ROUNDING_ANGSTROM;
