@@ -9,6 +9,17 @@ use protomer_kernel::Vec3;
 pub const EMPTY_LANE: u8 = 20;
 
 /// Beads in the body's frame, in groups of [`LANES`] near neighbours.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::residue_contacts::Bead;
+/// use protomer_kernel::Vec3;
+/// use protomer_mc::beads::BeadCloud;
+/// let position = Vec3::new(3.0, 4.0, 0.0);
+/// let alanine = Bead { position, amino_acid: AminoAcid::Ala, residue: 0 };
+/// let cloud = BeadCloud::new(&[alanine]);
+/// assert_eq!((cloud.len(), cloud.radius_angstrom()), (1, 5.0));
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BeadCloud {
     groups: Vec<BeadGroup>,

@@ -46,12 +46,33 @@ pub struct BodyType {
 
 impl BodyType {
     /// Square of the radius of gyration of a sphere with the volume of this body, Å².
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// use protomer_mc::BodyType;
+    /// let mesh = TriangleMesh::cuboid(&Vec3::zeros(), &Vec3::repeat(10.0));
+    /// let cube = BodyType::new("cube", &mesh, &[])?;
+    /// // A sphere of 1000 Å³ has the radius 6.204 Å, and a square of gyration of 3/5 r².
+    /// assert!((cube.square_of_gyration_angstrom2() - 0.6 * 6.2035_f64.powi(2)).abs() < 1e-3);
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn square_of_gyration_angstrom2(&self) -> f64 {
         let radius = (0.75 / std::f64::consts::PI * self.volume_angstrom3).cbrt();
         0.6 * radius * radius
     }
 
     /// A body type from a hard surface and point charges (position in Å, charge in e).
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// use protomer_mc::BodyType;
+    /// let mut mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// let cube = BodyType::new("cube", &mesh, &[(Vec3::x(), 1.0), (-Vec3::x(), -1.0)])?;
+    /// assert!((cube.volume_angstrom3 - 1000.0).abs() < 1e-9 && cube.least_radius_angstrom == 5.0);
+    /// mesh.triangles.pop();
+    /// assert!(BodyType::new("open", &mesh, &[]).is_err());
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     ///
     /// # Errors
     /// [`McError::Kernel`](crate::McError::Kernel) if the mesh does not bound a solid.
@@ -93,6 +114,16 @@ impl BodyType {
     }
 
     /// The same body with other charges (position in Å, charge in e).
+    ///
+    /// ```
+    /// use protomer_kernel::{TriangleMesh, Vec3};
+    /// use protomer_mc::BodyType;
+    /// let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// let neutral = BodyType::new("cube", &mesh, &[])?;
+    /// let charged = neutral.with_charges(&[(Vec3::new(3.0, 4.0, 0.0), -2.0)]);
+    /// assert_eq!((charged.charges.net_charge_e(), charged.charge_radius_angstrom()), (-2.0, 5.0));
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn with_charges(self, charges: &[(Vec3, f64)]) -> Self {
         Self {
             charges: ChargeCloud::new(charges),

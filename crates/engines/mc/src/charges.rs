@@ -43,6 +43,13 @@ pub struct ChargeGroup {
 
 impl ChargeCloud {
     /// Groups the charges (position in Å, charge in e).
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_mc::charges::ChargeCloud;
+    /// let atoms = [(Vec3::zeros(), 0.0), (Vec3::x(), 0.5), (Vec3::y(), -1.5)];
+    /// assert_eq!(ChargeCloud::new(&atoms).len(), 2, "an atom without charge is no site");
+    /// ```
     pub fn new(charges: &[(Vec3, f64)]) -> Self {
         let mut charged: Vec<(Vec3, f64)> = charges
             .iter()
@@ -89,6 +96,13 @@ impl ChargeCloud {
     }
 
     /// Sum of the magnitudes of the charges, e.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_mc::charges::ChargeCloud;
+    /// let cloud = ChargeCloud::new(&[(Vec3::x(), 0.5), (Vec3::y(), -1.5)]);
+    /// assert_eq!((cloud.sum_of_magnitudes_e(), cloud.net_charge_e()), (2.0, -1.0));
+    /// ```
     pub fn sum_of_magnitudes_e(&self) -> f64 {
         self.sum_of_magnitudes_e
     }
@@ -99,6 +113,13 @@ impl ChargeCloud {
     }
 
     /// The corners of the box that holds every charge, Å; the origin without charges.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_mc::charges::ChargeCloud;
+    /// let cloud = ChargeCloud::new(&[(Vec3::new(1.0, -2.0, 0.0), 1.0), (Vec3::new(-3.0, 4.0, 0.0), 1.0)]);
+    /// assert_eq!(cloud.bounds_angstrom(), (Vec3::new(-3.0, -2.0, 0.0), Vec3::new(1.0, 4.0, 0.0)));
+    /// ```
     pub fn bounds_angstrom(&self) -> (Vec3, Vec3) {
         let mut sites = self.iter().map(|(position, _)| position);
         let first = sites.next().unwrap_or_else(Vec3::zeros);

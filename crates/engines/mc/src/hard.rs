@@ -144,6 +144,21 @@ impl KnownGap {
 
 /// Every pair of bodies that overlaps, the smaller index first, ascending; without using the
 /// memory.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, System, hard::overlapping_pairs};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+/// let row = [(0, place(0.0)), (0, place(11.0)), (0, place(20.0))];
+/// // Cubes with edges of 10 Å
+/// let system = System::new(vec![cube], &row, Boundary::Open)?;
+/// assert_eq!(overlapping_pairs(&system), [(1, 2)]);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 pub fn overlapping_pairs(system: &System) -> Vec<(usize, usize)> {
     let pairs = (0..system.len())
         .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));

@@ -36,6 +36,19 @@ pub struct Observables {
 /// shortest image, so the value depends on the configuration only: it is the usual one while the
 /// assembly fits into half the box, and for a gas that fills the box it levels off at (1 - 1/N)
 /// (Lx² + Ly² + Lz²)/24 for equal weights.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, System, observables::r_g_angstrom};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+/// let system = System::new(vec![cube], &[(0, place(0.0)), (0, place(20.0))], Boundary::Open)?;
+/// assert_eq!(r_g_angstrom(&system, |_| 1.0), 10.0);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 pub fn r_g_angstrom(system: &System, weight: impl Fn(usize) -> f64) -> f64 {
     let (boundary, poses) = (system.boundary(), system.poses());
     let mut sum = 0.0;
@@ -52,6 +65,22 @@ pub fn r_g_angstrom(system: &System, weight: impl Fn(usize) -> f64) -> f64 {
 
 /// The pairs of bodies whose surfaces are closer than `gap_angstrom`; the smaller index first,
 /// ascending.
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, System, observables::contacts};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+/// let row = [(0, place(0.0)), (0, place(14.0)), (0, place(40.0))];
+/// // Cubes with edges of 10 Å: 4 Å and 16 Å are between them.
+/// let system = System::new(vec![cube], &row, Boundary::Open)?;
+/// assert_eq!(contacts(&system, 5.0), [(0, 1)]);
+/// assert!(contacts(&system, 3.0).is_empty());
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 pub fn contacts(system: &System, gap_angstrom: f64) -> Vec<(usize, usize)> {
     let pairs = (0..system.len())
         .flat_map(|first| (first + 1..system.len()).map(move |second| (first, second)));

@@ -42,6 +42,14 @@ impl Mixture {
     /// `energies_kt[state][frame]`, and the number of frames that came from each state; which ones
     /// does not matter.
     ///
+    /// ```
+    /// use protomer_mc::reweighting::Mixture;
+    /// // The second state lies 2 kT higher everywhere.
+    /// let mixture = Mixture::solve(&[vec![0.0; 3], vec![2.0; 3]], &[2, 1])?;
+    /// assert!((mixture.free_energies_kt()[1] - 2.0).abs() < 1e-9);
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`McError::BadSystem`] for no frames, numbers that do not match, energies that are not finite,
     /// and states whose frames have so little in common that the free energies do not settle.
@@ -107,12 +115,29 @@ impl Mixture {
     }
 
     /// The free energy of a state in which the frames have these energies, kT.
+    ///
+    /// ```
+    /// use protomer_mc::reweighting::Mixture;
+    /// let mixture = Mixture::solve(&[vec![0.0, 0.0]], &[2])?;
+    /// let half = mixture.free_energy_kt(&[0.0, f64::INFINITY]);
+    /// assert!((half - 2.0_f64.ln()).abs() < 1e-12, "half of the frames are left");
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn free_energy_kt(&self, energies_kt: &[f64]) -> f64 {
         -ln_sum_exp(self.ln_weights(energies_kt))
     }
 
     /// The average of a value of each frame in a state in which the frames have these energies, and
     /// how many frames carry it.
+    ///
+    /// ```
+    /// use protomer_mc::reweighting::Mixture;
+    /// let mixture = Mixture::solve(&[vec![0.0, 0.0]], &[2])?;
+    /// let favoured = mixture.average(&[0.0, 3.0_f64.ln()], &[1.0, 0.0]);
+    /// assert!((favoured.mean - 0.75).abs() < 1e-12);
+    /// assert!((favoured.effective_frames - 1.6).abs() < 1e-12);
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn average(&self, energies_kt: &[f64], values: &[f64]) -> Reweighted {
         let ln_all = ln_sum_exp(self.ln_weights(energies_kt));
         let (mut mean, mut squares) = (0.0, 0.0);

@@ -12,6 +12,21 @@ const ATTEMPTS_PER_BODY: u64 = 20_000;
 /// The same bodies at random positions and orientations without overlaps, inserted one after
 /// another. The same seed and replica give the same poses.
 ///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, System, hard::overlapping_pairs, scatter::scattered};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let space = Boundary::periodic(Vec3::repeat(100.0))?;
+/// let all_in_one_place = System::new(vec![cube], &[(0, Pose::identity()); 5], space)?;
+/// let fluid = scattered(&all_in_one_place, 1, 0)?;
+/// assert!(overlapping_pairs(&fluid).is_empty());
+/// assert_eq!(fluid.poses(), scattered(&all_in_one_place, 1, 0)?.poses());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`McError::BadSystem`] in open space, or if no place is found for a body.
 pub fn scattered(system: &System, seed: u64, replica: u32) -> Result<System> {

@@ -46,6 +46,20 @@ pub enum Interaction {
 
 impl Interaction {
     /// The energy model that computes this interaction in this system.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose, potential::Yukawa};
+    /// use protomer_mc::{BodyType, Interaction, System};
+    /// # use protomer_kernel::{TriangleMesh, Vec3};
+    /// # use std::sync::Arc;
+    /// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// # let charged = Arc::new(BodyType::new("cube", &mesh, &[(Vec3::zeros(), 2.0)])?);
+    /// let system = System::new(vec![charged], &[(0, Pose::identity())], Boundary::Open)?;
+    /// let cut = Interaction::YukawaDirect(Yukawa::new(7.0, 0.1, 48.0)?);
+    /// assert_eq!(cut.model(&system).range_angstrom(&system), 48.0);
+    /// assert_eq!(Interaction::HardOnly.model(&system).range_angstrom(&system), 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn model(&self, system: &System) -> Box<dyn EnergyModel> {
         match self {
             Interaction::HardOnly => Box::new(NoCharges),
@@ -107,6 +121,12 @@ fn is_zero(number: &u32) -> bool {
 
 impl Settings {
     /// The default settings for this interaction.
+    ///
+    /// ```
+    /// use protomer_mc::{Interaction, Settings};
+    /// let settings = Settings::new(Interaction::HardOnly);
+    /// assert_eq!((settings.rotation_fraction, settings.contact_gap_angstrom), (0.5, 5.0));
+    /// ```
     pub fn new(interaction: Interaction) -> Self {
         Self {
             interaction,

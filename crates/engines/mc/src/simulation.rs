@@ -19,6 +19,21 @@ use protomer_kernel::{Boundary, Pose};
 use std::ops::ControlFlow;
 
 /// Outcome of a call of [`Simulation::run_until`].
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, Interaction, Outcome, Settings, Simulation, System};
+/// use std::ops::ControlFlow;
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// # let system = System::new(vec![cube], &[(0, Pose::identity())], Boundary::Open)?;
+/// let mut simulation = Simulation::new(system, Settings::new(Interaction::HardOnly), 1, 0)?;
+/// let outcome = simulation.run_until(10, &mut |_| ControlFlow::Break(()))?;
+/// assert_eq!((outcome, simulation.sweep()), (Outcome::Stopped, 1));
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// The requested number of sweeps is done.
@@ -463,6 +478,23 @@ impl Simulation {
     }
 
     /// The observables of the current state.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose};
+    /// use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+    /// # use protomer_kernel::{TriangleMesh, Vec3};
+    /// # use std::sync::Arc;
+    /// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+    /// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+    /// let row = [(0, place(0.0)), (0, place(14.0)), (0, place(40.0))];
+    /// // Cubes with edges of 10 Å
+    /// let system = System::new(vec![cube], &row, Boundary::Open)?;
+    /// let start = Simulation::new(system, Settings::new(Interaction::HardOnly), 1, 0)?.observables();
+    /// assert_eq!((start.contacts, start.clusters, start.largest_cluster), (1, 2, 2));
+    /// assert_eq!((start.native_contacts, start.bound_fraction), (Some(1.0), 1.0 - 1.0 / 3.0));
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn observables(&self) -> Observables {
         let present = contacts(&self.system, self.settings.contact_gap_angstrom);
         let clusters = cluster_sizes(self.system.len(), &present);
@@ -530,6 +562,22 @@ impl Simulation {
     }
 
     /// The energies of all pairs in range, kT.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose, potential::Yukawa};
+    /// use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+    /// # use protomer_kernel::{TriangleMesh, Vec3};
+    /// # use std::sync::Arc;
+    /// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// let charged = Arc::new(BodyType::new("cube", &mesh, &[(Vec3::zeros(), 2.0)])?);
+    /// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+    /// let system = System::new(vec![charged], &[(0, place(0.0)), (0, place(20.0))], Boundary::Open)?;
+    /// let yukawa = Yukawa::new(7.0, 0.1, 48.0)?;
+    /// let settings = Settings::new(Interaction::YukawaDirect(yukawa));
+    /// let energies = Simulation::new(system, settings, 1, 0)?.pair_energies();
+    /// assert!((energies[0].energy_kt - 4.0 * yukawa.energy_kt(20.0)).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn pair_energies(&self) -> Vec<PairEnergy> {
         self.energy.pairs(&self.system)
     }

@@ -4,6 +4,23 @@ use crate::moves::{Acceptance, BindingMove, Kind};
 use serde::{Deserialize, Serialize};
 
 /// Counts since the end of equilibration (or, during equilibration, since the start).
+///
+/// ```
+/// use protomer_kernel::{Boundary, Pose};
+/// use protomer_mc::{BodyType, Interaction, Settings, Simulation, System};
+/// use std::ops::ControlFlow;
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let system = System::new(vec![cube], &[(0, Pose::identity())], Boundary::Open)?;
+/// let mut simulation = Simulation::new(system, Settings::new(Interaction::HardOnly), 1, 0)?;
+/// simulation.run_until(20, &mut |_| ControlFlow::Continue(()))?;
+/// let statistics = simulation.statistics();
+/// assert_eq!(statistics.translation[0].trials + statistics.rotation[0].trials, 20);
+/// assert_eq!(statistics.translation[0].rate(), Some(1.0), "a body alone may go anywhere");
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Statistics {
     /// Translations, by body type.

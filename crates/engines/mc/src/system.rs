@@ -35,6 +35,20 @@ impl System {
     /// A system of bodies, each given by the index of its type and its pose. Positions are wrapped
     /// into a periodic box.
     ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+    /// use protomer_mc::{BodyType, System};
+    /// use std::sync::Arc;
+    /// let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// let types = vec![Arc::new(BodyType::new("cube", &mesh, &[])?)];
+    /// let outside = Pose { position: Vec3::new(60.0, 0.0, 0.0), ..Pose::identity() };
+    /// let space = Boundary::periodic(Vec3::repeat(100.0))?;
+    /// let system = System::new(types.clone(), &[(0, outside)], space)?;
+    /// assert_eq!(system.pose(0).position.x, -40.0);
+    /// assert!(System::new(types, &[(1, outside)], space).is_err(), "there is one type");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`McError::BadSystem`] for no bodies, a type index out of range, a pose that is not finite,
     /// or an origin outside a wall.
@@ -147,6 +161,21 @@ impl System {
 
     /// A pair of bodies in its present state. The smaller index is always the first, so a pair's
     /// numbers have the same bits whichever of the two moved last.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose};
+    /// use protomer_mc::{BodyType, System};
+    /// # use protomer_kernel::{TriangleMesh, Vec3};
+    /// # use std::sync::Arc;
+    /// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+    /// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+    /// let place = |x| Pose { position: Vec3::new(x, 0.0, 0.0), ..Pose::identity() };
+    /// let space = Boundary::periodic(Vec3::repeat(100.0))?;
+    /// let system = System::new(vec![cube], &[(0, place(-45.0)), (0, place(45.0))], space)?;
+    /// let pair = system.pair(1, 0);
+    /// assert_eq!((pair.first, pair.displacement.x), (0, -10.0), "across the border");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn pair(&self, body: usize, partner: usize) -> Pair<'_> {
         Trial {
             system: self,
@@ -164,6 +193,17 @@ impl System {
     }
 
     /// The largest distance of two origins at which the surfaces can touch, Å.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Pose, TriangleMesh, Vec3};
+    /// use protomer_mc::{BodyType, System};
+    /// use std::sync::Arc;
+    /// let mesh = TriangleMesh::cuboid(&Vec3::repeat(-3.0), &Vec3::repeat(3.0));
+    /// let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+    /// let system = System::new(vec![cube], &[(0, Pose::identity())], Boundary::Open)?;
+    /// assert!((system.hard_range_angstrom() - 6.0 * 3.0_f64.sqrt()).abs() < 1e-6, "corner to corner");
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
     pub fn hard_range_angstrom(&self) -> f64 {
         let mut largest = 0.0_f64;
         for kind in self.placed_types() {

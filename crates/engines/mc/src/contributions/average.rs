@@ -312,6 +312,13 @@ fn with_total(values: [f64; OF_RESIDUE]) -> [f64; OF_RESIDUE + 1] {
 }
 
 /// The mean of independent blocks of equal length.
+///
+/// ```
+/// use protomer_mc::contributions::mean_of_blocks;
+/// let mean = mean_of_blocks(&[1.0, 3.0]);
+/// assert_eq!((mean.mean, mean.error), (2.0, Some(1.0)));
+/// assert_eq!(mean_of_blocks(&[1.0]).error, None);
+/// ```
 pub fn mean_of_blocks(blocks: &[f64]) -> Mean {
     let moments: RunningMoments = blocks.iter().copied().collect();
     let error = moments.independent_standard_error();

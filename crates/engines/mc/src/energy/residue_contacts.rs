@@ -53,6 +53,15 @@ struct PairOfKinds {
 impl ContactPotential {
     /// The attraction of a scale, multiplied by `strength`, at a temperature (K).
     ///
+    /// ```
+    /// use protomer_body::residue_contacts::ContactScale;
+    /// use protomer_mc::energy::ContactPotential;
+    /// let potential = ContactPotential::new(ContactScale::Calvados3, 1.0, 298.15)?;
+    /// assert!((potential.cutoff_angstrom() - 20.0).abs() < 1e-12);
+    /// assert!(ContactPotential::new(ContactScale::Calvados3, -1.0, 298.15).is_err());
+    /// # Ok::<(), protomer_mc::McError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`McError::BadSetting`] for a strength that is not between 0 and 100.
     pub fn new(scale: ContactScale, strength: f64, temperature_kelvin: f64) -> Result<Self> {

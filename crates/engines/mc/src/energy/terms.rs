@@ -9,6 +9,37 @@ use std::ops::AddAssign;
 use std::sync::Arc;
 
 /// One term of the energy of two bodies in addition to their hard surfaces.
+///
+/// ```
+/// use protomer_kernel::{RelativePose, Pose, Vec3};
+/// use protomer_mc::pair::{PairPotential, Term, Terms};
+/// use std::sync::Arc;
+///
+/// struct SquareWell;
+///
+/// impl PairPotential for SquareWell {
+///     fn term(&self) -> Term {
+///         Term::Contacts
+///     }
+///     fn energy_kt(&self, second_in_first: &RelativePose) -> f64 {
+///         if second_in_first.translation.norm() < 10.0 { -2.0 } else { 0.0 }
+///     }
+///     fn shares(&self, pose: &RelativePose, take: &mut dyn FnMut(usize, &Vec3, f64)) {
+///         take(0, &Vec3::zeros(), self.energy_kt(pose));
+///     }
+///     fn reach_angstrom(&self, _: f64) -> f64 {
+///         10.0
+///     }
+///     fn tail_angstrom3(&self, _: f64) -> f64 {
+///         0.0
+///     }
+/// }
+///
+/// let terms = Terms(vec![Arc::new(SquareWell), Arc::new(SquareWell)]);
+/// let pose = Pose::identity();
+/// let apart = |x| RelativePose::new(&pose, &pose, &Vec3::new(x, 0.0, 0.0));
+/// assert_eq!((terms.energy_kt(&apart(9.0)), terms.energy_kt(&apart(11.0))), (-4.0, 0.0));
+/// ```
 pub trait PairPotential: Send + Sync {
     /// Kind of the term.
     fn term(&self) -> Term;
@@ -36,6 +67,11 @@ pub trait PairPotential: Send + Sync {
 }
 
 /// The terms of an energy.
+///
+/// ```
+/// use protomer_mc::pair::Term;
+/// assert_eq!(Term::SolventResponse.name(), "solvent_response");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Term {
     /// Screened charges.
@@ -61,6 +97,14 @@ impl Term {
 }
 
 /// The energy of a pose by terms, kT.
+///
+/// ```
+/// use protomer_mc::pair::{EnergyParts, Term};
+/// let mut parts = EnergyParts { charges_kt: -3.0, ..EnergyParts::default() };
+/// parts.add(Term::Contacts, -1.5);
+/// parts += EnergyParts { desolvation_kt: 0.5, ..EnergyParts::default() };
+/// assert_eq!((parts.part_kt(Term::Contacts), parts.total_kt()), (-1.5, -4.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyParts {
     /// Screened charges, kT.
@@ -112,6 +156,19 @@ impl AddAssign for EnergyParts {
 }
 
 /// All terms of an energy; none for hard bodies.
+///
+/// ```
+/// use protomer_kernel::{Pose, RelativePose, Vec3, potential::Yukawa};
+/// use protomer_mc::charges::ChargeCloud;
+/// use protomer_mc::pair::{Charged, Term, Terms};
+/// use std::sync::Arc;
+/// let yukawa = Yukawa::uncut(7.0, 0.1)?;
+/// let [plus, minus] = [1.0, -1.0].map(|charge| ChargeCloud::new(&[(Vec3::zeros(), charge)]));
+/// let terms = Terms(vec![Arc::new(Charged::new(yukawa, &plus, &minus)?)]);
+/// let apart = RelativePose::new(&Pose::identity(), &Pose::identity(), &Vec3::new(10.0, 0.0, 0.0));
+/// assert!((terms.parts_kt(&apart).part_kt(Term::Charges) + yukawa.energy_kt(10.0)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Default)]
 pub struct Terms(pub Vec<Arc<dyn PairPotential>>);
 

@@ -23,6 +23,15 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Boundary, Pose, Rotation, Vec3};
 
 /// A rotation by π about an axis.
+///
+/// ```
+/// use protomer_kernel::{Pose, Vec3};
+/// use protomer_mc::moves::HalfTurn;
+/// let turn = HalfTurn { point: Vec3::new(5.0, 0.0, 0.0), direction: Vec3::z() };
+/// let image = turn.apply(&Pose::identity());
+/// assert!((image.position - Vec3::new(10.0, 0.0, 0.0)).norm() < 1e-12);
+/// assert!(turn.apply(&image).position.norm() < 1e-12, "twice is the identity");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfTurn {
     /// A point of the axis, Å.

@@ -51,6 +51,17 @@ pub struct StepSizes {
 }
 
 /// Step sizes and the acceptance since their last adjustment.
+///
+/// ```
+/// use protomer_mc::moves::step_sizes::Tuner;
+/// use protomer_mc::moves::{Kind, StepSizes};
+/// let steps = StepSizes { translation_angstrom: 1.0, rotation_rad: 0.1 };
+/// let mut tuner = Tuner::new(steps, 10.0);
+/// for trial in 0..100 {
+///     tuner.learn(Kind::Translation, trial < 50, 0.4);
+/// }
+/// assert_eq!(tuner.steps.translation_angstrom, 1.25, "half of the trials instead of 40 %");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Tuner {
     /// The step sizes in use.

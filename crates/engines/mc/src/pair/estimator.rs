@@ -46,6 +46,13 @@ const fn width(direction_rad: f64, rotation_rad: f64) -> Width {
 }
 
 /// Settings of the sampling.
+///
+/// ```
+/// use protomer_mc::pair::PairSettings;
+/// let quick = PairSettings { replicas: 4, relative_error: 0.05, ..PairSettings::default() };
+/// assert!(quick.check().is_ok());
+/// assert!(PairSettings { replicas: 2, ..quick }.check().is_err(), "two show no spread");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PairSettings {
@@ -173,6 +180,31 @@ pub struct Found {
 }
 
 /// Thermodynamics of two bodies.
+///
+/// ```
+/// use protomer_mc::BodyType;
+/// use protomer_mc::pair::{BodyPair, Core, Estimator, PairSettings, Terms};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let cube = Arc::new(BodyType::new("cube", &mesh, &[])?);
+/// let pair = BodyPair {
+///     first: Arc::clone(&cube),
+///     second: cube,
+///     potential: Terms::default(),
+///     core: Core::Surfaces,
+///     contact_gap_angstrom: 5.0,
+/// };
+/// let settings = PairSettings { replicas: 4, relative_error: 0.05, ..PairSettings::default() };
+/// let mut estimator = Estimator::new(settings)?;
+/// while estimator.done() < Estimator::steps(&settings) {
+///     estimator.advance(&pair);
+/// }
+/// let thermodynamics = estimator.thermodynamics(&pair);
+/// // Hard cubes of edge a have B₂ = 5.5 a³.
+/// assert!((thermodynamics.b2_angstrom3 / 5500.0 - 1.0).abs() < 0.05);
+/// # Ok::<(), protomer_mc::McError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairThermodynamics {
     /// B₂ (B₁₂ of different bodies), Å³.

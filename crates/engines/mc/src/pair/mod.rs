@@ -62,6 +62,28 @@ use protomer_kernel::pose::RelativePose;
 use std::sync::Arc;
 
 /// Two bodies and what acts between them in addition to their hard surfaces.
+///
+/// ```
+/// use protomer_kernel::{Pose, potential::Yukawa};
+/// use protomer_mc::BodyType;
+/// use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
+/// # use protomer_kernel::{TriangleMesh, Vec3};
+/// # use std::sync::Arc;
+/// # let mesh = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// # let ion = Arc::new(BodyType::new("cube", &mesh, &[(Vec3::zeros(), 2.0)])?);
+/// let yukawa = Yukawa::uncut(7.0, 0.1)?;
+/// let charges = Charged::new(yukawa, &ion.charges, &ion.charges)?;
+/// let pair = BodyPair {
+///     first: Arc::clone(&ion),
+///     second: ion,
+///     potential: Terms(vec![Arc::new(charges)]),
+///     core: Core::Surfaces,
+///     contact_gap_angstrom: 5.0,
+/// };
+/// let apart = Pose { position: Vec3::new(0.0, 0.0, 20.0), ..Pose::identity() };
+/// assert!((pair.energy_kt(&apart) - 4.0 * yukawa.energy_kt(20.0)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct BodyPair {
     /// The body whose frame poses are given in.

@@ -73,6 +73,16 @@ impl PairPotential for Contacts {
 }
 
 /// Screened charges, U = λ_B Σ q_k q_l exp(-κ r)/r.
+///
+/// ```
+/// use protomer_kernel::{Vec3, potential::Yukawa};
+/// use protomer_mc::charges::ChargeCloud;
+/// use protomer_mc::pair::Charged;
+/// let ion = ChargeCloud::new(&[(Vec3::zeros(), 1.0)]);
+/// assert!(Charged::new(Yukawa::uncut(7.0, 0.1)?, &ion, &ion).is_ok());
+/// assert!(Charged::new(Yukawa::uncut(7.0, 0.0)?, &ion, &ion).is_err(), "no screening");
+/// # Ok::<(), protomer_kernel::KernelError>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Charged {
     yukawa: Yukawa,

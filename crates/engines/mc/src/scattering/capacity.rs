@@ -34,6 +34,16 @@ const MOST_STEPS: usize = 500;
 const FAR: f64 = 6.0;
 
 /// The surface of a body as patches, in the frame of the body.
+///
+/// ```
+/// use protomer_kernel::{Pose, TriangleMesh, Vec3};
+/// use protomer_mc::scattering::capacity::{Patches, capacity_angstrom};
+/// let cube = TriangleMesh::cuboid(&Vec3::repeat(-5.0), &Vec3::repeat(5.0));
+/// let patches = Patches::new(&cube, 0.0, 400);
+/// let capacity = capacity_angstrom(&[(&patches, Pose::identity())]);
+/// // A cube of edge a has 0.6607 a.
+/// assert!(capacity.is_some_and(|angstrom| (angstrom / 6.607 - 1.0).abs() < 0.02));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patches {
     centres_angstrom: Vec<Vec3>,

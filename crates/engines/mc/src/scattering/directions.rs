@@ -46,6 +46,14 @@ impl Directions {
     }
 
     /// The directions with the highest degree that are not more than `most`, and one at least.
+    ///
+    /// ```
+    /// use protomer_mc::scattering::directions::Directions;
+    /// let directions = Directions::at_most(24);
+    /// assert!(directions.len() <= 24);
+    /// let weights: f64 = directions.iter().map(|(_, weight)| weight).sum();
+    /// assert!((weights - 1.0).abs() < 1e-12);
+    /// ```
     pub fn at_most(most: usize) -> Self {
         let mut directions = Self::exact_to_degree(0);
         for degree in 1.. {
@@ -59,6 +67,16 @@ impl Directions {
 
     /// The same directions, all turned. With a random rotation each of them is a random direction, so
     /// that averages have no systematic error, of whatever degree.
+    ///
+    /// ```
+    /// use protomer_kernel::{Rotation, Vec3};
+    /// use protomer_mc::scattering::directions::Directions;
+    /// let half_turn = Rotation::new(std::f64::consts::PI * Vec3::x());
+    /// let directions = Directions::exact_to_degree(4);
+    /// let pairs = directions.turned(&half_turn);
+    /// let z: Vec<f64> = directions.iter().zip(pairs.iter()).map(|(a, b)| a.0.z + b.0.z).collect();
+    /// assert!(z.iter().all(|sum| sum.abs() < 1e-12));
+    /// ```
     pub fn turned(&self, rotation: &Rotation) -> Self {
         let directions = self
             .0

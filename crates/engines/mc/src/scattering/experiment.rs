@@ -16,6 +16,13 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The settings of a measurement.
+///
+/// ```
+/// use protomer_mc::scattering::experiment::Settings;
+/// let wide = Settings { largest_q_per_angstrom: 1.0, ..Settings::default() };
+/// assert!(wide.check().is_ok());
+/// assert!(Settings { directions: 0, ..wide }.check().is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {

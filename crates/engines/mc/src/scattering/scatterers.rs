@@ -13,6 +13,14 @@ const BIN_ANGSTROM: f64 = 0.1;
 
 /// Points that scatter, in the frame of a body, each with the volume that it stands for: the contrast
 /// of a protein with water is the same everywhere inside.
+///
+/// ```
+/// use protomer_kernel::Vec3;
+/// use protomer_mc::scattering::scatterers::Scatterers;
+/// let pair = Scatterers::new([(Vec3::zeros(), 2.0), (Vec3::new(30.0, 0.0, 0.0), 2.0)]);
+/// assert_eq!((pair.volume_angstrom3(), pair.radius_angstrom()), (4.0, 30.0));
+/// assert!((pair.form_factor(0.1) - (0.5 + 0.5 * 3.0_f64.sin() / 3.0)).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scatterers {
     positions_angstrom: Vec<Vec3>,
@@ -74,6 +82,14 @@ impl Scatterers {
     }
 
     /// F(q) = Σ v exp(i q·r), Å³, for a wave vector in the frame of the body.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_mc::scattering::scatterers::Scatterers;
+    /// let pair = Scatterers::new([(-Vec3::x(), 1.0), (Vec3::x(), 1.0)]);
+    /// let amplitude = pair.amplitude(&Vec3::new(0.5, 9.0, 0.0));
+    /// assert!((amplitude.re - 2.0 * 0.5_f64.cos()).abs() < 1e-12 && amplitude.im.abs() < 1e-12);
+    /// ```
     pub fn amplitude(&self, wave_vector: &Vec3) -> Complex<f64> {
         let (mut real, mut imaginary) = (0.0, 0.0);
         for (position, volume) in self.positions_angstrom.iter().zip(&self.volumes_angstrom3) {
@@ -128,6 +144,15 @@ impl Scatterers {
 }
 
 /// The distances between the points of a body: how often each occurs.
+///
+/// ```
+/// use protomer_kernel::Vec3;
+/// use protomer_mc::scattering::scatterers::Scatterers;
+/// let points = (0..50).map(|i| (Vec3::new(f64::from(i), f64::from(i * i % 7), 0.0), 1.0));
+/// let chain = Scatterers::new(points);
+/// let distances = chain.distances();
+/// assert!((distances.form_factor(0.1) - chain.form_factor(0.1)).abs() < 1e-4);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Distances {
     /// Share of the points with themselves.
