@@ -10,6 +10,15 @@ use protomer_kernel::shape::separation::{Block, Pair, dot, error_of_heights, pac
 
 /// A convex polygon (D = 2) or polyhedron (D = 3), rounded or not, about its centre; or several of them, held
 /// together.
+///
+/// ```
+/// use protomer_hpmc::body::HardBody;
+/// use protomer_kernel::shape::builders::by_name;
+/// let disk_like = HardBody::<2>::new(&by_name("polygon:6")?, 0.0)?;
+/// assert!((disk_like.volume - 1.0).abs() < 1e-12);
+/// assert!(HardBody::<3>::new(&by_name("polygon:6")?, 0.0).is_err(), "a plane has no solids");
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct HardBody<const D: usize> {
     /// The corners from the centre; those of all pieces.
@@ -95,6 +104,14 @@ impl<const D: usize> HardBody<D> {
     }
 
     /// A ball about the centre: in one dimension a rod, in two a disk.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// let disk = HardBody::<2>::ball(0.5)?;
+    /// assert!(disk.is_round() && (disk.volume - std::f64::consts::PI / 4.0).abs() < 1e-12);
+    /// assert!(HardBody::<3>::ball(0.0).is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// For a radius that is not positive.

@@ -73,6 +73,13 @@ pub enum Freedom {
 }
 
 /// A constant pressure.
+///
+/// ```
+/// use protomer_hpmc::box_moves::{Freedom, Pressure};
+/// let pressure = Pressure { kt_per_volume: 8.0, freedom: Freedom::Shape, changes_per_sweep: None };
+/// assert_eq!(pressure.changes(), 8);
+/// assert_eq!(Pressure { changes_per_sweep: Some(1), ..pressure }.changes(), 1);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pressure {

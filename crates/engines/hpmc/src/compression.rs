@@ -24,6 +24,17 @@ const LARGEST: f64 = 0.2;
 const SMALLEST: f64 = 1e-5;
 
 /// Measures compressibility factors by compressing up to a largest contraction.
+///
+/// ```
+/// use protomer_hpmc::{body::HardBody, compression::Compression, system::System};
+/// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
+/// let disk = HardBody::<2>::ball(0.5)?;
+/// let space = PeriodicBox::rectangular([10.0, 10.0])?;
+/// let far_apart = vec![[0.0, 0.0], [5.0, 5.0]];
+/// let system = System::new(disk, Vec::new(), space, far_apart, vec![Rotation::identity(); 2])?;
+/// assert_eq!(Compression::new(&system, 1.0).factor(&system), 1.0, "an ideal gas");
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Compression {
     largest: f64,

@@ -33,6 +33,23 @@ pub struct Site<const D: usize> {
 }
 
 /// A unit cell.
+///
+/// ```
+/// use protomer_hpmc::body::HardBody;
+/// use protomer_hpmc::crystal::{Crystal, Site, UnitCell};
+/// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
+/// let site = |place| Site { place, rotation: Rotation::identity() };
+/// let honeycomb = UnitCell {
+///     space: PeriodicBox::with_angles(&[1.0, 1.0], &[60.0])?,
+///     sites: vec![site([0.0, 0.0]), site([1.0 / 3.0, 1.0 / 3.0])],
+/// };
+/// let disk = HardBody::<2>::ball(0.5)?;
+/// let crystal = |packing| Crystal::new(&honeycomb, &disk, 32, packing);
+/// // Disks of a honeycomb touch at π/(3√3) = 0.6046.
+/// assert_eq!(crystal(0.604)?.first_overlap(&disk), None);
+/// assert!(crystal(0.605)?.first_overlap(&disk).is_some());
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitCell<const D: usize> {
     /// Shape of the cell; the size does not matter.
@@ -120,6 +137,15 @@ impl<const D: usize> UnitCell<D> {
     }
 
     /// The same cell with every body turned first, in its own frame.
+    ///
+    /// ```
+    /// use protomer_hpmc::crystal::UnitCell;
+    /// use protomer_kernel::{Rotation, Vec3};
+    /// let quarter_turn = Rotation::new(std::f64::consts::FRAC_PI_2 * Vec3::z());
+    /// let cell = UnitCell::<3>::by_name("bcc")?.with_bodies_turned(&quarter_turn);
+    /// assert!(cell.sites.iter().all(|site| site.rotation.angle_to(&quarter_turn) < 1e-12));
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn with_bodies_turned(mut self, rotation: &Rotation) -> Self {
         for site in &mut self.sites {
             // Turned in its own frame: the orientation on the site comes after.
@@ -351,6 +377,16 @@ impl<const D: usize> Crystal<D> {
 
     /// The bodies on their sites.
     ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_hpmc::crystal::{Crystal, UnitCell};
+    /// let ball = HardBody::<3>::ball(0.5)?;
+    /// let crystal = |packing| Crystal::new(&UnitCell::by_name("simple-cubic")?, &ball, 64, packing);
+    /// assert!(crystal(0.5)?.system(&ball, &[]).is_ok());
+    /// assert!(crystal(0.53)?.system(&ball, &[]).is_err(), "the balls touch at π/6");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If they overlap there, or the box is too small.
     pub fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
@@ -402,6 +438,16 @@ impl<const D: usize> Crystal<D> {
 
     /// The first two bodies that overlap, over all images; the same number twice for a body and an image of it.
     /// The box may be as small as it likes.
+    ///
+    /// ```
+    /// use protomer_hpmc::body::HardBody;
+    /// use protomer_hpmc::crystal::{Crystal, UnitCell};
+    /// let ball = HardBody::<3>::ball(0.5)?;
+    /// let crystal = |packing| Crystal::new(&UnitCell::by_name("fcc")?, &ball, 32, packing);
+    /// assert_eq!(crystal(0.74)?.first_overlap(&ball), None);
+    /// assert!(crystal(0.75)?.first_overlap(&ball).is_some());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn first_overlap(&self, body: &HardBody<D>) -> Option<[usize; 2]> {
         let space = self.space.reduced();
         let reach = 2.0 * body.outer_radius;

@@ -26,6 +26,17 @@ use protomer_kernel::shape::separation::dot;
 use std::f64::consts::PI;
 
 /// Bodies on springs.
+///
+/// ```
+/// use protomer_hpmc::body::HardBody;
+/// use protomer_hpmc::crystal::{Crystal, UnitCell};
+/// use protomer_hpmc::{einstein::Springs, symmetry::Symmetry};
+/// let ball = HardBody::<3>::ball(0.5)?;
+/// let crystal = Crystal::new(&UnitCell::by_name("fcc")?, &ball, 32, 0.5)?;
+/// let springs = Springs::new(&crystal, &Symmetry::of(&ball)?, 0.0).with_strength(100.0);
+/// assert_eq!((springs.strength(), springs.extent()), (100.0, 0.0), "all stand on their sites");
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Springs<const D: usize> {
     symmetry: Symmetry,

@@ -7,6 +7,19 @@ use crate::spline::Spline;
 pub const FEWEST_TO_INTEGRATE: usize = 3;
 
 /// A measured compressibility factor.
+///
+/// ```
+/// use protomer_hpmc::equation_of_state::{Factor, excess_free_energies};
+/// // Without interactions Z = 1, at any density.
+/// let ideal = [0.1, 0.2, 0.3].map(|packing_fraction| Factor {
+///     packing_fraction,
+///     value: 1.0,
+///     standard_error: 0.01,
+/// });
+/// let energies = excess_free_energies(&ideal, 0.0)?;
+/// assert!(energies.iter().all(|(free_energy_kt, error)| *free_energy_kt == 0.0 && *error > 0.0));
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Factor {
     /// The part of the box that the bodies fill.

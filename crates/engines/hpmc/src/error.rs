@@ -1,6 +1,12 @@
 use protomer_kernel::{AtMost, Number};
 
 /// Errors of simulations of hard bodies, and of the computation of phases.
+///
+/// ```
+/// use protomer_hpmc::body::HardBody;
+/// let message = HardBody::<3>::ball(-1.0).map_err(|error| error.to_string());
+/// assert_eq!(message.err().as_deref(), Some("the radius is -1; it must be positive"));
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

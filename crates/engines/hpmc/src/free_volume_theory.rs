@@ -34,6 +34,18 @@ const FULLEST: f64 = 50.0;
 pub const PHASES: [&str; 2] = ["fluid", "solid"];
 
 /// Measures of a convex body that scaled particle theory needs.
+///
+/// ```
+/// use protomer_hpmc::free_volume_theory::BodyMeasures;
+/// let cube = BodyMeasures {
+///     volume: 1.0,
+///     surface: 6.0,
+///     integrated_mean_curvature: 3.0 * std::f64::consts::PI,
+/// };
+/// // Points see what the bodies leave free.
+/// assert!((cube.free_volume(0.3, 0.0) - 0.7).abs() < 1e-12);
+/// assert!(cube.free_volume(0.3, 0.1) < 0.7);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BodyMeasures {
     /// Volume.
@@ -46,6 +58,12 @@ pub struct BodyMeasures {
 
 impl BodyMeasures {
     /// Measures of a sphere.
+    ///
+    /// ```
+    /// use protomer_hpmc::free_volume_theory::BodyMeasures;
+    /// let sphere = BodyMeasures::sphere(2.0);
+    /// assert!((sphere.surface / sphere.volume - 1.5).abs() < 1e-12);
+    /// ```
     pub fn sphere(radius: f64) -> Self {
         Self {
             volume: 4.0 / 3.0 * PI * radius.powi(3),
@@ -132,6 +150,13 @@ impl Mixture {
     /// A mixture with depletants of the size ratio q (their radius over that of the spheres) whose
     /// reservoir has the packing fraction φ_r.
     ///
+    /// ```
+    /// use protomer_hpmc::free_volume_theory::Mixture;
+    /// assert_eq!(Mixture::new(0.5, 0.25)?.reservoir_pressure(), 2.0);
+    /// assert!(Mixture::new(0.0, 0.25).is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// For a size ratio that is not positive and a negative packing fraction.
     pub fn new(size_ratio: f64, reservoir: f64) -> Result<Self> {
@@ -172,6 +197,14 @@ impl Mixture {
     }
 
     /// Coexistence of gas and liquid, whether or not a solid is more stable.
+    ///
+    /// ```
+    /// use protomer_hpmc::free_volume_theory::Mixture;
+    /// let phases = Mixture::new(0.8, 1.0)?.gas_and_liquid();
+    /// assert!(phases.is_some_and(|phases| phases.densities[0] < 0.05 && phases.densities[1] > 0.3));
+    /// assert!(Mixture::new(0.8, 0.1)?.gas_and_liquid().is_none(), "below the critical point");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn gas_and_liquid(&self) -> Option<Coexistence> {
         let tangents = self.beyond(0.0, |branches| coexistences(&branches[..1]));
         tangents.first().copied()
@@ -208,6 +241,14 @@ impl Mixture {
 
     /// The critical point of gas and liquid for a size ratio: the reservoir at which a fluid first
     /// becomes unstable, f''(η) = φ_r α''(η)/q³; `None` where that is beyond any fluid.
+    ///
+    /// ```
+    /// use protomer_hpmc::free_volume_theory::Mixture;
+    /// let [short, long] = [0.1, 0.8].map(Mixture::critical_point);
+    /// assert!(short?.is_some_and(|point| !point.is_stable));
+    /// assert!(long?.is_some_and(|point| point.is_stable));
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// For a size ratio that is not positive.
@@ -246,6 +287,14 @@ impl Mixture {
     }
 
     /// The triple point for a size ratio; `None` if gas and liquid never coexist in equilibrium.
+    ///
+    /// ```
+    /// use protomer_hpmc::free_volume_theory::Mixture;
+    /// let triple = Mixture::triple_point(0.6)?;
+    /// assert!(triple.is_some_and(|triple| triple.packing_fractions.is_sorted()));
+    /// assert_eq!(Mixture::triple_point(0.1)?, None, "its liquid is not stable");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// For a size ratio that is not positive.

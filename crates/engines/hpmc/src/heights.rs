@@ -61,6 +61,11 @@ impl Walls {
 }
 
 /// Numbers of centres in equal bins from the lower wall to the upper, over all samples.
+///
+/// ```
+/// use protomer_hpmc::heights::Heights;
+/// assert_eq!(Heights(vec![3, 1, 0]).parts(), [0.75, 0.25, 0.0]);
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Heights(pub Vec<u64>);
 

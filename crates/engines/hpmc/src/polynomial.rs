@@ -68,6 +68,15 @@ impl Polynomial {
 
     /// The polynomial of this degree with the least χ².
     ///
+    /// ```
+    /// use protomer_hpmc::polynomial::{Measured, Polynomial};
+    /// let measured = |x, value| Measured { x, value, standard_error: 0.1 };
+    /// let line = Polynomial::of_degree(&[measured(0.0, 1.0), measured(2.0, 5.0)], 1)?;
+    /// assert!((line.value(1.0) - 3.0).abs() < 1e-12);
+    /// assert!(Polynomial::of_degree(&[measured(0.0, 1.0)], 1).is_err());
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// With fewer values than coefficients, and for an error that is not above zero.
     pub fn of_degree(values: &[Measured], degree: usize) -> Result<Self> {
@@ -117,6 +126,14 @@ impl Polynomial {
     }
 
     /// Σ (value - polynomial)² / error².
+    ///
+    /// ```
+    /// use protomer_hpmc::polynomial::{Measured, Polynomial};
+    /// let values = [1.0, 3.0].map(|value| Measured { x: 0.0, value, standard_error: 0.5 });
+    /// let mean = Polynomial::of_degree(&values, 0)?;
+    /// assert!((mean.chi_square(&values) - 8.0).abs() < 1e-12, "each is two errors off");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn chi_square(&self, values: &[Measured]) -> f64 {
         let residual = |v: &Measured| (v.value - self.value(v.x)) / v.standard_error;
         values.iter().map(|v| residual(v).powi(2)).sum()
@@ -133,6 +150,15 @@ impl Polynomial {
     }
 
     /// The value with its derivatives.
+    ///
+    /// ```
+    /// use protomer_hpmc::polynomial::{Measured, Polynomial};
+    /// use protomer_kernel::jet::Jet;
+    /// let values = [0.0, 1.0, 2.0].map(|x| Measured { x, value: x * x, standard_error: 0.1 });
+    /// let slope = Polynomial::of_degree(&values, 2)?.at(Jet::variable(3.0, 0)).first();
+    /// assert!((slope - 6.0).abs() < 1e-9);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn at(&self, x: Jet) -> Jet {
         let t = (x + -self.middle) * self.half_width.recip();
         let powers = self.coefficients.iter().rev();
@@ -140,6 +166,14 @@ impl Polynomial {
     }
 
     /// The polynomial times x, plus a constant.
+    ///
+    /// ```
+    /// use protomer_hpmc::polynomial::{Measured, Polynomial};
+    /// let values = [0.0, 1.0].map(|x| Measured { x, value: 2.0 + x, standard_error: 0.1 });
+    /// let line = Polynomial::of_degree(&values, 1)?;
+    /// assert!((line.times_x_plus(1.0).value(3.0) - (5.0 * 3.0 + 1.0)).abs() < 1e-9);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     #[must_use]
     pub fn times_x_plus(&self, constant: f64) -> Self {
         let mut coefficients = vec![0.0; self.coefficients.len() + 1];
@@ -155,6 +189,14 @@ impl Polynomial {
     }
 
     /// The antiderivative that has this value at `x`.
+    ///
+    /// ```
+    /// use protomer_hpmc::polynomial::{Measured, Polynomial};
+    /// let values = [0.0, 1.0].map(|x| Measured { x, value: 2.0 * x, standard_error: 0.1 });
+    /// let square = Polynomial::of_degree(&values, 1)?.integral(0.0, 5.0);
+    /// assert!((square.value(3.0) - (5.0 + 9.0)).abs() < 1e-9);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     #[must_use]
     pub fn integral(&self, x: f64, value: f64) -> Self {
         let mut coefficients = vec![0.0];

@@ -5,6 +5,12 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Volume of a ball in space, area of a disk in a plane, length of a rod on a line.
+///
+/// ```
+/// use protomer_hpmc::reservoir::ball_volume;
+/// assert_eq!(ball_volume(1, 1.5), 3.0);
+/// assert!((ball_volume(3, 1.0) - 4.18879).abs() < 1e-5);
+/// ```
 pub fn ball_volume(dimension: usize, radius: f64) -> f64 {
     match dimension {
         1 => 2.0 * radius,
@@ -14,6 +20,12 @@ pub fn ball_volume(dimension: usize, radius: f64) -> f64 {
 }
 
 /// A kind of penetrable hard spheres; in a plane, disks.
+///
+/// ```
+/// use protomer_hpmc::reservoir::Depletant;
+/// assert!(Depletant { radius: 0.1, fugacity: 50.0 }.check().is_ok());
+/// assert!(Depletant { radius: 0.1, fugacity: -1.0 }.check().is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Depletant {

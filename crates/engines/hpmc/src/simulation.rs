@@ -37,6 +37,17 @@ const SMALLEST_FORCE: f64 = 1e-100;
 const LARGEST_FORCE: f64 = 1e100;
 
 /// Settings of a run.
+///
+/// ```
+/// use protomer_hpmc::reservoir::Depletant;
+/// use protomer_hpmc::simulation::Settings;
+/// use protomer_hpmc::field::Gravity;
+/// let gravity = Some(Gravity { weight_kt_per_length: 0.5 });
+/// let settings = Settings { gravity, ..Settings::default() };
+/// assert!(settings.check(&[]).is_ok());
+/// let depletants = [Depletant { radius: 0.1, fugacity: 1.0 }];
+/// assert!(settings.check(&depletants).is_err(), "these do not go together");
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Seed of the random numbers.

@@ -61,6 +61,15 @@ pub enum Start<const D: usize> {
 
 impl<const D: usize> Start<D> {
     /// Bodies at random in a periodic cube or square.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, start::Start};
+    /// let ball = HardBody::<3>::ball(0.5)?;
+    /// let (system, _) = Start::fluid(40, 0.2).make(&ball, &[], 1, &|| false)?;
+    /// assert_eq!((system.len(), system.overlaps()), (40, 0));
+    /// assert!((system.packing_fraction() - 0.2).abs() < 1e-9);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn fluid(bodies: usize, packing_fraction: f64) -> Self {
         Self::Fluid {
             bodies,

@@ -22,6 +22,16 @@ const POINTS: usize = 5000;
 const BEYOND_KT: f64 = 40.0;
 
 /// The proper rotations of a body onto itself, with the identity.
+///
+/// ```
+/// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+/// use protomer_kernel::shape::builders::by_name;
+/// let square = HardBody::<2>::new(&by_name("polygon:4")?, 0.0)?;
+/// let symmetry = Symmetry::of(&square)?;
+/// assert_eq!((symmetry.rotations().len(), symmetry.degrees_of_freedom()), (4, 1));
+/// assert_eq!(Symmetry::of(&HardBody::<3>::ball(1.0)?)?.degrees_of_freedom(), 0);
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symmetry {
     dimension: usize,
@@ -84,6 +94,16 @@ impl Symmetry {
     }
 
     /// Whether two orientations look alike.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+    /// use protomer_kernel::{Rotation, Vec3, shape::builders::by_name};
+    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let about_z = |degrees: f64| Rotation::new(degrees.to_radians() * Vec3::z());
+    /// assert!(cube.are_alike(&about_z(10.0), &about_z(100.0)));
+    /// assert!(!cube.are_alike(&about_z(10.0), &about_z(55.0)));
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn are_alike(&self, first: &Rotation, second: &Rotation) -> bool {
         self.is_round || self.potential(first, second) < SAME * SAME
     }
@@ -118,6 +138,17 @@ impl Symmetry {
     /// rounding from [`least_strength_kt`](Self::least_strength_kt) on; without symmetry, for any.
     ///
     /// An orientation at the angle ω has the density (1 - cos ω)/π in space, 1/π in a plane.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, symmetry::Symmetry};
+    /// use protomer_kernel::shape::builders::by_name;
+    /// let cube = Symmetry::of(&HardBody::<3>::new(&by_name("cube")?, 0.0)?)?;
+    /// let stiff = cube.least_strength_kt();
+    /// // A stiff spring in three dimensions: the integral falls as the strength to the power -3/2.
+    /// let ratio = cube.integral(100.0 * stiff) / cube.integral(400.0 * stiff);
+    /// assert!((ratio - 8.0).abs() < 0.01);
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     pub fn integral(&self, strength_kt: f64) -> f64 {
         if self.is_round {
             return 1.0;

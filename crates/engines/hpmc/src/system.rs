@@ -52,6 +52,12 @@ pub struct Steps {
 }
 
 /// Trials and how many were accepted.
+///
+/// ```
+/// use protomer_hpmc::system::Counts;
+/// assert_eq!(Counts { trials: 40, accepted: 10 }.acceptance(), 0.25);
+/// assert_eq!(Counts::default().acceptance(), 0.0);
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Counts {
@@ -95,6 +101,15 @@ impl MoveCounts {
     }
 
     /// Counts of all moves together.
+    ///
+    /// ```
+    /// use protomer_hpmc::system::{Counts, MoveCounts};
+    /// let moves = MoveCounts {
+    ///     translation: Counts { trials: 10, accepted: 5 },
+    ///     rotation: Counts { trials: 30, accepted: 9 },
+    /// };
+    /// assert_eq!(moves.total(), Counts { trials: 40, accepted: 14 });
+    /// ```
     pub fn total(&self) -> Counts {
         Counts {
             trials: self.translation.trials + self.rotation.trials,
@@ -121,6 +136,18 @@ pub(crate) struct Trial<const D: usize> {
 }
 
 /// Equal hard bodies in a periodic box of D dimensions.
+///
+/// ```
+/// use protomer_hpmc::{body::HardBody, system::System};
+/// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
+/// let disk = HardBody::<2>::ball(0.5)?;
+/// let space = PeriodicBox::rectangular([4.0, 4.0])?;
+/// let places = vec![[0.2, 2.0], [3.8, 2.0], [2.0, 2.0]];
+/// let system = System::new(disk, Vec::new(), space, places, vec![Rotation::identity(); 3])?;
+/// assert_eq!(system.overlaps(), 1, "across the border");
+/// assert!((system.packing_fraction() - 3.0 * std::f64::consts::PI / 64.0).abs() < 1e-12);
+/// # Ok::<(), protomer_hpmc::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct System<const D: usize> {
     pub(crate) body: HardBody<D>,
@@ -221,6 +248,18 @@ impl<const D: usize> System<D> {
     }
 
     /// The same bodies between hard walls at both ends of the last axis.
+    ///
+    /// ```
+    /// use protomer_hpmc::{body::HardBody, system::System};
+    /// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
+    /// let disk = HardBody::<2>::ball(0.5)?;
+    /// let space = PeriodicBox::rectangular([4.0, 4.0])?;
+    /// let low = vec![[2.0, 0.2]];
+    /// let system = System::new(disk, Vec::new(), space, low, vec![Rotation::identity()])?;
+    /// assert_eq!(system.overlaps(), 0);
+    /// assert_eq!(system.between_walls()?.overlaps(), 1, "it reaches into the lower wall");
+    /// # Ok::<(), protomer_hpmc::Error>(())
+    /// ```
     ///
     /// # Errors
     /// In a box that is tilted.

@@ -95,6 +95,11 @@ pub fn coexistences(branches: &[Branch<'_>]) -> Vec<Coexistence> {
 }
 
 /// Samples at equal distances.
+///
+/// ```
+/// use protomer_hpmc::tangent::even_samples;
+/// assert_eq!(even_samples(1.0, 2.0, 4), [1.0, 1.25, 1.5, 1.75, 2.0]);
+/// ```
 pub fn even_samples(low: f64, high: f64, intervals: usize) -> Vec<f64> {
     let step = (high - low) / intervals as f64;
     (0..=intervals)

@@ -54,6 +54,14 @@ pub struct Triple {
 }
 
 /// Counts over many triples.
+///
+/// ```
+/// use protomer_hpmc::virial::{Triple, Triples};
+/// let triples = Triples::default().with(Triple { draws: 5, overlaps: true });
+/// let more = Triples::default().with(Triple { draws: 3, overlaps: false });
+/// let all = triples.merge(more);
+/// assert_eq!((all.count, all.overlapping, all.draws), (2, 1, 8));
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Triples {
     /// Number of triples.
