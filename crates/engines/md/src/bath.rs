@@ -21,6 +21,13 @@ use protomer_kernel::Vec3;
 use protomer_kernel::random::{CounterRng, Purpose};
 
 /// Ensembles, with the bath that keeps the temperature, if any. Temperatures are kT in units of ε.
+///
+/// ```
+/// use protomer_md::bath::Ensemble;
+/// assert!(Ensemble::Nve.check().is_ok());
+/// assert!(Ensemble::Langevin { temperature: 1.0, friction: 0.5 }.check().is_ok());
+/// assert!(Ensemble::Langevin { temperature: 1.0, friction: 0.0 }.check().is_err());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ensemble {
     /// Constant energy.

@@ -3,6 +3,16 @@
 use serde::{Deserialize, Serialize};
 
 /// Sums over values at times; both are taken from the first, so that nothing is lost to rounding.
+///
+/// ```
+/// use protomer_md::drift::Drift;
+/// let mut drift = Drift::default();
+/// for (time, value) in [(0.0, 5.0), (1.0, 7.0), (2.0, 9.0)] {
+///     drift.push(time, value);
+/// }
+/// assert_eq!((drift.count(), drift.change()), (3.0, 4.0));
+/// assert!(drift.noise() < 1e-12, "all lie on a line");
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Drift {

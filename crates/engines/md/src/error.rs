@@ -1,6 +1,11 @@
 use protomer_kernel::Number;
 
 /// Errors of interactions that cannot be computed, and of bodies that cannot move on.
+///
+/// ```
+/// use protomer_md::{Error, body::Kind};
+/// assert_eq!(Kind::ball(3, 0.0), Err(Error::NoVolume));
+/// ```
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Error {
     /// The repulsion diverges at contact.

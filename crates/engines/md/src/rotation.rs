@@ -12,6 +12,16 @@ use nalgebra::{Quaternion, UnitQuaternion};
 use protomer_kernel::{Rotation, Vec3};
 
 /// Turns a body and its angular momentum (in its own frame) over a time.
+///
+/// ```
+/// use protomer_kernel::{Rotation, Vec3};
+/// use protomer_md::{body::Kind, rotation::turn};
+/// let ball = Kind::ball(3, 1.0)?;
+/// let (mut rotation, mut spin) = (Rotation::identity(), ball.moments.z * 0.5 * Vec3::z());
+/// turn(&ball, &mut rotation, &mut spin, 2.0);
+/// assert!((rotation.angle() - 1.0).abs() < 1e-12, "half a radian per time, for two");
+/// # Ok::<(), protomer_md::Error>(())
+/// ```
 pub fn turn(kind: &Kind, rotation: &mut Rotation, spin: &mut Vec3, time: f64) {
     let [first, second, third] = kind.moments.into();
     let (is_spherical, is_symmetric) = kind.symmetry();

@@ -37,6 +37,17 @@ fn sites(count: usize, dimension: usize) -> f64 {
 
 /// Bodies at this number density, at rest, turned at random.
 ///
+/// ```
+/// use protomer_md::start::{free_density, on_a_lattice};
+/// use protomer_md::{body::Kind, state::Bodies};
+/// let bodies = Bodies::of_one_kind(Kind::ball(3, 0.5)?, 8);
+/// let density = 0.5 * free_density(&bodies);
+/// let state = on_a_lattice(&bodies, density, 1)?;
+/// assert!((state.volume(3) * density - 8.0).abs() < 1e-9);
+/// assert!(on_a_lattice(&bodies, 3.0 * density, 1).is_err());
+/// # Ok::<(), protomer_md::Error>(())
+/// ```
+///
 /// # Errors
 /// [`Error::OutOfRange`] for a density above [`free_density`], where they might overlap.
 pub fn on_a_lattice(bodies: &Bodies, density: f64, seed: u64) -> Result<State> {

@@ -5,6 +5,17 @@ use protomer_kernel::{Boundary, Rotation, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// Bodies of one or several kinds.
+///
+/// ```
+/// use protomer_md::{body::Kind, state::Bodies};
+/// let bodies = Bodies {
+///     kinds: vec![Kind::ball(2, 0.5)?, Kind::ball(2, 1.0)?],
+///     kind_of: vec![0, 0, 1],
+/// };
+/// assert_eq!((bodies.count(), bodies.dimension(), bodies.turns()), (3, 2, 0));
+/// assert!((bodies.sigma() - 4.0 / 3.0).abs() < 1e-12, "the mean diameter");
+/// # Ok::<(), protomer_md::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bodies {
     /// The kinds.
@@ -84,6 +95,15 @@ pub struct State {
 
 impl State {
     /// Bodies at rest, not turned.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// use protomer_md::{body::Kind, state::{Bodies, State}};
+    /// let bodies = Bodies::of_one_kind(Kind::ball(3, 0.5)?, 2);
+    /// let state = State::at_rest(&bodies, Boundary::Open, vec![Vec3::zeros(), Vec3::x()]);
+    /// assert_eq!(state.kinetic_energies(&bodies), [0.0, 0.0]);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn at_rest(bodies: &Bodies, space: Boundary, positions: Vec<Vec3>) -> Self {
         let count = positions.len();
         let is_flat = bodies.dimension() == 2;
@@ -116,6 +136,18 @@ impl State {
     }
 
     /// Kinetic energies of the centres and of the rotations.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// use protomer_md::{body::Kind, state::{Bodies, State}};
+    /// let ball = Kind::ball(3, 0.5)?.of_unit_volume()?;
+    /// let bodies = Bodies::of_one_kind(ball, 1);
+    /// let mut state = State::at_rest(&bodies, Boundary::Open, vec![Vec3::zeros()]);
+    /// state.velocities[0] = Vec3::new(3.0, 4.0, 0.0);
+    /// let [moving, turning] = state.kinetic_energies(&bodies);
+    /// assert!((moving - 12.5).abs() < 1e-9 && turning == 0.0);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn kinetic_energies(&self, bodies: &Bodies) -> [f64; 2] {
         let (mut moving, mut turning) = (0.0, 0.0);
         for body in 0..bodies.count() {
@@ -134,6 +166,17 @@ impl State {
     }
 
     /// Total angular momentum about the origin. Only open space keeps it.
+    ///
+    /// ```
+    /// use protomer_kernel::{Boundary, Vec3};
+    /// use protomer_md::{body::Kind, state::{Bodies, State}};
+    /// let bodies = Bodies::of_one_kind(Kind::ball(3, 0.5)?.of_unit_volume()?, 1);
+    /// let mut state = State::at_rest(&bodies, Boundary::Open, vec![2.0 * Vec3::x()]);
+    /// state.velocities[0] = 3.0 * Vec3::y();
+    /// state.spins[0] = Vec3::z();
+    /// assert!((state.angular_momentum(&bodies) - 7.0 * Vec3::z()).norm() < 1e-9);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     pub fn angular_momentum(&self, bodies: &Bodies) -> Vec3 {
         let contribution = |body: usize| {
             let momentum = bodies.kind(body).mass * self.velocities[body];

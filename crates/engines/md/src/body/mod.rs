@@ -59,6 +59,14 @@ pub struct Kind {
 impl Kind {
     /// A polygon or a polyhedron of density one.
     ///
+    /// ```
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// use protomer_md::body::Kind;
+    /// let cuboid = Kind::of(&Polytope::of(&by_name("cuboid:1,2,3")?)?)?;
+    /// assert!((cuboid.mass - 6.0).abs() < 1e-12 && cuboid.turns() == 3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::NoVolume`] for a shape without area or volume.
     pub fn of(polytope: &Polytope) -> Result<Self> {
@@ -85,6 +93,18 @@ impl Kind {
 
     /// A body of convex parts that move as one, each with the place of its centroid. All are
     /// rounded by the same radius.
+    ///
+    /// ```
+    /// use protomer_kernel::Vec3;
+    /// use protomer_kernel::shape::{builders::by_name, polytope::Polytope};
+    /// use protomer_md::body::Kind;
+    /// let cube = Polytope::of(&by_name("cube")?)?;
+    /// let domino = Kind::union(&[(cube.clone(), Vec3::zeros()), (cube.clone(), Vec3::x())], 0.0)?;
+    /// assert!((domino.mass - 2.0).abs() < 1e-12);
+    /// let overlapping = [(cube.clone(), Vec3::zeros()), (cube, 0.5 * Vec3::x())];
+    /// assert!(Kind::union(&overlapping, 0.0).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Kind::rounded`]; [`Error::MixedDimensions`] for parts in a plane and in space, and
@@ -145,6 +165,14 @@ impl Kind {
     }
 
     /// A disk (dimension 2) or a ball (dimension 3) of density one.
+    ///
+    /// ```
+    /// use protomer_md::body::Kind;
+    /// let ball = Kind::ball(3, 2.0)?;
+    /// assert!(ball.is_ball() && ball.inradius() == 2.0 && ball.circumradius() == 2.0);
+    /// assert!((ball.moments.x / ball.mass - 0.4 * 4.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     ///
     /// # Errors
     /// [`Error::NoVolume`] unless the radius is positive.
@@ -220,6 +248,15 @@ impl Kind {
 
     /// The same shape with all lengths multiplied by a factor; the density stays one.
     ///
+    /// ```
+    /// use protomer_md::body::Kind;
+    /// let disk = Kind::ball(2, 1.0)?;
+    /// let larger = disk.scaled(3.0)?;
+    /// assert!((larger.mass / disk.mass - 9.0).abs() < 1e-12);
+    /// assert!((larger.moments.z / disk.moments.z - 81.0).abs() < 1e-9);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// [`Error::NoVolume`] unless the factor is positive.
     pub fn scaled(&self, factor: f64) -> Result<Self> {
@@ -234,6 +271,13 @@ impl Kind {
     }
 
     /// The same shape with area or volume one.
+    ///
+    /// ```
+    /// use protomer_md::body::Kind;
+    /// let ball = Kind::ball(3, 7.0)?.of_unit_volume()?;
+    /// assert!((ball.mass - 1.0).abs() < 1e-12 && (ball.inradius() - 0.62035).abs() < 1e-5);
+    /// # Ok::<(), protomer_md::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`Kind::scaled`].

@@ -54,6 +54,14 @@ choices! {
 }
 
 /// Interaction of two bodies.
+///
+/// ```
+/// use protomer_md::pair::{Form, Interaction, radial::Attraction};
+/// let repulsion = Interaction::from(Form::Smooth);
+/// let attraction = Attraction { strength: 0.5, cut_off: 2.5 };
+/// let sticky = Interaction { attraction, ..repulsion };
+/// assert_eq!((sticky.form, repulsion.attraction), (Form::Smooth, Attraction::NONE));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Interaction {
     /// Points that repel each other.

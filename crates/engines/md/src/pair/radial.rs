@@ -26,6 +26,13 @@ const SWITCHED_FROM: f64 = 0.8;
 const LEAST_CUT_OFF: f64 = 1.5;
 
 /// Strength and range of the attraction between points beyond the minimum.
+///
+/// ```
+/// use protomer_md::pair::radial::Attraction;
+/// assert!(Attraction { strength: 1.0, cut_off: 2.5 }.check().is_ok());
+/// assert!(Attraction { strength: 1.0, cut_off: 1.2 }.check().is_err());
+/// assert!(Attraction::NONE.check().is_ok());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Attraction {
@@ -62,6 +69,14 @@ impl Attraction {
 }
 
 /// Radial potential: the energy of two points, with ε = 1.
+///
+/// ```
+/// use protomer_md::pair::radial::{Attraction, Radial};
+/// let attraction = Attraction { strength: 1.0, cut_off: f64::INFINITY };
+/// let lennard_jones = Radial { sigma: 2.0, attraction };
+/// assert!((lennard_jones.energy(lennard_jones.minimum()) + 1.0).abs() < 1e-12);
+/// assert!(lennard_jones.energy(2.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Radial {
     /// The length σ.
@@ -72,6 +87,13 @@ pub struct Radial {
 
 impl Radial {
     /// The repulsion alone.
+    ///
+    /// ```
+    /// use protomer_md::pair::radial::Radial;
+    /// let repulsion = Radial::repulsion(1.0);
+    /// assert_eq!((repulsion.energy(1.0), repulsion.energy(1.2)), (1.0, 0.0));
+    /// assert_eq!(repulsion.slope(1.0), -24.0);
+    /// ```
     pub fn repulsion(sigma: f64) -> Self {
         Self {
             sigma,
