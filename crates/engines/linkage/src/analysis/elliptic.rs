@@ -74,6 +74,14 @@ pub fn inverse_elliptic_e(e: f64, m: f64) -> f64 {
 
 /// R_F(x, y, z) = ½ ∫₀^∞ dt / √((t + x)(t + y)(t + z)), for arguments ≥ 0 of which at most one is
 /// 0; by duplication.
+///
+/// ```
+/// use protomer_linkage::analysis::elliptic::carlson_rf;
+/// // Of equal arguments: 1/√x.
+/// assert!((carlson_rf(4.0, 4.0, 4.0) - 0.5).abs() < 1e-15);
+/// // K(0) = π/2
+/// assert!((carlson_rf(0.0, 1.0, 1.0) - std::f64::consts::FRAC_PI_2).abs() < 1e-14);
+/// ```
 pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     for _ in 0..MOST_ITERATIONS {
         let mean = (x + y + z) / 3.0;
@@ -94,6 +102,12 @@ pub fn carlson_rf(mut x: f64, mut y: f64, mut z: f64) -> f64 {
 
 /// R_D(x, y, z) = 3/2 ∫₀^∞ dt / (√((t + x)(t + y)) (t + z)^(3/2)), for x, y ≥ 0 not both 0 and z >
 /// 0; by duplication.
+///
+/// ```
+/// use protomer_linkage::analysis::elliptic::carlson_rd;
+/// // Of equal arguments: x to the power -3/2.
+/// assert!((carlson_rd(4.0, 4.0, 4.0) - 0.125).abs() < 1e-15);
+/// ```
 pub fn carlson_rd(mut x: f64, mut y: f64, mut z: f64) -> f64 {
     let (mut sum, mut scale) = (0.0, 1.0);
     for _ in 0..MOST_ITERATIONS {

@@ -80,6 +80,16 @@ pub struct CoherentOrbit {
 impl CoherentOrbit {
     /// The orbit of this many rows and columns from θ_c = `angle` at ω_c = `rate`.
     ///
+    /// ```
+    /// use protomer_linkage::analysis::grima::CoherentOrbit;
+    /// use protomer_linkage::lattice::Square;
+    /// let square = Square::default();
+    /// let orbit = CoherentOrbit::new(1, 1, square, 1.0, 0.5, 2.0)?;
+    /// assert!((orbit.energy() - 0.5 * square.inertia * 4.0).abs() < 1e-12, "a square alone only turns");
+    /// assert!(CoherentOrbit::new(2, 2, square, 1.0, -1.5, 2.0).is_err(), "the squares overlap");
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`CrystalError::BadSetting`](crate::CrystalError::BadSetting) for numbers that make no lattice, or an angle at which squares
     /// overlap.
@@ -127,6 +137,16 @@ impl CoherentOrbit {
     }
 
     /// Absolute value of the angular velocity ω_c at an angle, eq. 29b.
+    ///
+    /// ```
+    /// use protomer_linkage::analysis::grima::CoherentOrbit;
+    /// use protomer_linkage::lattice::Square;
+    /// use std::f64::consts::FRAC_PI_4;
+    /// let orbit = CoherentOrbit::new(4, 4, Square::default(), 1.0, FRAC_PI_4, -2.0)?;
+    /// assert!((orbit.rate_at(FRAC_PI_4) - 2.0).abs() < 1e-12);
+    /// assert!(orbit.rate_at(0.2) < 2.0, "it is fastest where the lattice is open");
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn rate_at(&self, angle: f64) -> f64 {
         self.speed.abs() / (1.0 - self.parameter * (FRAC_PI_4 - angle).sin().powi(2)).sqrt()
     }
@@ -144,6 +164,15 @@ impl CoherentOrbit {
     }
 
     /// θ_c and ω_c at this time.
+    ///
+    /// ```
+    /// use protomer_linkage::analysis::grima::CoherentOrbit;
+    /// use protomer_linkage::lattice::Square;
+    /// let orbit = CoherentOrbit::new(2, 2, Square::default(), 1.0, 0.7, -1.0)?;
+    /// let [angle, rate] = orbit.at(0.0);
+    /// assert!((angle - 0.7).abs() < 1e-12 && (rate + 1.0).abs() < 1e-12);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn at(&self, time: f64) -> [f64; 2] {
         let mut travelled = self.start - self.speed * time;
         let mut direction = self.speed;

@@ -168,6 +168,17 @@ impl ModeEnergies {
 /// Standard deviation of the angles about the coherent state,
 ///
 /// σ² = Σ (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)² / N.
+///
+/// ```
+/// use protomer_linkage::analysis::modes::orientational_spread;
+/// use protomer_linkage::lattice::{Edges, Network, Square, State};
+/// let network = Network::lattice(2, 2, 0.5, Square::default(), Edges::Open, 0.7)?;
+/// let mut positions = State::coherent(&network, 0.7).positions;
+/// assert!(orientational_spread(&network, &positions) < 1e-12);
+/// positions[2] += 0.1;
+/// assert!(orientational_spread(&network, &positions) > 0.01);
+/// # Ok::<(), protomer_linkage::CrystalError>(())
+/// ```
 pub fn orientational_spread(network: &Network, positions: &[f64]) -> f64 {
     incoherent_spread(network, positions)
 }
@@ -175,6 +186,12 @@ pub fn orientational_spread(network: &Network, positions: &[f64]) -> f64 {
 /// Standard deviation of |θ| over the squares, the curve of fig. 10 of the paper. It is the spread
 /// about the coherent state only while no square turns through θ = 0 and the lattice as a whole
 /// does not turn.
+///
+/// ```
+/// use protomer_linkage::analysis::modes::spread_of_magnitudes;
+/// assert_eq!(spread_of_magnitudes(&[0.0, 0.0, 0.3, 2.0, 0.0, -0.3]), 0.0);
+/// assert!((spread_of_magnitudes(&[0.0, 0.0, 0.1, 2.0, 0.0, -0.5]) - 0.2).abs() < 1e-12);
+/// ```
 pub fn spread_of_magnitudes(positions: &[f64]) -> f64 {
     let magnitudes: Vec<f64> = angles(positions).map(f64::abs).collect();
     RunningMoments::in_two_passes(&magnitudes).root_mean_square_deviation()

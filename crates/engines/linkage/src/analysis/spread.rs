@@ -43,6 +43,18 @@ pub struct FirstMaximum {
 impl FirstMaximum {
     /// Creates a search in which a maximum counts once the quantity has fallen below it by more
     /// than `drop`: 0 for any, more to pass over ripples.
+    ///
+    /// ```
+    /// use protomer_linkage::analysis::spread::FirstMaximum;
+    /// let highest = |drop| {
+    ///     let mut first = FirstMaximum::new(drop);
+    ///     for (step, value) in [0.0, 1.0, 0.9, 3.0, 0.0].into_iter().enumerate() {
+    ///         first.push(step as f64, value);
+    ///     }
+    ///     first.found().map(|maximum| maximum.time.round())
+    /// };
+    /// assert_eq!((highest(0.0), highest(0.5)), (Some(1.0), Some(3.0)), "a ripple is passed over");
+    /// ```
     pub fn new(drop: f64) -> Self {
         Self {
             drop,

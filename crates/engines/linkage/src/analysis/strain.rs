@@ -31,6 +31,11 @@ use serde::{Deserialize, Serialize};
 const ON_ONE_LINE: f64 = 1e-12;
 
 /// The centres of the squares.
+///
+/// ```
+/// use protomer_linkage::analysis::strain::centres;
+/// assert_eq!(centres(&[1.0, 2.0, 0.1, 3.0, 4.0, -0.1]), [[1.0, 2.0], [3.0, 4.0]]);
+/// ```
 pub fn centres(positions: &[f64]) -> Vec<[f64; 2]> {
     positions.chunks_exact(3).map(|s| [s[0], s[1]]).collect()
 }
@@ -97,6 +102,15 @@ fn mean(points: &[[f64; 2]]) -> Vector2<f64> {
 /// Strain (Fᵀ F)^(1/2) - 1, symmetric.
 ///
 /// The root of a symmetric positive 2 x 2 matrix C is (C + √det C) / √(tr C + 2 √det C).
+///
+/// ```
+/// use nalgebra::Matrix2;
+/// use protomer_linkage::analysis::strain::biot_strain;
+/// let quarter_turn = Matrix2::new(0.0, -1.0, 1.0, 0.0);
+/// assert!(biot_strain(&quarter_turn).norm() < 1e-12, "a rotation is no strain");
+/// let stretched = biot_strain(&(quarter_turn * Matrix2::new(1.2, 0.0, 0.0, 1.0)));
+/// assert!((stretched[(0, 0)] - 0.2).abs() < 1e-12);
+/// ```
 pub fn biot_strain(gradient: &Matrix2<f64>) -> Matrix2<f64> {
     let square = gradient.transpose() * gradient;
     let root_determinant = gradient.determinant().abs();

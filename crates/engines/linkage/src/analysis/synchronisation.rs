@@ -29,6 +29,11 @@ use serde::{Deserialize, Serialize};
 const ROUNDINGS: f64 = 16.0;
 
 /// The angles of an array x, y, θ per square.
+///
+/// ```
+/// use protomer_linkage::analysis::synchronisation::angles;
+/// assert_eq!(angles(&[1.0, 2.0, 0.1, 3.0, 4.0, -0.1]), [0.1, -0.1]);
+/// ```
 pub fn angles(positions: &[f64]) -> Vec<f64> {
     state::angles(positions).collect()
 }
@@ -41,6 +46,11 @@ pub fn staggered(network: &Network, positions: &[f64]) -> Vec<f64> {
 
 /// θ_a - θ_b of all pairs a < b, in the order (0, 1), (0, 2), ... (1, 2), ... The angles are those
 /// of the motion, not brought back into one turn.
+///
+/// ```
+/// use protomer_linkage::analysis::synchronisation::phase_differences;
+/// assert_eq!(phase_differences(&[3.0, 1.0, 7.0]), [2.0, -4.0, -6.0]);
+/// ```
 pub fn phase_differences(angles: &[f64]) -> Vec<f64> {
     let mut differences = Vec::new();
     for (a, angle) in angles.iter().enumerate() {
@@ -53,6 +63,11 @@ pub fn phase_differences(angles: &[f64]) -> Vec<f64> {
 
 /// The largest |θ_a - θ_b|: phases are locked within c (eq. 37 of the preprint) as long as it stays
 /// below c.
+///
+/// ```
+/// use protomer_linkage::analysis::synchronisation::largest_phase_difference;
+/// assert_eq!(largest_phase_difference(&[3.0, 1.0, 7.0]), 6.0);
+/// ```
 pub fn largest_phase_difference(angles: &[f64]) -> f64 {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for angle in angles {
@@ -154,6 +169,16 @@ impl Synchronisation {
     }
 
     /// Adds all samples of another trajectory of the same squares.
+    ///
+    /// ```
+    /// use protomer_linkage::analysis::synchronisation::Synchronisation;
+    /// let part = |angles: [f64; 2]| Synchronisation::of_trajectory(2, [&angles[..]]);
+    /// let mut whole = part([0.0, 0.0])?;
+    /// whole.merge(&part([0.0, std::f64::consts::PI])?)?;
+    /// assert_eq!(whole.samples(), 2);
+    /// assert!(whole.index()?[(0, 1)].norm() < 1e-12, "opposite phases cancel");
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     ///
     /// # Errors
     /// [`CrystalError::BadState`] for another number of squares.
@@ -265,6 +290,14 @@ impl Synchronisation {
 
 /// The eigenvalues of a Hermitian matrix, the largest first (fig. 5c of the preprint shows the
 /// first).
+///
+/// ```
+/// use nalgebra::{Complex, DMatrix};
+/// use protomer_linkage::analysis::synchronisation::eigenvalues;
+/// let entries = [2.0, 1.0, 1.0, 2.0].map(|real| Complex::new(real, 0.0));
+/// let values = eigenvalues(&DMatrix::from_row_slice(2, 2, &entries));
+/// assert!((values[0] - 3.0).abs() < 1e-12 && (values[1] - 1.0).abs() < 1e-12);
+/// ```
 pub fn eigenvalues(matrix: &DMatrix<Complex<f64>>) -> Vec<f64> {
     let values = matrix.clone().symmetric_eigenvalues();
     let mut values = values.as_slice().to_vec();
@@ -278,6 +311,14 @@ pub fn eigenvalues(matrix: &DMatrix<Complex<f64>>) -> Vec<f64> {
 /// Of the magnitudes: P itself, with ones on its diagonal, is 2 less a normalised inverse, whose
 /// smallest eigenvalue is near 0 wherever squares hold together, so that its own leading eigenvalue
 /// is 2 whatever they do.
+///
+/// ```
+/// use nalgebra::{Complex, DMatrix};
+/// use protomer_linkage::analysis::synchronisation::leading_eigenvalue;
+/// let one = Complex::new(1.0, 0.0);
+/// assert!((leading_eigenvalue(&DMatrix::from_element(4, 4, one)) - 1.0).abs() < 1e-12);
+/// assert!((leading_eigenvalue(&DMatrix::identity(4, 4)) - 0.25).abs() < 1e-12);
+/// ```
 pub fn leading_eigenvalue(matrix: &DMatrix<Complex<f64>>) -> f64 {
     let magnitudes = matrix.map(|entry| entry.norm());
     magnitudes.symmetric_eigenvalues().max() / matrix.nrows() as f64

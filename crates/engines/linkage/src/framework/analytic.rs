@@ -55,6 +55,14 @@ pub struct Honeycomb {
 }
 
 /// Moduli along the two axes.
+///
+/// ```
+/// use protomer_linkage::framework::analytic::AxialModuli;
+/// let isotropic = AxialModuli { e_y_gpa: 3.0, e_z_gpa: 3.0, nu_yz: 0.5, nu_zy: 0.5, g_yz_gpa: 1.0 };
+/// let expected = [[4.0, 2.0, 0.0], [2.0, 4.0, 0.0], [0.0, 0.0, 1.0]];
+/// assert_eq!(isotropic.stiffness_gpa(), Some(expected));
+/// assert_eq!(AxialModuli { nu_yz: 1.0, nu_zy: 1.0, ..isotropic }.stiffness_gpa(), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct AxialModuli {
     /// E_1 = E_y, GPa.
@@ -91,6 +99,20 @@ impl AxialModuli {
 
 impl Honeycomb {
     /// Edges X1 and X2 of the cell, Å.
+    ///
+    /// ```
+    /// use protomer_linkage::framework::analytic::Honeycomb;
+    /// let regular = Honeycomb {
+    ///     h_angstrom: 1.0,
+    ///     l_angstrom: 1.0,
+    ///     theta_rad: 120_f64.to_radians(),
+    ///     hinge_stiffness_kcal_mol_rad2: 50.0,
+    ///     rod_stiffness_kcal_mol_angstrom2: 10_000.0,
+    ///     thickness_angstrom: 1.0,
+    /// };
+    /// let [x1, x2] = regular.cell_angstrom();
+    /// assert!((x1 - 3.0_f64.sqrt()).abs() < 1e-12 && (x2 - 3.0).abs() < 1e-12);
+    /// ```
     pub fn cell_angstrom(&self) -> [f64; 2] {
         let (sine, cosine) = self.theta_rad.sin_cos();
         [
@@ -100,6 +122,20 @@ impl Honeycomb {
     }
 
     /// Moduli of a honeycomb in which only the angles change.
+    ///
+    /// ```
+    /// use protomer_linkage::framework::analytic::Honeycomb;
+    /// let re_entrant = Honeycomb {
+    ///     h_angstrom: 2.0,
+    ///     l_angstrom: 1.0,
+    ///     theta_rad: 60_f64.to_radians(),
+    ///     hinge_stiffness_kcal_mol_rad2: 50.0,
+    ///     rod_stiffness_kcal_mol_angstrom2: 10_000.0,
+    ///     thickness_angstrom: 1.0,
+    /// };
+    /// // -tan 60° times √3 over 3
+    /// assert!((re_entrant.hinging(1.0).nu_yz + 1.0).abs() < 1e-12, "it is auxetic");
+    /// ```
     pub fn hinging(&self, gpa: f64) -> AxialModuli {
         let ([x1, x2], (sine, cosine)) = (self.cell_angstrom(), self.theta_rad.sin_cos());
         let k = 2.0 * self.hinge_stiffness_kcal_mol_rad2 * gpa

@@ -61,6 +61,13 @@ fn one() -> f64 {
 }
 
 /// A node or one of its periodic images.
+///
+/// ```
+/// use protomer_linkage::framework::Neighbour;
+/// let right = Neighbour::there(0, &[1, 0]);
+/// assert_eq!((right.node, right.image), (0, vec![1, 0]));
+/// assert!(Neighbour::here(3).image.is_empty());
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Neighbour {
@@ -145,6 +152,15 @@ impl Framework {
     }
 
     /// Volume of the cell, Å³; in two dimensions its area times the thickness.
+    ///
+    /// ```
+    /// use protomer_linkage::framework::build::rotating_squares;
+    /// let mut network = rotating_squares(2.0, 0.0, 100.0, 1.0)?;
+    /// let volume = network.volume_angstrom3();
+    /// network.thickness_angstrom *= 3.0;
+    /// assert_eq!((network.volume_angstrom3() / volume, network.strains()), (3.0, 3));
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn volume_angstrom3(&self) -> f64 {
         let c = &self.cell_angstrom;
         if self.dimension() == 2 {

@@ -45,6 +45,13 @@ pub struct Drag {
 impl Drag {
     /// Friction with the same rate for translations and rotations.
     ///
+    /// ```
+    /// use protomer_linkage::lattice::Drag;
+    /// assert_eq!(Drag::uniform(0.5)?, Drag::new(0.5, 0.5)?);
+    /// assert!(Drag::uniform(-0.5).is_err());
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
+    ///
     /// # Errors
     /// As [`Drag::new`].
     pub fn uniform(rate: f64) -> Result<Self> {

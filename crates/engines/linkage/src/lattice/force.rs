@@ -62,6 +62,15 @@ pub struct Coherence {
 /// ⟨θ⟩₀ and ⟨θ⟩₁ of the angles in an array of x, y, θ per square, or of the angular velocities in
 /// one of velocities: the least squares of Σ I (θ - ⟨θ⟩₀ - (-1)^(i+j) ⟨θ⟩₁)². Where all squares
 /// have the same sign, ⟨θ⟩₁ is 0.
+///
+/// ```
+/// use protomer_linkage::lattice::force::coherent_part;
+/// use protomer_linkage::lattice::{Edges, Network, Square};
+/// let network = Network::lattice(1, 2, 0.5, Square::default(), Edges::Open, 0.7)?;
+/// let [common, alternating] = coherent_part(&network, &[0.0, 0.0, 0.5, 3.0, 0.0, 0.1]);
+/// assert!((common - 0.3).abs() < 1e-12 && (alternating - 0.2).abs() < 1e-12);
+/// # Ok::<(), protomer_linkage::CrystalError>(())
+/// ```
 pub fn coherent_part(network: &Network, coordinates: &[f64]) -> [f64; 2] {
     // Sums of the weights I, signed and not, alone and times θ. Where signs and inertia balance,
     // the signed weights cancel and the result is two independent means.

@@ -184,6 +184,14 @@ impl Network {
     }
 
     /// Row and column of a square.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square};
+    /// let network = Network::lattice(2, 3, 0.5, Square::default(), Edges::Open, 0.7)?;
+    /// assert_eq!((network.place(4), network.at(1, 1)), ([1, 1], Some(4)));
+    /// assert_eq!(network.at(2, 0), None, "there are two rows");
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn place(&self, square: usize) -> [usize; 2] {
         match &self.places {
             Some(places) => places[square],
@@ -203,6 +211,13 @@ impl Network {
     }
 
     /// +1 for squares with even i + j, -1 for the others.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square};
+    /// let network = Network::lattice(2, 2, 0.5, Square::default(), Edges::Open, 0.7)?;
+    /// assert_eq!([0, 1, 2, 3].map(|square| network.sign(square)), [1.0, -1.0, -1.0, 1.0]);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn sign(&self, square: usize) -> f64 {
         let [row, column] = self.place(square);
         if (row + column).is_multiple_of(2) {
@@ -222,6 +237,15 @@ impl Network {
 
     /// The network without some of its squares and the rods that end there; the other squares move
     /// up in the list.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square};
+    /// let network = Network::lattice(3, 3, 0.5, Square::default(), Edges::Open, 0.7)?;
+    /// let vacancy = network.without_squares(&[4])?;
+    /// assert_eq!((network.rods.len(), vacancy.rods.len()), (12, 8));
+    /// assert_eq!(vacancy.at(1, 1), None);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     ///
     /// # Errors
     /// [`CrystalError::BadNetwork`] if no square is left.

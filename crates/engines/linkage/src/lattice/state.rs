@@ -48,6 +48,16 @@ impl State {
     /// The coherent state at rest: θ = (-1)^(i+j) angle, rods along x and y, centred at the origin.
     /// Open is π/4, closed is 0. The length of the first rod and the half-diagonal of the first
     /// square are taken for all.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square, State};
+    /// let network = Network::lattice(1, 2, 0.5, Square::default(), Edges::Open, 0.7)?;
+    /// let state = State::coherent(&network, 0.7);
+    /// assert_eq!((state.positions[2], state.positions[5]), (0.7, -0.7));
+    /// let distance = 2.0 * (0.7 - std::f64::consts::FRAC_PI_4).cos() + 0.5;
+    /// assert!((state.positions[3] - state.positions[0] - distance).abs() < 1e-12);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn coherent(network: &Network, angle: f64) -> Self {
         let length = network.rods.first().map_or(0.0, |rod| rod.length);
         let distance = spacing(length, network.first_half_diagonal(), angle);
@@ -67,6 +77,16 @@ impl State {
     }
 
     /// Checks that the arrays fit the network and are finite.
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square, State};
+    /// let network = Network::lattice(2, 2, 0.5, Square::default(), Edges::Open, 0.7)?;
+    /// let mut state = State::coherent(&network, 0.7);
+    /// assert!(state.check(&network).is_ok());
+    /// state.velocities[4] = f64::NAN;
+    /// assert!(state.check(&network).is_err());
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     ///
     /// # Errors
     /// [`CrystalError::BadState`] if the arrays do not fit the network, [`CrystalError::NotFinite`]
@@ -96,6 +116,17 @@ impl State {
     }
 
     /// Kinetic energy, ½ Σ (m |v|² + I ω²).
+    ///
+    /// ```
+    /// use protomer_linkage::lattice::{Edges, Network, Square, State};
+    /// let square = Square { mass: 2.0, inertia: 3.0, ..Square::default() };
+    /// let network = Network::lattice(1, 1, 0.5, square, Edges::Open, 0.7)?;
+    /// let mut state = State::coherent(&network, 0.7);
+    /// state.velocities = vec![3.0, 4.0, 1.0];
+    /// assert_eq!(state.kinetic_energy(&network), 25.0 + 1.5);
+    /// assert_eq!(state.momentum(&network), [6.0, 8.0]);
+    /// # Ok::<(), protomer_linkage::CrystalError>(())
+    /// ```
     pub fn kinetic_energy(&self, network: &Network) -> f64 {
         let mut energy = 0.0;
         for (square, _, v) in self.of_squares(network) {
