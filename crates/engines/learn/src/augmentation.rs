@@ -29,6 +29,13 @@ impl CubeRotation {
     pub const COUNT: usize = 24;
 
     /// All rotations, the identity first.
+    ///
+    /// ```
+    /// use protomer_learn::augmentation::CubeRotation;
+    /// let turns = CubeRotation::all();
+    /// assert_eq!(turns.len(), CubeRotation::COUNT);
+    /// assert_eq!(turns[0].matrix(), [[1, 0, 0], [0, 1, 0], [0, 0, 1]]);
+    /// ```
     pub fn all() -> Vec<Self> {
         const ORDERS: [[usize; 3]; 6] = [
             [0, 1, 2],
@@ -69,6 +76,14 @@ impl CubeRotation {
     }
 
     /// Index after the turn of the voxel with the index (z size + y) size + x before it.
+    ///
+    /// ```
+    /// use protomer_learn::augmentation::CubeRotation;
+    /// let turns = CubeRotation::all();
+    /// assert_eq!(turns[0].voxel(4, 17), 17);
+    /// // The middle of an odd grid stays where it is.
+    /// assert!(turns.iter().all(|turn| turn.voxel(3, 13) == 13));
+    /// ```
     pub fn voxel(&self, size: usize, voxel: usize) -> usize {
         // Coordinates z, y, x, as the index counts them.
         let before = [voxel / (size * size), voxel / size % size, voxel % size];
@@ -85,6 +100,16 @@ impl CubeRotation {
     }
 
     /// The grid turned, its voxels ascending again. The grid must pass [`SparseGrid::check`].
+    ///
+    /// ```
+    /// use protomer_learn::SparseGrid;
+    /// use protomer_learn::augmentation::CubeRotation;
+    /// let grid = SparseGrid { size: 3, channels: 1, index: vec![0, 13], values: vec![2.0, 5.0] };
+    /// let images: Vec<SparseGrid> = CubeRotation::all().iter().map(|turn| turn.sparse(&grid)).collect();
+    /// assert_eq!(images[0], grid);
+    /// // The middle stays, and the corner goes to another one.
+    /// assert!(images.iter().all(|image| image.index.contains(&13) && image.check().is_ok()));
+    /// ```
     pub fn sparse(&self, grid: &SparseGrid) -> SparseGrid {
         // Voxels after the turn, with their places before it.
         // The voxels must ascend again, and every channel is permuted in the same way: sort once.

@@ -81,6 +81,13 @@ fn slope(p: &[f64], labels: &[usize], classes: usize, weights: Option<&[f64]>, b
 }
 
 /// The probabilities at a temperature.
+///
+/// ```
+/// use protomer_learn::calibration::at_temperature;
+/// let softened = at_temperature(&[0.8, 0.2], 2, 2.0);
+/// // Roots of the probabilities: 2 to 1 instead of 4 to 1.
+/// assert!((softened[0] - 2.0 / 3.0).abs() < 1e-12);
+/// ```
 pub fn at_temperature(probabilities: &[f64], classes: usize, temperature: f64) -> Vec<f64> {
     let mut all = Vec::with_capacity(probabilities.len());
     for p in probabilities.chunks_exact(classes.max(1)) {

@@ -80,6 +80,13 @@ impl Halving {
     }
 
     /// Epochs at which losers stop, ascending. The last is that of trials that are never stopped.
+    ///
+    /// ```
+    /// use protomer_learn::halving::Halving;
+    /// assert_eq!(Halving::new(1, 50)?.rungs(), [50], "a trial alone is never stopped");
+    /// assert_eq!(Halving::new(9, 90)?.rungs(), [10, 30, 90]);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
     pub fn rungs(&self) -> Vec<usize> {
         let (mut rung, mut trials) = (self.epochs, self.trials);
         let mut rungs = vec![rung];
@@ -94,6 +101,13 @@ impl Halving {
     }
 
     /// Epochs of all trials together, at most.
+    ///
+    /// ```
+    /// use protomer_learn::halving::Halving;
+    /// // All nine for 10 epochs, three for 20 more, one for 60 more.
+    /// assert_eq!(Halving::new(9, 90)?.total_epochs(), 90 + 60 + 60);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
     pub fn total_epochs(&self) -> u64 {
         let (mut trials, mut before, mut total) = (self.trials, 0, 0);
         for rung in self.rungs() {

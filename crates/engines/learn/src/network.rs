@@ -76,6 +76,20 @@ impl NetworkSettings {
     }
 
     /// Numbers per sample that the last layer sees.
+    ///
+    /// ```
+    /// use protomer_learn::{BlockSettings, GlobalPooling, NetworkSettings};
+    /// let block = BlockSettings { width: 8, kernel: 3, groups: None, pool: true };
+    /// let mut settings = NetworkSettings {
+    ///     channels: 3,
+    ///     classes: 2,
+    ///     blocks: vec![block; 3],
+    ///     pooling: GlobalPooling::Average,
+    /// };
+    /// assert_eq!((settings.features(), settings.smallest_edge()), (8, 8));
+    /// settings.pooling = GlobalPooling::AverageAndMaximum;
+    /// assert_eq!(settings.features(), 16);
+    /// ```
     pub fn features(&self) -> usize {
         let width = self.blocks.last().map_or(0, |block| block.width);
         match self.pooling {
@@ -254,6 +268,20 @@ impl Network {
     }
 
     /// Numbers that training fits.
+    ///
+    /// ```
+    /// use protomer_learn::{BlockSettings, Device, GlobalPooling, Network, NetworkSettings};
+    /// let block = BlockSettings { width: 4, kernel: 3, groups: None, pool: true };
+    /// let settings = NetworkSettings {
+    ///     channels: 2,
+    ///     classes: 3,
+    ///     blocks: vec![block],
+    ///     pooling: GlobalPooling::Average,
+    /// };
+    /// let network = Network::new(&settings, 1, &Device::Cpu)?;
+    /// assert_eq!(network.parameter_count(), 4 * (2 * 27 + 1) + 3 * (4 + 1));
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
     pub fn parameter_count(&self) -> usize {
         self.parameters
             .iter()

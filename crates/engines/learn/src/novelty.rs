@@ -42,6 +42,15 @@ impl Seen {
     ///
     /// Clusters are compared by name. Those of another manifest may mean other structures; then a
     /// sample too many is left out, which is the safe side.
+    ///
+    /// ```
+    /// use protomer_learn::novelty::{Familiar, Seen};
+    /// let mut seen = Seen::default();
+    /// seen.add("0a1b", "lysozymes");
+    /// assert_eq!(seen.familiar("0a1b", "others"), Some(Familiar::SameFile));
+    /// assert_eq!(seen.familiar("2c3d", "lysozymes"), Some(Familiar::SameCluster));
+    /// assert_eq!(seen.familiar("2c3d", "others"), None);
+    /// ```
     pub fn familiar(&self, file_sha256: &str, cluster: &str) -> Option<Familiar> {
         if file_sha256.is_empty() {
             Some(Familiar::FileUnknown)

@@ -44,6 +44,14 @@ impl NumberClasses {
     /// At most `count` classes of about equally many of these numbers; fewer if many of them are equal.
     /// Each class stands for the mean of its numbers.
     ///
+    /// ```
+    /// use protomer_learn::number_classes::NumberClasses;
+    /// let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 3)?;
+    /// assert_eq!((classes.count(), &classes.means[..]), (3, &[1.5, 3.5, 5.5][..]));
+    /// assert!(NumberClasses::of(&[2.0, 2.0], 2).is_err(), "all are the same");
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) for a count out of [`COUNT_RANGE`], and for
     /// numbers that are not finite or all the same.
@@ -94,6 +102,14 @@ impl NumberClasses {
 
     /// The same classes, each standing for the weighted mean of those of these numbers, given with their
     /// weights, that are in it. A class without one stands for the same number as before.
+    ///
+    /// ```
+    /// use protomer_learn::number_classes::NumberClasses;
+    /// let classes = NumberClasses::of(&[1.0, 2.0, 3.0, 4.0], 2)?;
+    /// let weighted = classes.with_means_of(&[(1.0, 3.0), (2.0, 1.0)]);
+    /// assert_eq!(weighted.means, [1.25, 3.5]);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
     pub fn with_means_of(&self, weighted: &[(f64, f64)]) -> Self {
         let (mut sums, mut totals) = (vec![0.0; self.count()], vec![0.0; self.count()]);
         for (number, weight) in weighted {
@@ -124,6 +140,12 @@ impl NumberClasses {
     }
 
     /// A name for each class, in their order.
+    ///
+    /// ```
+    /// use protomer_learn::number_classes::NumberClasses;
+    /// let classes = NumberClasses { bounds: vec![1.5, 3.0], means: vec![1.0, 2.0, 4.0] };
+    /// assert_eq!(classes.names(), ["below 1.5", "1.5 to 3", "from 3"]);
+    /// ```
     pub fn names(&self) -> Vec<String> {
         let mut names = Vec::with_capacity(self.count());
         if let (Some(first), Some(last)) = (self.bounds.first(), self.bounds.last()) {
@@ -136,6 +158,12 @@ impl NumberClasses {
     }
 
     /// The numbers that probabilities predict, sample after sample.
+    ///
+    /// ```
+    /// use protomer_learn::number_classes::NumberClasses;
+    /// let classes = NumberClasses { bounds: vec![5.0], means: vec![2.0, 10.0] };
+    /// assert_eq!(classes.predicted(&[0.75, 0.25]), [4.0]);
+    /// ```
     pub fn predicted(&self, probabilities: &[f64]) -> Vec<f64> {
         let of_samples = probabilities.chunks(self.count());
         let mean = |p: &[f64]| p.iter().zip(&self.means).map(|(p, mean)| p * mean).sum();

@@ -21,6 +21,17 @@ pub(crate) const NORM_EPSILON: f64 = 1e-5;
 /// `input` is (B, C, D, H, W), `weight` (O, C, k, k, k) with k odd, `bias` (O). The patches are
 /// laid out as one matrix, k³ C rows, and multiplied by the weights.
 ///
+/// ```
+/// use candle_core::{Device, Tensor};
+/// use protomer_learn::operations::convolution3d;
+/// let ones = |shape: &[usize]| Tensor::ones(shape, candle_core::DType::F32, &Device::Cpu);
+/// let bias = Tensor::new(&[0.5_f32], &Device::Cpu)?;
+/// let sums = convolution3d(&ones(&[1, 1, 3, 3, 3])?, &ones(&[1, 1, 3, 3, 3])?, &bias)?;
+/// let sums: Vec<f32> = sums.flatten_all()?.to_vec1()?;
+/// assert_eq!((sums[13], sums[0]), (27.5, 8.5), "a corner sees eight voxels");
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
+///
 /// # Errors
 /// [`LearnError::Settings`](crate::LearnError::Settings) for an even kernel,
 /// [`LearnError::Tensor`](crate::LearnError::Tensor) for shapes that do not fit.
@@ -90,6 +101,14 @@ fn first_maximum(columns: &Tensor) -> Result<Tensor> {
 
 /// The maximum of every 2 x 2 x 2 window: (B, C, D, H, W) to (B, C, D/2, H/2, W/2), rounded down.
 ///
+/// ```
+/// use candle_core::{Device, Tensor};
+/// use protomer_learn::operations::max_pool3d;
+/// let grid = Tensor::arange(0_f32, 8.0, &Device::Cpu)?.reshape((1, 1, 2, 2, 2))?;
+/// assert_eq!(max_pool3d(&grid)?.flatten_all()?.to_vec1::<f32>()?, [7.0]);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
+///
 /// # Errors
 /// [`LearnError::Tensor`](crate::LearnError::Tensor) for an input of another rank.
 pub fn max_pool3d(input: &Tensor) -> Result<Tensor> {
@@ -102,6 +121,16 @@ pub fn max_pool3d(input: &Tensor) -> Result<Tensor> {
 ///
 /// y = weight (x - mean) / √(variance + ε) + bias, with weight and bias per channel and ε =
 /// 10⁻⁵.
+///
+/// ```
+/// use candle_core::{Device, Tensor};
+/// use protomer_learn::operations::group_norm;
+/// let grid = Tensor::new(&[1_f32, 3.0], &Device::Cpu)?.reshape((1, 1, 1, 1, 2))?;
+/// let [weight, bias] = [2_f32, 10.0].map(|number| Tensor::new(&[number], &Device::Cpu));
+/// let normal = group_norm(&grid, 1, &weight?, &bias?)?.flatten_all()?.to_vec1::<f32>()?;
+/// assert!((normal[0] - 8.0).abs() < 1e-4 && (normal[1] - 12.0).abs() < 1e-4);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 ///
 /// # Errors
 /// [`LearnError::Settings`](crate::LearnError::Settings) if the channels do not divide into the
@@ -125,6 +154,15 @@ pub fn group_norm(input: &Tensor, groups: usize, weight: &Tensor, bias: &Tensor)
 }
 
 /// The mean over all voxels: (B, C, D, H, W) to (B, C).
+///
+/// ```
+/// use candle_core::{Device, Tensor};
+/// use protomer_learn::operations::{global_average_pool, global_maximum_pool};
+/// let grid = Tensor::arange(0_f32, 8.0, &Device::Cpu)?.reshape((1, 1, 2, 2, 2))?;
+/// assert_eq!(global_average_pool(&grid)?.to_vec2::<f32>()?, [[3.5]]);
+/// assert_eq!(global_maximum_pool(&grid)?.to_vec2::<f32>()?, [[7.0]]);
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 ///
 /// # Errors
 /// [`LearnError::Tensor`](crate::LearnError::Tensor) for an input of another rank.

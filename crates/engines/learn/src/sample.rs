@@ -66,6 +66,14 @@ impl SparseGrid {
 
     /// Checks that shapes agree, indices ascend inside the grid, and every value is finite.
     ///
+    /// ```
+    /// use protomer_learn::SparseGrid;
+    /// let grid = SparseGrid { size: 2, channels: 1, index: vec![1, 7], values: vec![0.5, 0.5] };
+    /// assert!(grid.check().is_ok());
+    /// assert!(SparseGrid { index: vec![1, 8], ..grid.clone() }.check().is_err(), "there are 8 voxels");
+    /// assert!(SparseGrid { values: vec![0.5], ..grid }.check().is_err(), "a value is missing");
+    /// ```
+    ///
     /// # Errors
     /// [`LearnError::Sample`] says what is wrong.
     pub fn check(&self) -> Result<()> {

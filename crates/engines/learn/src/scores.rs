@@ -70,6 +70,16 @@ pub struct ReliabilityBin {
 impl Scores {
     /// Scores of `probabilities` (sample after sample, one number per class) against true classes.
     ///
+    /// ```
+    /// use protomer_learn::scores::Scores;
+    /// let probabilities = [0.9, 0.1, 0.6, 0.4, 0.2, 0.8];
+    /// let scores = Scores::of(&probabilities, &[0, 1, 1], 2, None)?;
+    /// assert!((scores.accuracy - 2.0 / 3.0).abs() < 1e-12);
+    /// assert!((scores.balanced_accuracy - 0.75).abs() < 1e-12, "the mean of 1 and ½");
+    /// assert_eq!(scores.confusion, [[1.0, 0.0], [1.0, 1.0]]);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if lengths disagree, a class does not
     /// exist, a number is not a probability, or there is nothing to score.
@@ -144,12 +154,24 @@ impl Scores {
     }
 
     /// Nats per sample that these probabilities gain over `baseline`, usually the prior.
+    ///
+    /// ```
+    /// use protomer_learn::scores::Scores;
+    /// let [sure, guess] = [[1.0, 0.0], [0.5, 0.5]].map(|p| Scores::of(&p, &[0], 2, None));
+    /// assert!((sure?.nats_gained_over(&guess?) - 2.0_f64.ln()).abs() < 1e-12);
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
     pub fn nats_gained_over(&self, baseline: &Self) -> f64 {
         baseline.log_loss_nats - self.log_loss_nats
     }
 }
 
 /// The class of the largest probability, the first of equals.
+///
+/// ```
+/// use protomer_learn::scores::most_probable;
+/// assert_eq!(most_probable(&[0.2, 0.4, 0.4]), 1);
+/// ```
 pub fn most_probable(probabilities: &[f64]) -> usize {
     let mut best = 0;
     for (class, p) in probabilities.iter().enumerate() {

@@ -64,6 +64,15 @@ impl Expected {
     /// Guessing has the mean 1/K and, from N clusters of equal share, the standard error
     /// sqrt((1/K)(1 - 1/K)/N): a balanced accuracy is the mean of K recalls, each over N/K
     /// clusters. Samples of one cluster count as one.
+    ///
+    /// ```
+    /// use protomer_learn::controls::Expected;
+    /// assert!(Expected::AtLeast(0.9).verdict(0.95, 2, 100).is_reached);
+    /// // The standard error of guessing is 0.05.
+    /// let guessed = Expected::Chance.verdict(0.6, 2, 100);
+    /// assert!(guessed.is_reached && (guessed.at_most - 0.65).abs() < 1e-12);
+    /// assert!(!Expected::Chance.verdict(0.7, 2, 100).is_reached);
+    /// ```
     pub fn verdict(self, balanced_accuracy: f64, classes: usize, clusters: usize) -> Verdict {
         let (at_least, at_most) = match self {
             Self::AtLeast(level) => (level, 1.0),

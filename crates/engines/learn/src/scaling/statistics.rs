@@ -48,6 +48,13 @@ fn of_sample(
 ///
 /// With the channel `solid`, voxels inside are occupied as well, and channels of the surface are 0
 /// there. The voxels that `shape` marks are then left or, without `shape`, those that are not 0.
+///
+/// ```
+/// use protomer_learn::scaling::where_defined;
+/// let channels = ["shape", "solid", "potential"].map(str::to_owned);
+/// let (shape, solid, potential) = ([1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.5, 0.0, 0.0]);
+/// assert_eq!(where_defined(&channels, &[&shape, &solid, &potential], 2), [0.5, 0.0]);
+/// ```
 pub fn where_defined(channels: &[String], values: &[&[f32]], channel: usize) -> Vec<f32> {
     let place = |name: &str| channels.iter().position(|channel| channel == name);
     let (solid, shape) = (place("solid"), place("shape"));

@@ -159,6 +159,14 @@ impl Split {
 
     /// Checks that every index exists and none stands in two parts.
     ///
+    /// ```
+    /// use protomer_learn::split::Split;
+    /// let split = Split { training: vec![0, 1], validation: vec![2], test: vec![3] };
+    /// assert!(split.check(4).is_ok());
+    /// assert!(split.check(3).is_err(), "there is no fourth sample");
+    /// assert!(Split { test: vec![0], ..split }.check(4).is_err(), "a sample in two parts");
+    /// ```
+    ///
     /// # Errors
     /// [`LearnError::Settings`] names the index.
     pub fn check(&self, samples: usize) -> Result<()> {

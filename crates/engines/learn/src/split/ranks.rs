@@ -16,6 +16,15 @@ pub fn ranks<T: Ord>(names: impl IntoIterator<Item = T>) -> Vec<u32> {
 }
 
 /// [`ranks`] of names that come one by one. Of equal names one is kept.
+///
+/// ```
+/// use protomer_learn::split::Ranks;
+/// let mut ranks = Ranks::default();
+/// for name in ["b", "a", "b"] {
+///     ranks.push(name);
+/// }
+/// assert_eq!(ranks.finish(), [1, 0, 1]);
+/// ```
 #[derive(Debug, Clone)]
 pub struct Ranks<T> {
     /// The different names, numbered as they came.

@@ -49,6 +49,15 @@ impl Target {
     /// The class of a label under this target; of a number, the number. For all but [`Target::Label`] and
     /// [`Target::Number`] the label is a space group, by number or by symbol.
     ///
+    /// ```
+    /// use protomer_learn::targets::Target;
+    /// assert_eq!(Target::SpaceGroup.of("19")?, "P212121");
+    /// assert_eq!(Target::CrystalSystem.of("P 21 21 21")?, "orthorhombic");
+    /// assert_eq!((Target::Polar.of("P 1")?, Target::Polar.of("19")?), ("polar".into(), "non-polar".into()));
+    /// assert!(Target::SpaceGroup.of("P -1").is_err(), "a mirror image");
+    /// # Ok::<(), protomer_learn::LearnError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`LearnError::Settings`](crate::LearnError::Settings) if no crystal of a protein can have
     /// this space group, and if the label is not a finite number.
@@ -73,6 +82,13 @@ impl Target {
 }
 
 /// The number that a label is.
+///
+/// ```
+/// use protomer_learn::targets::number;
+/// assert_eq!(number(" 2.5 ")?, 2.5);
+/// assert!(number("large").is_err() && number("inf").is_err());
+/// # Ok::<(), protomer_learn::LearnError>(())
+/// ```
 ///
 /// # Errors
 /// [`LearnError::Settings`](crate::LearnError::Settings) if it is not a finite number.
