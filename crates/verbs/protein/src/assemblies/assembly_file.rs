@@ -65,6 +65,13 @@ pub struct BodyEntry {
 }
 
 /// One body of the assembly.
+///
+/// ```
+/// use protomer_kernel::Pose;
+/// use protomer_protein_verbs::assemblies::assembly_file::Placement;
+/// let placement = Placement::new("6mdr_A", &Pose::identity());
+/// assert_eq!(placement.orientation_wxyz, [1.0, 0.0, 0.0, 0.0], "scalar first");
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Placement {

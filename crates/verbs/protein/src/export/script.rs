@@ -26,6 +26,13 @@ struct Copy<'a> {
 
 impl Viewer {
     /// The script's path: that of the structure file with another extension.
+    ///
+    /// ```
+    /// use protomer_protein_verbs::export::Viewer;
+    /// use std::path::Path;
+    /// let script = Viewer::Chimerax.path_beside(Path::new("out/ring.cif"));
+    /// assert_eq!(script, Path::new("out/ring.cxc"));
+    /// ```
     pub fn path_beside(self, structure: &Path) -> PathBuf {
         structure.with_extension(match self {
             Self::Chimerax => "cxc",

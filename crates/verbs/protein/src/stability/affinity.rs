@@ -38,6 +38,17 @@ pub const ERROR_KCAL_PER_MOL: f64 = 1.63;
 const CALIBRATED_CONTACTS: [f64; 2] = [29.0, 124.0];
 
 /// The contacts between the residues of two bodies, as the estimate counts them.
+///
+/// ```
+/// use protomer_protein_verbs::stability::affinity::ContactAffinity;
+/// let affinity = ContactAffinity {
+///     contacts: 60.0,
+///     polar_contacts: 4.0,
+///     attraction_kcal_per_mol: -5.0,
+/// };
+/// assert!((affinity.delta_g_kcal_per_mol() - (-5.01 - 5.0 + 4.0 * 0.251)).abs() < 1e-12);
+/// assert_eq!(affinity.warning(), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct ContactAffinity {
     /// Sum of s over all pairs of amino acids.
@@ -89,6 +100,12 @@ impl ContactAffinity {
     }
 
     /// A warning for an interface that is smaller or larger than all those of the fit.
+    ///
+    /// ```
+    /// use protomer_protein_verbs::stability::affinity::ContactAffinity;
+    /// let few = ContactAffinity { contacts: 5.0, ..ContactAffinity::default() };
+    /// assert!(few.warning().is_some_and(|warning| warning.contains("5 contacts of residues")));
+    /// ```
     pub fn warning(&self) -> Option<String> {
         let [fewest, most] = CALIBRATED_CONTACTS;
         (!(fewest..=most).contains(&self.contacts)).then(|| {

@@ -63,6 +63,17 @@ impl ContactTerm {
     }
 
     /// Description of the contact term in one line.
+    ///
+    /// ```
+    /// use protomer_body::residue_contacts::ContactScale;
+    /// use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
+    /// let term = ContactTerm {
+    ///     scale: ContactScale::Calvados3,
+    ///     strength: 0.75,
+    ///     core: ContactCore::Surface,
+    /// };
+    /// assert_eq!(term.describe(), "contacts calvados3 × 0.75");
+    /// ```
     pub fn describe(&self) -> String {
         let core = match self.core {
             ContactCore::Surface => "",

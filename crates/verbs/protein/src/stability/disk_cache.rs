@@ -30,6 +30,17 @@ const PARTIAL_ENDING: &str = ".partial";
 const ABANDONED_AFTER: Duration = Duration::from_secs(24 * 3600);
 
 /// A folder of entries.
+///
+/// ```
+/// use protomer_protein_verbs::stability::disk_cache::DiskCache;
+/// use std::io::read_to_string;
+/// # let folder = tempfile::tempdir()?;
+/// let cache = DiskCache::new(folder.path());
+/// assert_eq!(cache.load("answer", |file| read_to_string(file))?, None);
+/// cache.store("answer", |file| write!(file, "42"))?;
+/// assert_eq!(cache.load("answer", |file| read_to_string(file))?, Some("42".to_owned()));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct DiskCache {
     folder: PathBuf,

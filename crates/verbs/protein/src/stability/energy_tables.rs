@@ -287,6 +287,11 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Bytes as people write them: `1.25 GB`, `37 MB`, `640 kB`.
+///
+/// ```
+/// use protomer_protein_verbs::stability::energy_tables::in_units;
+/// assert_eq!([1_250_000_000, 37_000_000, 640_000].map(in_units), ["1.25 GB", "37 MB", "640 kB"]);
+/// ```
 pub fn in_units(bytes: u64) -> String {
     match bytes {
         1_000_000_000.. => format!("{:.2} GB", bytes as f64 * 1e-9),

@@ -9,6 +9,14 @@ use protomer_kernel::potential::Yukawa;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the interaction that stay the same while the salt varies.
+///
+/// ```
+/// use protomer_protein_verbs::stability::interaction::InteractionSettings;
+/// let warm = InteractionSettings { temperature_kelvin: 310.15, ..InteractionSettings::default() };
+/// let electrolyte = warm.interaction(Some(0.15))?.electrolyte;
+/// assert!((electrolyte.relative_permittivity() - 74.15).abs() < 0.01);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct InteractionSettings {
@@ -76,6 +84,15 @@ impl InteractionSettings {
     /// The interaction at a salt concentration (mol/L); the salt may be left out if the Debye
     /// length is stated.
     ///
+    /// ```
+    /// use protomer_protein_verbs::stability::interaction::InteractionSettings;
+    /// let settings = InteractionSettings::default();
+    /// assert!(settings.interaction(None).is_err(), "the salt is missing");
+    /// let stated = InteractionSettings { debye_length_angstrom: Some(9.6), ..settings };
+    /// assert_eq!(stated.interaction(None)?.electrolyte.debye_length_angstrom(), 9.6);
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Names the quantity that is missing or out of range.
     pub fn interaction(&self, salt_molar: Option<f64>) -> Result<ScreenedCoulomb> {
@@ -139,6 +156,14 @@ impl InteractionSettings {
 impl ScreenedCoulomb {
     /// The pair potential.
     ///
+    /// ```
+    /// use protomer_protein_verbs::stability::interaction::InteractionSettings;
+    /// let settings = InteractionSettings { cutoff_angstrom: Some(48.0), ..InteractionSettings::default() };
+    /// let yukawa = settings.interaction(Some(0.1))?.yukawa()?;
+    /// assert_eq!((yukawa.cutoff_angstrom, yukawa.energy_kt(48.0)), (48.0, 0.0));
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// If a length is out of range.
     pub fn yukawa(&self) -> Result<Yukawa> {
@@ -167,6 +192,17 @@ impl ScreenedCoulomb {
     }
 
     /// Cut-off of the interaction, in words.
+    ///
+    /// ```
+    /// use protomer_protein_verbs::stability::interaction::InteractionSettings;
+    /// let words = |cutoff_angstrom| {
+    ///     let settings = InteractionSettings { cutoff_angstrom, ..InteractionSettings::default() };
+    ///     settings.interaction(Some(0.1)).map(|interaction| interaction.definition())
+    /// };
+    /// assert_eq!(words(None)?, "no cut-off");
+    /// assert_eq!(words(Some(48.0))?, "cut at 48 Å, not shifted");
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
     pub fn definition(&self) -> String {
         match self.cutoff_angstrom.is_finite() {
             true => format!("cut at {} Å, not shifted", self.cutoff_angstrom),

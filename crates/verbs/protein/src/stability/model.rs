@@ -24,6 +24,14 @@ use std::sync::Arc;
 pub const OWN_TERMS: &str = "own terms";
 
 /// A named model.
+///
+/// ```
+/// use protomer_body::HardCore;
+/// use protomer_protein_verbs::stability::model::Model;
+/// let names: Vec<&str> = Model::ALL.into_iter().map(Model::name).collect();
+/// assert_eq!(names, ["natural-1", "solution-1", "solution-2", "thesis"]);
+/// assert_eq!((Model::Thesis.core(), Model::Thesis.contacts()), (HardCore::Surface, None));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
     /// Model for complexes with native contacts.
@@ -56,6 +64,12 @@ impl Model {
     }
 
     /// Attraction between residues.
+    ///
+    /// ```
+    /// use protomer_protein_verbs::stability::model::Model;
+    /// let strength = |model: Model| model.contacts().map(|term| term.strength);
+    /// assert_eq!((strength(Model::Natural1), strength(Model::Solution1)), (Some(1.9), Some(0.75)));
+    /// ```
     pub fn contacts(self) -> Option<ContactTerm> {
         let calvados = |strength| ContactTerm {
             scale: ContactScale::Calvados3,

@@ -54,6 +54,13 @@ impl PhRange {
     }
 
     /// The values of the pH of the curve, ascending.
+    ///
+    /// ```
+    /// use protomer_protein_verbs::titration::PhRange;
+    /// let range: PhRange = "4..5".parse()?;
+    /// assert_eq!(range.curve(), [4.0, 4.25, 4.5, 4.75, 5.0]);
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
     pub fn curve(&self) -> Vec<f64> {
         let step = (self.last - self.first) / (self.values - 1) as f64;
         let mut values = Vec::with_capacity(self.values);

@@ -23,6 +23,15 @@ use protomer_kernel::{Electrolyte, null};
 use serde::{Deserialize, Serialize};
 
 /// The inside of bodies, for effective charges.
+///
+/// ```
+/// use protomer_kernel::Electrolyte;
+/// use protomer_protein_verbs::stability::effective::SoluteModel;
+/// let solute = SoluteModel { inner_permittivity: 10.0, ..SoluteModel::default() };
+/// let dielectric = solute.dielectric(Electrolyte::in_water(298.15, 0.1)?);
+/// assert_eq!((dielectric.inner_permittivity, dielectric.ion_radius_angstrom), (10.0, 2.0));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SoluteModel {

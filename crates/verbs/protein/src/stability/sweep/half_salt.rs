@@ -59,6 +59,16 @@ impl Crossing {
 /// (least squares), between them linear in the logarithm of the salt. The interval comes from curves
 /// drawn within the errors, which may fall anywhere between two points: of a fraction that falls from
 /// one to zero, they say no more than that. `None` if the curve does not cross one half.
+///
+/// ```
+/// use protomer_protein_verbs::stability::sweep::half_salt::{FractionAt, half_salt};
+/// let points = [(0.01, 1.0), (0.1, 0.75), (1.0, 0.25)];
+/// let points = points.map(|(salt_molar, fraction)| FractionAt { salt_molar, fraction, error: 0.0 });
+/// let half = half_salt(&points, 1);
+/// // Half-way between 0.1 M and 1 M on the logarithmic axis.
+/// assert!(half.is_some_and(|half| (half.salt_molar - 0.1 * 10_f64.sqrt()).abs() < 1e-9));
+/// assert_eq!(half_salt(&points[..2], 1), None, "it has not fallen to one half");
+/// ```
 pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
     let mut points = points.to_vec();
     // A salt whose runs left no number says nothing of the curve.
@@ -93,6 +103,13 @@ pub fn half_salt(points: &[FractionAt], seed: u64) -> Option<HalfSalt> {
 
 /// The salt at which the fraction is one half, mol/L, without an interval; for points in the order
 /// of the salt.
+///
+/// ```
+/// use protomer_protein_verbs::stability::sweep::half_salt::{FractionAt, crossing_molar};
+/// let points = [(0.01, 0.9), (1.0, 0.1)];
+/// let points = points.map(|(salt_molar, fraction)| FractionAt { salt_molar, fraction, error: 0.1 });
+/// assert!(crossing_molar(&points).is_some_and(|salt_molar| (salt_molar - 0.1).abs() < 1e-9));
+/// ```
 pub fn crossing_molar(points: &[FractionAt]) -> Option<f64> {
     let fractions: Vec<f64> = points.iter().map(|point| point.fraction).collect();
     if fractions.iter().any(|fraction| !fraction.is_finite()) {
