@@ -104,6 +104,17 @@ protomer_common::settings! {
 impl DynamicsSettings {
     /// Checks the numbers, and what depends on several of them.
     ///
+    /// ```
+    /// use protomer_shape_verbs::dynamics::settings::{DynamicsSettings, EnsembleName};
+    /// let settings = DynamicsSettings {
+    ///     shape: "cube".into(),
+    ///     ensemble: EnsembleName::Npt,
+    ///     ..DynamicsSettings::default()
+    /// };
+    /// let message = settings.check().map_err(|error| error.to_string());
+    /// assert_eq!(message, Err("--ensemble npt needs a --pressure".to_owned()));
+    /// ```
+    ///
     /// # Errors
     /// Names the setting and what it may be.
     pub fn check(&self) -> Result<()> {
@@ -153,6 +164,17 @@ impl DynamicsSettings {
     }
 
     /// The ensemble of the run.
+    ///
+    /// ```
+    /// use protomer_md::bath::Ensemble;
+    /// use protomer_shape_verbs::dynamics::settings::{DynamicsSettings, EnsembleName};
+    /// let settings = DynamicsSettings {
+    ///     ensemble: EnsembleName::Langevin,
+    ///     temperature: 0.5,
+    ///     ..DynamicsSettings::default()
+    /// };
+    /// assert_eq!(settings.ensemble(), Ensemble::Langevin { temperature: 0.5, friction: 1.0 });
+    /// ```
     pub fn ensemble(&self) -> Ensemble {
         let (temperature, friction) = (self.temperature, self.friction);
         match self.ensemble {

@@ -157,6 +157,16 @@ pub(crate) fn half_axes(name: &str) -> Result<Option<Vec<f64>>> {
 /// The convex shape of a file (corners of a polygon, two columns; points in space, three columns, which stand for
 /// their hull; or a mesh), or the shape of this name. Every shape file enters here.
 ///
+/// ```
+/// use protomer_shape_verbs::shapes::read_shape;
+/// # let folder = tempfile::tempdir()?;
+/// assert_eq!(read_shape("cube")?.corners(), 8);
+/// let file = folder.path().join("triangle.txt");
+/// std::fs::write(&file, "0 0\n1 0\n0 1 # the last corner\n")?;
+/// assert_eq!(read_shape(&file.to_string_lossy())?.corners(), 3);
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+///
 /// # Errors
 /// Names the file and the line, or lists the names; refuses what is not convex.
 pub fn read_shape(file_or_name: &str) -> Result<Shape> {
