@@ -25,6 +25,11 @@ pub mod tables;
 mod text;
 
 /// Names of the axes of two- and three-dimensional networks.
+///
+/// ```
+/// use protomer_linkage_verbs::frameworks::{axes, strain_names};
+/// assert_eq!((axes(2), strain_names(2)), (&["y", "z"][..], &["yy", "zz", "yz"][..]));
+/// ```
 pub fn axes(dimension: usize) -> &'static [&'static str] {
     if dimension == 2 {
         &["y", "z"]

@@ -471,6 +471,11 @@ pub fn field(moduli: &AxialModuli, key: &str) -> Option<f64> {
 }
 
 /// Label of a key of [`Report::moduli`]: `e_y_gpa` becomes `E_y (GPa)`.
+///
+/// ```
+/// use protomer_linkage_verbs::frameworks::report::label;
+/// assert_eq!(["e_y_gpa", "nu_yz"].map(label), ["E_y (GPa)", "ν_yz"]);
+/// ```
 pub fn label(key: &str) -> String {
     let unit = if key.ends_with("_gpa") { " (GPa)" } else { "" };
     let name = key

@@ -123,6 +123,12 @@ protomer_kernel::choices! {
 
 impl Start {
     /// Angle of the start, radians.
+    ///
+    /// ```
+    /// use protomer_linkage_verbs::lattice::settings::{NamedStart, Start};
+    /// assert_eq!(Start::Named(NamedStart::Open).angle_rad(), std::f64::consts::FRAC_PI_4);
+    /// assert_eq!(Start::Angle(0.3).angle_rad(), 0.3);
+    /// ```
     pub fn angle_rad(self) -> f64 {
         match self {
             Start::Named(NamedStart::Open) => FRAC_PI_4,
