@@ -35,6 +35,13 @@ impl Origin {
     }
 
     /// Number of structures of the manifest that are missing here.
+    ///
+    /// ```
+    /// use protomer_learn_verbs::voxels::origin::Origin;
+    /// use protomer_results::Shard;
+    /// let part = Origin::new("0a1b", 100, Shard { index: 2, of: 8 }, 12);
+    /// assert_eq!((part.missing(), &part.parts[..]), (88, &["2/8".to_owned()][..]));
+    /// ```
     pub fn missing(&self) -> usize {
         self.structures
             .map_or(0, |structures| structures.saturating_sub(self.present))
@@ -68,6 +75,14 @@ pub fn origins(reader: &SetReader) -> Result<Vec<Origin>> {
 }
 
 /// The manifests of several sets, each once, in order of appearance.
+///
+/// ```
+/// use protomer_learn_verbs::voxels::origin::{Origin, joined};
+/// use protomer_results::Shard;
+/// let half = |index| Origin::new("0a1b", 100, Shard { index, of: 2 }, 50);
+/// let whole = joined([half(1), half(2)].into_iter());
+/// assert_eq!((whole.len(), whole[0].missing(), &whole[0].parts[0][..]), (1, 0, "1/1"));
+/// ```
 pub fn joined(all: impl Iterator<Item = Origin>) -> Vec<Origin> {
     let mut manifests: Vec<Origin> = Vec::new();
     for next in all {

@@ -28,6 +28,14 @@ pub enum Fit {
 impl Spacing {
     /// Parses a length in Å, or `fit`.
     ///
+    /// ```
+    /// use protomer_learn_verbs::voxels::{Fit, Spacing};
+    /// assert_eq!(Spacing::parse("0.1nm")?, Spacing::Angstrom(1.0));
+    /// assert_eq!(Spacing::parse("fit")?, Spacing::Fit(Fit::Fit));
+    /// assert!(Spacing::parse("fill").is_err());
+    /// # Ok::<(), anyhow::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Quotes the input and gives the accepted form.
     pub fn parse(text: &str) -> Result<Self> {
