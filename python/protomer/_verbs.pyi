@@ -52,6 +52,7 @@ __all__ = [
     "inspect",
     "binding",
     "pair",
+    "stability",
     "simulate",
     "sweep",
     "residues",
@@ -952,6 +953,51 @@ def pair(
     """Compute the thermodynamics of two bodies over a grid of salt and pH: second virial coefficient,
     potential of mean force, dissociation constant, bound poses. The same command continues work that
     was stopped."""
+
+def stability(
+    inputs: Path | str | Assembly | Sequence[Path | str | Assembly],
+    *,
+    body: str | float | Sequence[str | float] | None = None,
+    output: Path | str | None = None,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    concentration: str | float | Sequence[str | float] | None = None,
+    ph: float | str | Sequence[float | str] | NDArray[np.float64] | None = None,
+    protonation: Literal["water", "structure"] | None = None,
+    anion_binding: float | str | None = None,
+    temperature: float | str | None = None,
+    model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: float | str | None = None,
+    contact_gap: float | str | None = None,
+    parts: int | str | None = None,
+    live_states: int | str | None = None,
+    runs: int | str | None = None,
+    seed: int | str | None = None,
+    shard: str | float | Sequence[str | float] | None = None,
+    chain: str | float | Sequence[str | float] | None = None,
+    residues: str | float | Sequence[str | float] | None = None,
+    assembly: str | float | Sequence[str | float] | None = None,
+    altloc: str | float | Sequence[str | float] | None = None,
+    keep_ligands: bool = False,
+    keep_waters: bool = False,
+    keep_hydrogens: bool = False,
+    keep_nucleic_acids: bool = False,
+    missing: Literal["keep", "skip", "fail"] | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    memory_limit: int | str | None = None,
+    no_cache: bool = False,
+    structure_model: int | str | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    client: Client | str | None = None,
+    parts: int | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> Result:
+    """Say how much of an assembly there is at equilibrium, up to which salt: yields of the whole and of
+    its parts by mass action over their partition functions. The same command continues work that was
+    stopped."""
 
 def simulate(
     assembly: Path | str | Assembly,

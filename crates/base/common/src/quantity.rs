@@ -129,6 +129,52 @@ pub fn salt_list(text: &str) -> Result<Vec<f64>> {
     Ok(salts)
 }
 
+/// Parses concentrations of bodies in mol/L from a comma-separated list such as `100nM,1uM,10uM`.
+///
+/// # Errors
+/// Names the item of the list that cannot be parsed; also for a concentration of zero, or more than any solution has.
+///
+/// ```
+/// use protomer_common::quantity::concentration_list;
+/// assert_eq!(concentration_list("100nM,1uM")?, [1e-7, 1e-6]);
+/// let error = concentration_list("0").unwrap_err();
+/// assert!(error.to_string().starts_with("without bodies there is no equilibrium"));
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn concentration_list(text: &str) -> Result<Vec<f64>> {
+    text.split(',').map(concentration_molar).collect()
+}
+
+fn concentration_molar(text: &str) -> Result<f64> {
+    const UNITS: [(&str, i32); 7] = [
+        ("pM", -12),
+        ("nM", -9),
+        ("uM", -6),
+        ("µM", -6),
+        ("mM", -3),
+        ("M", 0),
+        ("", 0),
+    ];
+    const MOST_MOLAR: f64 = 1.0;
+    let molar = parse(text, "a concentration", &UNITS, "1uM or 50nM")?;
+    let number = text.trim();
+    if molar == 0.0 {
+        bail!(
+            "without bodies there is no equilibrium; give a concentration above zero, such as 1uM"
+        );
+    }
+    if !number.ends_with('M') {
+        bail!("{number} what? write {number}uM or {number}nM");
+    }
+    if !(molar > 0.0 && molar <= MOST_MOLAR) {
+        bail!(
+            "the concentration '{number}' is that of no solution of proteins; give one above zero and up to \
+             {MOST_MOLAR} M, such as 1uM"
+        );
+    }
+    Ok(molar)
+}
+
 /// Parses angles in degrees from a comma-separated list of values and ranges. A range `0..90/7` is seven
 /// values spaced evenly.
 ///

@@ -23,6 +23,10 @@ pub enum ResultKind {
     Pair,
     /// Two bodies at one salt and pH.
     PairCondition,
+    /// The equilibrium of an assembly and its parts over salt and pH.
+    Equilibrium,
+    /// An assembly and its parts at one salt and pH.
+    EquilibriumCondition,
     /// The pKa values and the titration curve of a structure.
     Titration,
     /// A run of many hard convex bodies.
@@ -99,6 +103,18 @@ const KINDS: &[Words] = &[
         ResultKind::PairCondition,
         "pair condition",
         "two bodies at one salt and pH",
+        &[],
+    ),
+    words(
+        ResultKind::Equilibrium,
+        "equilibrium",
+        "the equilibrium of an assembly",
+        &["stability"],
+    ),
+    words(
+        ResultKind::EquilibriumCondition,
+        "equilibrium condition",
+        "an assembly at one salt and pH",
         &[],
     ),
     words(

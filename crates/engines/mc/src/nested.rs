@@ -29,6 +29,11 @@ pub(crate) trait Space: Sync {
     /// The end of a step that leaves the prior as it is.
     fn step(&self, step: &Step<'_, Self::State>, rng: &mut CounterRng) -> Stepped<Self::State>;
 
+    /// States that are tried for the first live ones, for each of them.
+    fn most_tries(&self) -> u64 {
+        MOST_TRIES
+    }
+
     /// Accepted steps that a walk should have.
     fn wanted_steps(&self) -> f64 {
         WANTED_STEPS
@@ -62,7 +67,7 @@ pub(crate) enum Stepped<S> {
 pub(crate) struct Live<S> {
     /// The state.
     pub state: S,
-    /// Its energy, kT.
+    /// Energy of the state, kT.
     pub energy_kt: f64,
     /// Random mark that tells equal energies apart.
     mark: f64,
@@ -189,7 +194,7 @@ fn first_states<S: Space>(
     let mut tries = 0;
     while live.len() < count {
         // No room within the prior, or asked to stop.
-        if tries > MOST_TRIES * count as u64 || !goes_on() {
+        if tries > space.most_tries() * count as u64 || !goes_on() {
             return None;
         }
         tries += 1;

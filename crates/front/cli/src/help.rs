@@ -15,6 +15,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
     (
         "Stability",
         &[
+            "stability",
             "simulate",
             "sweep",
             "residues",
@@ -151,6 +152,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "compare spin_0 spin_90 -o spins.svg",
             "compare stability --title Ring -o ring.png",
+        ],
+    ),
+    (
+        "stability",
+        [
+            "stability 4hhb.cif.gz --salt 50mM,150mM,500mM --concentration 1uM",
+            "stability 6mdr/assembly.json --salt 50mM..1M/6 --concentration 100nM,1uM -o yields",
         ],
     ),
     (

@@ -7,10 +7,11 @@ use super::wells::square_displacement;
 use nalgebra::{UnitQuaternion, Vector6};
 use protomer_kernel::random::CounterRng;
 use protomer_kernel::{Pose, Vec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Poses around one, by displacement (Å) and rotation vector (rad).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Region {
     /// The pose in the middle.
     pub about: Pose,

@@ -9,6 +9,8 @@ pub struct PlacedBody {
     pub species: usize,
     /// Pose in the assembly.
     pub pose: Pose,
+    /// Pose of the frame that all bodies of the species share; that of the body unless copies have frames of their own.
+    pub frame: Pose,
     /// Square of the radius of gyration of its volume, Å².
     pub square_of_gyration_angstrom2: f64,
 }
@@ -59,7 +61,7 @@ impl Arrangement {
             .iter()
             .filter(|image| self.bodies[**image].species == first.species);
         // A body has no symmetry itself, so its image says which motion is meant.
-        let motions = images.map(|image| first.pose.inverse().then(&self.bodies[*image].pose));
+        let motions = images.map(|image| first.frame.inverse().then(&self.bodies[*image].frame));
         motions
             .filter(|motion| self.maps(motion, from, onto, tolerance_angstrom))
             .count()
@@ -69,11 +71,11 @@ impl Arrangement {
     fn maps(&self, motion: &Pose, from: &[usize], onto: &[usize], tolerance_angstrom: f64) -> bool {
         let mut is_met = vec![false; onto.len()];
         for body in from {
-            let moved = self.bodies[*body].pose.then(motion);
+            let moved = self.bodies[*body].frame.then(motion);
             let met = onto.iter().position(|image| {
                 let image = &self.bodies[*image];
-                let angle_rad = image.pose.rotation.angle_to(&moved.rotation);
-                let square = (image.pose.position - moved.position).norm_squared()
+                let angle_rad = image.frame.rotation.angle_to(&moved.rotation);
+                let square = (image.frame.position - moved.position).norm_squared()
                     + image.square_of_gyration_angstrom2 * angle_rad.powi(2);
                 image.species == self.bodies[*body].species && square < tolerance_angstrom.powi(2)
             });

@@ -5,12 +5,39 @@ use crate::nested::step_scale;
 use crate::pair::region::{Region, density};
 use protomer_kernel::Pose;
 use protomer_kernel::random::CounterRng;
+use serde::{Deserialize, Serialize};
 
-/// Energy of two bodies of an assembly at these poses, kT; `None` at overlap.
-pub(super) type EnergyOfBodies<'a> = dyn Fn(usize, usize, &Pose, &Pose) -> Option<f64> + Sync + 'a;
+/// Overlaps and energies of the bodies of an assembly, by their numbers.
+pub trait BodyEnergies: Sync {
+    /// Whether two bodies overlap at these poses.
+    fn overlap(&self, first: usize, second: usize, first_pose: &Pose, second_pose: &Pose) -> bool;
+
+    /// Energy of two bodies at these poses, at which they do not overlap, kT.
+    fn energy_kt(&self, first: usize, second: usize, first_pose: &Pose, second_pose: &Pose) -> f64;
+}
+
+/// Energies of a body at a pose with others at theirs, kT; `None` if it overlaps one of them.
+pub(super) fn energies_with_kt<'a>(
+    energies: &dyn BodyEnergies,
+    (body, pose): (usize, &Pose),
+    others: impl Iterator<Item = (usize, &'a Pose)> + Clone,
+) -> Option<Vec<f64>> {
+    // Overlaps first: half of the trial poses have one, and an overlap costs less than an energy.
+    let overlaps = |(other, other_pose): (usize, &Pose)| {
+        other != body && energies.overlap(body, other, pose, other_pose)
+    };
+    if others.clone().any(overlaps) {
+        return None;
+    }
+    let energy_kt = |(other, other_pose): (usize, &Pose)| match other == body {
+        true => 0.0,
+        false => energies.energy_kt(body, other, pose, other_pose),
+    };
+    Some(others.map(energy_kt).collect())
+}
 
 /// Poses of the bodies of a part.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Configuration {
     /// Poses, in the order of the bodies of the part.
     pub poses: Vec<Pose>,
@@ -76,16 +103,16 @@ impl Configuration {
 pub(super) struct Moved {
     /// Number of the body in the part.
     pub body: usize,
-    /// Its new pose.
+    /// New pose of the body.
     pub pose: Pose,
-    /// Its energies with the other bodies, kT.
+    /// Energies of the body with the others, kT.
     pub energies_kt: Vec<f64>,
 }
 
 /// A part whose bodies move, each within the limit of the body that it is attached to.
 pub(super) struct Flexible<'a> {
     part: &'a PartKind,
-    energy_kt: &'a EnergyOfBodies<'a>,
+    energies: &'a dyn BodyEnergies,
     /// Poses of each body about that in the assembly, in the frame of the body that it is attached to; the first body has
     /// the frame of the second, for differences only.
     regions: Vec<Region>,
@@ -93,7 +120,7 @@ pub(super) struct Flexible<'a> {
 
 impl<'a> Flexible<'a> {
     /// A part with the regions of its bodies, from the second on.
-    pub fn new(part: &'a PartKind, attached: &[Region], energy_kt: &'a EnergyOfBodies<'a>) -> Self {
+    pub fn new(part: &'a PartKind, attached: &[Region], energies: &'a dyn BodyEnergies) -> Self {
         let mut regions = Vec::with_capacity(part.bodies.len());
         if let Some(second) = attached.first() {
             regions.push(Region {
@@ -104,7 +131,7 @@ impl<'a> Flexible<'a> {
         regions.extend_from_slice(attached);
         Self {
             part,
-            energy_kt,
+            energies,
             regions,
         }
     }
@@ -166,14 +193,45 @@ impl<'a> Flexible<'a> {
 
     /// Energies of a body at a pose with all others of the part, kT; `None` at overlap.
     fn energies_kt(&self, poses: &[Pose], body: usize, pose: &Pose) -> Option<Vec<f64>> {
-        let energy_kt = |(other, other_pose): (usize, &Pose)| match other == body {
-            true => Some(0.0),
-            false => {
-                let bodies = &self.part.bodies;
-                (self.energy_kt)(bodies[body], bodies[other], pose, other_pose)
-            }
-        };
-        poses.iter().enumerate().map(energy_kt).collect()
+        let others = self.part.bodies.iter().copied().zip(poses);
+        energies_with_kt(self.energies, (self.part.bodies[body], pose), others)
+    }
+
+    /// Weights of configurations of another medium in this one.
+    pub fn weights_in_another_medium(&self, configurations: &[Configuration]) -> Weights {
+        let (mut logs, mut energies_kt) = (Vec::new(), Vec::new());
+        let mut changed = Vec::with_capacity(configurations.len());
+        for before in configurations {
+            let after = self.in_this_medium(before);
+            let after_kt = after
+                .as_ref()
+                .map_or(f64::INFINITY, Configuration::energy_kt);
+            logs.push(before.energy_kt() - after_kt);
+            energies_kt.push(after_kt);
+            changed.push(after);
+        }
+        // The largest first, so that no exponential overflows.
+        let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let factors: Vec<f64> = logs.iter().map(|log| (log - largest).exp()).collect();
+        let mean = factors.iter().sum::<f64>() / factors.len() as f64;
+        Weights {
+            shares: factors.iter().map(|factor| factor / mean).collect(),
+            ln_mean: largest + mean.ln(),
+            energies_kt,
+            configurations: changed,
+        }
+    }
+
+    /// A configuration of another medium with the energies of this one; `None` at overlap.
+    fn in_this_medium(&self, before: &Configuration) -> Option<Configuration> {
+        let mut energies_kt = Vec::with_capacity(before.energies_kt.len());
+        for (body, pose) in before.poses.iter().enumerate() {
+            energies_kt.extend(self.energies_kt(&before.poses, body, pose)?);
+        }
+        Some(Configuration {
+            poses: before.poses.clone(),
+            energies_kt,
+        })
     }
 
     /// Lets configurations forget each other: each body of each is moved this many times.
@@ -203,5 +261,34 @@ impl<'a> Flexible<'a> {
                 }
             }
         }
+    }
+}
+
+/// Configurations of one medium in another.
+pub(super) struct Weights {
+    /// Weight of each configuration, one on average.
+    pub shares: Vec<f64>,
+    /// ln < exp(-ΔU) >.
+    pub ln_mean: f64,
+    /// Energies in the other medium, kT; infinite at overlap.
+    pub energies_kt: Vec<f64>,
+    /// Configurations with the energies of the other medium; `None` at overlap.
+    configurations: Vec<Option<Configuration>>,
+}
+
+impl Weights {
+    /// Configurations drawn by their weights, as many as there were, by equal steps from a random start between zero and
+    /// one: this adds the least noise.
+    pub fn drawn(&self, start: f64) -> Vec<Configuration> {
+        let (mut drawn, mut passed) = (Vec::with_capacity(self.shares.len()), 0.0);
+        let mut taken = 0_u32;
+        for (share, configuration) in self.shares.iter().zip(&self.configurations) {
+            passed += share;
+            while f64::from(taken) + start < passed && (taken as usize) < self.shares.len() {
+                taken += 1;
+                drawn.extend(configuration.clone());
+            }
+        }
+        drawn
     }
 }

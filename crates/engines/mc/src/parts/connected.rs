@@ -46,11 +46,8 @@ const SAME_ENERGY: f64 = 0.2;
 /// // Four bodies around an axis: a single body, a pair, three, and the ring.
 /// let body = |number: f64| {
 ///     let turn = Rotation::new(Vec3::z() * (std::f64::consts::FRAC_PI_2 * number));
-///     PlacedBody {
-///         species: 0,
-///         pose: Pose { position: turn * Vec3::new(20.0, 0.0, 0.0), rotation: turn },
-///         square_of_gyration_angstrom2: 100.0,
-///     }
+///     let pose = Pose { position: turn * Vec3::new(20.0, 0.0, 0.0), rotation: turn };
+///     PlacedBody { species: 0, pose, frame: pose, square_of_gyration_angstrom2: 100.0 }
 /// };
 /// let neighbours: Vec<Vec<usize>> = (0..4).map(|i| vec![(i + 1) % 4, (i + 3) % 4]).collect();
 /// let energy = |i: usize, j: usize| if neighbours[i].contains(&j) { -10.0 } else { 0.0 };

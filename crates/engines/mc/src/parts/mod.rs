@@ -30,8 +30,9 @@ mod growth;
 mod mass_action;
 
 pub use arrangement::{Arrangement, PlacedBody};
+pub use configuration::BodyEnergies;
 pub use connected::{ConnectedParts, PartKind, connected_parts};
-pub use growth::{Attached, GrowthSettings, PartSamples, attach, free_body};
+pub use growth::{Attached, GrowthSettings, PartSamples, Weighted, attach, free_body};
 pub use mass_action::{Species, free_concentrations, species_concentrations};
 
 #[cfg(test)]

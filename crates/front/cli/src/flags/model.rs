@@ -13,7 +13,7 @@ use protomer_protein_verbs::stability::run::RunSettings;
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ModelArgs {
     /// Model of the interactions between the bodies; other flags change single terms of it
-    /// [default: none; natural-1 for binding].
+    /// [default: none; natural-1 for binding and stability].
     #[arg(long, value_enum)]
     pub model: Option<ModelChoice>,
 }

@@ -12,7 +12,7 @@ pub const SALT: &str = "salt";
 /// The keyword for the salt concentration as numbers, mol/L.
 const SALT_MOLAR: &str = "salt_molar";
 /// Files that may also be objects: verb, argument, class.
-const OBJECTS: [(&str, &str, &str); 20] = [
+const OBJECTS: [(&str, &str, &str); 21] = [
     ("assemble ring", "bodies", "Body"),
     ("assemble fluid", "bodies", "Body"),
     ("candidates", "bodies", "Body"),
@@ -30,6 +30,7 @@ const OBJECTS: [(&str, &str, &str); 20] = [
     ("scattering", "assembly", "Assembly"),
     ("reweight", "assembly", "Assembly"),
     ("inspect", "assembly", "Assembly"),
+    ("stability", "inputs", "Assembly"),
     ("simulate", "assembly", "Assembly"),
     ("sweep", "assembly", "Assembly"),
     ("bench", "assembly", "Assembly"),

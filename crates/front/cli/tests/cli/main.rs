@@ -12,6 +12,7 @@ mod directories;
 mod disk_cache;
 mod effective;
 mod energies;
+mod equilibrium;
 mod fluid;
 mod framework;
 mod inputs;

@@ -8,6 +8,7 @@ pub mod contacts;
 pub mod disk_cache;
 pub mod effective;
 pub mod energy_tables;
+pub mod equilibrium;
 pub mod inspect;
 pub mod interaction;
 pub mod model;

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod binding;
 pub mod compare;
+pub mod equilibrium;
 pub mod inspect;
 pub mod pair;
 pub mod residues;

@@ -16,6 +16,7 @@ pub use answer::{StructureAssembly, StructureBody};
 pub use shapes::OwnShape;
 
 use crate::assemblies::assemble::{refuse_another, write_assembly};
+use crate::assemblies::assembly_file::Assembly;
 use crate::bodies::body_file;
 use crate::bodies::chain_groups::ChainNames;
 use crate::bodies::ingest::BodyMeasures;
@@ -28,12 +29,14 @@ use protomer_body::assembly::{
 };
 use protomer_body::chemistry::radii::{core_radius_angstrom, radius_angstrom};
 use protomer_body::structure::SelectionReport;
-use protomer_body::{BodyError, BodySettings, HardCore};
-use protomer_kernel::Vec3;
+use protomer_body::{Body, BodyError, BodySettings, HardCore};
+use protomer_io::atomic::sha256_hex;
+use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_results::ResultKind;
 use shapes::Placed;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Copies in equivalent places are nearer than this to where a rotation maps each other, Å.
 const SAME_PLACE_ANGSTROM: f64 = 3.0;
@@ -96,19 +99,18 @@ pub fn assemble_structure(
     settings: &StructureSettings,
 ) -> Result<StructureAssembly> {
     ResultKind::VoxelSet.refuse_in(folder)?;
-    let files = files::read(inputs, &settings.body.selection)?;
-    let named = files::units(&files, &settings.joined)?;
-    let units: Vec<Unit> = named
-        .iter()
-        .map(|named_unit| named_unit.unit.clone())
-        .collect();
-    checks::require_one_frame(&units)?;
+    let decomposition = Decomposition::new(inputs, folder, settings)?;
     std::fs::create_dir_all(folder)
         .with_context(|| format!("cannot create the folder {}", folder.display()))?;
-    let placed = shapes::place(&files, &named, &units, folder, settings)?;
-    let names = names_of_copies(&placed);
-    let proposals = checks::joined(&units, files.len() == 1);
-    let apart = moved_apart(&placed, &units, &names, &proposals, settings)?;
+    let Decomposition {
+        files,
+        named,
+        units,
+        placed,
+        names,
+        proposals,
+        apart,
+    } = decomposition;
     let native = ResidueContacts::native(&units);
     let now = ResidueContacts::of_placements(&units, &placed.types, &apart.placements);
     let edges = settings.box_angstrom;
@@ -146,6 +148,92 @@ pub fn assemble_structure(
         further_selections: reports_of(&files[1..]),
         has_box: edges.is_some(),
     })
+}
+
+/// A structure decomposed into bodies, which nothing was written of.
+pub struct StructureInMemory {
+    /// The bodies at their places, in open space.
+    pub assembly: Assembly,
+    /// Names of the placed bodies: those of their chains.
+    pub names: Vec<String>,
+    /// Warnings about the files and the interfaces.
+    pub warnings: Vec<String>,
+}
+
+/// Decomposes a structure into bodies without writing them.
+///
+/// # Errors
+/// As [`assemble_structure`].
+pub fn structure_in_memory(
+    inputs: &[PathBuf],
+    settings: &StructureSettings,
+) -> Result<StructureInMemory> {
+    let found = Decomposition::new(inputs, Path::new(""), settings)?;
+    let native = ResidueContacts::native(&found.units);
+    let bodies: Vec<Arc<Body>> = found
+        .placed
+        .files
+        .bodies
+        .iter()
+        .cloned()
+        .map(Arc::new)
+        .collect();
+    let (kinds, poses): (Vec<usize>, Vec<Pose>) = found.apart.placements.iter().copied().unzip();
+    // What the bodies are made of, and where they are: the identity of work on them.
+    let made = bodies.iter().map(|body| &body.provenance);
+    let identity = format!("{:?}{kinds:?}{poses:?}", made.collect::<Vec<_>>());
+    Ok(StructureInMemory {
+        warnings: warnings(&found.files, &found.named, &found.units, &native),
+        names: found.names,
+        assembly: Assembly {
+            bodies,
+            kinds,
+            poses,
+            boundary: Boundary::Open,
+            sha256: sha256_hex(identity.as_bytes()),
+            path: None,
+        },
+    })
+}
+
+/// Bodies of a structure and their places.
+struct Decomposition {
+    files: Vec<File>,
+    named: Vec<NamedUnit>,
+    units: Vec<Unit>,
+    placed: Placed,
+    /// Names of the placed bodies.
+    names: Vec<String>,
+    /// Chains that would better be one body.
+    proposals: Vec<String>,
+    /// Places without overlap.
+    apart: Separation,
+}
+
+impl Decomposition {
+    /// Reads the files and makes bodies, whose files are to lie in a folder.
+    fn new(inputs: &[PathBuf], folder: &Path, settings: &StructureSettings) -> Result<Self> {
+        let files = files::read(inputs, &settings.body.selection)?;
+        let named = files::units(&files, &settings.joined)?;
+        let units: Vec<Unit> = named
+            .iter()
+            .map(|named_unit| named_unit.unit.clone())
+            .collect();
+        checks::require_one_frame(&units)?;
+        let placed = shapes::place(&files, &named, &units, folder, settings)?;
+        let names = names_of_copies(&placed);
+        let proposals = checks::joined(&units, files.len() == 1);
+        let apart = moved_apart(&placed, &units, &names, &proposals, settings)?;
+        Ok(Self {
+            files,
+            named,
+            units,
+            placed,
+            names,
+            proposals,
+            apart,
+        })
+    }
 }
 
 /// The point group of the units as they are in the structure; `None` for a single one.

@@ -139,6 +139,11 @@ impl Engine {
         &self.assembly
     }
 
+    /// The kinds of bodies as simulations know them.
+    pub fn body_types(&self) -> &[Arc<BodyType>] {
+        &self.types
+    }
+
     /// The first two bodies and what acts between them, for integrals over their poses; with tables of their charges
     /// where many energies are needed.
     ///

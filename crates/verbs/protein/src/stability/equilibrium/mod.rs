@@ -1,0 +1,241 @@
+//! How much of an assembly there is at equilibrium: the yield of the whole and of its parts over salt, pH and
+//! concentration, by the partition functions of all connected parts and the law of mass action.
+//!
+//! ```text
+//! DIR/run.toml  run.json  stability.csv  parts.csv  stability.json  stability.svg  stability.png
+//! DIR/condition/   run.json  checkpoint.bin      all salts at one pH
+//! DIR/ph_4.50/                                   where a pH is stated
+//! ```
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `settings` | what is requested, as stored in `run.toml` |
+//! | `input` | the assembly, from its file or from structure files at each pH |
+//! | `interacting` | the energies between the bodies at one salt |
+//! | `plan` | which bodies hold together, and the parts that this makes |
+//! | `species` | copies of one protein |
+//! | `condition` | one pH and all salts: a run in its own directory |
+//! | `yields` | the law of mass action, with errors and half yields |
+//! | `result` | what is found, and its table |
+//! | `answer` | the answer in words and files |
+//! | `figure` | yields against salt |
+//! | [`page`] | the page of a directory |
+
+mod answer;
+mod condition;
+pub mod figure;
+mod input;
+mod interacting;
+pub mod page;
+mod plan;
+mod result;
+mod settings;
+mod species;
+mod yields;
+
+pub use answer::StabilityPart;
+pub use input::{StabilityBodies, StructureChoices};
+pub use protomer_mc::parts::GrowthSettings;
+pub use result::{
+    ConditionRow, HalfSaltRow, PartAtCondition, PartRow, SpeciesRow, StabilityResult,
+};
+pub use settings::StabilitySettings;
+pub use yields::Mixture;
+
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::Engine;
+use anyhow::{Error, Result};
+use condition::{Condition, ConditionParts};
+use plan::{Plan, in_medium};
+use protomer_results::{
+    Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
+    conduct_shard, drive, settings as stored,
+};
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// The directory of an equilibrium.
+const LAYOUT: Layout = Layout {
+    kind: ResultKind::Equilibrium,
+    settings: "run.toml",
+    results: &[
+        "run.json",
+        "stability.csv",
+        "parts.csv",
+        "stability.json",
+        "stability.svg",
+        "stability.png",
+        "report.html",
+    ],
+    is_result: is_condition,
+};
+
+/// Whether this is the folder of one condition.
+fn is_condition(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let named = name == "condition" || name.starts_with("ph_");
+    named && path.join("run.json").is_file()
+}
+
+/// Makes the engine of an assembly, with the tables and the cache of the caller.
+pub type Prepare<'a> = dyn Fn(Assembly) -> Result<Engine> + Sync + 'a;
+
+/// Computes or continues the equilibrium of an assembly in a directory.
+///
+/// # Errors
+/// For settings that make no sense, bodies that do not touch, a directory that holds other work or is in use, and files
+/// that cannot be written.
+///
+/// ```no_run
+/// use protomer_common::answer::Answer;
+/// use protomer_protein_verbs::stability::equilibrium::{
+///     StabilityBodies, StabilitySettings, StructureChoices, run_stability,
+/// };
+/// use protomer_protein_verbs::stability::model::Model;
+/// use protomer_protein_verbs::stability::run::Engine;
+/// use protomer_results::{End, Execution};
+/// use std::path::Path;
+/// let settings = StabilitySettings::of_model(Model::Natural1);
+/// let bodies = StabilityBodies::read(&["4hhb.cif.gz".into()], &settings, &StructureChoices::default())?;
+/// match run_stability(&bodies, &settings, &Engine::new, Path::new("4hhb"), &Execution::default())? {
+///     End::Finished(found) => println!("{}", found.text()),
+///     End::Stopped => println!("the same call continues it"),
+/// }
+/// # Ok::<(), anyhow::Error>(())
+/// ```
+pub fn run_stability(
+    bodies: &StabilityBodies,
+    settings: &StabilitySettings,
+    prepare: &Prepare<'_>,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<End<StabilityResult>> {
+    settings.check()?;
+    let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
+    let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
+    let identity = &conditions.identity;
+    let entered = ResultsDirectory::enter(directory, &LAYOUT, settings, identity, execution)?;
+    conditions.tell_length(execution, conditions.tasks.len());
+    conduct(&conditions, &entered, execution)
+}
+
+/// Computes some of the conditions, while other processes compute others in the same directory.
+/// [`run_stability`] finds them done and writes the tables and the figure.
+///
+/// # Errors
+/// As [`run_stability`].
+pub fn run_stability_shard(
+    bodies: &StabilityBodies,
+    settings: &StabilitySettings,
+    prepare: &Prepare<'_>,
+    directory: &Path,
+    shard: Shard,
+    execution: &Execution,
+) -> Result<End<StabilityPart>> {
+    settings.check()?;
+    let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
+    let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
+    let identity = &conditions.identity;
+    let entered = ResultsDirectory::share(directory, &LAYOUT, settings, identity, execution)?;
+    let ours = (0..conditions.tasks.len()).filter(|number| shard.has(*number));
+    conditions.tell_length(execution, ours.count());
+    let end = conduct_shard(&conditions, &entered, shard, execution)?;
+    Ok(end.map(|conditions| StabilityPart {
+        shard: shard.index,
+        of: shard.of,
+        conditions,
+    }))
+}
+
+/// All conditions of an equilibrium.
+struct Conditions<'a> {
+    bodies: &'a StabilityBodies,
+    plan: &'a Plan,
+    settings: &'a StabilitySettings,
+    directory: &'a Path,
+    identity: String,
+    tasks: Vec<Condition<'a>>,
+}
+
+impl<'a> Conditions<'a> {
+    fn new(
+        bodies: &'a StabilityBodies,
+        plan: &'a Plan,
+        settings: &'a StabilitySettings,
+        prepare: &'a Prepare<'_>,
+        directory: &'a Path,
+    ) -> Result<Self> {
+        let identity = stored::identity(settings, &bodies.sha256)?;
+        let mut tasks = Vec::new();
+        for (number, ph) in settings.ph_values().into_iter().enumerate() {
+            let engine = move |salt: usize| {
+                let assembly = bodies.assembly(number, salt);
+                in_medium(assembly, settings, settings.salt_molar[salt], prepare)
+            };
+            let salts = settings.salt_molar.iter();
+            tasks.push(Condition {
+                settings,
+                plan,
+                ph,
+                identity: identity.clone(),
+                input_sha256: bodies.sha256.clone(),
+                engine: Box::new(engine),
+                interacting: salts.map(|_| OnceLock::new()).collect(),
+            });
+        }
+        Ok(Self {
+            bodies,
+            plan,
+            settings,
+            directory,
+            identity,
+            tasks,
+        })
+    }
+
+    fn tell_length(&self, execution: &Execution, conditions: usize) {
+        let parts = self.plan.parts.parts.len() * conditions;
+        execution.progress.begin(parts as u64, "parts");
+    }
+}
+
+impl<'a> Campaign for Conditions<'a> {
+    type Task = Condition<'a>;
+    type Part = (Option<f64>, ConditionParts);
+    type Answer = StabilityResult;
+    type Error = Error;
+
+    fn work(&self) -> Work {
+        Work {
+            kind: ResultKind::Equilibrium,
+            verb: "stability",
+            identity: self.identity.clone(),
+            input_sha256: self.bodies.sha256.clone(),
+        }
+    }
+
+    fn tasks(&self) -> &[Condition<'a>] {
+        &self.tasks
+    }
+
+    fn directory(&self, condition: &Condition<'a>) -> PathBuf {
+        self.directory.join(condition.label())
+    }
+
+    fn run(
+        &self,
+        condition: &Condition<'a>,
+        directory: &Path,
+        execution: &Execution,
+    ) -> Result<End<Self::Part>> {
+        let end = drive(condition, directory, execution);
+        let end = end.map_err(|error| error.context(condition.label()))?;
+        Ok(end.map(|parts| (condition.ph, parts)))
+    }
+
+    fn collect(&self, found: Vec<Self::Part>) -> Result<StabilityResult> {
+        let result = StabilityResult::new(self.bodies, self.plan, self.settings, &found);
+        result.write(self.directory)?;
+        Ok(result)
+    }
+}
