@@ -29,9 +29,9 @@ pub(crate) trait Space: Sync {
     /// The end of a step that leaves the prior as it is.
     fn step(&self, step: &Step<'_, Self::State>, rng: &mut CounterRng) -> Stepped<Self::State>;
 
-    /// States that are tried for the first live ones, for each of them.
-    fn most_tries(&self) -> u64 {
-        MOST_TRIES
+    /// Energies from this one on are those of overlaps that a space orders itself, kT: they count for nothing.
+    fn overlap_kt(&self) -> f64 {
+        f64::INFINITY
     }
 
     /// Accepted steps that a walk should have.
@@ -93,6 +93,8 @@ pub(crate) struct Nested<S> {
 
 /// Share of the integral that may be left when a run ends.
 const LEFT: f64 = 1e-3;
+/// Shrinkage of the volume, in nats, in which all states may overlap; less is no room.
+const MOST_OVERLAPPING: u64 = 40;
 /// States that are tried for the first live ones, for each of them.
 const MOST_TRIES: u64 = 2000;
 /// Accepted steps that a walk of one body should have.
@@ -127,9 +129,13 @@ pub(crate) fn nested<S: Space>(
         // Each removal shrinks the volume by 1 - 1/N on average, in logarithms.
         let ln_next = ln_volume + (-1.0 / live_states as f64).ln_1p();
         let ln_weight = ln_difference(ln_volume, ln_next) - removed_kt;
+        let is_free = lowest_kt < space.overlap_kt();
         // All live states at the lowest energy could add no more than this part: enough.
-        if ln_next - lowest_kt < ln_integral + LEFT.ln() {
+        if is_free && ln_next - lowest_kt < ln_integral + LEFT.ln() {
             break;
+        }
+        if !is_free && step > MOST_OVERLAPPING * live_states as u64 {
+            return None;
         }
         ln_integral = ln_sum(ln_integral, ln_weight);
         ln_volume = ln_next;
@@ -194,7 +200,7 @@ fn first_states<S: Space>(
     let mut tries = 0;
     while live.len() < count {
         // No room within the prior, or asked to stop.
-        if tries > space.most_tries() * count as u64 || !goes_on() {
+        if tries > MOST_TRIES * count as u64 || !goes_on() {
             return None;
         }
         tries += 1;

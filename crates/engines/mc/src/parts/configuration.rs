@@ -16,26 +16,6 @@ pub trait BodyEnergies: Sync {
     fn energy_kt(&self, first: usize, second: usize, first_pose: &Pose, second_pose: &Pose) -> f64;
 }
 
-/// Energies of a body at a pose with others at theirs, kT; `None` if it overlaps one of them.
-pub(super) fn energies_with_kt<'a>(
-    energies: &dyn BodyEnergies,
-    (body, pose): (usize, &Pose),
-    others: impl Iterator<Item = (usize, &'a Pose)> + Clone,
-) -> Option<Vec<f64>> {
-    // Overlaps first: half of the trial poses have one, and an overlap costs less than an energy.
-    let overlaps = |(other, other_pose): (usize, &Pose)| {
-        other != body && energies.overlap(body, other, pose, other_pose)
-    };
-    if others.clone().any(overlaps) {
-        return None;
-    }
-    let energy_kt = |(other, other_pose): (usize, &Pose)| match other == body {
-        true => 0.0,
-        false => energies.energy_kt(body, other, pose, other_pose),
-    };
-    Some(others.map(energy_kt).collect())
-}
-
 /// Poses of the bodies of a part.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Configuration {
@@ -193,8 +173,23 @@ impl<'a> Flexible<'a> {
 
     /// Energies of a body at a pose with all others of the part, kT; `None` at overlap.
     fn energies_kt(&self, poses: &[Pose], body: usize, pose: &Pose) -> Option<Vec<f64>> {
-        let others = self.part.bodies.iter().copied().zip(poses);
-        energies_with_kt(self.energies, (self.part.bodies[body], pose), others)
+        let bodies = &self.part.bodies;
+        let others = || {
+            let all = bodies.iter().copied().zip(poses).enumerate();
+            all.map(move |(number, (other, at))| (number == body, other, at))
+        };
+        // Overlaps first: half of the trial poses have one, and an overlap costs less than an energy.
+        let overlaps = |(is_itself, other, at): (bool, usize, &Pose)| {
+            !is_itself && self.energies.overlap(bodies[body], other, pose, at)
+        };
+        if others().any(overlaps) {
+            return None;
+        }
+        let energy_kt = |(is_itself, other, at): (bool, usize, &Pose)| match is_itself {
+            true => 0.0,
+            false => self.energies.energy_kt(bodies[body], other, pose, at),
+        };
+        Some(others().map(energy_kt).collect())
     }
 
     /// Weights of configurations of another medium in this one.

@@ -9,7 +9,7 @@
 //! The states of the integral, weighted, are the samples of the larger part; moves let them forget each other. Runs are
 //! independent from the first body to the last, so their spread is the error.
 
-use super::configuration::{BodyEnergies, Configuration, Flexible, Moved, energies_with_kt};
+use super::configuration::{BodyEnergies, Configuration, Flexible, Moved};
 use super::{Arrangement, PartKind};
 use crate::nested::{Nested, Space, Step, Stepped, WANTED_STEPS, nested};
 use crate::pair::region::{Region, density};
@@ -286,7 +286,7 @@ pub fn attach(
         let states = nested.resampled(SAMPLES, rng.uniform());
         let mut configurations: Vec<Configuration> = states
             .into_iter()
-            .map(|state| state.smaller.with_body(state.pose, &state.energies_kt))
+            .filter_map(Grown::configuration)
             .collect();
         grown.relax(&mut configurations, ROUNDS, &mut rng);
         let run = Run {
@@ -436,9 +436,33 @@ impl Attachment {
 struct Grown {
     smaller: Configuration,
     pose: Pose,
-    /// Energies of the new body with each of the part, kT.
-    energies_kt: Vec<f64>,
+    meeting: Meeting,
 }
+
+impl Grown {
+    /// The larger part; `None` at overlap.
+    fn configuration(&self) -> Option<Configuration> {
+        match &self.meeting {
+            Meeting::Free(energies_kt) => Some(self.smaller.with_body(self.pose, energies_kt)),
+            Meeting::Overlapping(_) => None,
+        }
+    }
+}
+
+/// The new body among the bodies of a part.
+#[derive(Debug, Clone)]
+enum Meeting {
+    /// Whether it overlaps each of them; it overlaps one at least.
+    Overlapping(Vec<bool>),
+    /// Its energy with each of them, kT.
+    Free(Vec<f64>),
+}
+
+/// Energy of an overlap, kT. Overlapping states count for nothing; their order leads to free ones: first fewer overlaps,
+/// then smaller displacements from the place in the assembly, which is free.
+const OVERLAP_KT: f64 = 1e9;
+/// Energy that orders overlapping states by their displacement, kT/Å².
+const OVERLAP_KT_PER_ANGSTROM2: f64 = 1e3;
 
 /// Configurations of a part, and poses of another body.
 struct Growth<'a> {
@@ -453,11 +477,62 @@ struct Growth<'a> {
 }
 
 impl Growth<'_> {
-    /// Energies of the new body with each of the part, kT; `None` at overlap.
-    fn energies_kt(&self, poses: &[Pose], new: &Pose) -> Option<Vec<f64>> {
+    /// The new body at a pose among those of the part.
+    fn meeting(&self, poses: &[Pose], new: &Pose) -> Meeting {
         let last = self.bodies.len() - 1;
-        let others = self.bodies[..last].iter().copied().zip(poses);
-        energies_with_kt(self.energies, (self.bodies[last], new), others)
+        let others = || self.bodies[..last].iter().copied().zip(poses);
+        let overlaps = |(body, pose): (usize, &Pose)| {
+            self.energies.overlap(self.bodies[last], body, new, pose)
+        };
+        let overlapping: Vec<bool> = others().map(overlaps).collect();
+        if overlapping.contains(&true) {
+            return Meeting::Overlapping(overlapping);
+        }
+        let energy_kt = |(body, pose): (usize, &Pose)| {
+            self.energies.energy_kt(self.bodies[last], body, new, pose)
+        };
+        Meeting::Free(others().map(energy_kt).collect())
+    }
+
+    /// The meeting after one body of the part has moved.
+    fn meeting_after_move(&self, state: &Grown, moved: &Moved, poses: &[Pose]) -> Meeting {
+        let (body, new) = (self.bodies[moved.body], self.bodies[self.bodies.len() - 1]);
+        let overlaps = self.energies.overlap(body, new, &moved.pose, &state.pose);
+        match &state.meeting {
+            Meeting::Free(energies_kt) if !overlaps => {
+                let mut energies_kt = energies_kt.clone();
+                energies_kt[moved.body] =
+                    self.energies.energy_kt(body, new, &moved.pose, &state.pose);
+                Meeting::Free(energies_kt)
+            }
+            Meeting::Free(energies_kt) => {
+                let mut overlapping = vec![false; energies_kt.len()];
+                overlapping[moved.body] = true;
+                Meeting::Overlapping(overlapping)
+            }
+            Meeting::Overlapping(overlapping) => {
+                let mut overlapping = overlapping.clone();
+                overlapping[moved.body] = overlaps;
+                match overlapping.contains(&true) {
+                    true => Meeting::Overlapping(overlapping),
+                    // Free for the first time: no energy is known yet.
+                    false => self.meeting(poses, &state.pose),
+                }
+            }
+        }
+    }
+
+    /// A state and what orders it: its energy, kT.
+    fn ordered(&self, state: Grown) -> (Grown, f64) {
+        let energy_kt = match &state.meeting {
+            Meeting::Free(energies_kt) => energies_kt.iter().sum(),
+            Meeting::Overlapping(overlapping) => {
+                let count = overlapping.iter().filter(|overlaps| **overlaps).count();
+                let square = self.new.square_displacement(&state);
+                OVERLAP_KT * count as f64 + OVERLAP_KT_PER_ANGSTROM2 * square
+            }
+        };
+        (state, energy_kt)
     }
 
     fn new_body_moved(&self, step: &Step<'_, Grown>) -> Stepped<Grown> {
@@ -473,15 +548,12 @@ impl Growth<'_> {
         }
         let poses = &step.from.smaller.poses;
         let pose = region.pose(&next).then(&poses[to]);
-        let Some(energies_kt) = self.energies_kt(poses, &pose) else {
-            return Stepped::Overlap;
-        };
-        let energy_kt = energies_kt.iter().sum();
         let state = Grown {
+            meeting: self.meeting(poses, &pose),
             smaller: step.from.smaller.clone(),
             pose,
-            energies_kt,
         };
+        let (state, energy_kt) = self.ordered(state);
         Stepped::Free(state, energy_kt)
     }
 
@@ -504,20 +576,10 @@ impl Growth<'_> {
         if !self.keeps_new_body(step.from, &moved) {
             return Stepped::Refused;
         }
-        let (body, new) = (self.bodies[member], self.bodies[self.bodies.len() - 1]);
-        if self
-            .energies
-            .overlap(body, new, &moved.pose, &step.from.pose)
-        {
-            return Stepped::Overlap;
-        }
-        let energy_kt = self
-            .energies
-            .energy_kt(body, new, &moved.pose, &step.from.pose);
         let mut state = step.from.clone();
         state.smaller.place(&moved);
-        state.energies_kt[member] = energy_kt;
-        let energy_kt = state.energies_kt.iter().sum();
+        state.meeting = self.meeting_after_move(step.from, &moved, &state.smaller.poses);
+        let (state, energy_kt) = self.ordered(state);
         Stepped::Free(state, energy_kt)
     }
 
@@ -544,14 +606,16 @@ impl Space for Growth<'_> {
             .region
             .pose(&place)
             .then(&smaller.poses[self.new.to]);
-        let energies_kt = self.energies_kt(&smaller.poses, &pose)?;
-        let energy_kt = energies_kt.iter().sum();
         let state = Grown {
+            meeting: self.meeting(&smaller.poses, &pose),
             smaller,
             pose,
-            energies_kt,
         };
-        Some((state, energy_kt))
+        Some(self.ordered(state))
+    }
+
+    fn overlap_kt(&self) -> f64 {
+        OVERLAP_KT
     }
 
     fn step(&self, step: &Step<'_, Grown>, rng: &mut CounterRng) -> Stepped<Grown> {
@@ -563,12 +627,6 @@ impl Space for Growth<'_> {
             true => self.new_body_moved(step),
             false => self.member_moved(step, member, threshold),
         }
-    }
-
-    fn most_tries(&self) -> u64 {
-        /// A body between two others that tremble has room rarely.
-        const FOR_NARROW_PLACES: u64 = 20_000;
-        FOR_NARROW_PLACES
     }
 
     fn wanted_steps(&self) -> f64 {

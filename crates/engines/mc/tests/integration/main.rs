@@ -17,6 +17,7 @@ mod continuation;
 mod levels;
 mod many_bodies;
 mod pair;
+mod parts;
 mod scattering;
 mod terms;
 #[path = "../../../../../tests/test_data.rs"]

@@ -152,6 +152,9 @@ impl PartAtCondition {
     /// Reason why the free energy of the part cannot be trusted.
     fn doubt(&self) -> Option<&'static str> {
         let above = |value: Option<f64>, limit: f64| value.is_some_and(|value| value > limit);
+        if self.free_energy_kt.is_none() {
+            return Some("has no partition function: no room for its last body was found");
+        }
         if above(self.share_at_limit, MOST_AT_LIMIT) {
             return Some("lies at the limit of its poses: the model holds no well there");
         }
@@ -381,7 +384,9 @@ fn doubts(conditions: &[ConditionRow], parts: &[PartRow]) -> Vec<String> {
                 .map(|mixture| mixture.shares[number])
                 .fold(0.0, f64::max);
             let doubt = row.parts[number].doubt()?;
-            (largest > LEAST_SHARE).then_some((row, largest, doubt))
+            // A part without a partition function may have any share.
+            let is_missing = row.parts[number].free_energy_kt.is_none();
+            (is_missing || largest > LEAST_SHARE).then_some((row, largest, doubt))
         });
         if let Some((row, share, doubt)) = doubtful {
             doubts.push(format!(
