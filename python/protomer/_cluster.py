@@ -110,9 +110,9 @@ def _sweep(command: Command, workers: Workers) -> None:
     workers.run(_parts(command, workers.parts()))
 
 
-def _pair(command: Command, workers: Workers) -> None:
+def _conditions(command: Command, workers: Workers) -> None:
     if not command.has("output"):
-        raise ConfigError("the parts of a pair need a directory that all workers see; add --output DIR")
+        raise ConfigError(f"the parts of a {command.verb[0]} need a directory that all workers see; add --output DIR")
     workers.run(_parts(command, workers.parts()))
 
 
@@ -140,7 +140,7 @@ def _tune(command: Command, workers: Workers) -> None:
         pass
 
 
-_SHARED_OUT = {"pair": _pair, "sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
+_SHARED_OUT = {"pair": _conditions, "stability": _conditions, "sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
 """How to divide what each verb does; what is left to do is the verb itself."""
 
 

@@ -27,6 +27,7 @@ from .results import (
     Result,
     ScatteringResult,
     SimulationResult,
+    StabilityResult,
     SweepResult,
     TrainResult,
     TuneResult,
@@ -970,7 +971,7 @@ def stability(
     contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
     contact_strength: float | str | None = None,
     contact_gap: float | str | None = None,
-    parts: int | str | None = None,
+    most_parts: int | str | None = None,
     live_states: int | str | None = None,
     runs: int | str | None = None,
     seed: int | str | None = None,
@@ -994,7 +995,7 @@ def stability(
     client: Client | str | None = None,
     parts: int | None = None,
     progress: Callable[[int, int, str], None] | None = None,
-) -> Result:
+) -> StabilityResult:
     """Say how much of an assembly there is at equilibrium, up to which salt: yields of the whole and of
     its parts by mass action over their partition functions. The same command continues work that was
     stopped."""

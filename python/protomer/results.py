@@ -35,6 +35,7 @@ __all__ = [
     "Result",
     "ScatteringResult",
     "SimulationResult",
+    "StabilityResult",
     "SweepResult",
     "TrainResult",
     "TuneResult",
@@ -623,6 +624,61 @@ class PairResult(Result):
             return [("bodies as they are", np.argsort(self.salt_molar))]
         own = ((value, np.flatnonzero(ph == value)) for value in np.unique(ph))
         return [(f"pH {value:g}", rows[np.argsort(self.salt_molar[rows])]) for value, rows in own]
+
+
+class StabilityResult(Result):
+    """An assembly and its parts at equilibrium: one entry of `conditions` for each pH and salt.
+
+    Examples
+    --------
+    >>> found = pm.stability("4hhb.cif.gz", salt_molar=[0.05, 0.5], output="yields")   # doctest: +SKIP
+    >>> found.equilibrated, found.half_salt_molar, found.yields                        # doctest: +SKIP
+    """
+
+    _FILE: ClassVar[str | None] = "stability.json"
+    _KINDS: ClassVar[tuple[str, ...]] = ("equilibrium",)
+
+    @property
+    def salt_molar(self) -> Numbers:
+        """Salt concentrations, mol/L, (C,)."""
+        return numbers([row["salt_M"] for row in self._fields["conditions"]])
+
+    @property
+    def ph(self) -> Numbers:
+        """pH values, (C,); NaN where none is stated."""
+        return numbers([row["ph"] for row in self._fields["conditions"]])
+
+    @property
+    def concentration_molar(self) -> Numbers:
+        """Total concentrations of the bodies, mol/L, (M,)."""
+        return numbers(self._fields["settings"]["concentration_M"])
+
+    @property
+    def yields(self) -> Numbers:
+        """Shares of the bodies in whole assemblies, (C, M)."""
+        rows = [[mixture["yield"] for mixture in row["mixtures"]] for row in self._fields["conditions"]]
+        return np.asarray(rows, dtype=np.float64)
+
+    @property
+    def free_energies_kt(self) -> Numbers:
+        """Standard free energies of the parts against free bodies at 1 mol/L, kT, (C, P); NaN without room."""
+        rows = [[part["free_energy_kt"] for part in row["parts"]] for row in self._fields["conditions"]]
+        return np.asarray(rows, dtype=np.float64)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draws the share of the bodies in whole assemblies against salt, a line for each pH and concentration."""
+        ax = new_axes(ax)
+        for value in np.unique(self.ph):
+            chosen = np.isnan(self.ph) if np.isnan(value) else self.ph == value
+            for number, molar in enumerate(self.concentration_molar):
+                name = f"{molar:.1e} M" if np.isnan(value) else f"{molar:.1e} M, pH {value:g}"
+                order = np.argsort(self.salt_molar[chosen])
+                salts, shares = self.salt_molar[chosen][order], self.yields[chosen][order, number]
+                ax.plot(salts * 1000.0, shares, marker="o", label=name)
+        ax.set_ylabel("bodies in whole assemblies")
+        ax.set_ylim(0.0, 1.05)
+        ax.legend()
+        return _against_salt(ax, self.salt_molar)
 
 
 class ScatteringResult(Result):

@@ -228,6 +228,13 @@ def test_a_result_that_was_read_is_the_one_that_was_returned(ring, pebbles, tmp_
     pair = pm.pair(pm.Body.read(pebbles[0]), pebbles[1], salt_molar=[0.05, 0.1], **settings)
     assert pm.PairResult.read(tmp_path / "pair") == pair
     assert pair.pose_files and all(path.exists() for path in pair.pose_files)
+    bodies = [pm.Body.read(path) for path in pebbles]
+    touching = pm.Assembly(bodies, positions_angstrom=[[0, 0, 0], [0, 0, 13]])
+    settings = {"model": "thesis", "live_states": 24, "runs": 2, "output": tmp_path / "yields"}
+    found = pm.stability(touching, salt_molar=[0.05, 0.1], concentration="1mM,10mM", **settings)
+    assert pm.StabilityResult.read(tmp_path / "yields") == found
+    assert found.yields.shape == (2, 2) and np.all(np.diff(found.yields, axis=1) > 0)
+    assert found.free_energies_kt.shape == (2, 3) and found.plot().get_ylabel() == "bodies in whole assemblies"
     positions, turns, energies = pair.poses(salt_molar=0.05)
     assert positions.shape == (len(energies), 3) and turns.shape == (len(energies), 4)
     assert np.all(np.diff(energies) >= 0.0) and energies[0] < 0.0

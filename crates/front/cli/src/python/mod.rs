@@ -34,7 +34,7 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
 /// keywords of [`Parameter::shared`].
 const SHARED_BY: &str = "shard";
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 16] = [
+const RESULTS: [(&str, &str); 17] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
@@ -47,6 +47,7 @@ const RESULTS: [(&str, &str); 16] = [
     ("predict", "PredictResult"),
     ("scattering", "ScatteringResult"),
     ("simulate", "SimulationResult"),
+    ("stability", "StabilityResult"),
     ("sweep", "SweepResult"),
     ("train", "TrainResult"),
     ("tune", "TuneResult"),

@@ -62,7 +62,7 @@ pub struct StabilityArgs {
     contact_gap: f64,
     /// Parts of each number of bodies at most; those of the lowest energies are kept.
     #[arg(long, default_value_t = StabilitySettings::PARTS_OF_A_SIZE, value_parser = range::OBJECTS.at_least(1).number::<usize>())]
-    parts: usize,
+    most_parts: usize,
     /// Live states of the sampling of a part; errors fall with their square root.
     #[arg(long, default_value_t = GrowthSettings::default().live_states, value_parser = range::OBJECTS.at_least(20).number::<usize>())]
     live_states: usize,
@@ -170,7 +170,7 @@ impl StabilityArgs {
             protonation: self.protonation.titration_over(model.titration())?,
             contacts,
             contact_gap_angstrom: self.contact_gap,
-            parts_of_a_size: self.parts,
+            parts_of_a_size: self.most_parts,
             sampling: GrowthSettings {
                 seed: self.seed,
                 live_states: self.live_states,
