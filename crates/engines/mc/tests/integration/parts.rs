@@ -269,7 +269,7 @@ fn staged(arrangement: &Arrangement, parts: &[PartKind], cubes: &Cubes, sweeps: 
     let mut windows: Vec<Window> = (0..WINDOWS).map(window).collect();
     const BLOCKS: u64 = 8;
     let mut energies_kt = vec![vec![Vec::new(); WINDOWS]; BLOCKS as usize];
-    let mut last_kt = vec![0.0; WINDOWS];
+    let mut last_kt = [0.0; WINDOWS];
     for sweep in 0..sweeps {
         for (number, window) in windows.iter_mut().enumerate() {
             let mut rng = CounterRng::new(7, number as u32, sweep);
