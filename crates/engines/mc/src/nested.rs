@@ -30,7 +30,7 @@ pub(crate) trait Space: Sync {
     fn step(&self, step: &Step<'_, Self::State>, rng: &mut CounterRng) -> Stepped<Self::State>;
 
     /// Energies from this one on are those of overlaps that a space orders itself, kT: they count for nothing.
-    fn overlap_kt(&self) -> f64 {
+    fn least_overlap_kt(&self) -> f64 {
         f64::INFINITY
     }
 
@@ -129,7 +129,7 @@ pub(crate) fn nested<S: Space>(
         // Each removal shrinks the volume by 1 - 1/N on average, in logarithms.
         let ln_next = ln_volume + (-1.0 / live_states as f64).ln_1p();
         let ln_weight = ln_difference(ln_volume, ln_next) - removed_kt;
-        let is_free = lowest_kt < space.overlap_kt();
+        let is_free = lowest_kt < space.least_overlap_kt();
         // All live states at the lowest energy could add no more than this part: enough.
         if is_free && ln_next - lowest_kt < ln_integral + LEFT.ln() {
             break;

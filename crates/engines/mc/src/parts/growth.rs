@@ -273,6 +273,7 @@ pub fn attach(
     let grown = Flexible::new(part, &regions, energies);
     let one = |(run, before): (usize, &Run)| {
         let growth = Growth {
+            arrangement,
             flexible: &flexible,
             bodies: &part.bodies,
             near: near(arrangement, part),
@@ -459,13 +460,15 @@ enum Meeting {
 }
 
 /// Energy of an overlap, kT. Overlapping states count for nothing; their order leads to free ones: first fewer overlaps,
-/// then smaller displacements from the place in the assembly, which is free.
+/// then smaller displacements of the overlapping bodies from their places next to each other in the assembly, which are
+/// free.
 const OVERLAP_KT: f64 = 1e9;
-/// Energy that orders overlapping states by their displacement, kT/Å².
+/// Energy that orders overlapping states by these displacements, kT/Å².
 const OVERLAP_KT_PER_ANGSTROM2: f64 = 1e3;
 
 /// Configurations of a part, and poses of another body.
 struct Growth<'a> {
+    arrangement: &'a Arrangement,
     flexible: &'a Flexible<'a>,
     /// Bodies of the part, the new one last.
     bodies: &'a [usize],
@@ -522,14 +525,28 @@ impl Growth<'_> {
         }
     }
 
+    /// Energy that orders states in which the new body overlaps one of the part, kT.
+    fn overlap_kt(&self, state: &Grown, place: usize) -> f64 {
+        let bodies = &self.arrangement.bodies;
+        let (new, other) = (
+            &bodies[self.bodies[self.bodies.len() - 1]],
+            &bodies[self.bodies[place]],
+        );
+        let region = Region {
+            about: new.pose.then(&other.pose.inverse()),
+            ..self.new.region.clone()
+        };
+        let relative = state.pose.then(&state.smaller.poses[place].inverse());
+        OVERLAP_KT + OVERLAP_KT_PER_ANGSTROM2 * region.square_displacement(&region.place(&relative))
+    }
+
     /// A state and what orders it: its energy, kT.
     fn ordered(&self, state: Grown) -> (Grown, f64) {
         let energy_kt = match &state.meeting {
             Meeting::Free(energies_kt) => energies_kt.iter().sum(),
             Meeting::Overlapping(overlapping) => {
-                let count = overlapping.iter().filter(|overlaps| **overlaps).count();
-                let square = self.new.square_displacement(&state);
-                OVERLAP_KT * count as f64 + OVERLAP_KT_PER_ANGSTROM2 * square
+                let places = (0..overlapping.len()).filter(|place| overlapping[*place]);
+                places.map(|place| self.overlap_kt(&state, place)).sum()
             }
         };
         (state, energy_kt)
@@ -614,7 +631,7 @@ impl Space for Growth<'_> {
         Some(self.ordered(state))
     }
 
-    fn overlap_kt(&self) -> f64 {
+    fn least_overlap_kt(&self) -> f64 {
         OVERLAP_KT
     }
 

@@ -245,6 +245,106 @@ fn samples_of_one_medium_serve_for_another() {
     assert!((again - before).abs() < 0.1, "{again} {before}");
 }
 
+/// Two balls on a spring, and a third between them that neither may come near.
+struct Between<'a> {
+    springs: Springs<'a>,
+}
+
+const NEAREST_ANGSTROM: f64 = 9.8;
+
+impl BodyEnergies for Between<'_> {
+    fn overlap(&self, i: usize, j: usize, a: &Pose, b: &Pose) -> bool {
+        (i == 2 || j == 2) && (a.position - b.position).norm() < NEAREST_ANGSTROM
+    }
+
+    fn energy_kt(&self, i: usize, j: usize, a: &Pose, b: &Pose) -> f64 {
+        match i == 2 || j == 2 {
+            true => 0.0,
+            false => self.springs.energy_kt(i, j, a, b),
+        }
+    }
+}
+
+/// The room between two bodies by nested sampling over overlapping states, and by drawing springs and places directly.
+#[test]
+fn a_body_between_others_has_the_room_that_they_leave() {
+    let body = |x: f64| {
+        let pose = Pose {
+            position: Vec3::new(x, 0.0, 0.0),
+            rotation: Rotation::identity(),
+        };
+        PlacedBody {
+            species: 0,
+            pose,
+            frame: pose,
+            square_of_gyration_angstrom2: 100.0,
+        }
+    };
+    let row = with_neighbours([0.0, 20.0, 10.0].map(body).to_vec(), |_, _| true);
+    let energies = Between {
+        springs: Springs {
+            arrangement: &row,
+            factor: 1.0,
+        },
+    };
+    let part = |bodies: &[usize]| PartKind {
+        bodies: bodies.to_vec(),
+        attached_to: vec![0; bodies.len()],
+        grown_from: None,
+        symmetry_number: 1,
+        energy_kt: 0.0,
+    };
+    let settings = GrowthSettings {
+        limit_angstrom: 1.5,
+        ..precise(1)
+    };
+    let goes_on = || true;
+    let single = free_body(row.bodies[0].pose, &settings);
+    let pair = attach(
+        &row,
+        (1, &part(&[0, 1])),
+        &single,
+        &energies,
+        &settings,
+        &goes_on,
+    );
+    let pair = pair.unwrap().unwrap();
+    let three = attach(
+        &row,
+        (2, &part(&[0, 1, 2])),
+        &pair,
+        &energies,
+        &settings,
+        &goes_on,
+    );
+    let three = three.unwrap().unwrap();
+    let found = three.attached().ln_partition - pair.attached().ln_partition;
+    let region = crate::pair::region::Region {
+        about: row.bodies[2].pose,
+        square_of_gyration_angstrom2: 100.0,
+        limit_angstrom: 1.5,
+    };
+    let (mut rng, mut free, draws) = (CounterRng::new(5, 0, 0), 0, 400_000);
+    let mut drawn_draws = 0;
+    while drawn_draws < draws {
+        let second = drawn(&row.bodies[1].pose, &mut rng);
+        let shift = second.position - row.bodies[1].pose.position;
+        let turn = second.rotation.angle();
+        // The spring itself stays within the limit of the part.
+        if shift.norm_squared() + 4.0 / 3.0 * (1.0 - turn.cos()) * 100.0 > 1.5 * 1.5 {
+            continue;
+        }
+        drawn_draws += 1;
+        let third = region.pose(&region.draw(&mut rng)).position;
+        let is_free =
+            third.norm() > NEAREST_ANGSTROM && (third - second.position).norm() > NEAREST_ANGSTROM;
+        free += u32::from(is_free);
+    }
+    let exact = (region.volume_angstrom3() * f64::from(free) / f64::from(draws)).ln();
+    assert!(f64::from(free) < 0.5 * f64::from(draws));
+    assert!((found - exact).abs() < 0.15, "{found} {exact} {free}");
+}
+
 /// Few live states: errors cover what seeds differ by.
 #[test]
 fn errors_cover_what_seeds_differ_by() {
