@@ -972,6 +972,7 @@ def stability(
     contact_strength: float | str | None = None,
     contact_gap: float | str | None = None,
     most_parts: int | str | None = None,
+    limit: float | str | None = None,
     live_states: int | str | None = None,
     runs: int | str | None = None,
     seed: int | str | None = None,

@@ -453,9 +453,9 @@ impl Grown {
 /// The new body among the bodies of a part.
 #[derive(Debug, Clone)]
 enum Meeting {
-    /// Whether it overlaps each of them; it overlaps one at least.
+    /// Overlaps with each of them, one at least.
     Overlapping(Vec<bool>),
-    /// Its energy with each of them, kT.
+    /// Energies with each of them, kT.
     Free(Vec<f64>),
 }
 

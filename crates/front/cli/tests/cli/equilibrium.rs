@@ -98,6 +98,16 @@ fn a_ring_falls_apart_with_salt_and_says_where() {
         assert!(place.path("out").join(name).is_file(), "{name}");
     }
     is_ok(&place.run("report out -q"));
+    let page = fs::read_to_string(place.path("out/report.html")).unwrap();
+    let (verdict, assembly, results) = (
+        page.find("Equilibrated"),
+        page.find("<h2>Assembly"),
+        page.find("<h2>Results"),
+    );
+    assert!(
+        verdict < assembly && assembly < results,
+        "{verdict:?} {assembly:?} {results:?}"
+    );
     // Concentrations weigh what was sampled, so another one needs no sampling.
     let checkpoint = fs::read(place.path("out/condition/checkpoint.bin")).unwrap();
     let more = answer(

@@ -63,6 +63,10 @@ pub struct StabilityArgs {
     /// Parts of each number of bodies at most; those of the lowest energies are kept.
     #[arg(long, default_value_t = StabilitySettings::PARTS_OF_A_SIZE, value_parser = range::OBJECTS.at_least(1).number::<usize>())]
     most_parts: usize,
+    /// A body belongs to a part within this of its place next to the body that it is attached to, Å (root mean
+    /// square displacement).
+    #[arg(long, default_value_t = GrowthSettings::default().limit_angstrom, value_parser = range::PART_LIMIT.number())]
+    limit: f64,
     /// Live states of the sampling of a part; errors fall with their square root.
     #[arg(long, default_value_t = GrowthSettings::default().live_states, value_parser = range::OBJECTS.at_least(20).number::<usize>())]
     live_states: usize,
@@ -175,7 +179,7 @@ impl StabilityArgs {
                 seed: self.seed,
                 live_states: self.live_states,
                 runs: self.runs,
-                ..GrowthSettings::default()
+                limit_angstrom: self.limit,
             },
             medium: InteractionSettings {
                 temperature_kelvin: self.temperature,

@@ -17,8 +17,13 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// Limits of a part that are tried, Å: bodies that interlock leave room to hardly any pose within the widest.
-const LIMITS_ANGSTROM: [f64; 3] = [5.0, 2.5, 1.25];
+/// Limits of a part that are tried, of that in the settings: bodies that interlock leave room to hardly any pose within the
+/// widest.
+const LIMITS: [f64; 3] = [1.0, 0.5, 0.25];
+/// Limit of a part that spreads to that of the settings, relative to it.
+const WIDER: f64 = 2.0;
+/// Largest share of a part near its limit; with more, the limit decides.
+pub(super) const MOST_AT_LIMIT: f64 = 0.1;
 /// Fewest samples, by weight, that a part may rest on.
 const FEWEST_SAMPLES: f64 = 40.0;
 
@@ -136,28 +141,50 @@ impl Condition<'_> {
         let Some(smaller) = self.samples_at(state, smaller, salt)? else {
             return Ok(None);
         };
-        let interacting = self.interacting(salt)?;
-        let goes_on = || !turn.must_stop();
         // The widest that has room: too narrow a limit would cut the part off.
-        for limit_angstrom in LIMITS_ANGSTROM {
-            let settings = GrowthSettings {
-                limit_angstrom,
-                ..self.settings.sampling
+        for share in LIMITS {
+            let samples = self.attached(number, &smaller, salt, share, turn)?;
+            let Some(samples) = samples else {
+                match turn.must_stop() {
+                    true => return Ok(None),
+                    false => continue,
+                }
             };
-            let part = self.part(number);
-            let samples = attach(
-                arrangement,
-                part,
-                &smaller,
-                interacting,
-                &settings,
-                &goes_on,
-            )?;
-            if samples.is_some() || turn.must_stop() {
-                return Ok(samples);
+            if share < 1.0 || samples.attached().share_at_limit <= MOST_AT_LIMIT {
+                return Ok(Some(samples));
             }
+            // A wide well: the limit would decide the result.
+            let wider = self.attached(number, &smaller, salt, WIDER, turn)?;
+            return Ok(Some(wider.unwrap_or(samples)));
         }
         Ok(None)
+    }
+
+    /// A part grown at a salt from samples of the smaller one, within a share of the limit of the settings.
+    fn attached(
+        &self,
+        number: usize,
+        smaller: &PartSamples,
+        salt: usize,
+        share: f64,
+        turn: &Turn<'_>,
+    ) -> Result<Option<PartSamples>> {
+        let settings = GrowthSettings {
+            limit_angstrom: share * self.settings.sampling.limit_angstrom,
+            ..self.settings.sampling
+        };
+        let interacting = self.interacting(salt)?;
+        let goes_on = || !turn.must_stop();
+        let arrangement = &self.plan.arrangement;
+        let part = self.part(number);
+        Ok(attach(
+            arrangement,
+            part,
+            smaller,
+            interacting,
+            &settings,
+            &goes_on,
+        )?)
     }
 
     /// The next part at a salt by weights on the samples of another; `None` if they rest on too few of them.

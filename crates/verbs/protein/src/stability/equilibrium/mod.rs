@@ -3,6 +3,7 @@
 //!
 //! ```text
 //! DIR/run.toml  run.json  stability.csv  parts.csv  stability.json  stability.svg  stability.png
+//! DIR/assembly/    assembly.json  *.body         bodies and places of a structure, at the first pH
 //! DIR/condition/   run.json  checkpoint.bin      all salts at one pH
 //! DIR/ph_4.50/                                   where a pH is stated
 //! ```
@@ -17,11 +18,13 @@
 //! | `condition` | one pH and all salts: a run in its own directory |
 //! | `yields` | the law of mass action, with errors and half yields |
 //! | `result` | what is found, and its table |
+//! | `assembly` | the bodies of a structure, kept for the page and for other verbs |
 //! | `answer` | the answer in words and files |
 //! | `figure` | yields against salt |
 //! | [`page`] | the page of a directory |
 
 mod answer;
+mod assembly;
 mod condition;
 pub mod figure;
 mod input;
@@ -51,6 +54,7 @@ use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Shard, Work, conduct,
     conduct_shard, drive, settings as stored,
 };
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -67,14 +71,15 @@ const LAYOUT: Layout = Layout {
         "stability.png",
         "report.html",
     ],
-    is_result: is_condition,
+    is_result,
 };
 
-/// Whether this is the folder of one condition.
-fn is_condition(path: &Path) -> bool {
+/// Whether this is the folder of one condition, or of the bodies of a structure.
+fn is_result(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let named = name == "condition" || name.starts_with("ph_");
-    named && path.join("run.json").is_file()
+    let is_assembly = name == assembly::FOLDER && path.join(assembly::FILE).is_file();
+    (named && path.join("run.json").is_file()) || is_assembly
 }
 
 /// Makes the engine of an assembly, with the tables and the cache of the caller.
@@ -214,6 +219,11 @@ impl<'a> Campaign for Conditions<'a> {
         }
     }
 
+    /// Tells a report where to find the bodies.
+    fn details(&self) -> Value {
+        json!({ assembly::KEY: assembly::path_in(self.bodies.first(), self.directory) })
+    }
+
     fn tasks(&self) -> &[Condition<'a>] {
         &self.tasks
     }
@@ -235,6 +245,7 @@ impl<'a> Campaign for Conditions<'a> {
 
     fn collect(&self, found: Vec<Self::Part>) -> Result<StabilityResult> {
         let result = StabilityResult::new(self.bodies, self.plan, self.settings, &found);
+        assembly::keep(self.bodies.first(), self.directory)?;
         result.write(self.directory)?;
         Ok(result)
     }

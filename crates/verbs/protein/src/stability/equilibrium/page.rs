@@ -1,17 +1,25 @@
 //! The page of an equilibrium.
 
 use super::answer::shown;
+use super::assembly;
 use super::result::{StabilityResult, listed};
+use crate::assemblies::assembly_file::Assembly;
+use crate::stability::run::RunSettings;
+use crate::stability::sweep::page::bodies::{MOST_VERTICES, coloured};
 use anyhow::Result;
+use protomer_common::page::scene::Scene;
 use protomer_common::page::{Contents, Part, Section, Verdict, significant, significant_or_dash};
 use protomer_results::{Record, keys};
 use std::path::Path;
+
+/// Most bodies of an assembly that is shown.
+const MOST_BODIES: usize = 256;
 
 /// Contents of the page of a directory.
 ///
 /// # Errors
 /// If a file is damaged.
-pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
+pub fn contents(directory: &Path, record: Option<&Record>) -> Result<Contents> {
     let mut contents = Contents::new("Equilibrium");
     let result: Option<StabilityResult> =
         keys::read_json_if_present(&directory.join("stability.json"))?;
@@ -30,6 +38,13 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
         _ => None,
     };
     contents.verdict = Some(Verdict::equilibrated(answer, &result.equilibration));
+    match record.map(|record| assembly::of_record(directory, record)) {
+        Some(Ok(found)) => contents.add(bodies(&found, &result)),
+        Some(Err(error)) => contents
+            .problems
+            .push(format!("The bodies are not shown: {error:#}")),
+        None => {}
+    }
     let picture = Part::picture("stability.svg", "Whole assemblies", Some("stability.csv"));
     let parts = vec![
         Part::Paragraph(format!("{}.", capitalised(&result.headline()))),
@@ -52,6 +67,36 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
         ));
     }
     Ok(contents)
+}
+
+/// The assembly, coloured by potential and hydropathy.
+fn bodies(found: &Assembly, result: &StabilityResult) -> Section {
+    let run = RunSettings {
+        salt_molar: result.settings.salt_molar.clone(),
+        ..result.settings.run()
+    };
+    let mut shown = coloured(&found.bodies, &run);
+    let vertices: usize = shown
+        .meshes
+        .iter()
+        .map(|shown| shown.mesh.vertices.len())
+        .sum();
+    if vertices > MOST_VERTICES || found.len() > MOST_BODIES {
+        let note = "The assembly is larger than a page can show; export draws it elsewhere.";
+        return Section::new("Assembly", vec![Part::Paragraph(note.into())]);
+    }
+    shown.scenes.push(Scene {
+        name: "the assembly".into(),
+        bodies: found
+            .kinds
+            .iter()
+            .copied()
+            .zip(found.poses.iter().copied())
+            .collect(),
+        colouring: None,
+        film: None,
+    });
+    Section::new("Assembly", vec![Part::Scenes(shown)])
 }
 
 fn capitalised(text: &str) -> String {

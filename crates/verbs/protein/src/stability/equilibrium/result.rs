@@ -1,7 +1,7 @@
 //! The equilibrium of an assembly and its parts, as JSON has it.
 
 use super::StabilitySettings;
-use super::condition::{ConditionParts, PartFound};
+use super::condition::{ConditionParts, MOST_AT_LIMIT, PartFound};
 use super::input::StabilityBodies;
 use super::plan::Plan;
 use super::yields::{Interval, Mixture, PartLogs, half_salt};
@@ -9,8 +9,6 @@ use protomer_mc::parts::PartKind;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
-/// Largest share of a part near its limit; with more, the limit decides.
-const MOST_AT_LIMIT: f64 = 0.1;
 /// Bodies farther than this from their place in the assembly are in another arrangement, Å.
 const SAME_PLACE_ANGSTROM: f64 = 2.5;
 /// A part with a smaller share of the bodies decides nothing.

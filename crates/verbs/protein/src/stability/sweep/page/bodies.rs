@@ -223,7 +223,7 @@ fn films(
 
 /// Colours bodies by the potentials at the first and the last salt concentration, and by
 /// hydropathy.
-fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
+pub(crate) fn coloured(bodies: &[std::sync::Arc<Body>], settings: &RunSettings) -> Shown {
     let mut shown = Shown::default();
     for body in bodies {
         shown.meshes.push(ShownMesh {
