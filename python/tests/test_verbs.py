@@ -150,8 +150,10 @@ def test_both_values_of_every_repeated_flag_reach_the_program(tmp_path):
             pm.assemble.structure(dimer, body=body, output=tmp_path / "dimer")
         with pytest.raises(pm.ProtomerError, match="no chain X"):
             pm.binding(dimer, body=body, salt="50mM")
-    calls("assemble structure", "--body")
-    calls("binding", "--body")
+        with pytest.raises(pm.ProtomerError, match="no chain X"):
+            pm.stability(dimer, body=body)
+    for verb in ("assemble structure", "binding", "stability"):
+        calls(verb, "--body")
 
     # A new repeated flag needs a call here.
     assert called == repeated_flags()
