@@ -21,8 +21,8 @@ pub const DEBYE_LENGTH: Range = Range::new(0.01, 1e6, "Å");
 pub const CUT_OFF: Range = Range::new(0.1, 1e4, "Å");
 /// Distances of surfaces in contact.
 pub const CONTACT_GAP: Range = Range::new(1e-3, 1000.0, "Å");
-/// Displacement up to which a body belongs to a part of an assembly.
-pub const PART_LIMIT: Range = Range::new(0.1, 50.0, "Å");
+/// Displacement up to which a body belongs to a part of an assembly; a quarter and twice of it are tried too.
+pub const PART_LIMIT: Range = Range::new(0.4, 25.0, "Å");
 /// Distances of atoms of residues that touch.
 pub const TOUCHING: Range = Range::new(1e-3, 20.0, "Å");
 /// Gaps that are left between bodies.

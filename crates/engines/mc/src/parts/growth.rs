@@ -257,7 +257,7 @@ pub fn attach(
     settings: &GrowthSettings,
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<PartSamples>> {
-    check(settings)?;
+    settings.check()?;
     let new = Attachment::new(arrangement, part, settings.limit_angstrom);
     let without = PartKind {
         bodies: part.bodies[..part.bodies.len() - 1].to_vec(),
@@ -315,33 +315,25 @@ impl GrowthSettings {
     /// # Errors
     /// [`McError::BadSetting`] names the setting and its range.
     pub fn check(&self) -> Result<()> {
-        check(self)
+        let bad = |setting, value, requirement| {
+            Err(McError::BadSetting {
+                setting,
+                value,
+                requirement,
+            })
+        };
+        if !(20..=1_000_000).contains(&self.live_states) {
+            return bad("live states", self.live_states as f64, "20 to 1 000 000");
+        }
+        if !(2..=MOST_RUNS).contains(&self.runs) {
+            let requirement = "2 to 1000: their spread is the error";
+            return bad("runs of a part", f64::from(self.runs), requirement);
+        }
+        if !(0.1..=50.0).contains(&self.limit_angstrom) {
+            return bad("limit of a part in Å", self.limit_angstrom, "0.1 to 50");
+        }
+        Ok(())
     }
-}
-
-fn check(settings: &GrowthSettings) -> Result<()> {
-    let bad = |setting, value, requirement| {
-        Err(McError::BadSetting {
-            setting,
-            value,
-            requirement,
-        })
-    };
-    if !(20..=1_000_000).contains(&settings.live_states) {
-        return bad(
-            "live states",
-            settings.live_states as f64,
-            "20 to 1 000 000",
-        );
-    }
-    if !(2..=MOST_RUNS).contains(&settings.runs) {
-        let requirement = "2 to 1000: their spread is the error";
-        return bad("runs of a part", f64::from(settings.runs), requirement);
-    }
-    if !(0.1..=50.0).contains(&settings.limit_angstrom) {
-        return bad("limit of a part in Å", settings.limit_angstrom, "0.1 to 50");
-    }
-    Ok(())
 }
 
 /// Random numbers of a part.
