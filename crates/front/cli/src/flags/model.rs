@@ -1,9 +1,10 @@
 //! The flag that names a model.
 
+use super::settings::choice;
 use super::solute::{Charges, ChargesArgs, Insides};
 use super::terms::{ContactArgs, Scale, TermsArgs};
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::model::Model;
@@ -13,45 +14,15 @@ use protomer_protein_verbs::stability::run::RunSettings;
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ModelArgs {
     /// Model of the interactions between the bodies; other flags change single terms of it
-    /// [default: none; natural-1 for binding and stability].
-    #[arg(long, value_enum)]
-    pub model: Option<ModelChoice>,
-}
-
-/// The named models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum ModelChoice {
-    /// For complexes with native contacts: --interaction response --contacts calvados3 --contact-strength 1.9, for
-    /// bodies with native cores.
-    #[value(name = "natural-1")]
-    Natural1,
-    /// For proteins in solution, whose surfaces meet anywhere: natural-1 with --contact-strength
-    /// 0.75.
-    #[value(name = "solution-1")]
-    Solution1,
-    /// For proteins in solution whose positive groups bind anions: natural-1 with --contact-strength 0.6
-    /// and structure files with --protonation structure --anion-binding 12.
-    #[value(name = "solution-2")]
-    Solution2,
-    /// Model of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
-    Thesis,
-}
-
-impl From<ModelChoice> for Model {
-    fn from(choice: ModelChoice) -> Self {
-        match choice {
-            ModelChoice::Natural1 => Self::Natural1,
-            ModelChoice::Solution1 => Self::Solution1,
-            ModelChoice::Solution2 => Self::Solution2,
-            ModelChoice::Thesis => Self::Thesis,
-        }
-    }
+    /// [default: none; natural-1 for binding, score and stability].
+    #[arg(long, value_parser = choice::<Model>())]
+    pub model: Option<Model>,
 }
 
 impl ModelArgs {
     /// The named model, if any.
     pub fn model(&self) -> Option<Model> {
-        self.model.map(Into::into)
+        self.model
     }
 
     /// A warning for bodies that were made for another model than the named one.

@@ -18,30 +18,35 @@ use super::terms::FurtherTerms;
 use protomer_body::chemistry::StructureTitration;
 use protomer_body::residue_contacts::ContactScale;
 use protomer_body::{ANION_BINDING_SETTING, Body, BodySettings, HardCore};
+use protomer_kernel::setting::Choices;
 use std::sync::Arc;
 
 /// Name of terms that are no model's.
 pub const OWN_TERMS: &str = "own terms";
 
-/// A named model.
-///
-/// ```
-/// use protomer_body::HardCore;
-/// use protomer_protein_verbs::stability::model::Model;
-/// let names: Vec<&str> = Model::ALL.into_iter().map(Model::name).collect();
-/// assert_eq!(names, ["natural-1", "solution-1", "solution-2", "thesis"]);
-/// assert_eq!((Model::Thesis.core(), Model::Thesis.contacts()), (HardCore::Surface, None));
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Model {
-    /// Model for complexes with native contacts.
-    Natural1,
-    /// Model for proteins in solution, whose surfaces meet anywhere.
-    Solution1,
-    /// Model for proteins in solution whose positive groups bind anions of the salt.
-    Solution2,
-    /// Model of the thesis: charges in salt water, and hard surfaces.
-    Thesis,
+protomer_kernel::choices! {
+    /// A named model.
+    ///
+    /// ```
+    /// use protomer_body::HardCore;
+    /// use protomer_protein_verbs::stability::model::Model;
+    /// let names: Vec<&str> = Model::ALL.into_iter().map(Model::name).collect();
+    /// assert_eq!(names, ["natural-1", "solution-1", "solution-2", "thesis"]);
+    /// assert_eq!((Model::Thesis.core(), Model::Thesis.contacts()), (HardCore::Surface, None));
+    /// ```
+    pub enum Model {
+        /// For complexes with native contacts: --interaction response --contacts calvados3 --contact-strength 1.9, for
+        /// bodies with native cores.
+        Natural1 = "natural-1",
+        /// For proteins in solution, whose surfaces meet anywhere: natural-1 with --contact-strength
+        /// 0.75.
+        Solution1 = "solution-1",
+        /// For proteins in solution whose positive groups bind anions: natural-1 with --contact-strength 0.6
+        /// and structure files with --protonation structure --anion-binding 12.
+        Solution2 = "solution-2",
+        /// Model of the thesis: --interaction bare --contacts none, for bodies with hard surfaces.
+        Thesis = "thesis",
+    }
 }
 
 impl Model {
@@ -55,12 +60,7 @@ impl Model {
 
     /// Name by which users choose the model.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Natural1 => "natural-1",
-            Self::Solution1 => "solution-1",
-            Self::Solution2 => "solution-2",
-            Self::Thesis => "thesis",
-        }
+        Choices::name(self)
     }
 
     /// Attraction between residues.
