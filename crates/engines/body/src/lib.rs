@@ -25,6 +25,7 @@
 //! | [`hard_core`] | what of a body is hard |
 //! | `points` | the points of a PQR file that are atoms |
 //! | `warnings` | warnings about a file and the body made from it |
+//! | [`interface`] | area, fit and polar contacts of two bodies that touch |
 //! | [`residue_contacts`] | attraction between residues by published scales; residues as beads |
 //! | [`assembly`] | poses of bodies: copies, rings, stacks, candidates, random insertion |
 
@@ -34,6 +35,7 @@ pub mod build;
 pub mod chemistry;
 mod error;
 pub mod hard_core;
+pub mod interface;
 mod points;
 pub mod residue_contacts;
 pub mod structure;

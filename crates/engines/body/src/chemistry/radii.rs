@@ -1,5 +1,7 @@
 //! Radii of heavy atoms for the surface and for the hard core.
 
+use super::AminoAcid;
+
 /// Radius of an element, Å: C 1.70, N 1.55, O 1.52, S 1.80 (Bondi, J. Phys. Chem. 68, 441 (1964)),
 /// any other 1.80 except the following: H 1.10 (Rowland and Taylor, J. Phys. Chem. 100, 7384
 /// (1996)), P 1.80, Se 1.90, halogens and metals of common ions after Bondi and Mantina et al. (J.
@@ -30,6 +32,34 @@ pub fn radius_angstrom(element: &str) -> f64 {
         "I" => 1.98,
         _ => 1.80,
     }
+}
+
+/// Radius of a heavy atom of an amino acid together with its hydrogens, Å (Chothia, J. Mol. Biol. 105, 1 (1976));
+/// `None` for atoms that amino acids do not have.
+///
+/// ```
+/// use protomer_body::chemistry::AminoAcid;
+/// use protomer_body::chemistry::radii::united_atom_radius_angstrom;
+/// assert_eq!(united_atom_radius_angstrom(AminoAcid::Lys, "NZ"), Some(1.50));
+/// assert_eq!(united_atom_radius_angstrom(AminoAcid::Phe, "CG"), Some(1.76));
+/// assert_eq!(united_atom_radius_angstrom(AminoAcid::Leu, "CG"), Some(1.87));
+/// ```
+pub fn united_atom_radius_angstrom(amino_acid: AminoAcid, atom_name: &str) -> Option<f64> {
+    use AminoAcid::{Arg, Asn, Asp, Gln, Glu, His, Lys, Phe, Trp, Tyr};
+    let is_trigonal = match (amino_acid, atom_name) {
+        (_, "C") | (Asp | Asn, "CG") | (Glu | Gln, "CD") | (Arg, "CZ") => true,
+        (Phe | Tyr | Trp | His, name) => !matches!(name, "CA" | "CB"),
+        _ => false,
+    };
+    Some(match (atom_name.chars().next()?, is_trigonal) {
+        ('N', _) if amino_acid == Lys && atom_name == "NZ" => 1.50,
+        ('N', _) => 1.65,
+        ('O', _) => 1.40,
+        ('S', _) => 1.85,
+        ('C', true) => 1.76,
+        ('C', false) => 1.87,
+        _ => return None,
+    })
 }
 
 /// Radius of N and O in a native core before it is moved inward, Å: half of the shortest hydrogen
