@@ -140,7 +140,14 @@ def _tune(command: Command, workers: Workers) -> None:
         pass
 
 
-_SHARED_OUT = {"pair": _conditions, "stability": _conditions, "sweep": _sweep, "tune": _tune, "voxelize": _voxelize}
+_SHARED_OUT = {
+    "pair": _conditions,
+    "score": _conditions,
+    "stability": _conditions,
+    "sweep": _sweep,
+    "tune": _tune,
+    "voxelize": _voxelize,
+}
 """How to divide what each verb does; what is left to do is the verb itself."""
 
 

@@ -26,6 +26,7 @@ from .results import (
     PredictResult,
     Result,
     ScatteringResult,
+    ScoreResult,
     SimulationResult,
     StabilityResult,
     SweepResult,
@@ -52,6 +53,7 @@ __all__ = [
     "framework",
     "inspect",
     "binding",
+    "score",
     "pair",
     "stability",
     "simulate",
@@ -910,6 +912,46 @@ def binding(
     """Estimate how strongly a complex of known pose binds, and the effect of salt, pH and charges:
     affinity from its contacts, charge part by the Poisson-Boltzmann equation, dissociation constant by
     integration over the poses nearby."""
+
+def score(
+    source: Path | str,
+    *,
+    output: Path | str,
+    body: str | float | Sequence[str | float] | None = None,
+    columns: str | float | Sequence[str | float] | None = None,
+    salt: str | Sequence[str] | None = None,
+    salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+    ph: float | str | None = None,
+    protonation: Literal["water", "structure"] | None = None,
+    anion_binding: float | str | None = None,
+    temperature: float | str | None = None,
+    model: Literal["natural-1", "solution-1", "solution-2", "thesis"] | None = None,
+    contacts: Literal["none", "calvados3", "kim-hummer"] | None = None,
+    contact_strength: float | str | None = None,
+    spacing: float | str | None = None,
+    seed: int | str | None = None,
+    strict: bool = False,
+    shard: str | float | Sequence[str | float] | None = None,
+    chain: str | float | Sequence[str | float] | None = None,
+    residues: str | float | Sequence[str | float] | None = None,
+    assembly: str | float | Sequence[str | float] | None = None,
+    altloc: str | float | Sequence[str | float] | None = None,
+    keep_ligands: bool = False,
+    keep_waters: bool = False,
+    keep_hydrogens: bool = False,
+    keep_nucleic_acids: bool = False,
+    missing: Literal["keep", "skip", "fail"] | None = None,
+    time_limit: float | str | None = None,
+    checkpoint_every: float | str | None = None,
+    structure_model: int | str | None = None,
+    threads: int | str | None = None,
+    force: bool = False,
+    client: Client | str | None = None,
+    parts: int | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+) -> ScoreResult:
+    """Score many complexes or designs: a folder or a table of structures in, a table with a row for each
+    out. The same command continues work that was stopped, and adds complexes and columns."""
 
 def pair(
     first: Path | str | Body,

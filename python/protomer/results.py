@@ -17,6 +17,7 @@ from ._errors import unknown
 from ._log import read_log
 from ._phases import HardBodySweepResult, PhaseDiagramResult
 from ._result import Result, missing, new_axes, numbers
+from ._scores import ScoreResult
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +36,7 @@ __all__ = [
     "Result",
     "ScatteringResult",
     "SimulationResult",
+    "ScoreResult",
     "StabilityResult",
     "SweepResult",
     "TrainResult",

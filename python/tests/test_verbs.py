@@ -145,6 +145,9 @@ def test_both_values_of_every_repeated_flag_reach_the_program(tmp_path):
     calls("md run", "--shape", "--share")
 
     dimer = Path(__file__).parents[2] / "data/structures/4e43.pdb.gz"
+    scored = pm.score(dimer, body=["A", "B"], columns="charge", output=tmp_path / "scores")
+    assert (scored.rows, scored.failed) == (1, 0)
+    calls("score", "--body")
     for body in (["A", "X"], ["X", "B"]):
         with pytest.raises(pm.ProtomerError, match="no chain X"):
             pm.assemble.structure(dimer, body=body, output=tmp_path / "dimer")

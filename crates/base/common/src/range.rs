@@ -23,6 +23,8 @@ pub const CUT_OFF: Range = Range::new(0.1, 1e4, "Å");
 pub const CONTACT_GAP: Range = Range::new(1e-3, 1000.0, "Å");
 /// Displacement up to which a body belongs to a part of an assembly; a quarter and twice of it are tried too.
 pub const PART_LIMIT: Range = Range::new(0.4, 25.0, "Å");
+/// Spacings of the fine of two grids, so that the second can be coarser.
+pub const FINE_SPACING: Range = Range::new(0.05, 0.9, "Å");
 /// Distances of atoms of residues that touch.
 pub const TOUCHING: Range = Range::new(1e-3, 20.0, "Å");
 /// Gaps that are left between bodies.

@@ -27,6 +27,8 @@ pub enum ResultKind {
     Equilibrium,
     /// An assembly and its parts at one salt and pH.
     EquilibriumCondition,
+    /// Scores of many complexes.
+    Scores,
     /// The pKa values and the titration curve of a structure.
     Titration,
     /// A run of many hard convex bodies.
@@ -116,6 +118,12 @@ const KINDS: &[Words] = &[
         "equilibrium condition",
         "an assembly at one salt and pH",
         &[],
+    ),
+    words(
+        ResultKind::Scores,
+        "scores",
+        "scores of complexes",
+        &["score"],
     ),
     words(
         ResultKind::Titration,

@@ -23,6 +23,7 @@ const GROUPS: [(&str, &[&str]); 8] = [
             "compare",
             "pair",
             "binding",
+            "score",
             "scattering",
         ],
     ),
@@ -159,6 +160,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         [
             "stability 4hhb.cif.gz --salt 50mM,150mM,500mM --concentration 1uM",
             "stability 6mdr/assembly.json --salt 50mM..1M/6 --concentration 100nM,1uM -o yields",
+        ],
+    ),
+    (
+        "score",
+        [
+            "score designs -o scores --columns energy,area,shape",
+            "score complexes.csv -o scores --columns affinity,kd --salt 50mM,150mM",
         ],
     ),
     (

@@ -2,7 +2,7 @@
 
 use super::html::{definitions, paragraph, table};
 use super::page::{Page, Section};
-use super::{data, figures, mesh_view, provenance};
+use super::{data, figures, mesh_view, provenance, sortable};
 use anyhow::Result;
 use protomer_common::page::{self, Contents, Data, Part, Program};
 use protomer_results::Record;
@@ -57,6 +57,9 @@ fn section(directory: &Path, stated: page::Section) -> Result<Section> {
         match part {
             Part::Scenes(shown) => add(&mut section, mesh_view::program(&shown)),
             Part::Program(program) => add(&mut section, program),
+            Part::Sortable { columns, rows } => {
+                add(&mut section, sortable::program(&columns, &rows));
+            }
             part => section.html += &to_html(directory, part)?,
         }
     }
@@ -91,7 +94,7 @@ fn to_html(directory: &Path, part: Part) -> Result<String> {
                 false => numbers,
             }
         }
-        Part::Scenes(_) | Part::Program(_) => String::new(),
+        Part::Scenes(_) | Part::Program(_) | Part::Sortable { .. } => String::new(),
     })
 }
 

@@ -6,7 +6,7 @@ use crate::learning::{self, Learning};
 use anyhow::{Result, bail};
 use protomer_linkage_verbs::{frameworks, lattice};
 use protomer_protein_verbs::file_kind::FileKind;
-use protomer_protein_verbs::stability::{equilibrium, pair};
+use protomer_protein_verbs::stability::{equilibrium, pair, score};
 use protomer_protein_verbs::titration;
 use protomer_results::ResultKind;
 use protomer_shape_verbs::{dynamics, hard_bodies};
@@ -44,6 +44,7 @@ pub fn of(directory: &Path) -> Result<Kind> {
         Some(ResultKind::Sweep) => Kind::Sweep,
         Some(ResultKind::Pair) => Kind::Stated(pair::page::contents),
         Some(ResultKind::Equilibrium) => Kind::Stated(equilibrium::page::contents),
+        Some(ResultKind::Scores) => Kind::Stated(score::page::contents),
         Some(ResultKind::Titration) => Kind::Stated(titration::page::contents),
         Some(ResultKind::LatticeRun) => Kind::Stated(lattice::page::run::contents),
         Some(ResultKind::LatticeSweep) => Kind::Stated(lattice::page::sweep::contents),

@@ -31,6 +31,7 @@ mod learning;
 mod mesh_view;
 mod page;
 mod provenance;
+mod sortable;
 
 use anyhow::{Result, bail};
 use kind::Kind;

@@ -83,6 +83,13 @@ pub enum Part {
         /// Rows with a cell for each column.
         rows: Vec<Vec<String>>,
     },
+    /// A table that a click on a heading sorts.
+    Sortable {
+        /// Headings of the columns.
+        columns: Vec<String>,
+        /// Rows with a cell for each column.
+        rows: Vec<Vec<String>>,
+    },
     /// A table, folded, with a link that saves it.
     Data(Data),
     /// A figure, and what it is drawn from.

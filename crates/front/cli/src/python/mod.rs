@@ -34,7 +34,7 @@ const NOT_FOR_FUNCTIONS: [&str; 7] = [
 /// keywords of [`Parameter::shared`].
 const SHARED_BY: &str = "shard";
 /// Verbs whose results have their own class; a star stands for the verb and all its subcommands.
-const RESULTS: [(&str, &str); 17] = [
+const RESULTS: [(&str, &str); 18] = [
     ("bench", "BenchResult"),
     ("compare", "CompareResult"),
     ("framework *", "FrameworkResult"),
@@ -46,6 +46,7 @@ const RESULTS: [(&str, &str); 17] = [
     ("potential", "PotentialResult"),
     ("predict", "PredictResult"),
     ("scattering", "ScatteringResult"),
+    ("score", "ScoreResult"),
     ("simulate", "SimulationResult"),
     ("stability", "StabilityResult"),
     ("sweep", "SweepResult"),

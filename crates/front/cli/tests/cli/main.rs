@@ -22,6 +22,7 @@ mod numbers;
 mod predict;
 mod report;
 mod residues;
+mod score;
 mod sweep;
 mod titrate;
 mod train;

@@ -17,6 +17,7 @@ pub mod residues;
 pub mod response;
 pub mod reweighting;
 pub mod run;
+pub mod score;
 pub mod sweep;
 pub mod terms;
 

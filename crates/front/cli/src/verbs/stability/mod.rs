@@ -8,5 +8,6 @@ pub mod inspect;
 pub mod pair;
 pub mod residues;
 pub mod reweight;
+pub mod score;
 pub mod simulate;
 pub mod sweep;

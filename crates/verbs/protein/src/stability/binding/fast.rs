@@ -19,20 +19,20 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Two bodies prepared for the interaction of simulations.
-pub(super) struct FastInteraction {
+pub(in crate::stability) struct FastInteraction {
     engine: Engine,
     settings: RunSettings,
 }
 
 /// Two bodies prepared for the interaction of simulations, in one medium.
-pub(super) struct FastMedium {
+pub(in crate::stability) struct FastMedium {
     engine: Engine,
     settings: RunSettings,
     interaction: ScreenedCoulomb,
 }
 
 /// The energy of a pose.
-pub(super) struct FastEnergy {
+pub(in crate::stability) struct FastEnergy {
     /// Terms of the energy, kT.
     pub terms_kt: BTreeMap<&'static str, f64>,
 }

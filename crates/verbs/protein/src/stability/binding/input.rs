@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// The two bodies before they are charged.
-pub(super) struct Inputs {
+pub(in crate::stability) struct Inputs {
     inputs: [Input; 2],
     settings: BodySettings,
     /// The pH values; `None` for the charges of the files.
@@ -37,8 +37,19 @@ enum Content {
     Charged(Arc<Body>),
 }
 
+/// Shortcomings of the files of both bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::stability) struct FileQuality {
+    /// Residues that lack heavy atoms.
+    pub incomplete_residues: usize,
+    /// Breaks of chains.
+    pub chain_breaks: usize,
+    /// Residues of a predicted model that may be anywhere.
+    pub residues_of_low_confidence: usize,
+}
+
 /// The two bodies at one pH.
-pub(super) struct Partners {
+pub(in crate::stability) struct Partners {
     pub bodies: [Arc<Body>; 2],
     /// Residues that lack atoms, of the files.
     pub incomplete: [Vec<IncompleteResidue>; 2],
@@ -91,6 +102,25 @@ impl Inputs {
         self.settings.sites.ph
     }
 
+    /// Shortcomings of the files of both bodies.
+    pub fn quality(&self) -> FileQuality {
+        let (mut quality, mut met) = (FileQuality::default(), None);
+        for input in &self.inputs {
+            if let Content::Residues(selection, sha256) = &input.content {
+                // A report is that of the whole file, which both bodies may come from.
+                if met.replace(sha256) == Some(sha256) {
+                    continue;
+                }
+                let report = &selection.report;
+                quality.incomplete_residues += report.incomplete.len();
+                quality.chain_breaks += report.chain_breaks.len();
+                let low = report.low_confidence.iter().map(|range| range.residues);
+                quality.residues_of_low_confidence += low.sum::<usize>();
+            }
+        }
+        quality
+    }
+
     /// The bodies at one pH.
     ///
     /// # Errors
@@ -123,7 +153,7 @@ impl Partners {
 }
 
 /// A place of a body in the frame of its file, Å.
-pub(super) fn in_frame(body: &Body, place: &Vec3) -> Vec3 {
+pub(in crate::stability) fn in_frame(body: &Body, place: &Vec3) -> Vec3 {
     place + body.provenance.origin_angstrom
 }
 

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Heavy atoms nearer than this are a contact of their residues, Å.
 const CONTACT_ANGSTROM: f64 = 4.5;
 /// A residue with a heavy atom nearer than this to the partner is at the interface, Å.
-pub(super) const NEAR_ANGSTROM: f64 = 5.0;
+pub(in crate::stability) const NEAR_ANGSTROM: f64 = 5.0;
 /// Bodies farther apart than this form no complex, Å.
 const FARTHEST_ANGSTROM: f64 = 10.0;
 /// Atoms of two molecules that are nearer than this are in conflict, Å: a hydrogen bond has 2.5 Å, a
@@ -27,13 +27,15 @@ const MOST_NAMED: usize = 12;
 
 /// Interface of two bodies.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Interface {
+pub(in crate::stability) struct Interface {
     /// Distance of the closest heavy atoms, Å.
     pub closest_angstrom: f64,
     /// Distance of the closest heavy atoms of pairs of residues, Å, as far as contacts of any kind reach.
     pub nearest_angstrom: BTreeMap<(u32, u32), f64>,
     /// Residues of each body at the interface.
     pub near: [BTreeSet<u32>; 2],
+    /// Atoms of the body that has more of them too close to the other.
+    pub clashing_atoms: usize,
     /// Warnings about the interface.
     pub warnings: Vec<String>,
 }
@@ -53,6 +55,7 @@ impl Interface {
             closest_angstrom: f64::INFINITY,
             nearest_angstrom: BTreeMap::new(),
             near: [BTreeSet::new(), BTreeSet::new()],
+            clashing_atoms: 0,
             warnings: Vec::new(),
         };
         let mut in_conflict = [BTreeSet::new(), BTreeSet::new()];
@@ -81,7 +84,8 @@ impl Interface {
             in_conflict[1].len() as f64 / second.len().max(1) as f64,
         ];
         interface.require_one_frame(partners, shares)?;
-        interface.warn_of_place(in_conflict[0].len().max(in_conflict[1].len()));
+        interface.clashing_atoms = in_conflict[0].len().max(in_conflict[1].len());
+        interface.warn_of_place();
         interface.warn_of_missing_atoms(partners);
         interface.warn_of_residues_without_scale(partners);
         Ok(interface)
@@ -126,9 +130,9 @@ impl Interface {
         Ok(())
     }
 
-    fn warn_of_place(&mut self, in_conflict: usize) {
-        if in_conflict > 0 {
-            let atoms = counted(in_conflict, "atom is", "atoms are");
+    fn warn_of_place(&mut self) {
+        if self.clashing_atoms > 0 {
+            let atoms = counted(self.clashing_atoms, "atom is", "atoms are");
             self.warnings.push(format!(
                 "warning: {atoms} within {CONFLICT_ANGSTROM} Å of atoms of the other body \
                  ({:.2} Å at least): their charges dominate the energy; check the structure, or relax it first",

@@ -18,9 +18,9 @@ mod answer;
 mod bound_state;
 mod estimate;
 mod exchanges;
-mod fast;
-mod input;
-mod interface;
+pub(super) mod fast;
+pub(super) mod input;
+pub(super) mod interface;
 mod result;
 mod settings;
 

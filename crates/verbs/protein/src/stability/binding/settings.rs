@@ -105,7 +105,7 @@ impl BindingSettings {
     }
 
     /// The medium of the fast interaction.
-    pub(super) fn medium(&self) -> InteractionSettings {
+    pub(in crate::stability) fn medium(&self) -> InteractionSettings {
         InteractionSettings {
             temperature_kelvin: self.temperature_kelvin,
             relative_permittivity: self.outer_permittivity,

@@ -1,0 +1,131 @@
+//! `protomer score`: many complexes, a row each.
+
+use crate::flags::body::{ChainGroupArgs, ProtonationArgs, SelectionArgs};
+use crate::flags::execution::ExecutionArgs;
+use crate::flags::model::ModelArgs;
+use crate::flags::scheduler::SchedulerArgs;
+use crate::flags::settings::choice;
+use crate::flags::terms::ContactArgs;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::{Result, bail};
+use clap::Args;
+use protomer_common::{quantity, range};
+use protomer_kernel::setting::Choices;
+use protomer_protein_verbs::stability::binding::BindingSettings;
+use protomer_protein_verbs::stability::contacts::ContactCore;
+use protomer_protein_verbs::stability::model::Model;
+use protomer_protein_verbs::stability::score::{
+    Complexes, Measure, ScoreSettings, run_score, run_score_shard,
+};
+use protomer_results::{End, Shard};
+use std::path::PathBuf;
+
+/// Score many complexes or designs: a folder or a table of structures in, a table with a row for each out. The
+/// same command continues work that was stopped, and adds complexes and columns.
+#[derive(Debug, Args)]
+// `--model` names what acts between the bodies here.
+#[command(mut_arg(SelectionArgs::MODEL, |model| model.long("structure-model").value_name("NUMBER")))]
+pub struct ScoreArgs {
+    /// Folder of structure files, list of them (NAME.txt, one file a line), or table (NAME.csv) with the columns
+    /// name, and file or receptor and ligand; receptor_chains and ligand_chains where a file has more than two
+    /// chains.
+    source: PathBuf,
+    #[command(flatten)]
+    bodies: ChainGroupArgs,
+    /// Directory of the results.
+    #[arg(short, long)]
+    output: PathBuf,
+    /// Groups of columns.
+    #[arg(long, value_delimiter = ',', value_parser = choice::<Measure>(), default_values = Measure::CHEAP.map(Choices::name))]
+    columns: Vec<Measure>,
+    /// Concentrations of a 1:1 salt: a list such as 50mM,150mM or a range such as 10mM..1M/5.
+    #[arg(long, default_value = "150mM", allow_hyphen_values = true)]
+    salt: String,
+    /// pH at which structure files are charged [default: 7.4].
+    #[arg(long, allow_negative_numbers = true, value_parser = range::PH.number())]
+    ph: Option<f64>,
+    #[command(flatten)]
+    protonation: ProtonationArgs,
+    /// Temperature, K.
+    #[arg(long, default_value = "298.15", allow_hyphen_values = true, value_parser = range::TEMPERATURE.read(quantity::temperature_kelvin))]
+    temperature: f64,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    attraction: ContactArgs,
+    /// Spacing of the fine grid of the columns slope, kd and exchange, Å.
+    #[arg(long, default_value_t = BindingSettings::SPACING_ANGSTROM, allow_negative_numbers = true, value_parser = range::FINE_SPACING.number())]
+    spacing: f64,
+    /// Seed of the random numbers of the column kd.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// End with exit code 1 if some complexes could not be scored.
+    #[arg(long)]
+    strict: bool,
+    /// Score only a part of the complexes, such as 2/8, alongside other processes in the same directory; the
+    /// command without this flag collects the parts.
+    #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
+    shard: Shard,
+    #[command(flatten)]
+    selection: SelectionArgs,
+    #[command(flatten)]
+    execution: ExecutionArgs,
+    #[command(flatten)]
+    scheduler: SchedulerArgs,
+}
+
+impl ScoreArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        self.scheduler.check()?;
+        let stated = self.bodies.body.len();
+        if stated != 0 && stated != 2 {
+            bail!(
+                "a complex is that of two bodies, and --body states {stated}; give it twice, such as --body H,L --body A"
+            );
+        }
+        let complexes = Complexes::read(&self.source, &self.bodies.body)?;
+        let settings = self.settings(complexes.0.len())?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let execution = self.execution.execution(front)?;
+        let directory = &self.output;
+        if !self.shard.is_whole() {
+            let Shard { index, of } = self.shard;
+            let end = run_score_shard(&complexes, &settings, directory, self.shard, &execution)?;
+            return Ok(Reply::of_end(end, || {
+                format!("stopped; the same command continues part {index} of {of}")
+            }));
+        }
+        match run_score(&complexes, &settings, directory, &execution)? {
+            End::Finished(result) => {
+                let some_failed = self.strict && result.failed > 0;
+                Ok(Reply::of(result).partial_if(some_failed))
+            }
+            End::Stopped => Ok(Reply::stopped(format!(
+                "stopped; the same command continues {}",
+                directory.display()
+            ))),
+        }
+    }
+
+    fn settings(&self, complexes: usize) -> Result<ScoreSettings> {
+        let model = self.model.model().unwrap_or(Model::Natural1);
+        let settings = ScoreSettings {
+            complexes,
+            columns: self.columns.clone(),
+            salt_molar: quantity::salt_list(&self.salt)?,
+            ph: self.ph,
+            titration: self.protonation.titration_over(model.titration())?,
+            temperature_kelvin: self.temperature,
+            model,
+            contacts: self
+                .attraction
+                .over(model.contacts(), ContactCore::Surface)?,
+            spacing_angstrom: self.spacing,
+            seed: self.seed,
+            selection: self.selection.settings(),
+        };
+        settings.check()?;
+        Ok(settings)
+    }
+}
