@@ -25,6 +25,7 @@
 //! | [`hard_core`] | what of a body is hard |
 //! | `points` | the points of a PQR file that are atoms |
 //! | `warnings` | warnings about a file and the body made from it |
+//! | [`crystal`] | symmetry copies that touch in a crystal |
 //! | [`interface`] | area, fit and polar contacts of two bodies that touch |
 //! | [`residue_contacts`] | attraction between residues by published scales; residues as beads |
 //! | [`assembly`] | poses of bodies: copies, rings, stacks, candidates, random insertion |
@@ -33,6 +34,7 @@ pub mod assembly;
 pub mod body;
 pub mod build;
 pub mod chemistry;
+pub mod crystal;
 mod error;
 pub mod hard_core;
 pub mod interface;

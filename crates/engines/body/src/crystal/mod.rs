@@ -1,0 +1,14 @@
+//! Contacts between the chains of a crystal and their symmetry copies.
+//!
+//! | module | one idea |
+//! |---|---|
+//! | `table` | generators of the space groups |
+//! | `space_group` | operations of a space group |
+//! | `contacts` | chains and copies that touch |
+
+mod contacts;
+mod space_group;
+mod table;
+
+pub use contacts::{CrystalContact, crystal_contacts};
+pub use space_group::{SymmetryOperation, operations};
