@@ -918,6 +918,7 @@ def score(
     *,
     output: Path | str,
     body: str | float | Sequence[str | float] | None = None,
+    crystal: bool = False,
     columns: str | float | Sequence[str | float] | None = None,
     salt: str | Sequence[str] | None = None,
     salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,

@@ -152,6 +152,27 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
 }
 
 #[test]
+fn every_contact_of_a_crystal_is_a_row() {
+    let place = TemporaryFolder::with_data();
+    let command =
+        "score data/structures/4e43.pdb.gz --crystal -o out --columns contacts,charge -q --json";
+    let found = answer(&place, command);
+    assert_eq!(found["failed"], 0);
+    let rows = table(&place, "out");
+    let dimers: Vec<_> = rows
+        .values()
+        .filter(|row| row["in_assembly"] == "yes")
+        .collect();
+    assert_eq!(dimers.len(), 1);
+    assert_eq!(
+        (&*dimers[0]["chains"], &*dimers[0]["symmetry"]),
+        ("A:B", "x,y,z")
+    );
+    assert_eq!(dimers[0]["residue_contacts"], "117");
+    assert!(rows.len() > 4);
+}
+
+#[test]
 fn parts_of_the_work_make_the_same_table() {
     let place = designs();
     answer(&place, &format!("score designs -o whole {CHEAP}"));

@@ -92,6 +92,7 @@ impl BindingArgs {
             receptor: self.receptor.clone(),
             ligand: self.ligand.clone(),
             bodies: self.bodies.body.clone(),
+            ligand_motion: None,
             model,
             contacts: self
                 .attraction

@@ -33,6 +33,9 @@ pub struct ScoreArgs {
     source: PathBuf,
     #[command(flatten)]
     bodies: ChainGroupArgs,
+    /// Score every contact of the crystal of each file: chains and their symmetry copies that touch.
+    #[arg(long, conflicts_with = "body")]
+    crystal: bool,
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
@@ -84,7 +87,10 @@ impl ScoreArgs {
                 "a complex is that of two bodies, and --body states {stated}; give it twice, such as --body H,L --body A"
             );
         }
-        let complexes = Complexes::read(&self.source, &self.bodies.body)?;
+        let complexes = match self.crystal {
+            true => Complexes::of_crystals(&self.source, &self.selection.settings())?,
+            false => Complexes::read(&self.source, &self.bodies.body)?,
+        };
         let settings = self.settings(complexes.0.len())?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
         let execution = self.execution.execution(front)?;

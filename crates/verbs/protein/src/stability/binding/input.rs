@@ -2,7 +2,7 @@
 
 use super::settings::BindingSettings;
 use crate::bodies::body_file;
-use crate::bodies::chain_groups::{ChainGroup, chains_of, stated_groups, ungrouped};
+use crate::bodies::chain_groups::{ChainGroup, ChainNames, chains_of, stated_groups, ungrouped};
 use crate::bodies::ingest::read_and_build;
 use anyhow::{Context, Result, bail};
 use protomer_body::structure::{Format, IncompleteResidue, Selection, Structure};
@@ -10,7 +10,7 @@ use protomer_body::{Body, BodySettings, Draft, Source, structure_warnings};
 use protomer_common::input::{InputFile, stem};
 use protomer_field::ChargedSphere;
 use protomer_field::titration::SolvedProtonation;
-use protomer_kernel::Vec3;
+use protomer_kernel::{Pose, Vec3};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -88,7 +88,10 @@ impl Inputs {
         let names = names(&paths, &groups);
         let input =
             |number: usize| files[groups[number].file].input(&groups[number], &names[number]);
-        let inputs = [input(0), input(1)];
+        let mut inputs = [input(0), input(1)];
+        if let Some(motion) = &settings.ligand_motion {
+            inputs[1].move_by(motion);
+        }
         Ok(Self {
             ph: ph_values(settings, &inputs, &body)?,
             inputs,
@@ -158,6 +161,17 @@ pub(in crate::stability) fn in_frame(body: &Body, place: &Vec3) -> Vec3 {
 }
 
 impl Input {
+    /// Moves the residues of a structure file.
+    fn move_by(&mut self, motion: &Pose) {
+        self.name += "-copy";
+        if let Content::Residues(selection, _) = &mut self.content {
+            let residues = selection.residues.iter_mut();
+            for atom in residues.flat_map(|residue| &mut residue.atoms) {
+                atom.position = motion.transform_point(&atom.position);
+            }
+        }
+    }
+
     fn body(&self, ph: Option<f64>, settings: &BodySettings) -> Result<Arc<Body>> {
         let (selection, sha256) = match &self.content {
             Content::Charged(body) => return Ok(Arc::clone(body)),
@@ -259,6 +273,14 @@ fn groups(
         chains: chains[file].clone(),
     };
     let stated = &settings.bodies;
+    if settings.ligand_motion.is_some() {
+        // A chain and its own copy are two bodies.
+        let group = |names: &ChainNames| ChainGroup {
+            file: 0,
+            chains: names.0.clone(),
+        };
+        return Ok(stated.iter().map(group).collect());
+    }
     if stated.is_empty() {
         return match (files, chains[0].as_slice()) {
             ([_, _], _) => Ok(vec![whole(0), whole(1)]),

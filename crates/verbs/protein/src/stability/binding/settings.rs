@@ -10,7 +10,7 @@ use protomer_body::chemistry::{StructureProtonation, StructureTitration};
 use protomer_body::structure::SelectionSettings;
 use protomer_common::range;
 use protomer_field::{DielectricModel, SolveSettings};
-use protomer_kernel::Electrolyte;
+use protomer_kernel::{Electrolyte, Pose};
 use std::path::PathBuf;
 
 /// A complex, the conditions, and how to solve.
@@ -22,6 +22,8 @@ pub struct BindingSettings {
     pub ligand: Option<PathBuf>,
     /// The chains of the two bodies; empty for a file each, or for the two chains of one file.
     pub bodies: Vec<ChainNames>,
+    /// Motion of the ligand from its place in the file, as that of a symmetry copy in a crystal.
+    pub ligand_motion: Option<Pose>,
     /// The model that says which bodies are made and how charges interact, for the energy of simulations.
     pub model: Model,
     /// Attraction between residues, for the energy of simulations.
@@ -60,6 +62,7 @@ impl Default for BindingSettings {
             receptor: PathBuf::new(),
             ligand: None,
             bodies: Vec::new(),
+            ligand_motion: None,
             model: Model::Natural1,
             contacts: Model::Natural1.contacts(),
             selection: SelectionSettings::default(),

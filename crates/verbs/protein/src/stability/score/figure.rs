@@ -65,6 +65,9 @@ fn panel(scores: &ShownScores, across: usize, up: usize) -> Panel {
 
 /// A heading as the label of an axis, with the unit in parentheses.
 fn words(heading: &str) -> String {
+    let symbols = heading.replace("contact_delta_g", "ΔG°_by_contacts");
+    let heading = symbols.replace("delta_g", "ΔG°");
+    let heading = heading.as_str();
     let units = [
         ("_angstrom2", " (Å²)"),
         ("_angstrom", " (Å)"),
@@ -92,5 +95,9 @@ mod tests {
     fn headings_become_labels() {
         assert_eq!(words("energy_kt_150mM"), "energy in 150mM (kT)");
         assert_eq!(words("buried_area_angstrom2"), "buried area (Å²)");
+        assert_eq!(
+            words("contact_delta_g_kcal_per_mol"),
+            "ΔG° by contacts (kcal/mol)"
+        );
     }
 }

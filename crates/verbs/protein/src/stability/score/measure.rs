@@ -3,20 +3,20 @@
 protomer_kernel::choices! {
     /// A group of columns.
     pub enum Measure {
-        /// Residues that lack atoms or have low confidence, breaks of chains, clashes.
-        Quality = "quality",
-        /// Net charges of the two bodies.
-        Charge = "charge",
-        /// Contacts of residues, hydrogen bonds and salt bridges across the interface.
-        Contacts = "contacts",
-        /// Buried area.
-        Area = "area",
-        /// Shape complementarity.
-        Shape = "shape",
         /// Standard binding free energy by the contacts alone, at 150 mM salt.
         Affinity = "affinity",
         /// Energy of the model by terms.
         Energy = "energy",
+        /// Buried area.
+        Area = "area",
+        /// Shape complementarity.
+        Shape = "shape",
+        /// Contacts of residues, hydrogen bonds and salt bridges across the interface.
+        Contacts = "contacts",
+        /// Net charges of the two bodies.
+        Charge = "charge",
+        /// Residues that lack atoms or have low confidence, breaks of chains, clashes.
+        Quality = "quality",
         /// Slope of the association constant with salt, by the Poisson-Boltzmann equation.
         Slope = "slope",
         /// Dissociation constants: calibrated, with the effect of the salt, and integrated over the poses nearby.
@@ -29,13 +29,13 @@ protomer_kernel::choices! {
 impl Measure {
     /// The groups that take at most seconds for each complex.
     pub const CHEAP: [Self; 7] = [
-        Self::Quality,
-        Self::Charge,
-        Self::Contacts,
-        Self::Area,
-        Self::Shape,
         Self::Affinity,
         Self::Energy,
+        Self::Area,
+        Self::Shape,
+        Self::Contacts,
+        Self::Charge,
+        Self::Quality,
     ];
 
     /// Whether the group needs the Poisson-Boltzmann equation or the integration.

@@ -27,6 +27,12 @@ pub fn contents(directory: &Path, _record: Option<&Record>) -> Result<Contents> 
         "{}, {failed} failed",
         counted(scores.rows.len(), "complex", "complexes")
     );
+    if failed > 0 {
+        let complexes = counted(failed, "complex", "complexes");
+        contents
+            .problems
+            .push(format!("{complexes} could not be scored; see Failures."));
+    }
     let mut parts = Vec::new();
     if let Some(figure) = figure::figure(&scores) {
         parts.push(Part::figure(figure, "score.csv"));

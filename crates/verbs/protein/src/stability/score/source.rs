@@ -9,8 +9,12 @@ use super::ScoreSettings;
 use crate::bodies::chain_groups::ChainNames;
 use crate::stability::binding::BindingSettings;
 use anyhow::{Context, Result, bail};
-use protomer_common::input::{expand, stem};
+use protomer_body::crystal::{CrystalContact, crystal_contacts};
+use protomer_body::structure::{SelectionSettings, Structure};
+use protomer_common::input::{InputFile, expand, stem};
 use protomer_io::csv::cells;
+use protomer_kernel::Pose;
+use rayon::prelude::*;
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -45,6 +49,8 @@ pub struct StatedComplex {
     pub ligand: Option<PathBuf>,
     /// Chains of the two bodies; empty for whole files, and for the two chains of one file.
     pub bodies: Vec<Vec<String>>,
+    /// Motion of the second body from its place in the file.
+    pub motion: Option<Pose>,
     /// Further columns of the table, and their cells.
     pub further: Vec<(String, String)>,
     /// Reason why this is no complex.
@@ -70,12 +76,7 @@ impl Complexes {
     /// # Errors
     /// If the source cannot be read or holds nothing, a column is missing or misspelt, or a name appears twice.
     pub fn read(source: &Path, bodies: &[ChainNames]) -> Result<Self> {
-        if !source.exists() {
-            bail!(
-                "there is no {}; give a folder of structure files, a list of them (NAME.txt), or a table (NAME.csv)",
-                source.display()
-            );
-        }
+        require_source(source)?;
         let is_table = source
             .extension()
             .is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
@@ -92,6 +93,73 @@ impl Complexes {
         require_names(source, &complexes)?;
         Ok(Self(complexes))
     }
+}
+
+impl Complexes {
+    /// All contacts of the crystals in structure files: chains and their symmetry copies that touch. A file whose contacts
+    /// cannot be found is a complex with the reason.
+    ///
+    /// # Errors
+    /// If the source cannot be read, or two files have one name.
+    pub fn of_crystals(source: &Path, selection: &SelectionSettings) -> Result<Self> {
+        require_source(source)?;
+        let files = expand(&[source.to_owned()])?;
+        let found: Vec<Vec<StatedComplex>> = files
+            .par_iter()
+            .map(|file| {
+                of_crystal(file, selection).unwrap_or_else(|error| {
+                    vec![StatedComplex {
+                        name: stem(file),
+                        receptor: file.clone(),
+                        problem: Some(format!("{error:#}")),
+                        ..StatedComplex::default()
+                    }]
+                })
+            })
+            .collect();
+        let mut complexes: Vec<StatedComplex> = found.into_iter().flatten().collect();
+        // The first row names the columns.
+        complexes.sort_by_key(|complex| complex.further.is_empty());
+        require_names(source, &complexes)?;
+        Ok(Self(complexes))
+    }
+}
+
+/// The contacts in the crystal of a structure file.
+fn of_crystal(file: &Path, selection: &SelectionSettings) -> Result<Vec<StatedComplex>> {
+    let input = InputFile::read(file)?;
+    let structure = Structure::read(&input.name, &input.bytes)?;
+    let selected = structure.select(selection)?;
+    let contacts = crystal_contacts(&structure.header, &structure.assemblies, &selected)?;
+    if contacts.is_empty() {
+        bail!("no protein chain touches another one or a symmetry copy");
+    }
+    let entry = stem(file);
+    let complex = |(number, contact): (usize, CrystalContact)| {
+        let [first, second] = &contact.chains;
+        let in_assembly = contact
+            .in_assembly
+            .map_or("", |is| if is { "yes" } else { "no" });
+        let further = [
+            ("entry", entry.clone()),
+            ("chains", format!("{first}:{second}")),
+            ("symmetry", contact.symmetry.clone()),
+            ("in_assembly", in_assembly.to_owned()),
+        ];
+        StatedComplex {
+            name: format!("{entry}_{first}_{second}_{}", number + 1),
+            receptor: file.to_owned(),
+            bodies: contact
+                .chains
+                .iter()
+                .map(|name| vec![name.clone()])
+                .collect(),
+            motion: Some(contact.pose),
+            further: further.map(|(name, text)| (name.to_owned(), text)).to_vec(),
+            ..StatedComplex::default()
+        }
+    };
+    Ok(contacts.into_iter().enumerate().map(complex).collect())
 }
 
 impl StatedComplex {
@@ -122,9 +190,20 @@ impl StatedComplex {
         Ok(BindingSettings {
             receptor: self.receptor.clone(),
             ligand: self.ligand.clone(),
+            ligand_motion: self.motion,
             ..settings.binding()
         })
     }
+}
+
+fn require_source(source: &Path) -> Result<()> {
+    if !source.exists() {
+        bail!(
+            "there is no {}; give a folder of structure files, a list of them (NAME.txt), or a table (NAME.csv)",
+            source.display()
+        );
+    }
+    Ok(())
 }
 
 /// Complexes of structure files, by name: pairs of a receptor and a ligand, and single files.
