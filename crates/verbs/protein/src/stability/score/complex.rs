@@ -1,7 +1,7 @@
 //! One complex, from its files to its record.
 
 use super::record::ScoreRecord;
-use super::{Measure, ScoreSettings, StatedComplex, energies, geometry, solved};
+use super::{Measure, ScoreSettings, StatedComplex, confidence, energies, geometry, solved};
 use crate::stability::binding::BindingSettings;
 use crate::stability::binding::input::{Inputs, Partners};
 use crate::stability::binding::interface::Interface;
@@ -64,6 +64,7 @@ fn measure(
         record.warn(pose.warnings());
         for measure in missing.iter().filter(|measure| !measure.is_solved()) {
             let values = match measure {
+                Measure::Confidence => confidence::columns(&binding.receptor),
                 Measure::Energy => energies::columns(&pose, &binding)?,
                 cheap => geometry::columns(*cheap, &pose)?,
             };

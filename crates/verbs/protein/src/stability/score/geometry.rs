@@ -49,7 +49,11 @@ pub(super) fn columns(measure: Measure, pose: &Pose) -> Result<Vec<(String, Valu
             vec![number("shape_complementarity", fit.unwrap_or(f64::NAN))]
         }
         Measure::Affinity => affinity(partners, interface),
-        Measure::Energy | Measure::Slope | Measure::Kd | Measure::Exchange => Vec::new(),
+        Measure::Confidence
+        | Measure::Energy
+        | Measure::Slope
+        | Measure::Kd
+        | Measure::Exchange => Vec::new(),
     })
 }
 

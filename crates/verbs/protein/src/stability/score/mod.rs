@@ -15,6 +15,7 @@
 //! | `record` | what is found for one complex, as stored |
 //! | `measure` | the groups of columns, from cheap to expensive |
 //! | `geometry` | columns of the structure alone |
+//! | `confidence` | columns of the files beside a predicted structure |
 //! | `energies` | columns of the model's energy |
 //! | `solved` | columns of the Poisson-Boltzmann equation and of the integrated K_D |
 //! | `complex` | one complex, from its files to its record |
@@ -24,6 +25,7 @@
 //! | [`page`] | the page of a directory |
 
 mod complex;
+mod confidence;
 mod energies;
 pub mod figure;
 mod geometry;

@@ -9,6 +9,8 @@ use std::path::Path;
 
 /// Columns before those that are measured.
 const BEFORE: [&str; 4] = ["name", "status", "receptor", "ligand"];
+/// Warnings of a complex in the table.
+const WARNINGS_SHOWN: usize = 6;
 /// Columns after those that are measured.
 const AFTER: [&str; 2] = ["warnings", "error"];
 
@@ -39,7 +41,7 @@ impl ScoreTable {
                 row.push(stated.map_or(Cell::Empty, |(_, text)| as_read(text)));
             }
             row.extend(measured.iter().map(|heading| cell(record.value(heading))));
-            row.push(Cell::from(record.warnings.join("; ").as_str()));
+            row.push(Cell::from(warnings_in_words(record).as_str()));
             row.push(record.error.as_deref().map_or(Cell::Empty, Cell::from));
             // A row has a cell for each column by construction.
             drop(table.push(row));
@@ -119,6 +121,17 @@ impl ShownScores {
             (!text.is_empty()).then_some((row[0].as_str(), text))
         })
     }
+}
+
+/// The first warnings of a complex, and how many more its record has.
+fn warnings_in_words(record: &ScoreRecord) -> String {
+    let shown = record.warnings.iter().take(WARNINGS_SHOWN);
+    let mut text = shown.cloned().collect::<Vec<_>>().join("; ");
+    if record.warnings.len() > WARNINGS_SHOWN {
+        let more = record.warnings.len() - WARNINGS_SHOWN;
+        text += &format!("; and {more} more in row.json");
+    }
+    text
 }
 
 /// Whether a complex was scored.
