@@ -1,5 +1,6 @@
 //! Chains of a crystal and the symmetry copies that touch them.
 
+use super::closure::{Backbone, is_closed};
 use super::space_group::{SymmetryOperation, operations};
 use crate::structure::{BiologicalAssembly, Header, SelectedResidue, Selection, UnitCell};
 use crate::{BodyError, Result};
@@ -28,6 +29,8 @@ pub struct CrystalContact {
     pub symmetry: String,
     /// Pairs of residues in contact.
     pub residue_contacts: usize,
+    /// Whether two equal chains make a ring by this motion instead of an endless row; `None` for different chains.
+    pub is_closed: Option<bool>,
     /// Whether both are in one biological assembly of the file; `None` if the file describes none.
     pub in_assembly: Option<bool>,
 }
@@ -38,6 +41,7 @@ struct Unit<'a> {
     label: &'a str,
     /// Heavy atoms with the number of their residue.
     atoms: Vec<(Vec3, usize)>,
+    backbone: Backbone,
     centre: Vec3,
     radius_angstrom: f64,
 }
@@ -96,6 +100,7 @@ pub fn crystal_contacts(
                             pose,
                             symmetry: operation.in_words(shift),
                             residue_contacts,
+                            is_closed: is_closed(&first.backbone, &second.backbone, &pose),
                             in_assembly: in_assembly(assemblies, first, second, &pose)?,
                         });
                     }
@@ -121,6 +126,7 @@ fn units(residues: &[SelectedResidue]) -> Vec<Unit<'_>> {
                 name,
                 label: residue.atoms.first().map_or("", |atom| &*atom.label_chain),
                 atoms: Vec::new(),
+                backbone: Backbone::new(),
                 centre: Vec3::zeros(),
                 radius_angstrom: 0.0,
             });
@@ -128,6 +134,10 @@ fn units(residues: &[SelectedResidue]) -> Vec<Unit<'_>> {
             units.len() - 1
         });
         counts[place] += 1;
+        if let Some(atom) = residue.atom("CA") {
+            let key = (residue.key.number, residue.name.to_string());
+            units[place].backbone.insert(key, atom.position);
+        }
         let heavy = residue.atoms.iter().filter(|atom| !atom.is_hydrogen());
         units[place]
             .atoms

@@ -4,8 +4,10 @@
 //! |---|---|
 //! | `table` | generators of the space groups |
 //! | `space_group` | operations of a space group |
+//! | `closure` | motions that close to a ring |
 //! | `contacts` | chains and copies that touch |
 
+mod closure;
 mod contacts;
 mod space_group;
 mod table;

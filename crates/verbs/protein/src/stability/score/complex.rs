@@ -1,7 +1,9 @@
 //! One complex, from its files to its record.
 
 use super::record::ScoreRecord;
-use super::{Measure, ScoreSettings, StatedComplex, confidence, energies, geometry, solved};
+use super::{
+    Measure, ScoreSettings, StatedComplex, confidence, energies, geometry, reality, solved,
+};
 use crate::stability::binding::BindingSettings;
 use crate::stability::binding::input::{Inputs, Partners};
 use crate::stability::binding::interface::Interface;
@@ -64,6 +66,7 @@ fn measure(
         record.warn(pose.warnings());
         for measure in missing.iter().filter(|measure| !measure.is_solved()) {
             let values = match measure {
+                Measure::Real => reality::columns(complex, &pose),
                 Measure::Confidence => confidence::columns(&binding.receptor),
                 Measure::Energy => energies::columns(&pose, &binding)?,
                 cheap => geometry::columns(*cheap, &pose)?,

@@ -49,7 +49,8 @@ pub(super) fn columns(measure: Measure, pose: &Pose) -> Result<Vec<(String, Valu
             vec![number("shape_complementarity", fit.unwrap_or(f64::NAN))]
         }
         Measure::Affinity => affinity(partners, interface),
-        Measure::Confidence
+        Measure::Real
+        | Measure::Confidence
         | Measure::Energy
         | Measure::Slope
         | Measure::Kd

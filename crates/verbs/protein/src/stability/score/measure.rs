@@ -17,6 +17,8 @@ protomer_kernel::choices! {
         Charge = "charge",
         /// Residues that lack atoms or have low confidence, breaks of chains, clashes.
         Quality = "quality",
+        /// Chance that a contact of a crystal is one of a biological assembly.
+        Real = "real",
         /// Confidences that a predictor wrote beside the structure: AlphaFold 3, Boltz, ColabFold.
         Confidence = "confidence",
         /// Slope of the association constant with salt, by the Poisson-Boltzmann equation.

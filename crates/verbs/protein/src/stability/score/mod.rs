@@ -16,6 +16,7 @@
 //! | `measure` | the groups of columns, from cheap to expensive |
 //! | `geometry` | columns of the structure alone |
 //! | `confidence` | columns of the files beside a predicted structure |
+//! | `reality` | chance that a contact is more than packing |
 //! | `energies` | columns of the model's energy |
 //! | `solved` | columns of the Poisson-Boltzmann equation and of the integrated K_D |
 //! | `complex` | one complex, from its files to its record |
@@ -31,6 +32,7 @@ pub mod figure;
 mod geometry;
 mod measure;
 pub mod page;
+mod reality;
 mod record;
 mod result;
 mod settings;

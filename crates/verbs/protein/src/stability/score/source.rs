@@ -137,14 +137,13 @@ fn of_crystal(file: &Path, selection: &SelectionSettings) -> Result<Vec<StatedCo
     let entry = stem(file);
     let complex = |(number, contact): (usize, CrystalContact)| {
         let [first, second] = &contact.chains;
-        let in_assembly = contact
-            .in_assembly
-            .map_or("", |is| if is { "yes" } else { "no" });
+        let answer = |is: Option<bool>| is.map_or("", |is| if is { "yes" } else { "no" });
         let further = [
             ("entry", entry.clone()),
             ("chains", format!("{first}:{second}")),
             ("symmetry", contact.symmetry.clone()),
-            ("in_assembly", in_assembly.to_owned()),
+            ("closed", answer(contact.is_closed).to_owned()),
+            ("in_assembly", answer(contact.in_assembly).to_owned()),
         ];
         StatedComplex {
             name: format!("{entry}_{first}_{second}_{}", number + 1),
