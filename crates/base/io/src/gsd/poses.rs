@@ -5,6 +5,9 @@ use crate::{IoError, Result};
 use protomer_kernel::{Pose, Vec3};
 use std::path::{Path, PathBuf};
 
+/// Orientation of a body that is not turned, the schema's default.
+const IDENTITY_WXYZ: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+
 /// The poses of one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosedFrame {
@@ -14,7 +17,7 @@ pub struct PosedFrame {
     pub box_lengths_angstrom: [f64; 3],
     /// Index of the kind of each body.
     pub type_ids: Vec<u32>,
-    /// Pose of each body, as exact as single precision holds it.
+    /// Pose of each body, as exact as the precision of the file holds it.
     pub poses: Vec<Pose>,
 }
 
@@ -88,20 +91,25 @@ impl TrajectoryReader {
             Some(ChunkData::U64(values)) => values.first().copied().unwrap_or(0),
             _ => 0,
         };
-        let Some(ChunkData::U32(type_ids)) = self.chunk(frame, "particles/typeid")? else {
-            return Err(self.other_content("particles/typeid"));
-        };
         let space = self.numbers(frame, "configuration/box")?;
         // Three lengths; the tilts behind them are those of an upright box.
-        let [x, y, z, ..] = space[..] else {
+        let Some([x, y, z, ..]) = space.as_deref() else {
             return Err(self.other_content("box"));
         };
-        let positions = self.numbers(frame, "particles/position")?;
+        let box_lengths_angstrom = [*x, *y, *z];
+        let Some(positions) = self.numbers(frame, "particles/position")? else {
+            return Err(self.other_content("particles/position"));
+        };
+        let positions = positions.as_chunks::<3>().0;
+        // Other programs leave out what has the default of the schema for all bodies.
+        let type_ids = match self.chunk(frame, "particles/typeid")? {
+            Some(ChunkData::U32(type_ids)) => type_ids,
+            Some(_) => return Err(self.other_content("particles/typeid")),
+            None => vec![0; positions.len()],
+        };
         let orientations = self.numbers(frame, "particles/orientation")?;
-        let (positions, orientations) = (
-            positions.as_chunks::<3>().0,
-            orientations.as_chunks::<4>().0,
-        );
+        let orientations = orientations.unwrap_or_else(|| IDENTITY_WXYZ.repeat(positions.len()));
+        let orientations = orientations.as_chunks::<4>().0;
         // A row for each body, or bodies and poses would be matched wrongly.
         if [positions.len(), orientations.len()] != [type_ids.len(); 2] {
             return Err(self.other_content("pose for each body"));
@@ -109,7 +117,7 @@ impl TrajectoryReader {
         let poses = positions.iter().zip(orientations);
         Ok(PosedFrame {
             step,
-            box_lengths_angstrom: [x, y, z],
+            box_lengths_angstrom,
             type_ids,
             poses: poses
                 .map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz))
@@ -126,9 +134,13 @@ impl TrajectoryReader {
         Ok(chunk.map(|Chunk { data, .. }| data))
     }
 
-    fn numbers(&mut self, frame: u64, name: &str) -> Result<Vec<f64>> {
-        let Some(ChunkData::F32(values)) = self.chunk(frame, name)? else {
-            return Err(self.other_content(name));
+    /// Numbers in single or, as the schema allows since its version 2, in double precision.
+    fn numbers(&mut self, frame: u64, name: &str) -> Result<Option<Vec<f64>>> {
+        let values: Vec<f64> = match self.chunk(frame, name)? {
+            Some(ChunkData::F32(values)) => values.into_iter().map(f64::from).collect(),
+            Some(ChunkData::F64(values)) => values,
+            Some(_) => return Err(self.other_content(name)),
+            None => return Ok(None),
         };
         if values.iter().any(|value| !value.is_finite()) {
             return Err(self.error(
@@ -136,7 +148,7 @@ impl TrajectoryReader {
                 "write it again",
             ));
         }
-        Ok(values.into_iter().map(f64::from).collect())
+        Ok(Some(values))
     }
 
     fn other_content(&self, content: &str) -> IoError {
@@ -202,6 +214,42 @@ mod tests {
         }
         let message = reader.frame(2).unwrap_err().to_string();
         assert!(message.contains("no frame 2, only 0 to 1"), "{message}");
+    }
+
+    /// Frames as the package gsd 5 writes them with `precision='double'`: schema 2.0, defaults left out.
+    #[test]
+    fn schema_2_is_read_in_double_precision_and_with_defaults() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("double.gsd");
+        let mut writer = GsdWriter::create(&path, "gsd.hoomd 5.0.1", "hoomd", (2, 0)).unwrap();
+        let box_and_tilts = vec![10.0, 20.0, 30.0, 0.0, 0.0, 0.0];
+        let positions = vec![0.1, 0.2, 0.3, -1.0 / 3.0, 2.0, 3.0];
+        let turned = vec![1.0, 0.0, 0.0, 0.0, 0.6, 0.0, 0.8, 0.0];
+        let first = [
+            Chunk::new("configuration/box", 1, ChunkData::F64(box_and_tilts)),
+            Chunk::new("particles/N", 1, ChunkData::U32(vec![2])),
+            Chunk::new("particles/position", 3, ChunkData::F64(positions.clone())),
+        ];
+        let step = Chunk::new("configuration/step", 1, ChunkData::U64(vec![5]));
+        let turn = Chunk::new("particles/orientation", 4, ChunkData::F64(turned));
+        writer.append_frame(&first).unwrap();
+        writer.append_frame(&[step, turn]).unwrap();
+        writer.sync().unwrap();
+        let mut reader = TrajectoryReader::open(&path).unwrap();
+        let [first, second] = [0, 1].map(|frame| reader.frame(frame).unwrap());
+        assert_eq!((first.step, second.step), (0, 5));
+        for frame in [&first, &second] {
+            let found: Vec<f64> = frame
+                .poses
+                .iter()
+                .flat_map(|pose| pose.position.iter().copied().collect::<Vec<_>>())
+                .collect();
+            assert_eq!(found, positions, "not a digit is lost");
+            assert_eq!(frame.type_ids, [0, 0]);
+            assert_eq!(frame.box_lengths_angstrom, [10.0, 20.0, 30.0]);
+        }
+        assert_eq!(first.poses[1].rotation, Pose::identity().rotation);
+        assert!((second.poses[1].wxyz()[2] - 0.8).abs() < 1e-15);
     }
 
     #[test]
