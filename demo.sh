@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
 # From a structure file to a stability curve, on bundled input: two supercharged variants of BPTI, two stacked rings of
 # four, radius of gyration and surviving contacts against salt. Leaves demo-output/sweep/sweep.png. The same command
-# continues a demo that was stopped.
+# continues a demo that was stopped. PROTOMER=protomer takes an installed command instead of building one.
 set -euo pipefail
 cd "$(dirname "$0")"
-protomer=target/release/protomer
+protomer=${PROTOMER:-target/release/protomer}
 
 step() {
     echo "\$ $*"
     "$@"
 }
 
-step cargo build --release --locked
+if [ -z "${PROTOMER:-}" ]; then
+    step cargo build --release --locked
+fi
 # BPTI has a net charge of +6 at pH 7.4. Acidic residues exchanged for lysine make it +14, basic ones for glutamate -12.
 step $protomer ingest data/structures/5pti.cif.gz -o demo-output --name plus \
     --mutate A:D3K,A:E7K,A:E49K,A:D50K
