@@ -1,10 +1,13 @@
 //! The shape of the workspace: which crate may depend on which, one door per heavy dependency,
-//! permissive licences; and what its pages may not say any more (`decisions`).
+//! permissive licences; what its pages may not say any more (`decisions`), and the version that its files state
+//! (`versions`).
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // a test fails by panicking
 
 #[path = "common/decisions.rs"]
 mod decisions;
+#[path = "common/versions.rs"]
+mod versions;
 
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
