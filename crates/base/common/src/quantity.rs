@@ -123,7 +123,12 @@ pub fn salt_list(text: &str) -> Result<Vec<f64>> {
     for item in text.split(',').map(str::trim) {
         match item.split_once("..") {
             Some((first, remainder)) => salts.extend(salt_range(item, first, remainder)?),
-            None => salts.push(salt_molar(item)?),
+            None => match range_of_other_programs(item) {
+                Some(range) => bail!(
+                    "'{item}' is no range; write its ends and the number of values as {range}"
+                ),
+                None => salts.push(salt_molar(item)?),
+            },
         }
     }
     Ok(salts)
@@ -246,6 +251,39 @@ fn salt_range(item: &str, first: &str, remainder: &str) -> Result<Vec<f64>> {
     Ok((0..count).map(value).collect())
 }
 
+/// A range as other programs write it, `0.1-0.5M`, `10mM:300mM:5` or `10 to 300mM`, in the form that is
+/// read here; `None` for anything else.
+fn range_of_other_programs(item: &str) -> Option<String> {
+    const USUAL_COUNT: &str = "5";
+    let marks = [":", " to ", "–", "-"];
+    let mark = marks.iter().find(|mark| item.contains(**mark))?;
+    let parts: Vec<&str> = item.split(mark).map(str::trim).collect();
+    let (first, last, count) = match parts[..] {
+        [first, last] => {
+            let (last, count) = last.split_once('/').unwrap_or((last, USUAL_COUNT));
+            (first, last, count)
+        }
+        [first, last, count] => (first, last, count),
+        _ => return None,
+    };
+    count.parse::<u32>().ok()?;
+    let last_number = last.trim_end_matches(|c: char| c.is_alphabetic());
+    let has_unit = |text: &str| text.ends_with('M');
+    let bare_unit = match &last[last_number.len()..] {
+        "" if last_number.parse::<f64>().ok()? < 1.0 => "M",
+        "" => "mM",
+        unit => unit,
+    };
+    let with_unit = |text: &str| match has_unit(text) {
+        true => text.to_owned(),
+        false => format!("{text}{bare_unit}"),
+    };
+    let (first, last) = (with_unit(first), with_unit(last));
+    // Only two concentrations make a range: 1e-3M and -5mM are none.
+    (salt_molar(&first).is_ok() && salt_molar(&last).is_ok())
+        .then(|| format!("{first}..{last}/{count}"))
+}
+
 /// Rounds to 1 µM, so that labels and folder names stay short.
 fn round_to_micromolar(salt_molar: f64) -> f64 {
     if salt_molar < 1e-4 {
@@ -298,6 +336,32 @@ mod tests {
         assert!(salts.windows(2).all(|pair| pair[0] < pair[1]));
         assert_eq!(salt_list("10..300mM/8").unwrap(), salts);
         assert_eq!(salt_list("0M..0.1M/3").unwrap(), vec![0.0, 0.05, 0.1]);
+    }
+
+    #[test]
+    fn ranges_of_other_programs_are_refused_with_their_form_here() {
+        for (text, form) in [
+            ("0.1-0.5M", "0.1M..0.5M/5"),
+            ("10mM:300mM:5", "10mM..300mM/5"),
+            ("10:300mM", "10mM..300mM/5"),
+            ("50mM,10 to 300mM", "10mM..300mM/5"),
+            ("10–300", "10mM..300mM/5"),
+            ("0.1-0.5", "0.1M..0.5M/5"),
+            ("100uM-1mM", "100uM..1mM/5"),
+            ("10mM-300mM/8", "10mM..300mM/8"),
+        ] {
+            let message = salt_list(text).unwrap_err().to_string();
+            assert!(
+                message.ends_with(&format!("values as {form}")),
+                "{text}: {message}"
+            );
+            assert!(salt_list(form).is_ok());
+        }
+        for text in ["-5mM", "1-2-3-4mM", "x-5mM", "a:b", "10mM:300mM:many", "-"] {
+            let message = salt_list(text).unwrap_err().to_string();
+            assert!(!message.contains("is no range"), "{text}: {message}");
+        }
+        assert_eq!(salt_list("1e-3M").unwrap(), [1e-3]);
     }
 
     #[test]
