@@ -26,6 +26,8 @@ pub enum NotText {
     },
     /// A page of the web, as servers send it instead of a file that they do not have.
     WebPage,
+    /// A density map, MRC or CCP4, with which structures often lie together.
+    DensityMap,
     /// Binary data of another kind.
     Binary {
         /// The line of the first byte that is not text, counted from one.
@@ -59,6 +61,7 @@ impl NotText {
             NotText::Empty => "the file is empty".into(),
             NotText::Compressed { format, .. } => format!("the data are {format}-compressed"),
             NotText::WebPage => "a web page (HTML), not a file of data".into(),
+            NotText::DensityMap => "this is a density map (MRC or CCP4), not a structure".into(),
             NotText::Binary { .. } => "binary data, not text".into(),
         }
     }
@@ -80,6 +83,7 @@ impl NotText {
             NotText::WebPage => {
                 "fetch the file itself: the address led to a page about it, or to an error".into()
             }
+            NotText::DensityMap => "give the atoms that were built into it, as PDB or mmCIF".into(),
             NotText::Binary { .. } => {
                 "give the text format; BinaryCIF, MMTF and trajectories are not read".into()
             }
@@ -101,12 +105,15 @@ impl NotText {
 /// ```
 ///
 /// # Errors
-/// [`NotText`] for nothing but blanks, compressed data, a web page and other binary data.
+/// [`NotText`] for nothing but blanks, compressed data, a web page, a density map and other binary data.
 pub fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
     for (magic, format, command) in COMPRESSIONS {
         if bytes.starts_with(magic) {
             return Err(NotText::Compressed { format, command });
         }
+    }
+    if is_density_map(bytes) {
+        return Err(NotText::DensityMap);
     }
     let text = match utf16(bytes) {
         Some(text) => Cow::Owned(text),
@@ -149,6 +156,22 @@ const COMPRESSIONS: [(&[u8], &str, &str); 8] = [
     (&[0x04, 0x22, 0x4d, 0x18], "lz4", "lz4 -d FILE"),
     (b"7z\xbc\xaf\x27\x1c", "7z", "7z x FILE"),
 ];
+
+/// Whether these bytes are a density map in the format MRC2014 or CCP4, by the word in its header.
+///
+/// ```
+/// use protomer_kernel::plain_text::is_density_map;
+/// let mut header = [0; 1024];
+/// header[208..212].copy_from_slice(b"MAP ");
+/// assert!(is_density_map(&header));
+/// assert!(!is_density_map(b"ATOM"));
+/// ```
+pub fn is_density_map(bytes: &[u8]) -> bool {
+    const WORD_AT: usize = 208;
+    // A line of text may have the word there, but no zeros before it.
+    let (word, before) = (bytes.get(WORD_AT..WORD_AT + 4), bytes.get(..WORD_AT));
+    word == Some(b"MAP ".as_slice()) && before.is_some_and(|before| before.contains(&0))
+}
 
 /// Text in UTF-16: with a byte-order mark, or without one where every other byte at the beginning
 /// is zero.

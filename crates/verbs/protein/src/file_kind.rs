@@ -3,6 +3,7 @@
 use anyhow::{Result, bail};
 use protomer_body::structure::Format;
 use protomer_io::mesh::MeshFormat;
+use protomer_kernel::plain_text::is_density_map;
 use protomer_results::ResultKind;
 use std::io::Read;
 use std::path::Path;
@@ -34,6 +35,8 @@ pub enum FileKind {
     Pqr,
     /// A triangle mesh.
     Mesh,
+    /// A density map, MRC or CCP4.
+    DensityMap,
     /// A body file.
     Body,
     /// An assembly file.
@@ -61,6 +64,9 @@ impl FileKind {
             return is_body.then_some(Self::Body);
         }
         let name = path.display().to_string();
+        if is_density_map(&head) || has_ending_of_maps(&name) {
+            return Some(Self::DensityMap);
+        }
         let text = String::from_utf8_lossy(&head);
         match Format::of_name(&name) {
             Some(Format::Pqr) => return Some(Self::Pqr),
@@ -103,6 +109,7 @@ impl FileKind {
             Self::Structure => "a structure".into(),
             Self::Pqr => "a PQR file".into(),
             Self::Mesh => "a mesh".into(),
+            Self::DensityMap => "a density map, not a structure".into(),
             Self::Body => "a body".into(),
             Self::Assembly => "an assembly".into(),
             Self::Manifest => "a list of structures".into(),
@@ -121,6 +128,7 @@ impl FileKind {
                 "'protomer voxelize' makes a voxel set of a list of structures"
             }
             (Self::Structure | Self::Pqr, _) => "'protomer ingest' makes a body of it",
+            (Self::DensityMap, _) => "give the atoms that were built into it, as PDB or mmCIF",
             (Self::Mesh, _) => "'protomer body --mesh' makes a body of it",
             (Self::Body, Self::Assembly) => {
                 "'protomer assemble ring' and 'assemble fluid' make assemblies of bodies"
@@ -148,6 +156,16 @@ impl FileKind {
     }
 }
 
+/// Whether the name is that of a density map, compressed or not. Its header is not visible in a
+/// compressed one.
+fn has_ending_of_maps(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    let name = lower.strip_suffix(".gz").unwrap_or(&lower);
+    [".mrc", ".ccp4", ".map"]
+        .iter()
+        .any(|ending| name.ends_with(ending))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -161,11 +179,12 @@ mod tests {
             Container::new(kind, empty).to_bytes().unwrap()
         };
         let (body, checkpoint) = (container("body"), container("checkpoint"));
-        let cases: [(&str, &[u8], Option<FileKind>); 9] = [
+        let cases: [(&str, &[u8], Option<FileKind>); 10] = [
             ("a.pdb", b"ATOM", Some(FileKind::Structure)),
             ("a.cif.gz", b"\x1f\x8b", Some(FileKind::Structure)),
             ("a.pqr", b"ATOM", Some(FileKind::Pqr)),
             ("a.off", b"OFF", Some(FileKind::Mesh)),
+            ("a.map.gz", b"\x1f\x8b", Some(FileKind::DensityMap)),
             ("a.any", &body, Some(FileKind::Body)),
             ("checkpoint.bin", &checkpoint, None),
             ("a.json", b" {\"placements\": []}", Some(FileKind::Assembly)),
