@@ -379,8 +379,19 @@ def _by_name(bodies: Sequence[Body]) -> dict[str, Body]:
 
 
 def nearest(known: Sequence[float], asked: float, what: str) -> int:
-    """The place of a number in a list, to one part in a million; KeyError with the numbers that exist."""
+    """The place of a number in a list: the same to one part in a million, or the only one that rounds to the
+    decimals of `asked` in thousandths, as tables show salts in mmol/L; KeyError with the numbers that exist."""
     for place, value in enumerate(known):
         if abs(value - asked) <= 1e-6 * max(abs(value), 1e-6):
             return place
+    rounding = [place for place, value in enumerate(known) if _rounds_to(1e3 * value, 1e3 * asked)]
+    if len({known[place] for place in rounding}) == 1:
+        return rounding[0]
     unknown(what, asked, known)
+
+
+def _rounds_to(value: float, asked: float) -> bool:
+    """Whether a number rounds to another at the decimals of that."""
+    slack = 1e-9 * abs(asked)
+    decimals = next((number for number in range(6) if abs(round(asked, number) - asked) <= slack), 6)
+    return abs(value - asked) <= 0.5 * 10.0**-decimals + slack

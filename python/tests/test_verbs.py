@@ -218,6 +218,16 @@ def test_errors_are_exceptions_of_their_kind(ring, tmp_path):
     assert issubclass(pm.ParseError, ValueError)
 
 
+def test_salts_are_found_by_the_digits_that_tables_show(tmp_path):
+    fields = {"settings": {"salt_M": [0.03, 0.094868, 0.3], "replicas": 1}}
+    sweep = pm.SweepResult(fields, tmp_path)
+    for asked in (0.094868, 0.09487, 0.0949, 0.095):
+        assert sweep._folder(asked, 0) == tmp_path / "salt_0.094868M" / "replica_0"
+    for asked in (0.0948, 0.09, 0.1):
+        with pytest.raises(KeyError, match="0.094868"):
+            sweep._folder(asked, 0)
+
+
 def test_virial_coefficients_are_those_of_the_closed_forms():
     cube = pm.shape.virial("cube", triples=200, depletants="0.1:5", rays=20)
     assert cube.b2 == pytest.approx(5.5) and cube.b3_error > 0 and cube.osmotic_b2 < 5.5

@@ -2,8 +2,7 @@
 
 use super::ExportSettings;
 use crate::assemblies::assembly_file::Assembly;
-use crate::stability::run::replica_directory;
-use crate::stability::run::{RunSettings, salt_label};
+use crate::stability::run::{RunSettings, chosen_salt, listed_salts, replica_directory};
 use anyhow::{Context, Result, bail};
 use protomer_results::{Record, ResultKind, keys};
 use std::path::{Path, PathBuf};
@@ -58,30 +57,14 @@ impl RunFiles {
 /// The requested simulation of a sweep.
 fn simulation_of(sweep: &Path, settings: &ExportSettings) -> Result<PathBuf> {
     let run: RunSettings = keys::read_toml(&sweep.join("run.toml"))?;
-    let labels = || {
-        let salts = run.salt_molar.iter();
-        salts
-            .map(|salt| format!("{salt}M"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
     let salt = match (settings.salt_molar, run.salt_molar.as_slice()) {
         (None, [only]) => *only,
-        (None, _) => bail!(
+        (None, salts) => bail!(
             "{} holds several salt concentrations ({}); choose one with --salt",
             sweep.display(),
-            labels()
+            listed_salts(salts)
         ),
-        (Some(asked), salts) => {
-            let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
-            *salts.iter().find(is_asked).with_context(|| {
-                format!(
-                    "{} holds no salt of {asked} M, only {}; choose one of them",
-                    sweep.display(),
-                    labels()
-                )
-            })?
-        }
+        (Some(asked), salts) => chosen_salt(sweep, asked, salts)?,
     };
     let replica = settings.replica.unwrap_or(0);
     if replica >= run.replicas {

@@ -3,8 +3,7 @@
 use super::ScatteringSettings;
 use crate::assemblies::assembly_file::Assembly;
 use crate::export::assembly_of;
-use crate::stability::run::replica_directory;
-use crate::stability::run::{RunSettings, salt_label};
+use crate::stability::run::{RunSettings, chosen_salt, listed_salts, replica_directory};
 use anyhow::{Context, Result, bail};
 use protomer_io::gsd::TrajectoryReader;
 use protomer_kernel::{Boundary, Pose};
@@ -143,9 +142,11 @@ fn simulations(
     only: Option<&Path>,
     asked: Option<f64>,
 ) -> Result<Vec<(f64, PathBuf)>> {
+    let choose = |asked| chosen_salt(sweep, asked, &run.salt_molar);
+    let chosen = asked.map(choose).transpose()?;
     let mut trajectories = Vec::new();
     for salt in &run.salt_molar {
-        if asked.is_some_and(|asked| salt_label(asked) != salt_label(*salt)) {
+        if chosen.is_some_and(|chosen| chosen != *salt) {
             continue;
         }
         for replica in 0..run.replicas {
@@ -156,15 +157,10 @@ fn simulations(
         }
     }
     if trajectories.is_empty() {
-        let salts: Vec<String> = run
-            .salt_molar
-            .iter()
-            .map(|salt| format!("{salt}M"))
-            .collect();
         bail!(
             "{} holds no such simulation, only salt concentrations of {}; choose one of them",
             sweep.display(),
-            salts.join(", ")
+            listed_salts(&run.salt_molar)
         );
     }
     Ok(trajectories)

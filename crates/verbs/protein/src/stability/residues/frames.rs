@@ -7,8 +7,9 @@ use crate::export::assembly_of;
 use crate::file_kind::FileKind;
 use crate::stability::effective::{EffectiveStore, near_contact_warning};
 use crate::stability::interaction::ScreenedCoulomb;
-use crate::stability::run::replica_directory;
-use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
+use crate::stability::run::{
+    EnergyMode, Engine, RunSettings, chosen_salt, replica_directory, salt_label,
+};
 use crate::stability::sweep::result::SweepResult;
 use crate::stability::sweep::stability::CountedContacts;
 use crate::stability::sweep::table::SaltRow;
@@ -181,21 +182,7 @@ impl Run {
     pub fn shown_salt(&self, settings: &ResiduesSettings) -> Result<ShownSalt> {
         let salts = self.salts();
         if let (Some(asked), Some(_)) = (settings.salt_molar, &self.directory) {
-            // By label, as salts were named in files.
-            let is_asked = |salt: &&f64| salt_label(**salt) == salt_label(asked);
-            let matching_salt = salts.iter().find(is_asked);
-            let choices = || {
-                let salts = salts.iter().map(|salt| format!("{} mM", 1e3 * salt));
-                salts.collect::<Vec<_>>().join(", ")
-            };
-            let salt_molar = *matching_salt.with_context(|| {
-                format!(
-                    "{} holds no salt of {} mM, only {}; choose one of them",
-                    settings.input.display(),
-                    1e3 * asked,
-                    choices()
-                )
-            })?;
+            let salt_molar = chosen_salt(&settings.input, asked, &salts)?;
             return Ok(ShownSalt {
                 salt_molar,
                 why: None,

@@ -18,13 +18,14 @@ pub use answer::{ConcentrationCurve, CurvePoint, HalfSaltEstimate, ReweightingRe
 use crate::scattering::{ScatteringSettings, Source};
 use crate::stability::effective::EffectiveStore;
 use crate::stability::energy_tables::EnergyTables;
-use crate::stability::run::{EnergyMode, Engine, RunSettings, salt_label};
+use crate::stability::run::{EnergyMode, Engine, RunSettings, rounds_to, salt_label};
 use crate::stability::sweep::half_salt::salt_between;
 use crate::stability::sweep::result::SweepResult;
 use answer::FILE;
 use anyhow::{Context, Result, bail};
 use curves::{Curves, Target};
 use protomer_common::output_file::write_folder;
+use protomer_common::page::millimolar;
 use protomer_results::{Progress, ResultKind, keys};
 use samples::Samples;
 use std::path::{Path, PathBuf};
@@ -184,7 +185,15 @@ fn salts_of_curves(settings: &ReweightingSettings, run: &RunSettings) -> Result<
     let [lowest, .., highest] = simulated[..] else {
         bail!("the sweep has one salt concentration");
     };
-    let mut salts = settings.salt_molar.clone();
+    let asked = settings.salt_molar.iter();
+    let mut salts: Vec<f64> = asked
+        .map(|salt| match *salt {
+            // The ends of the sweep as a table shows them, with fewer digits.
+            salt if salt < lowest && rounds_to(lowest, salt) => lowest,
+            salt if salt > highest && rounds_to(highest, salt) => highest,
+            salt => salt,
+        })
+        .collect();
     if let Some(beyond) = salts
         .iter()
         // Weights hold between the simulated salts only: beyond, no frame was drawn for them.
@@ -192,9 +201,9 @@ fn salts_of_curves(settings: &ReweightingSettings, run: &RunSettings) -> Result<
     {
         bail!(
             "{} mM is beyond the salts of the sweep, {} to {} mM, where its frames say nothing",
-            1e3 * beyond,
-            1e3 * lowest,
-            1e3 * highest
+            millimolar(*beyond),
+            millimolar(lowest),
+            millimolar(highest)
         );
     }
     if salts.is_empty() {
@@ -234,4 +243,31 @@ fn write(
         ("reweighting.png", figure.to_png()?),
     ];
     write_folder(directory, &files, force)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn salts_at(asked_molar: f64) -> Result<Vec<f64>> {
+        let settings = ReweightingSettings {
+            salt_molar: vec![asked_molar],
+            ..ReweightingSettings::default()
+        };
+        let run = RunSettings {
+            salt_molar: vec![0.299_868, 0.094_868],
+            ..RunSettings::default()
+        };
+        salts_of_curves(&settings, &run)
+    }
+
+    #[test]
+    fn ends_of_the_sweep_are_found_by_the_digits_shown() {
+        assert_eq!(salts_at(0.3).unwrap(), [0.299_868]);
+        assert_eq!(
+            salts_at(0.0948).unwrap_err().to_string(),
+            "94.8 mM is beyond the salts of the sweep, 94.868 to 299.868 mM, where its frames say nothing"
+        );
+        assert_eq!(salts_at(0.2).unwrap(), [0.2]);
+    }
 }

@@ -6,6 +6,7 @@ mod ladder;
 mod log;
 mod outputs;
 mod replica;
+mod salt_choice;
 mod settings;
 mod trajectory;
 
@@ -14,6 +15,8 @@ pub use engine::{Engine, require_room};
 pub use ladder::{Exchanged, LadderRun, Rung};
 pub use log::LogRow;
 pub use replica::{AcceptedFractions, Replica};
+pub(crate) use salt_choice::rounds_to;
+pub use salt_choice::{chosen_salt, listed_salts};
 pub use settings::{
     DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, Start, Starts, replica_directory,
     salt_label,
