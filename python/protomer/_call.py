@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
@@ -40,7 +41,8 @@ def call(
         if verb[0] in _GOES_ON:
             for word in placed:
                 if not os.path.exists(word):
-                    raise missing(f"cannot read {word}: there is no such file or folder", word)
+                    remedy = f"; protomer.fetch({word!r}) downloads the entry" if _ENTRY.fullmatch(word) else ""
+                    raise missing(f"cannot read {word}: there is no such file or folder{remedy}", word)
         if placed:
             words += ["--", *placed]
         if client is not None:
@@ -62,6 +64,8 @@ def call(
 
 # A verb that goes on if a file fails would count a wrong name among the failures.
 _GOES_ON = frozenset({"ingest"})
+# An entry of the Protein Data Bank.
+_ENTRY = re.compile(r"[0-9][A-Za-z0-9]{3}|pdb_[A-Za-z0-9]{8}")
 
 
 def salts(verb: str, salt: Any, salt_molar: Any, *, required: bool = False) -> Any:

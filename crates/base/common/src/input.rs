@@ -108,13 +108,74 @@ fn stored_bytes(path: &Path) -> Result<Vec<u8>> {
     protomer_io::input::open(path)
         // One byte more than allowed tells a file that just fits from a larger one.
         .and_then(|file| file.take(LARGEST_INPUT_BYTES + 1).read_to_end(&mut raw))
-        .with_context(|| format!("cannot read {name}"))?;
+        .with_context(|| cannot_read("", path))?;
     if raw.len() as u64 > LARGEST_INPUT_BYTES {
         bail!(
             "{name} holds more than {LARGEST_INPUT_BYTES} bytes; give a structure, mesh or point file"
         );
     }
     Ok(raw)
+}
+
+/// The beginning of the error for a file that cannot be read, with a word for it or none. Where there is no
+/// file of this name, it says what may be meant: a structure file whose name begins so, or an entry of the
+/// Protein Data Bank.
+///
+/// ```
+/// use protomer_common::input::cannot_read;
+/// use std::path::Path;
+/// let message = cannot_read("", Path::new("4hhb"));
+/// assert_eq!(message, "cannot read 4hhb; 'protomer fetch 4hhb' downloads this entry of the Protein Data Bank");
+/// assert_eq!(cannot_read("the assembly", Path::new("a.json")), "cannot read the assembly a.json");
+/// ```
+pub fn cannot_read(word: &str, path: &Path) -> String {
+    let unread = match word {
+        "" => format!("cannot read {}", path.display()),
+        _ => format!("cannot read {word} {}", path.display()),
+    };
+    if path.exists() {
+        return unread;
+    }
+    if let Some(structure) = structure_called(path) {
+        return format!(
+            "{unread}; there is {}: name it in full",
+            structure.display()
+        );
+    }
+    match path.to_str().filter(|name| is_pdb_entry(name)) {
+        Some(entry) => format!(
+            "{unread}; 'protomer fetch {entry}' downloads this entry of the Protein Data Bank"
+        ),
+        None => unread,
+    }
+}
+
+/// Whether a word is an entry of the Protein Data Bank: four characters that begin with a digit, or `pdb_`
+/// and eight characters.
+///
+/// ```
+/// use protomer_common::input::is_pdb_entry;
+/// assert!(is_pdb_entry("4hhb") && is_pdb_entry("pdb_00004HHB"));
+/// assert!(!is_pdb_entry("cube") && !is_pdb_entry("4hhb.pdb"));
+/// ```
+pub fn is_pdb_entry(word: &str) -> bool {
+    let lower = word.to_ascii_lowercase();
+    let classic = lower.len() == 4 && lower.starts_with(|c: char| c.is_ascii_digit());
+    let extended = lower.len() == 12 && lower.starts_with("pdb_");
+    let is_plain = lower.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    (classic || extended) && is_plain
+}
+
+/// A structure file with this name and an ending, which was left out.
+fn structure_called(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let compressed = std::iter::once(format!("{name}.gz"));
+    let endings = STRUCTURE_ENDINGS.iter();
+    let files = endings.flat_map(|end| [format!("{name}.{end}"), format!("{name}.{end}.gz")]);
+    let mut paths = compressed
+        .chain(files)
+        .map(|file| path.with_file_name(file));
+    paths.find(|path| path.is_file() && is_structure(path))
 }
 
 /// Expands folders and lists: a folder stands for the structure files in it, sorted by name, and a
@@ -237,4 +298,25 @@ pub fn stem(path: &Path) -> String {
     name.rsplit_once('.')
         .map_or(name, |(stem, _)| stem)
         .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_without_its_ending_is_completed() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("4hhb.cif.gz");
+        std::fs::write(&file, "").unwrap();
+        let message = cannot_read("", &folder.path().join("4hhb"));
+        assert!(message.ends_with(&format!("there is {}: name it in full", file.display())));
+        let message = cannot_read("", &folder.path().join("4hhb.cif"));
+        assert!(message.contains("there is"), "{message}");
+        let other = folder.path().join("4hhc");
+        assert_eq!(
+            cannot_read("", &other),
+            format!("cannot read {}", other.display())
+        );
+    }
 }

@@ -4,6 +4,11 @@
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, ArgAction, Command};
+use protomer_body::structure::Format;
+use protomer_common::input::is_pdb_entry;
+use protomer_protein_verbs::file_kind::FileKind;
+use std::ffi::OsString;
+use std::path::Path;
 
 /// Groups of verbs, in the order of the help.
 const GROUPS: [(&str, &[&str]); 8] = [
@@ -491,6 +496,54 @@ pub fn with_missing_feature(error: clap::Error, syntax: &mut Command) -> clap::E
          `learning`"
     );
     syntax.error(ErrorKind::InvalidSubcommand, reason)
+}
+
+/// The error for a word that is not a verb, with what may be meant: a file, for which the verb that takes
+/// it is missing, or the second word of a verb of two words.
+pub fn with_missing_verb(
+    error: clap::Error,
+    syntax: &mut Command,
+    words: &[OsString],
+) -> clap::Error {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else {
+        return error;
+    };
+    let words = words.iter().map(|word| word.to_string_lossy());
+    let before: Vec<_> = words.take_while(|other| other != word).collect();
+    let in_assemble = before.iter().any(|other| other == "assemble");
+    let reason = match FileKind::of(Path::new(word)) {
+        Some(FileKind::Body) if in_assemble => format!(
+            "{word} is a body: 'protomer assemble ring {word}' and 'assemble fluid {word}' make assemblies of \
+             bodies"
+        ),
+        _ if in_assemble && is_structure_or_entry(word) => format!(
+            "{word} is not a way to assemble; for a structure, write 'protomer assemble structure {word}'"
+        ),
+        Some(FileKind::Structure | FileKind::Pqr) => format!(
+            "{word} is a structure, and the verb is missing; 'protomer ingest {word}' makes a body of it, \
+             'protomer assemble structure {word}' an assembly"
+        ),
+        _ => match verbs_with(syntax, word) {
+            verbs if verbs.is_empty() => return error,
+            verbs => format!("'{word}' alone is no verb; write {}", verbs.join(" or ")),
+        },
+    };
+    syntax.error(ErrorKind::InvalidSubcommand, reason)
+}
+
+fn is_structure_or_entry(word: &str) -> bool {
+    Format::of_name(word).is_some() || is_pdb_entry(word) || Path::new(word).is_file()
+}
+
+/// The commands of two words that end with this one, in quotes.
+fn verbs_with(syntax: &Command, word: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for verb in syntax.get_subcommands() {
+        if verb.get_name() != "help" && verb.find_subcommand(word).is_some() {
+            found.push(format!("'protomer {} {word}'", verb.get_name()));
+        }
+    }
+    found
 }
 
 #[cfg(test)]

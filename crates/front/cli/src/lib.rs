@@ -78,15 +78,15 @@ fn syntax() -> clap::Command {
     help::completed(Cli::command())
 }
 
-fn parsed<W: Into<OsString> + Clone>(
-    words: impl IntoIterator<Item = W>,
-) -> Result<Cli, clap::Error> {
+fn parsed<W: Into<OsString>>(words: impl IntoIterator<Item = W>) -> Result<Cli, clap::Error> {
     let mut syntax = syntax();
-    let matches = syntax.try_get_matches_from_mut(words);
+    let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let matches = syntax.try_get_matches_from_mut(&words);
     let matches = matches
         .map_err(help::without_double_dash)
         .map_err(help::with_plain_number)
-        .map_err(|error| help::with_missing_feature(error, &mut syntax))?;
+        .map_err(|error| help::with_missing_feature(error, &mut syntax))
+        .map_err(|error| help::with_missing_verb(error, &mut syntax, &words))?;
     paths::require_text(&syntax, &matches)?;
     Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut syntax))
 }

@@ -13,7 +13,7 @@ use crate::bodies::body_file;
 use crate::file_kind::FileKind;
 use anyhow::{Context, Result, bail};
 use protomer_body::{Body, check_name};
-use protomer_common::input::path_from;
+use protomer_common::input::{cannot_read, path_from};
 use protomer_kernel::mesh::LARGEST_COORDINATE_ANGSTROM;
 use protomer_kernel::{Boundary, Pose, Vec3};
 use protomer_results::keys;
@@ -127,8 +127,8 @@ impl Assembly {
     /// Names the file, the key or the placement, and what to do.
     pub fn read(path: &Path) -> Result<Self> {
         FileKind::Assembly.require(path)?;
-        let bytes = protomer_io::input::read(path)
-            .with_context(|| format!("cannot read the assembly {}", path.display()))?;
+        let bytes =
+            protomer_io::input::read(path).with_context(|| cannot_read("the assembly", path))?;
         let file: AssemblyFile = keys::from_json(path, &bytes)?;
         let folder = path.parent().unwrap_or(Path::new("."));
         let mut bodies = Vec::new();

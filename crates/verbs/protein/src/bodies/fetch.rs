@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_common::input::is_pdb_entry;
 use protomer_io::atomic::write_atomically;
 use protomer_results::{Progress, ResultKind};
 use serde::Serialize;
@@ -102,12 +103,8 @@ pub fn fetch(entry: &str, base: &str, folder: &Path, force: bool) -> Result<Path
 
 /// PDB identifiers are four characters beginning with a digit, or `pdb_` and eight characters.
 fn checked_entry(entry: &str) -> Result<String> {
-    let lower = entry.to_lowercase();
-    let classic = lower.len() == 4 && lower.starts_with(|c: char| c.is_ascii_digit());
-    let extended = lower.len() == 12 && lower.starts_with("pdb_");
-    let plain = lower.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if (classic || extended) && plain {
-        Ok(lower)
+    if is_pdb_entry(entry) {
+        Ok(entry.to_lowercase())
     } else {
         bail!(
             "'{entry}' is not a PDB entry; give four characters such as 6MDR, or twelve such as pdb_00006mdr"
