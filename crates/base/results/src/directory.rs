@@ -109,6 +109,27 @@ impl ResultsDirectory {
         Self::claim(path, layout, settings, identity, lock)
     }
 
+    /// Refuses a directory with other settings before any costly work, even before the input is read.
+    /// Writes nothing. [`enter`](Self::enter) checks the input as well.
+    ///
+    /// # Errors
+    /// If the directory holds something else, or other settings without a new start.
+    pub fn refuse_other_settings<S: Settings>(
+        path: &Path,
+        layout: &Layout,
+        settings: &S,
+        execution: &Execution,
+    ) -> Result<()> {
+        refuse_foreign(path, layout)?;
+        if execution.start_anew {
+            return Ok(());
+        }
+        match present_settings(path, layout)? {
+            Some(present) => require_same_settings(path, layout, &present, settings),
+            None => Ok(()),
+        }
+    }
+
     /// Path of the directory.
     pub fn path(&self) -> &Path {
         &self.path
@@ -172,18 +193,7 @@ fn require_same<S: Settings>(
     settings: &S,
     identity: &str,
 ) -> Result<()> {
-    // Essential settings only: what may change when work continues is not compared.
-    let (stored, requested) = (present.essential(), settings.essential());
-    if stored != requested {
-        return Err(Error::OtherSettings {
-            path: path.to_owned(),
-            holds: match present.name() {
-                Some(name) => name.into(),
-                None => layout.kind.to_string(),
-            },
-            differences: differences(&stored, &requested)?,
-        });
-    }
+    require_same_settings(path, layout, present, settings)?;
     // Settings can be equal and the input another: the identity covers both.
     if let Some(record) = Record::read(path)? {
         record.require(identity, &layout.kind, path)?;
@@ -197,15 +207,42 @@ fn require_same<S: Settings>(
     }
 }
 
+/// Refuses the directory of other settings.
+fn require_same_settings<S: Settings>(
+    path: &Path,
+    layout: &Layout,
+    present: &S,
+    settings: &S,
+) -> Result<()> {
+    // Essential settings only: what may change when work continues is not compared.
+    let (stored, requested) = (present.essential(), settings.essential());
+    if stored != requested {
+        return Err(Error::OtherSettings {
+            path: path.to_owned(),
+            holds: match present.name() {
+                Some(name) => name.into(),
+                None => layout.kind.to_string(),
+            },
+            differences: differences(&stored, &requested)?,
+        });
+    }
+    Ok(())
+}
+
 /// Creates the directory if necessary. Nothing is written into one that holds another kind of
 /// result, not even a lock.
 fn make(path: &Path, layout: &Layout) -> Result<()> {
     // Nothing was written yet if this is refused.
+    refuse_foreign(path, layout)?;
+    std::fs::create_dir_all(path).map_err(Error::file("create the directory", path))
+}
+
+/// Refuses a file, and a directory with another kind of result.
+fn refuse_foreign(path: &Path, layout: &Layout) -> Result<()> {
     if path.is_file() {
         return Err(Error::NotADirectory(path.to_owned()));
     }
-    layout.kind.refuse_other(path)?;
-    std::fs::create_dir_all(path).map_err(Error::file("create the directory", path))
+    layout.kind.refuse_other(path)
 }
 
 /// Refuses a directory that holds files but no results of this kind. Other kinds may have a
@@ -324,6 +361,20 @@ mod tests {
             other.contains("holds a lattice run with other settings (seed: 1 there, 2 here)"),
             "{other}"
         );
+        let refused = |seed, start_anew| {
+            let execution = Execution {
+                start_anew,
+                ..Execution::default()
+            };
+            ResultsDirectory::refuse_other_settings(
+                &path,
+                &LAYOUT,
+                &Steps { seed, length: 2 },
+                &execution,
+            )
+        };
+        assert_eq!(refused(2, false).unwrap_err().to_string(), other);
+        assert!(refused(2, true).is_ok() && refused(1, false).is_ok());
         let held = enter(&path, 1, 2, false).unwrap();
         assert!(refusal(enter(&path, 1, 2, false)).contains("another process"));
         drop(held);

@@ -15,12 +15,12 @@ use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::DEFAULT_CONTACT_GAP_ANGSTROM;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::equilibrium::{
-    GrowthSettings, StabilityBodies, StabilitySettings, StructureChoices, run_stability,
-    run_stability_shard,
+    GrowthSettings, StabilityBodies, StabilitySettings, StructureChoices, refuse_other_settings,
+    run_stability, run_stability_shard,
 };
 use protomer_protein_verbs::stability::interaction::InteractionSettings;
 use protomer_protein_verbs::stability::model::Model;
-use protomer_results::{End, Shard};
+use protomer_results::{End, Execution, Shard};
 use std::path::{Path, PathBuf};
 
 /// Say how much of an assembly there is at equilibrium, up to which salt: yields of the whole and of its
@@ -95,6 +95,10 @@ impl StabilityArgs {
         self.scheduler.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let execution = self.execution.execution(front)?;
+        if let Some(directory) = &self.output {
+            refuse_other_settings(&settings, directory, &execution)?;
+        }
         let mut body = self.named_model().body_settings();
         body.selection = self.selection.settings();
         let choices = StructureChoices {
@@ -107,11 +111,11 @@ impl StabilityArgs {
         }
         front.warn(self.named_model().body_warning(&bodies.first().bodies));
         match &self.output {
-            Some(directory) => self.compute(front, &bodies, &settings, directory),
+            Some(directory) => self.compute(front, &bodies, &settings, directory, &execution),
             None => {
                 let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
                 let directory = folder.path().join("stability");
-                self.compute(front, &bodies, &settings, &directory)
+                self.compute(front, &bodies, &settings, &directory, &execution)
             }
         }
     }
@@ -122,21 +126,20 @@ impl StabilityArgs {
         bodies: &StabilityBodies,
         settings: &StabilitySettings,
         directory: &Path,
+        execution: &Execution,
     ) -> Result<Reply> {
-        let execution = self.execution.execution(front)?;
         let tables = &self.tables;
         let prepare = |assembly: Assembly| tables.engine(assembly, front);
         if !self.shard.is_whole() {
             let shard = self.shard;
-            let end =
-                run_stability_shard(bodies, settings, &prepare, directory, shard, &execution)?;
+            let end = run_stability_shard(bodies, settings, &prepare, directory, shard, execution)?;
             let Shard { index, of } = shard;
             return Ok(Reply::of_end(end, || {
                 format!("stopped; the same command continues part {index} of {of}")
             }));
         }
         Ok(
-            match run_stability(bodies, settings, &prepare, directory, &execution)? {
+            match run_stability(bodies, settings, &prepare, directory, execution)? {
                 End::Finished(result) => {
                     let warnings = result.warnings.clone();
                     let reply = Reply::of(result).with_notes(warnings);

@@ -20,9 +20,9 @@ use protomer_protein_verbs::stability::contacts::{ContactCore, ContactTerm};
 use protomer_protein_verbs::stability::effective::SoluteModel;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::pair::{
-    Energies, PairBodies, PairRunSettings, run_pair, run_pair_shard,
+    Energies, PairBodies, PairRunSettings, refuse_other_settings, run_pair, run_pair_shard,
 };
-use protomer_results::{End, Shard};
+use protomer_results::{End, Execution, Shard};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -116,6 +116,10 @@ impl PairArgs {
         self.scheduler.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let execution = self.execution.execution(front)?;
+        if let Some(directory) = &self.output {
+            refuse_other_settings(&settings, directory, &execution)?;
+        }
         let body = self
             .model
             .model()
@@ -126,30 +130,29 @@ impl PairArgs {
             front.say(warning);
         }
         match &self.output {
-            Some(directory) => self.compute(front, &bodies, &settings, directory),
+            Some(directory) => self.compute(&bodies, &settings, directory, &execution),
             None => {
                 let folder = tempfile::tempdir().context("cannot make a temporary folder")?;
-                self.compute(front, &bodies, &settings, &folder.path().join("pair"))
+                self.compute(&bodies, &settings, &folder.path().join("pair"), &execution)
             }
         }
     }
 
     fn compute(
         &self,
-        front: &Front,
         bodies: &PairBodies,
         settings: &PairRunSettings,
         directory: &Path,
+        execution: &Execution,
     ) -> Result<Reply> {
-        let execution = self.execution.execution(front)?;
         if !self.shard.is_whole() {
-            let end = run_pair_shard(bodies, settings, directory, self.shard, &execution)?;
+            let end = run_pair_shard(bodies, settings, directory, self.shard, execution)?;
             let Shard { index, of } = self.shard;
             return Ok(Reply::of_end(end, || {
                 format!("stopped; the same command continues part {index} of {of}")
             }));
         }
-        Ok(match run_pair(bodies, settings, directory, &execution)? {
+        Ok(match run_pair(bodies, settings, directory, execution)? {
             End::Finished(result) => {
                 let mut warnings = Vec::new();
                 for condition in &result.conditions {

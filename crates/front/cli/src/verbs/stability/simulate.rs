@@ -17,7 +17,7 @@ use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective;
 use protomer_protein_verbs::stability::run::{EnergyMode, Engine, RunSettings};
-use protomer_protein_verbs::stability::sweep::{figure, resolved, simulate};
+use protomer_protein_verbs::stability::sweep::{figure, refuse_other_settings, resolved, simulate};
 use protomer_results::{End, keys};
 use std::path::{Path, PathBuf};
 
@@ -138,11 +138,12 @@ impl SimulateArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
-        let assembly = Assembly::read(&self.assembly)?;
         let execution = self.run.execution.execution(front)?;
+        let directory = &self.run.output;
+        refuse_other_settings(&settings, directory, &execution)?;
+        let assembly = Assembly::read(&self.assembly)?;
         front.warn(self.run.model.body_warning(&assembly));
         let engine = self.run.tables.engine(assembly, front)?;
-        let directory = &self.run.output;
         say_limits(front, &engine, &settings)?;
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;

@@ -11,7 +11,9 @@ use clap::Args;
 use protomer_common::quantity;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::run::RunSettings;
-use protomer_protein_verbs::stability::sweep::{resolved, run_shard, run_sweep};
+use protomer_protein_verbs::stability::sweep::{
+    refuse_other_settings, resolved, run_shard, run_sweep,
+};
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
 
@@ -51,6 +53,9 @@ impl SweepArgs {
         self.scheduler.check()?;
         let settings = self.settings()?;
         front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let execution = self.run.execution.execution(front)?;
+        let directory = &self.run.output;
+        refuse_other_settings(&settings, directory, &execution)?;
         let assembly = Assembly::read(&self.assembly)?;
         front.say(&format!(
             "{} bodies, {} simulations of {} + {} sweeps",
@@ -62,10 +67,8 @@ impl SweepArgs {
         for salt in &settings.salt_molar {
             front.explain(&settings.medium.interaction(Some(*salt))?.describe());
         }
-        let execution = self.run.execution.execution(front)?;
         front.warn(self.run.model.body_warning(&assembly));
         let engine = self.run.tables.engine(assembly, front)?;
-        let directory = &self.run.output;
         say_limits(front, &engine, &settings)?;
         let settings = resolved(&engine, &settings, directory, &execution)?;
         say_energies(front, &engine, &settings)?;

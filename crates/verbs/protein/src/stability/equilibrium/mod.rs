@@ -116,6 +116,7 @@ pub fn run_stability(
     execution: &Execution,
 ) -> Result<End<StabilityResult>> {
     settings.check()?;
+    refuse_other_settings(settings, directory, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
     let identity = &conditions.identity;
@@ -138,6 +139,7 @@ pub fn run_stability_shard(
     execution: &Execution,
 ) -> Result<End<StabilityPart>> {
     settings.check()?;
+    refuse_other_settings(settings, directory, execution)?;
     let plan = Plan::new(bodies.first(), &bodies.names, settings, prepare)?;
     let conditions = Conditions::new(bodies, &plan, settings, prepare, directory)?;
     let identity = &conditions.identity;
@@ -150,6 +152,19 @@ pub fn run_stability_shard(
         of: shard.of,
         conditions,
     }))
+}
+
+/// Refuses a directory with other settings, before bodies are read and parts planned.
+///
+/// # Errors
+/// If the directory holds other work or other settings, and there is no new start.
+pub fn refuse_other_settings(
+    settings: &StabilitySettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<()> {
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
+    Ok(())
 }
 
 /// All conditions of an equilibrium.

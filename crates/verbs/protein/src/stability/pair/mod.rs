@@ -132,6 +132,19 @@ pub fn run_pair_shard(
     }))
 }
 
+/// Refuses a directory with other settings, before bodies are read.
+///
+/// # Errors
+/// If the directory holds other work or other settings, and there is no new start.
+pub fn refuse_other_settings(
+    settings: &PairRunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<()> {
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
+    Ok(())
+}
+
 /// All conditions of a pair.
 struct Conditions<'a> {
     bodies: &'a PairBodies,

@@ -283,15 +283,15 @@ impl Engine {
             (None, Some(begun)) if begun.promise() != Promise::None => begun,
             (None, _) => self.costs_of(run)?.fastest(),
         };
-        let is_uncut = energy != EnergyMode::None && !is_cut;
-        let mut resolved = RunSettings {
-            energy: Some(energy),
-            contact_definition: Some(ContactDefinition::BetweenSurfaces),
-            ..run.clone()
-        };
-        // Stated where it applies only, so that settings of hard bodies do not change with it.
-        resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);
-        Ok(resolved)
+        Ok(with_energy(run, energy))
+    }
+
+    /// The settings as [`resolved`](Self::resolved) gives them where a run goes on, without the costs of
+    /// energies, for which charges may have to be fitted.
+    pub(crate) fn resolved_as_begun(run: &RunSettings, begun: Option<EnergyMode>) -> RunSettings {
+        let is_cut = run.medium.cutoff_angstrom.is_some();
+        let usual = run.energy.or(is_cut.then_some(EnergyMode::Direct));
+        with_energy(run, usual.or(begun).unwrap_or(EnergyMode::Direct))
     }
 
     /// Estimates the cost of energies in this run at one salt concentration. Effective charges are
@@ -468,4 +468,17 @@ pub fn require_room(
             interaction.describe()
         )
     })
+}
+
+/// The settings with their energies, and with what follows from these.
+fn with_energy(run: &RunSettings, energy: EnergyMode) -> RunSettings {
+    let is_uncut = energy != EnergyMode::None && run.medium.cutoff_angstrom.is_none();
+    let mut resolved = RunSettings {
+        energy: Some(energy),
+        contact_definition: Some(ContactDefinition::BetweenSurfaces),
+        ..run.clone()
+    };
+    // Stated where it applies only, so that settings of hard bodies do not change with it.
+    resolved.medium.definition = is_uncut.then_some(Definition::NoCutOff);
+    resolved
 }

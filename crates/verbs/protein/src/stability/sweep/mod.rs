@@ -19,8 +19,8 @@ pub mod table;
 use crate::stability::effective;
 use crate::stability::interaction::ScreenedCoulomb;
 use crate::stability::run::{
-    AcceptedFractions, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings, Rung,
-    replica_directory,
+    AcceptedFractions, EnergyMode, Engine, Exchanged, LadderRun, LogRow, Replica, RunSettings,
+    Rung, replica_directory,
 };
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::answer::{Answer, columns, heading};
@@ -234,12 +234,35 @@ pub fn resolved(
     execution: &Execution,
 ) -> Result<RunSettings> {
     settings.check()?;
+    refuse_other_settings(settings, directory, execution)?;
     engine.require_space_for(settings)?;
-    // A file that cannot be read is reported when the directory is entered.
-    let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok();
+    engine.resolved(settings, begun_energy(directory, execution))
+}
+
+/// Refuses a directory with other settings, before bodies are read or charges fitted.
+///
+/// # Errors
+/// If the directory holds other work or other settings, and there is no new start.
+pub fn refuse_other_settings(
+    settings: &RunSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<()> {
+    let begun = begun_energy(directory, execution);
+    let settings = Engine::resolved_as_begun(settings, begun);
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, &settings, execution)?;
+    Ok(())
+}
+
+/// The energy mode of a sweep that is continued.
+fn begun_energy(directory: &Path, execution: &Execution) -> Option<EnergyMode> {
     // A new start forgets the old settings, its energy mode among them.
-    let previous_settings = begun.filter(|_| !execution.start_anew);
-    engine.resolved(settings, previous_settings.and_then(|begun| begun.energy))
+    if execution.start_anew {
+        return None;
+    }
+    // A file that cannot be read is reported when the directory is entered.
+    let begun = keys::read_toml::<RunSettings>(&directory.join(LAYOUT.settings)).ok()?;
+    begun.energy
 }
 
 /// Task of a sweep that runs by itself.
