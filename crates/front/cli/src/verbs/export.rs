@@ -38,7 +38,8 @@ pub struct ExportArgs {
     /// piece.
     #[arg(long)]
     gather: bool,
-    /// Write a script that opens the file, shows surfaces and colours each copy.
+    /// Write a script that opens the file, colours the bodies by kind and shows transparent surfaces; with
+    /// --values, surfaces in the colours of the values.
     #[arg(long, value_parser = choice::<Viewer>())]
     script: Option<Viewer>,
 }

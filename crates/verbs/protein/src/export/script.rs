@@ -21,8 +21,12 @@ struct Copy<'a> {
     number: usize,
     body: String,
     chains: Vec<&'a str>,
-    colour: [u8; 3],
+    /// Number of the kind of body, by name, in the order of first copies.
+    kind: usize,
 }
+
+/// Share of the light that surfaces let through, so that the chains inside are seen.
+const TRANSPARENCY: f64 = 0.6;
 
 impl Viewer {
     /// The script's path: that of the structure file with another extension.
@@ -40,9 +44,9 @@ impl Viewer {
         })
     }
 
-    /// The script for a structure file in the same folder. Copies have a colour each; with a
-    /// limit, surfaces have those of their residues' B factors, from red (-limit) over white to
-    /// blue.
+    /// The script for a structure file in the same folder. Each kind of body has a colour, and surfaces are
+    /// transparent; with a limit, surfaces have the colours of their residues' B factors, from red (-limit)
+    /// over white to blue.
     ///
     /// # Errors
     /// If the name of the structure file would be something else in a script.
@@ -55,12 +59,19 @@ impl Viewer {
     ) -> Result<String> {
         let file = name_in_script(structure)?;
         let mut copies = Vec::with_capacity(placed.copies.len());
+        let mut kinds: Vec<&str> = Vec::new();
         for (number, copy) in placed.copies.iter().enumerate() {
+            let name = copy.body.name.as_str();
+            let kind = kinds.iter().position(|known| *known == name);
+            let kind = kind.unwrap_or_else(|| {
+                kinds.push(name);
+                kinds.len() - 1
+            });
             copies.push(Copy {
                 number,
                 body: script_words(&copy.body.name),
                 chains: Vec::new(),
-                colour: colour(number),
+                kind,
             });
         }
         for chain in chains {
@@ -101,13 +112,14 @@ fn chimerax(file: &str, copies: &[Copy], limit: Option<f64>) -> String {
         let chains = format!("#1/{}", copy.chains.join(","));
         lines.push(format!("# copy {} of {}", copy.number, copy.body));
         lines.push(format!("surface {chains} enclose {chains}"));
-        lines.push(format!("color {chains} {}", hexadecimal(copy.colour)));
+        lines.push(format!("color {chains} {}", hexadecimal(colour(copy.kind))));
     }
-    if let Some(limit) = limit {
-        lines.push(format!(
+    lines.push(match limit {
+        Some(limit) => format!(
             "color byattribute bfactor #1 target s palette #c0282d:#f7f7f7:#2457b8 range -{limit},{limit}"
-        ));
-    }
+        ),
+        None => format!("transparency #1 {:.0} target s", 100.0 * TRANSPARENCY),
+    });
     lines.extend(["graphics silhouettes true", "lighting soft", "view"].map(str::to_owned));
     lines.join("\n") + "\n"
 }
@@ -118,25 +130,31 @@ fn pymol(file: &str, copies: &[Copy], limit: Option<f64>) -> String {
         format!("load {file}, protomer_all"),
         "hide everything".into(),
     ];
+    let mut defined = Vec::new();
     for copy in copies {
         let name = format!("copy_{}", copy.number);
-        let [red, green, blue] = copy.colour;
+        lines.push(format!("# copy {} of {}", copy.number, copy.body));
+        if !defined.contains(&copy.kind) {
+            let [red, green, blue] = colour(copy.kind);
+            lines.push(format!(
+                "set_color colour_{}, [{red}, {green}, {blue}]",
+                copy.kind
+            ));
+            defined.push(copy.kind);
+        }
         lines.extend([
-            format!("# copy {} of {}", copy.number, copy.body),
             format!(
                 "create {name}, protomer_all and chain {}",
                 copy.chains.join("+")
             ),
-            format!("set_color colour_{}, [{red}, {green}, {blue}]", copy.number),
-            format!("color colour_{}, {name}", copy.number),
+            format!("color colour_{}, {name}", copy.kind),
         ]);
     }
     lines.extend(["delete protomer_all", "show cartoon", "show surface"].map(str::to_owned));
-    if let Some(limit) = limit {
-        lines.push(format!(
-            "spectrum b, red_white_blue, minimum=-{limit}, maximum={limit}"
-        ));
-    }
+    lines.push(match limit {
+        Some(limit) => format!("spectrum b, red_white_blue, minimum=-{limit}, maximum={limit}"),
+        None => format!("set transparency, {TRANSPARENCY}"),
+    });
     lines.extend(["bg_color white", "orient"].map(str::to_owned));
     lines.join("\n") + "\n"
 }
@@ -145,7 +163,7 @@ fn hexadecimal([red, green, blue]: [u8; 3]) -> String {
     format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
-/// A colour for each copy: hues by the golden angle, so that neighbours in number differ and none
+/// A colour for each kind of body: hues by the golden angle, so that neighbours in number differ and none
 /// repeats.
 fn colour(number: usize) -> [u8; 3] {
     const GOLDEN_TURN: f64 = 0.381_966_011_250_105;
@@ -166,7 +184,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn colours_of_copies_differ() {
+    fn colours_of_kinds_differ() {
         let colours: HashSet<[u8; 3]> = (0..200).map(colour).collect();
         assert_eq!(colours.len(), 200);
         for [red, green, blue] in colours {
@@ -190,20 +208,38 @@ mod tests {
     }
 
     #[test]
-    fn every_chain_of_a_copy_has_its_colour() {
-        let copies = [Copy {
-            number: 0,
+    fn copies_of_a_kind_have_one_colour_and_transparent_surfaces() {
+        let copy = |number: usize, chains: Vec<&'static str>, kind: usize| Copy {
+            number,
             body: "dimer".into(),
-            chains: vec!["A", "B"],
-            colour: [255, 0, 10],
-        }];
-        let chimerax = chimerax("x.cif", &copies, None);
+            chains,
+            kind,
+        };
+        let copies = [
+            copy(0, vec!["A", "B"], 0),
+            copy(1, vec!["C"], 1),
+            copy(2, vec!["D", "E"], 0),
+        ];
+        let chimerax = super::chimerax("x.cif", &copies, None);
         assert!(chimerax.contains("open \"x.cif\"\n"));
-        assert!(chimerax.contains("color #1/A,B #ff000a\n"));
+        for (chains, kind) in [("A,B", 0), ("C", 1), ("D,E", 0)] {
+            let line = format!("color #1/{chains} {}\n", hexadecimal(colour(kind)));
+            assert!(chimerax.contains(&line), "{chimerax}");
+        }
+        assert!(chimerax.contains("transparency #1 60 target s\n"));
         assert!(!chimerax.contains("bfactor"));
-        let pymol = pymol("x.cif", &copies, Some(4.5));
+        let pymol = super::pymol("x.cif", &copies, Some(4.5));
         assert!(pymol.contains("create copy_0, protomer_all and chain A+B\n"));
-        assert!(pymol.contains("set_color colour_0, [255, 0, 10]\n"));
+        assert_eq!(pymol.matches("set_color colour_0, ").count(), 1);
+        assert!(
+            pymol.contains("color colour_0, copy_2\n")
+                && pymol.contains("color colour_1, copy_1\n")
+        );
         assert!(pymol.contains("spectrum b, red_white_blue, minimum=-4.5, maximum=4.5\n"));
+        assert!(
+            !pymol.contains("transparency"),
+            "values are seen on opaque surfaces"
+        );
+        assert!(super::pymol("x.cif", &copies, None).contains("set transparency, 0.6\n"));
     }
 }
