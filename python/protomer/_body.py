@@ -167,13 +167,15 @@ class Body(_protomer.Body):
             return cls(_protomer.Body._read(files[0]["body"]))
 
     @classmethod
-    def from_universe(cls, atoms: Any, **settings: Any) -> Body:
+    def from_universe(cls, atoms: Any, *, name: str | None = None, **settings: Any) -> Body:
         """Makes a body from the present state of an MDAnalysis Universe or AtomGroup.
 
         Parameters
         ----------
         atoms
             A Universe or an AtomGroup
+        name
+            Its name in assemblies and tables; that of the file of the Universe if left out, or `universe` without one
         **settings
             The keywords of `protomer.ingest`
 
@@ -190,11 +192,12 @@ class Body(_protomer.Body):
         --------
         >>> universe = MDAnalysis.Universe("5pti.pdb")                 # doctest: +SKIP
         >>> pm.Body.from_universe(universe.select_atoms("protein"))    # doctest: +SKIP
+        >>> pm.Body.from_universe(universe.select_atoms("segid B"), name="inhibitor")  # doctest: +SKIP
         """
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "universe.pdb"
             atoms.atoms.write(str(path))
-            return cls.from_structure(path, **settings)
+            return cls.from_structure(path, name=name or _name_of(atoms), **settings)
 
     def _present_file(self) -> Path | None:
         if self._file is None:
@@ -317,3 +320,10 @@ class Body(_protomer.Body):
         }
         cells = "".join(f"<tr><th style='text-align:left'>{key}</th><td>{value}</td></tr>" for key, value in rows.items())
         return f"<table><caption>Body {self.name}</caption>{cells}</table>"
+
+
+def _name_of(atoms: Any) -> str:
+    """The name of the file that a Universe was read from."""
+    file = getattr(atoms.universe, "filename", None)
+    stem = Path(file).name.removesuffix(".gz").rsplit(".", 1)[0] if isinstance(file, (str, Path)) else ""
+    return stem or "universe"

@@ -81,11 +81,29 @@ def salts(verb: str, salt: Any, salt_molar: Any, *, required: bool = False) -> A
     if salt_molar is None:
         if salt is None and required:
             raise _protomer.ConfigError(f'{verb} needs a salt concentration; give salt="100mM" or salt_molar=0.1')
+        _require_units(salt)
         return salt
     values = np.atleast_1d(np.asarray(salt_molar, dtype=np.float64))
     if values.ndim != 1 or values.size == 0:
         raise _protomer.ConfigError(f"salt_molar has the shape {values.shape}; give a number or a row of numbers in mol/L")
     return [f"{_word(float(value))}M" for value in values]
+
+
+def _require_units(salt: Any) -> None:
+    """Refuses numbers as `salt`, which may mean mol/L or mmol/L; zero is the same in both."""
+    values = salt if _is_many(salt) else [salt]
+    numbers = [value for value in values if isinstance(value, (int, float, np.number)) and not isinstance(value, bool)]
+    if not any(numbers):
+        return
+    shown = ", ".join(f"{float(value):g}" for value in numbers)
+    molar = [float(value) if float(value) < 1 else float(value) / 1e3 for value in numbers]
+    one_or_all: Any = molar if _is_many(salt) else molar[0]
+    texts = [f"{1e3 * value:g}mM" for value in molar]
+    text: Any = texts if _is_many(salt) else texts[0]
+    raise _protomer.ConfigError(
+        f"salt has {'numbers' if len(numbers) > 1 else 'a number'} without a unit ({shown}); give salt_molar={one_or_all!r} in "
+        f"mol/L, or salt={text!r}"
+    )
 
 
 def _flag(flag: str, value: object, *, once_per_value: bool) -> list[str]:

@@ -134,11 +134,64 @@ class Result:
         """The plain values, as in the JSON."""
         return self._fields
 
+    def to_dataframe(self, rows: str | None = None) -> Any:
+        """A list of objects as a table of pandas: a row for each, and a column for each field.
+
+        Parameters
+        ----------
+        rows
+            The field with the list; the first one if left out
+
+        Returns
+        -------
+        pandas.DataFrame
+            Fields of objects within a row have the names of both, `first_residue`; a mean with its error has two columns,
+            `energy_kt` and `energy_kt_error`
+
+        Raises
+        ------
+        KeyError
+            If there is no such list; it names those that exist
+        ImportError
+            Without pandas
+
+        Examples
+        --------
+        >>> held = pm.residues("stability", mutations=True)            # doctest: +SKIP
+        >>> held.to_dataframe().nsmallest(10, "energy_kt")             # doctest: +SKIP
+        >>> held.to_dataframe("mutations")["half_salt_molar"]          # doctest: +SKIP
+        """
+        import pandas
+
+        lists = {name: value for name, value in self._fields.items() if _is_table(value)}
+        if rows is None and lists:
+            rows = next(iter(lists))
+        if rows not in lists:
+            unknown("list of objects", rows, lists)
+        return pandas.DataFrame([_flat(row) for row in lists[rows]])
+
     def _file(self, name: str) -> Path:
         """A file of the directory that the verb wrote into."""
         if self._output is None:
             raise ValueError(f"this {type(self).__name__} has no directory; call the verb with output=")
         return self._output / name
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(row, dict) for row in value)
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """A row without objects in it."""
+    flat: dict[str, Any] = {}
+    for name, value in row.items():
+        if not isinstance(value, dict):
+            flat[name] = value
+        elif set(value) == {"mean", "error"}:
+            flat |= {name: value["mean"], f"{name}_error": value["error"]}
+        else:
+            flat |= {f"{name}_{inner}": cell for inner, cell in _flat(value).items()}
+    return flat
 
 
 def missing(message: str, path: Path | str) -> _protomer.MissingFileError:

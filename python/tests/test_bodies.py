@@ -86,7 +86,9 @@ def test_bodies_go_to_mdanalysis_and_back(bodies):
     assert len(universe.atoms) == len(body.charges_e)
     np.testing.assert_allclose(universe.atoms.positions, body.charge_positions_angstrom, atol=1e-4)
     np.testing.assert_allclose(universe.atoms.charges, body.charges_e)
+    assert pm.Body.from_universe(universe).name == "universe"
     back = pm.Body.from_universe(universe, name="back")
+    assert back.name == "back"
     # The file in between has three decimals; the surface is made again from the same atoms.
     assert back.volume_angstrom3 == pytest.approx(body.volume_angstrom3, rel=5e-3)
     assert back.net_charge_e == pytest.approx(body.net_charge_e, abs=0.05)

@@ -12,6 +12,7 @@ PAGES = ["README.md", "python/README.md", "docs/guide/python.md"]
 @pytest.mark.parametrize("page", PAGES)
 def test_the_code_of_a_page_runs(page, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed").use("Agg")
+    pytest.importorskip("pandas", reason="pandas is not installed")
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)
     assert blocks
     # The pages speak from the root of the project.

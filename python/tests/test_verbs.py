@@ -228,6 +228,18 @@ def test_salts_are_found_by_the_digits_that_tables_show(tmp_path):
             sweep._folder(asked, 0)
 
 
+def test_lists_of_objects_become_tables_of_pandas():
+    pytest.importorskip("pandas", reason="pandas is not installed")
+    row = {"body": "plus", "number": 15, "energy_kt": {"mean": -1.5, "error": 0.1}}
+    pair = {"first": {"body": "plus", "number": 15}, "contacts": 2.0}
+    result = pm.Result({"bodies": 2, "files": ["a.csv"], "residues": [row, row], "pairs": [pair]})
+    table = result.to_dataframe()
+    assert list(table.columns) == ["body", "number", "energy_kt", "energy_kt_error"] and len(table) == 2
+    assert list(result.to_dataframe("pairs").columns) == ["first_body", "first_number", "contacts"]
+    with pytest.raises(KeyError, match="residues, pairs"):
+        result.to_dataframe("files")
+
+
 def test_virial_coefficients_are_those_of_the_closed_forms():
     cube = pm.shape.virial("cube", triples=200, depletants="0.1:5", rays=20)
     assert cube.b2 == pytest.approx(5.5) and cube.b3_error > 0 and cube.osmotic_b2 < 5.5
@@ -236,10 +248,14 @@ def test_virial_coefficients_are_those_of_the_closed_forms():
 
 
 def test_salts_need_a_unit_and_much_salt_is_warned_of(ring):
-    with pytest.raises(pm.ConfigError, match=r"100 what\? write 100mM"):
+    with pytest.raises(pm.ConfigError, match=r"give salt_molar=0.1 in mol/L, or salt='100mM'"):
         pm.inspect(ring, salt=100)
-    with pytest.raises(pm.ConfigError, match=r"0.1 what\? write 0.1M"):
+    with pytest.raises(pm.ConfigError, match=r"a number without a unit \(0.1\); give salt_molar=0.1 in mol/L"):
         pm.inspect(ring, salt=0.1)
+    with pytest.raises(pm.ConfigError, match=r"salt_molar=\[0.1, 0.3\] in mol/L, or salt=\['100mM', '300mM'\]"):
+        pm.sweep(ring, salt=np.array([0.1, 0.3]), output="unused")
+    with pytest.raises(pm.ConfigError, match=r"100 what\? write 100mM"):
+        pm.inspect(ring, salt="100")
     with pytest.warns(UserWarning, match="^2 M of salt"):
         concentrated = pm.inspect(ring, salt="2M")
     assert abs(concentrated.energy_kT) < abs(pm.inspect(ring, salt="100mM").energy_kT)
