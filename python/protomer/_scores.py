@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import csv
-from typing import TYPE_CHECKING, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._result import Result, numbers
-
-if TYPE_CHECKING:
-    import pandas
-    import polars
 
 Numbers = NDArray[np.float64]
 
@@ -23,39 +19,40 @@ class ScoreResult(Result):
     Examples
     --------
     >>> scores = pm.score("designs", columns=["energy", "area"], output="scores")      # doctest: +SKIP
-    >>> scores.frame().sort_values("energy_kt_150mM")                                  # doctest: +SKIP
-    >>> scores.frame().to_parquet("scores.parquet")                                    # doctest: +SKIP
+    >>> scores.to_dataframe().sort_values("energy_kt_150mM")                                  # doctest: +SKIP
+    >>> scores.to_dataframe().to_parquet("scores.parquet")                                    # doctest: +SKIP
     """
 
     _FILE: ClassVar[str | None] = "score.json"
     _KINDS: ClassVar[tuple[str, ...]] = ("scores",)
 
-    def frame(self) -> pandas.DataFrame:
-        """The table with a row for each complex, as a pandas `DataFrame`.
+    def to_dataframe(self, rows: str | None = None) -> Any:
+        """The table with a row for each complex, as a table of pandas.
+
+        Parameters
+        ----------
+        rows
+            A field with a list, as for other results; the table of all complexes if left out
 
         Raises
         ------
         ImportError
             Without pandas
         """
-        try:
-            import pandas
-        except ImportError as error:
-            raise ImportError("a data frame needs pandas: pip install pandas") from error
-        return pandas.read_csv(self._file("score.csv"))
+        import pandas
 
-    def polars(self) -> polars.DataFrame:
-        """The same table as a polars `DataFrame`.
+        return super().to_dataframe(rows) if rows else pandas.read_csv(self._file("score.csv"))
+
+    def to_polars(self) -> Any:
+        """The table with a row for each complex, as a table of polars.
 
         Raises
         ------
         ImportError
             Without polars
         """
-        try:
-            import polars
-        except ImportError as error:
-            raise ImportError("a data frame needs polars: pip install polars") from error
+        import polars
+
         return polars.read_csv(self._file("score.csv"))
 
     def columns_of_numbers(self) -> dict[str, Numbers]:

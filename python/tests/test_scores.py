@@ -30,7 +30,7 @@ def test_columns_of_numbers_are_arrays_with_nan(scores):
 
 def test_the_table_is_a_data_frame(scores):
     pandas = pytest.importorskip("pandas")
-    frame = scores.frame()
+    frame = scores.to_dataframe()
     assert isinstance(frame, pandas.DataFrame) and list(frame["status"]) == ["ok", "ok", "failed"]
     assert list(frame["kind"])[0] == "protease"
 
