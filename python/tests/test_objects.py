@@ -247,7 +247,7 @@ def test_salts_are_arrays_in_mol_per_litre_or_text_with_units(ring):
     for salt in (0.15, np.float64(0.15), np.array(0.15), np.array([0.15])):
         assert pm.inspect(ring, salt_molar=salt).energy_kT == by_text
     for bare in (0.15, np.float64(0.15), np.array([0.15])):
-        with pytest.raises(pm.ConfigError, match="what"):
+        with pytest.raises(pm.ConfigError, match="give salt_molar="):
             pm.inspect(ring, salt=bare)
     with pytest.raises(pm.ConfigError, match="give one of them"):
         pm.inspect(ring, salt="0.1M", salt_molar=0.1)
