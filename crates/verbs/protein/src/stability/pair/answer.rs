@@ -4,6 +4,7 @@ use super::figure;
 use super::result::{ConditionResult, PairPart, PairResult};
 use anyhow::{Context, Result};
 use protomer_common::answer::{Answer, columns, heading};
+use protomer_common::page::millimolar;
 use protomer_io::atomic::write_atomically;
 use protomer_io::csv::Table;
 use protomer_plot::Figure;
@@ -39,7 +40,9 @@ impl Answer for PairResult {
                 }),
             ]);
         }
-        columns(&rows)
+        let mut lines = vec![columns(&rows)];
+        lines.extend(self.what_holds());
+        lines.join("\n")
     }
 
     fn figure(&self) -> Option<Figure> {
@@ -57,6 +60,38 @@ impl Answer for PairPart {
 }
 
 impl PairResult {
+    /// The terms of the energy of the lowest of all bound poses, with the condition it is from; `None` without
+    /// poses.
+    fn what_holds(&self) -> Option<String> {
+        let lowest = |condition: &&ConditionResult| {
+            condition
+                .poses
+                .first()
+                .map_or(f64::INFINITY, |pose| pose.energy_kt)
+        };
+        let by_energy =
+            |a: &&ConditionResult, b: &&ConditionResult| lowest(a).total_cmp(&lowest(b));
+        let condition = self.conditions.iter().min_by(by_energy)?;
+        let parts = condition.poses.first()?.parts;
+        let terms = [
+            ("charges", parts.charges_kt),
+            ("contacts", parts.contacts_kt),
+            ("desolvation", parts.desolvation_kt),
+            ("response of the solvent", parts.solvent_response_kt),
+        ];
+        let share = |(name, energy_kt): (&str, f64)| format!("{name} {energy_kt:+.2} kT");
+        let present = terms.into_iter().filter(|(_, energy_kt)| *energy_kt != 0.0);
+        let parts: Vec<String> = present.map(share).collect();
+        let place = match (condition.ph, condition.salt_molar) {
+            (None, None) => String::new(),
+            (Some(ph), None) => format!(" (pH {ph})"),
+            (None, Some(salt)) => format!(" ({} mM)", millimolar(salt)),
+            (Some(ph), Some(salt)) => format!(" (pH {ph}, {} mM)", millimolar(salt)),
+        };
+        (!parts.is_empty())
+            .then(|| format!("the lowest pose{place} is held by: {}", parts.join(", ")))
+    }
+
     /// Writes the table, the JSON form and the figures into a directory.
     pub(super) fn write(&self, directory: &Path) -> Result<()> {
         let json = serde_json::to_string_pretty(self).context("the result cannot be serialised")?;

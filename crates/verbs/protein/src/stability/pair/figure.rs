@@ -3,6 +3,7 @@
 use super::result::{ConditionResult, PairResult};
 use super::settings::Energies;
 use anyhow::Result;
+use protomer_mc::pair::profile::MeanForceRow;
 use protomer_plot::{Axis, ColourMap, Figure, Panel, Point, Series};
 use std::path::Path;
 
@@ -87,9 +88,19 @@ pub fn against_distance(result: &PairResult) -> Figure {
     // Where no pose is free of overlap, w has no value; near it, it is all error.
     const LARGEST_ERROR_KT: f64 = 0.5;
     let mut series = Vec::new();
+    let salts = distinct(
+        result
+            .conditions
+            .iter()
+            .map(|condition| condition.salt_molar),
+    );
+    let names_salt = salts.is_some_and(|salts| salts.len() > 1);
     for condition in &result.conditions {
-        let mut line = named(line_name(condition));
-        for row in &condition.mean_force {
+        let mut line = named(match condition.salt_molar.filter(|_| names_salt) {
+            Some(salt_molar) => name_with_salt(condition, salt_molar),
+            None => line_name(condition),
+        });
+        for row in smoothed(&condition.mean_force) {
             if row.w_error_kt < LARGEST_ERROR_KT {
                 line.points.push(Point {
                     x: row.distance_angstrom,
@@ -200,6 +211,61 @@ fn line_name(condition: &ConditionResult) -> String {
     }
 }
 
+fn name_with_salt(condition: &ConditionResult, salt_molar: f64) -> String {
+    let salt = in_short(1e3 * salt_molar);
+    match condition.ph {
+        Some(ph) => format!("pH {ph}, {salt} mM"),
+        None => format!("{salt} mM"),
+    }
+}
+
+/// The rows with neighbours put together where their errors are large and w is small: far away, where bins of
+/// half an Å would hide a weak attraction behind their noise. Where |w| exceeds kT, as near contact, the rows
+/// stay as they are.
+fn smoothed(rows: &[MeanForceRow]) -> Vec<MeanForceRow> {
+    const WANTED_ERROR_KT: f64 = 0.03;
+    /// Width that is put together at most.
+    const WIDEST_ANGSTROM: f64 = 8.0;
+    const LARGEST_W_KT: f64 = 1.0;
+    let mut smooth = Vec::new();
+    let mut first = 0;
+    while first < rows.len() {
+        let mut end = first + 1;
+        let mut row = rows[first];
+        while row.w_error_kt > WANTED_ERROR_KT
+            && end < rows.len()
+            && rows[first..=end]
+                .iter()
+                .all(|row| row.w_kt.abs() < LARGEST_W_KT)
+            && rows[end].distance_angstrom - rows[first].distance_angstrom < WIDEST_ANGSTROM
+        {
+            end += 1;
+            row = together(&rows[first..end]);
+        }
+        smooth.push(row);
+        first = end;
+    }
+    smooth
+}
+
+/// Bins as one: the mean of exp(-w) by volume, with errors that are independent.
+fn together(rows: &[MeanForceRow]) -> MeanForceRow {
+    let (mut volume, mut distance, mut sum, mut variance) = (0.0, 0.0, 0.0, 0.0);
+    for row in rows {
+        let shell = row.distance_angstrom.powi(2);
+        let boltzmann = shell * (-row.w_kt).exp();
+        volume += shell;
+        distance += row.distance_angstrom;
+        sum += boltzmann;
+        variance += (boltzmann * row.w_error_kt).powi(2);
+    }
+    MeanForceRow {
+        distance_angstrom: distance / rows.len() as f64,
+        w_kt: -(sum / volume).ln(),
+        w_error_kt: variance.sqrt() / sum,
+    }
+}
+
 fn named(name: String) -> Series {
     Series {
         name,
@@ -267,6 +333,47 @@ mod tests {
             settings: PairRunSettings::default(),
             conditions,
         }
+    }
+
+    #[test]
+    fn noise_far_away_is_averaged_and_wells_are_kept() {
+        let row = |number: usize| {
+            let distance_angstrom = 40.0 + 0.5 * number as f64;
+            let noise = if number.is_multiple_of(2) { 0.4 } else { -0.4 };
+            let well = -6.0 * (-(distance_angstrom - 42.0).powi(2)).exp();
+            MeanForceRow {
+                distance_angstrom,
+                w_kt: well - 0.1 + if distance_angstrom > 45.0 { noise } else { 0.0 },
+                w_error_kt: 0.4,
+            }
+        };
+        let rows: Vec<MeanForceRow> = (0..400).map(row).collect();
+        let smooth = smoothed(&rows);
+        assert!(smooth.len() < 60, "{}", smooth.len());
+        let least = smooth.iter().map(|row| row.w_kt).fold(0.0, f64::min);
+        assert_eq!(least, rows[4].w_kt);
+        for row in smooth.iter().filter(|row| row.distance_angstrom > 60.0) {
+            assert!(
+                (row.w_kt + 0.18).abs() < 0.12 && row.w_error_kt < 0.15,
+                "{row:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn lines_over_distance_are_named_by_salt() {
+        let names = |conditions: Vec<ConditionResult>| -> Vec<String> {
+            let figure = against_distance(&result(conditions));
+            figure.panels[0]
+                .series
+                .iter()
+                .map(|line| line.name.clone())
+                .collect()
+        };
+        let salts = [0.03, 0.094_868].map(|salt| condition(None, Some(salt), 1.0));
+        assert_eq!(names(salts.into()), ["30 mM", "94.87 mM"]);
+        assert_eq!(names(vec![condition(Some(7.0), Some(0.1), 1.0)]), ["pH 7"]);
+        assert_eq!(names(grid())[0], "pH 7, 500 mM");
     }
 
     fn grid() -> Vec<ConditionResult> {
