@@ -22,7 +22,7 @@ pub struct Global {
         env = "PROTOMER_THREADS"
     )]
     pub threads: usize,
-    /// Print errors only.
+    /// Print only errors, and data that was requested.
     #[arg(short, long, global = true)]
     pub quiet: bool,
     /// Print settings and timings as well.
