@@ -2,7 +2,8 @@
 
 use super::record::ScoreRecord;
 use super::{
-    Measure, ScoreSettings, StatedComplex, confidence, energies, geometry, reality, solved,
+    Measure, ScoreSettings, StatedComplex, confidence, energies, geometry, reality,
+    self_attraction, solved,
 };
 use crate::stability::binding::BindingSettings;
 use crate::stability::binding::input::{Inputs, Partners};
@@ -10,13 +11,14 @@ use crate::stability::binding::interface::Interface;
 use anyhow::Result;
 use protomer_common::input::InputFile;
 use protomer_results::{End, Execution};
+use std::path::Path;
 
-/// Scores a complex, as far as an earlier record of the same files does not hold it.
+/// Scores a complex in its directory, as far as an earlier record of the same files does not hold it.
 pub(super) fn score(
     complex: &StatedComplex,
     settings: &ScoreSettings,
     earlier: Option<ScoreRecord>,
-    execution: &Execution,
+    place: (&Path, &Execution),
 ) -> End<ScoreRecord> {
     let sha256 = complex
         .files()
@@ -41,10 +43,10 @@ pub(super) fn score(
     if missing.is_empty() || record.error.is_some() {
         return End::Finished(record);
     }
-    match measure(complex, settings, &missing, &mut record, execution) {
+    match measure(complex, settings, &missing, &mut record, place) {
         Ok(End::Finished(())) => {}
         Ok(End::Stopped) => return End::Stopped,
-        Err(_) if execution.interrupt.is_requested() => return End::Stopped,
+        Err(_) if place.1.interrupt.is_requested() => return End::Stopped,
         Err(error) => record.error = Some(format!("{error:#}")),
     }
     End::Finished(record)
@@ -55,7 +57,7 @@ fn measure(
     settings: &ScoreSettings,
     missing: &[Measure],
     record: &mut ScoreRecord,
-    execution: &Execution,
+    (directory, execution): (&Path, &Execution),
 ) -> Result<End<()>> {
     let binding = BindingSettings {
         bodies: complex.chain_names()?,
@@ -69,6 +71,12 @@ fn measure(
                 Measure::Real => reality::columns(complex, &pose),
                 Measure::Confidence => confidence::columns(&binding.receptor),
                 Measure::Energy => energies::columns(&pose, &binding)?,
+                Measure::B22 => {
+                    match self_attraction::columns(&pose, settings, directory, execution)? {
+                        End::Finished(values) => values,
+                        End::Stopped => return Ok(End::Stopped),
+                    }
+                }
                 cheap => geometry::columns(*cheap, &pose)?,
             };
             record.add(*measure, values);

@@ -50,6 +50,7 @@ pub(super) fn columns(measure: Measure, pose: &Pose) -> Result<Vec<(String, Valu
         }
         Measure::Affinity => affinity(partners, interface),
         Measure::Real
+        | Measure::B22
         | Measure::Confidence
         | Measure::Energy
         | Measure::Slope

@@ -25,6 +25,8 @@ protomer_kernel::choices! {
         Slope = "slope",
         /// Dissociation constants: calibrated, with the effect of the salt, and integrated over the poses nearby.
         Kd = "kd",
+        /// B22 of each body with copies of itself, and whether it attracts or repels them.
+        B22 = "b22",
         /// The exchange of charge that would strengthen the complex most, by the Poisson-Boltzmann equation.
         Exchange = "exchange",
     }

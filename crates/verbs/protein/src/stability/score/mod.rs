@@ -18,6 +18,7 @@
 //! | `confidence` | columns of the files beside a predicted structure |
 //! | `reality` | chance that a contact is more than packing |
 //! | `energies` | columns of the model's energy |
+//! | `self_attraction` | columns of the parts with their own kind |
 //! | `solved` | columns of the Poisson-Boltzmann equation and of the integrated K_D |
 //! | `complex` | one complex, from its files to its record |
 //! | `table` | the table of all complexes |
@@ -35,6 +36,7 @@ pub mod page;
 mod reality;
 mod record;
 mod result;
+mod self_attraction;
 mod settings;
 mod solved;
 mod source;
@@ -206,12 +208,9 @@ impl Campaign for Scores<'_> {
             return Ok(End::Stopped);
         }
         let earlier = ScoreRecord::read(directory)?;
-        let end = score(
-            complex,
-            self.settings,
-            earlier.clone(),
-            &execution.of_part(),
-        );
+        let part = execution.of_part();
+        let place = (directory, &part);
+        let end = score(complex, self.settings, earlier.clone(), place);
         let End::Finished(record) = end else {
             return Ok(End::Stopped);
         };
