@@ -29,7 +29,7 @@ pub fn figure(scores: &ShownScores) -> Option<Figure> {
     (!panels.is_empty()).then(|| Figure {
         title: "Complexes".into(),
         caption: String::new(),
-        x: Axis::linear(words(&scores.columns[across])),
+        x: Axis::linear(literal(&words(&scores.columns[across]))),
         panels,
     })
 }
@@ -55,7 +55,7 @@ fn panel(scores: &ShownScores, across: usize, up: usize) -> Panel {
         Some([x?, y?])
     };
     Panel {
-        y: Axis::linear(words(&scores.columns[up])),
+        y: Axis::linear(literal(&words(&scores.columns[up]))),
         series: vec![Series {
             replicas: scores.rows.iter().filter_map(point).collect(),
             ..Series::default()
@@ -63,8 +63,8 @@ fn panel(scores: &ShownScores, across: usize, up: usize) -> Panel {
     }
 }
 
-/// A heading as the label of an axis, with the unit in parentheses.
-fn words(heading: &str) -> String {
+/// A heading in words, with the unit in parentheses.
+pub(super) fn words(heading: &str) -> String {
     let symbols = heading.replace("contact_delta_g", "ΔG°_by_contacts");
     let heading = symbols.replace("delta_g", "ΔG°");
     let heading = heading.as_str();
@@ -72,6 +72,8 @@ fn words(heading: &str) -> String {
         ("_angstrom2", " (Å²)"),
         ("_angstrom", " (Å)"),
         ("_kcal_per_mol", " (kcal/mol)"),
+        ("_mol_ml_per_g2", " (mol mL/g²)"),
+        ("_molar", " (M)"),
         ("_kt", " (kT)"),
     ];
     let mut text = heading.to_owned();
@@ -79,12 +81,12 @@ fn words(heading: &str) -> String {
         if let Some((before, after)) = heading.split_once(ending) {
             text = match after.trim_start_matches('_') {
                 "" => format!("{before}{unit}"),
-                salt => format!("{before} in {salt}{unit}"),
+                salt => format!("{before} in {}{unit}", salt.replace("mM", " mM")),
             };
             break;
         }
     }
-    literal(&text.replace('_', " "))
+    text.replace('_', " ")
 }
 
 #[cfg(test)]
@@ -93,7 +95,7 @@ mod tests {
 
     #[test]
     fn headings_become_labels() {
-        assert_eq!(words("energy_kt_150mM"), "energy in 150mM (kT)");
+        assert_eq!(words("energy_kt_150mM"), "energy in 150 mM (kT)");
         assert_eq!(words("buried_area_angstrom2"), "buried area (Å²)");
         assert_eq!(
             words("contact_delta_g_kcal_per_mol"),

@@ -77,7 +77,7 @@ fn table(scores: &ShownScores) -> Part {
     Part::Sortable {
         columns: shown
             .iter()
-            .map(|index| scores.columns[*index].replace('_', " "))
+            .map(|index| figure::words(&scores.columns[*index]))
             .collect(),
         rows: scores.rows.iter().take(MOST_ROWS).map(row).collect(),
     }

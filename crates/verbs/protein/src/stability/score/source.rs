@@ -331,6 +331,9 @@ fn check_heading(file: &str, heading: &[String]) -> Result<()> {
         }
     }
     let has = |name: &str| heading.iter().any(|column| column == name);
+    if heading.iter().any(|name| name.contains(';')) {
+        bail!("{file} separates its columns by semicolons; separate them by commas");
+    }
     if !has("file") && !has("receptor") {
         bail!(
             "{file} names no structures; add the column file, or the columns receptor and ligand"
@@ -472,6 +475,10 @@ mod tests {
             ("", "is empty"),
             ("name,file\n", "no rows"),
             ("name,sequence\na,MK\n", "names no structures"),
+            (
+                "name;file\na;b.pdb\n",
+                "separates its columns by semicolons",
+            ),
             (
                 "name,file,ligand_chain\na,b.pdb,A\n",
                 "did you mean 'ligand_chains'",
