@@ -136,6 +136,21 @@ fn work_goes_on_where_it_stopped_and_takes_further_complexes_and_columns() {
     let fit: f64 = rows["second"]["shape_complementarity"].parse().unwrap();
     assert!(fit > 0.6 && fit < 0.85, "{fit}");
     assert!(!rows["second"].contains_key("residue_contacts"));
+    // A failure in one group does not keep the others away.
+    let failing = "score failing.csv -o failing --columns exchange --salt 50mM -q --json";
+    fs::write(
+        place.path("failing.csv"),
+        "name,file,receptor_chains,ligand_chains\nx,designs/monomer.cif.gz,A,B\n",
+    )
+    .unwrap();
+    assert_eq!(answer(&place, failing)["failed"], 1);
+    let again = answer(&place, &failing.replace("exchange", "exchange,area"));
+    assert_eq!(
+        (&again["failed"], &again["taken_over"]),
+        (&1.into(), &0.into())
+    );
+    let same = answer(&place, &failing.replace("exchange", "exchange,area"));
+    assert_eq!(same["taken_over"], 1);
     // A file that has changed is scored again.
     fs::copy(
         place.path("data/structures/5pti.cif.gz"),

@@ -13,6 +13,9 @@ use protomer_common::input::InputFile;
 use protomer_results::{End, Execution};
 use std::path::Path;
 
+/// Version of this program.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
 /// Scores a complex in its directory, as far as an earlier record of the same files does not hold it.
 pub(super) fn score(
     complex: &StatedComplex,
@@ -25,11 +28,13 @@ pub(super) fn score(
         .map(|file| InputFile::sha256_of(file).unwrap_or_default());
     let sha256: Vec<String> = sha256.collect();
     let is_same = |record: &ScoreRecord| {
-        record.sha256 == sha256
+        record.version == VERSION
+            && record.sha256 == sha256
             && record.bodies == complex.bodies
             && !sha256.contains(&String::new())
     };
     let mut record = earlier.filter(is_same).unwrap_or_default();
+    record.version = VERSION.to_owned();
     record.sha256 = sha256;
     record.bodies.clone_from(&complex.bodies);
     let is_missing = |measure: &Measure| !record.has(*measure);
@@ -39,15 +44,24 @@ pub(super) fn score(
         .copied()
         .filter(is_missing)
         .collect();
-    // A failure belongs to the files, and these have not changed.
-    if missing.is_empty() || record.error.is_some() {
+    // A failure belongs to the files, which have not changed, and to the groups that were tried.
+    let was_tried = |measure: &Measure| record.tried.contains(measure);
+    if !missing.is_empty() && missing.iter().all(was_tried) {
+        return End::Finished(record);
+    }
+    record.error = None;
+    record.tried.clear();
+    if missing.is_empty() {
         return End::Finished(record);
     }
     match measure(complex, settings, &missing, &mut record, place) {
         Ok(End::Finished(())) => {}
         Ok(End::Stopped) => return End::Stopped,
         Err(_) if place.1.interrupt.is_requested() => return End::Stopped,
-        Err(error) => record.error = Some(format!("{error:#}")),
+        Err(error) => {
+            record.error = Some(format!("{error:#}"));
+            record.tried = missing;
+        }
     }
     End::Finished(record)
 }

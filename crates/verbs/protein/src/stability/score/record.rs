@@ -15,6 +15,8 @@ const FILE: &str = "row.json";
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ScoreRecord {
+    /// Version of the program that made the record; another one scores again.
+    pub version: String,
     /// SHA-256 of the files when they were read; empty for one that could not be read.
     pub sha256: Vec<String>,
     /// Chains that were stated for the two bodies.
@@ -25,6 +27,9 @@ pub(super) struct ScoreRecord {
     pub warnings: Vec<String>,
     /// Reason why the complex could not be scored.
     pub error: Option<String>,
+    /// Groups that were requested and missing when that happened.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tried: Vec<Measure>,
 }
 
 /// The columns of a group.
