@@ -58,6 +58,29 @@ pub struct Site {
     pub residue: Option<u32>,
 }
 
+impl Site {
+    /// Whether this is a hydrogen, by its name: H... or, in old files, 1H....
+    ///
+    /// ```
+    /// use protomer_body::Site;
+    /// use protomer_kernel::Vec3;
+    /// let named = |atom_name: &str| Site {
+    ///     position: Vec3::zeros(),
+    ///     charge_e: 0.0,
+    ///     radius_angstrom: 1.1,
+    ///     atom_name: atom_name.into(),
+    ///     residue: None,
+    /// };
+    /// assert!(named("HB2").is_hydrogen() && named("1HB").is_hydrogen() && !named("CB").is_hydrogen());
+    /// ```
+    pub fn is_hydrogen(&self) -> bool {
+        let letters = self
+            .atom_name
+            .trim_start_matches(|c: char| c.is_ascii_digit());
+        letters.starts_with(['H', 'D'])
+    }
+}
+
 /// One residue of a body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Residue {

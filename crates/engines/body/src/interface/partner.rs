@@ -39,7 +39,7 @@ impl<'a> Partner<'a> {
     /// Atoms that have a radius, hydrogens left out.
     pub(super) fn heavy_atoms(&self) -> Vec<PlacedAtom<'a>> {
         self.atoms()
-            .filter(|atom| !is_hydrogen(&atom.site.atom_name))
+            .filter(|atom| !atom.site.is_hydrogen())
             .collect()
     }
 
@@ -54,13 +54,6 @@ impl<'a> Partner<'a> {
                 position: site.position + origin,
             })
     }
-}
-
-/// Whether this is the name of a hydrogen, as PDB files write it: `HB2`, `1HB`, `D`.
-fn is_hydrogen(atom_name: &str) -> bool {
-    atom_name
-        .trim_start_matches(|c: char| c.is_ascii_digit())
-        .starts_with(['H', 'D'])
 }
 
 impl Neighbourhood {

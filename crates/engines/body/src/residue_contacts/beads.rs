@@ -24,7 +24,7 @@ pub fn beads_of(body: &Body) -> Vec<Bead> {
         let sum = site
             .residue
             .and_then(|residue| sums.get_mut(residue as usize));
-        if let (Some((sum, count)), false) = (sum, is_hydrogen(&site.atom_name)) {
+        if let (Some((sum, count)), false) = (sum, site.is_hydrogen()) {
             *sum += site.position;
             *count += 1;
         }
@@ -41,10 +41,4 @@ pub fn beads_of(body: &Body) -> Vec<Bead> {
         }
     }
     beads
-}
-
-/// Hydrogens of amino acids are named H... or, in old files, 1H....
-fn is_hydrogen(atom_name: &str) -> bool {
-    let letters = atom_name.trim_start_matches(|c: char| c.is_ascii_digit());
-    letters.starts_with(['H', 'D'])
 }

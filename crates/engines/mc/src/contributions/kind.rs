@@ -48,7 +48,7 @@ impl ResiduesOfKind {
         let mut atoms = vec![Vec::new(); places.len()];
         for site in &body.sites {
             let of_residue = site.residue.and_then(|index| atoms.get_mut(index as usize));
-            if let (Some(of_residue), false) = (of_residue, is_hydrogen(&site.atom_name)) {
+            if let (Some(of_residue), false) = (of_residue, site.is_hydrogen()) {
                 of_residue.push(site.position);
             }
         }
@@ -165,7 +165,7 @@ impl AtomsOfResidue {
 pub fn charge_sites(body: &Body, residue: usize) -> Vec<Vec3> {
     let (mut farthest, mut places) = (0, Vec::new());
     for site in &body.sites {
-        if site.residue != Some(residue as u32) || is_hydrogen(&site.atom_name) {
+        if site.residue != Some(residue as u32) || site.is_hydrogen() {
             continue;
         }
         let remoteness = remoteness(&site.atom_name);
@@ -188,10 +188,4 @@ fn remoteness(atom_name: &str) -> usize {
         _ if atom_name == "CA" => 1,
         _ => 0,
     }
-}
-
-/// Hydrogens of amino acids are named H... or, in old files, 1H....
-fn is_hydrogen(atom_name: &str) -> bool {
-    let letters = atom_name.trim_start_matches(|c: char| c.is_ascii_digit());
-    letters.starts_with(['H', 'D'])
 }

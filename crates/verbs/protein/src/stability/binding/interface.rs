@@ -212,10 +212,7 @@ fn is_residue(residue: &Residue, incomplete: &IncompleteResidue) -> bool {
 fn heavy_atoms(body: &Body) -> Vec<Atom> {
     let mut atoms = Vec::with_capacity(body.sites.len());
     for site in &body.sites {
-        let letters = site
-            .atom_name
-            .trim_start_matches(|c: char| c.is_ascii_digit());
-        if site.radius_angstrom > 0.0 && !letters.starts_with(['H', 'D']) {
+        if site.radius_angstrom > 0.0 && !site.is_hydrogen() {
             atoms.push(Atom {
                 place: in_frame(body, &site.position),
                 residue: site.residue,
