@@ -16,7 +16,7 @@ use protomer_protein_verbs::stability::binding::BindingSettings;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::model::Model;
 use protomer_protein_verbs::stability::score::{
-    Complexes, Measure, ScoreSettings, run_score, run_score_shard,
+    Complexes, Measure, ScoreSettings, refuse_other_settings, run_score, run_score_shard,
 };
 use protomer_results::{End, Shard};
 use std::path::PathBuf;
@@ -87,13 +87,18 @@ impl ScoreArgs {
                 "a complex is that of two bodies, and --body states {stated}; give it twice, such as --body H,L --body A"
             );
         }
+        let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let execution = self.execution.execution(front)?;
+        refuse_other_settings(&settings, &self.output, &execution)?;
         let complexes = match self.crystal {
             true => Complexes::of_crystals(&self.source, &self.selection.settings())?,
             false => Complexes::read(&self.source, &self.bodies.body)?,
         };
-        let settings = self.settings(complexes.0.len())?;
-        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
-        let execution = self.execution.execution(front)?;
+        let settings = ScoreSettings {
+            complexes: complexes.0.len(),
+            ..settings
+        };
         let directory = &self.output;
         if !self.shard.is_whole() {
             let Shard { index, of } = self.shard;
@@ -114,10 +119,10 @@ impl ScoreArgs {
         }
     }
 
-    fn settings(&self, complexes: usize) -> Result<ScoreSettings> {
+    fn settings(&self) -> Result<ScoreSettings> {
         let model = self.model.model().unwrap_or(Model::Natural1);
         let settings = ScoreSettings {
-            complexes,
+            complexes: 0,
             columns: self.columns.clone(),
             salt_molar: quantity::salt_list(&self.salt)?,
             ph: self.ph,

@@ -1,4 +1,4 @@
-//! Confidences that predictors of complexes write beside a structure.
+//! Confidences that predictors of complexes write next to a structure.
 //!
 //! | program | structure | confidences |
 //! |---|---|---|
@@ -11,7 +11,7 @@ use protomer_common::input::stem;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// The columns: confidences of the interface and of the whole, null where no file beside the structure has them.
+/// The columns: confidences of the interface and of the whole, null where no file next to the structure has them.
 pub(super) fn columns(structure: &Path) -> Vec<(String, Value)> {
     let found = candidates(structure).iter().find_map(|path| read(path));
     let value = |key: &str| {

@@ -19,7 +19,7 @@ protomer_kernel::choices! {
         Quality = "quality",
         /// Chance that a contact of a crystal is one of a biological assembly.
         Real = "real",
-        /// Confidences that a predictor wrote beside the structure: AlphaFold 3, Boltz, ColabFold.
+        /// Confidences that a predictor wrote next to the structure: AlphaFold 3, Boltz, ColabFold.
         Confidence = "confidence",
         /// Slope of the association constant with salt, by the Poisson-Boltzmann equation.
         Slope = "slope",

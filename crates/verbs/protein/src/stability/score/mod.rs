@@ -15,7 +15,7 @@
 //! | `record` | what is found for one complex, as stored |
 //! | `measure` | the groups of columns, from cheap to expensive |
 //! | `geometry` | columns of the structure alone |
-//! | `confidence` | columns of the files beside a predicted structure |
+//! | `confidence` | columns of the files next to a predicted structure |
 //! | `reality` | chance that a contact is more than packing |
 //! | `energies` | columns of the model's energy |
 //! | `self_attraction` | columns of the parts with their own kind |
@@ -142,6 +142,19 @@ pub fn run_score_shard(
         of: shard.of,
         complexes,
     }))
+}
+
+/// Refuses a directory with other settings, before structures are read.
+///
+/// # Errors
+/// If the directory holds other work or other settings, and there is no new start.
+pub fn refuse_other_settings(
+    settings: &ScoreSettings,
+    directory: &Path,
+    execution: &Execution,
+) -> Result<()> {
+    ResultsDirectory::refuse_other_settings(directory, &LAYOUT, settings, execution)?;
+    Ok(())
 }
 
 /// All complexes with their settings.
