@@ -31,6 +31,7 @@ from ._body import Body
 from . import dynamics, structure
 from ._sets import VoxelSet
 from ._log import read_log
+from .simulation import ContactDynamics, HardBodies, Simulation
 from .results import *  # noqa: F403
 from .results import __all__ as _result_names
 
@@ -39,13 +40,16 @@ __all__ = [
     "Body",
     "CheckpointError",
     "ConfigError",
+    "ContactDynamics",
     "ConvergenceError",
     "Frame",
     "GeometryError",
+    "HardBodies",
     "MissingFileError",
     "ParseError",
     "PartialError",
     "ProtomerError",
+    "Simulation",
     "StoppedError",
     "Trajectory",
     "UnknownNameError",

@@ -159,9 +159,10 @@ pub fn exception(error: &anyhow::Error) -> PyErr {
 fn of_hard_bodies(error: &protomer_hpmc::Error, message: String) -> PyErr {
     use protomer_hpmc::Error;
     match error {
-        Error::Jammed { .. } | Error::Dense { .. } | Error::Overlap { .. } => {
-            GeometryError::new_err(message)
-        }
+        Error::Jammed { .. }
+        | Error::Dense { .. }
+        | Error::Overlap { .. }
+        | Error::PlacedOverlap { .. } => GeometryError::new_err(message),
         _ => ConfigError::new_err(message),
     }
 }

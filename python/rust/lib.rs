@@ -4,6 +4,7 @@
 mod assembly;
 mod body;
 mod errors;
+mod simulation;
 mod verbs;
 
 use pyo3::prelude::*;
@@ -20,6 +21,8 @@ mod _protomer {
         CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError,
         StoppedError,
     };
+    #[pymodule_export]
+    use crate::simulation::LiveSimulation;
     #[pymodule_export]
     use crate::verbs::{call, main, take_apart, verbs};
     use pyo3::prelude::*;

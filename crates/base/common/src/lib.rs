@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`answer`] | the answer of a verb: a value, its text, its figure |
 //! | [`input`] | input files: found, read, decompressed, hashed |
+//! | [`live`] | simulations in memory |
 //! | [`output_file`] | output files: replaced only on request |
 //! | [`page`] | what a page consists of |
 //! | [`quantity`] | numbers with units, such as `150mM` |
@@ -15,6 +16,7 @@
 pub mod answer;
 pub mod cpu_time;
 pub mod input;
+pub mod live;
 pub mod output_file;
 pub mod page;
 pub mod quantity;

@@ -15,6 +15,8 @@ pub enum Kind {
     Choice(&'static [Choice]),
     /// A name or a number; the function says what is wrong with another text.
     NameOrNumber(fn(&str) -> Result<(), String>),
+    /// A word, such as the name of a file.
+    Word,
     /// Words, one or several.
     Words,
     /// Numbers, none or several.
@@ -66,6 +68,14 @@ macro_rules! whole {
 }
 
 whole!(u32, u64, usize);
+
+impl Setting for String {
+    const KIND: Kind = Kind::Word;
+
+    fn text(&self) -> Option<String> {
+        Some(self.clone())
+    }
+}
 
 impl Setting for bool {
     const KIND: Kind = Kind::Switch(true);

@@ -68,6 +68,15 @@ pub enum Error {
         /// The packing fraction wanted.
         wanted: f64,
     },
+    /// Bodies overlap in the places that were given.
+    #[error(
+        "{overlaps} pairs of bodies overlap in the places given (or reach into a wall); give the shape and the size that \
+         they had there, or places without overlap"
+    )]
+    PlacedOverlap {
+        /// Number of pairs that overlap, and of bodies that reach into a wall.
+        overlaps: usize,
+    },
     /// Bodies overlap on the sites of a crystal.
     #[error(
         "the bodies overlap in this crystal at a packing fraction of {wanted:.4}; they fit up to \

@@ -9,7 +9,7 @@ use crate::depletants::Counting;
 use crate::field::{Gravity, Nothing};
 use crate::heights::{Heights, Walls};
 use crate::reservoir::{Depletant, ball_volume};
-use crate::start::Start;
+use crate::start::{Placed, Start};
 use crate::system::{MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
 use protomer_kernel::Rotation;
@@ -121,6 +121,36 @@ pub struct State {
     pub box_moves: BoxMoves,
     /// Bodies by height, between walls, from samples of the production.
     pub heights: Vec<u64>,
+}
+
+impl State {
+    /// The bodies where they are, with or without walls.
+    ///
+    /// # Errors
+    /// For numbers that make no box, and for another number of orientations than of positions.
+    pub fn placed<const D: usize>(&self, has_walls: bool) -> Result<Placed<D>> {
+        let (positions, _) = self.positions.as_chunks::<D>();
+        // NaN for a wrong number of lengths, which the box refuses with its own message.
+        let lengths = self.lengths.as_slice().try_into().unwrap_or([f64::NAN; D]);
+        let rotation = |[w, x, y, z]: &[f64; 4]| {
+            // The numbers are those of a rotation that was normalised before it was saved.
+            Rotation::new_unchecked(nalgebra::Quaternion::new(*w, *x, *y, *z))
+        };
+        let rotations: Vec<Rotation> = self.orientations_wxyz.iter().map(rotation).collect();
+        if rotations.len() != positions.len() {
+            return Err(Error::OutOfRange {
+                quantity: "the number of saved orientations",
+                value: rotations.len() as f64,
+                requirement: "that of the positions; start again with --force",
+            });
+        }
+        Ok(Placed {
+            space: PeriodicBox::new(lengths, &self.tilt_factors)?,
+            positions: positions.to_vec(),
+            rotations,
+            has_walls,
+        })
+    }
 }
 
 impl Settings {
@@ -279,32 +309,17 @@ impl<const D: usize> Simulation<D> {
         depletants: &[Depletant],
         state: &State,
     ) -> Result<Self> {
-        let (positions, _) = state.positions.as_chunks::<D>();
-        // NaN for a wrong number of lengths, which the box refuses with its own message.
-        let lengths = state.lengths.as_slice().try_into().unwrap_or([f64::NAN; D]);
-        let space = PeriodicBox::new(lengths, &state.tilt_factors)?;
-        let rotation = |[w, x, y, z]: &[f64; 4]| {
-            // The numbers are those of a rotation that was normalised before it was saved.
-            Rotation::new_unchecked(nalgebra::Quaternion::new(*w, *x, *y, *z))
-        };
-        let rotations: Vec<Rotation> = state.orientations_wxyz.iter().map(rotation).collect();
-        if rotations.len() != positions.len() {
-            return Err(Error::OutOfRange {
-                quantity: "the number of saved orientations",
-                value: rotations.len() as f64,
-                requirement: "that of the positions; start again with --force",
-            });
-        }
+        let placed = state.placed::<D>(settings.gravity.is_some())?;
         let system = System::new(
             body.clone(),
             depletants.to_vec(),
-            space,
-            positions.to_vec(),
-            rotations,
+            placed.space,
+            placed.positions,
+            placed.rotations,
         )?;
-        let system = match settings.gravity {
-            Some(_) => system.between_walls()?,
-            None => system,
+        let system = match placed.has_walls {
+            true => system.between_walls()?,
+            false => system,
         };
         let compression = Compression::new(&system, state.rough_factor);
         Ok(Self {

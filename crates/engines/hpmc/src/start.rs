@@ -57,6 +57,72 @@ pub enum Start<const D: usize> {
     },
     /// Bodies on the sites of a crystal.
     Crystal(Crystal<D>),
+    /// Bodies in given places.
+    Placed(Placed<D>),
+}
+
+/// Bodies in given places, such as those of another simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Placed<const D: usize> {
+    /// The box, with a corner at the origin.
+    pub space: PeriodicBox<D>,
+    /// The centres.
+    pub positions: Vec<[f64; D]>,
+    /// The orientations, one for each centre.
+    pub rotations: Vec<Rotation>,
+    /// Whether hard walls close the box at both ends of the last axis.
+    pub has_walls: bool,
+}
+
+impl<const D: usize> Placed<D> {
+    /// Part of the box that bodies of a volume fill.
+    ///
+    /// ```
+    /// use protomer_hpmc::start::Placed;
+    /// use protomer_kernel::{Rotation, periodic_box::PeriodicBox};
+    /// let placed = Placed {
+    ///     space: PeriodicBox::rectangular([4.0, 5.0])?,
+    ///     positions: vec![[1.0, 1.0], [3.0, 3.0]],
+    ///     rotations: vec![Rotation::identity(); 2],
+    ///     has_walls: false,
+    /// };
+    /// assert_eq!(placed.packing_fraction(1.0), 0.1);
+    /// # Ok::<(), protomer_kernel::KernelError>(())
+    /// ```
+    pub fn packing_fraction(&self, body_volume: f64) -> f64 {
+        self.positions.len() as f64 * body_volume / self.space.volume()
+    }
+
+    fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
+        let count = self.positions.len();
+        require(
+            "the number of bodies",
+            count as f64,
+            "at least 1",
+            count > 0,
+        )?;
+        require(
+            "the number of orientations",
+            self.rotations.len() as f64,
+            "that of the positions",
+            self.rotations.len() == count,
+        )?;
+        let system = System::new(
+            body.clone(),
+            depletants.to_vec(),
+            self.space,
+            self.positions.clone(),
+            self.rotations.clone(),
+        )?;
+        let system = match self.has_walls {
+            true => system.between_walls()?,
+            false => system,
+        };
+        match system.overlaps() {
+            0 => Ok(system),
+            overlaps => Err(Error::PlacedOverlap { overlaps }),
+        }
+    }
 }
 
 impl<const D: usize> Start<D> {
@@ -93,14 +159,8 @@ impl<const D: usize> Start<D> {
         must_stop: &dyn Fn() -> bool,
     ) -> Result<(System<D>, Steps)> {
         match self {
-            Self::Crystal(crystal) => {
-                let system = crystal.system(body, depletants)?;
-                let steps = Steps {
-                    translation: 0.1 * body.outer_radius,
-                    rotation: 0.1,
-                };
-                Ok((system, steps))
-            }
+            Self::Crystal(crystal) => Ok((crystal.system(body, depletants)?, first_steps(body))),
+            Self::Placed(placed) => Ok((placed.system(body, depletants)?, first_steps(body))),
             Self::Fluid {
                 bodies,
                 packing_fraction,
@@ -126,6 +186,14 @@ impl<const D: usize> Start<D> {
                 random_fluid(body, depletants, bodies, edges, *has_walls, seed, must_stop)
             }
         }
+    }
+}
+
+/// Steps of bodies that stand in their places, before they are tuned.
+fn first_steps<const D: usize>(body: &HardBody<D>) -> Steps {
+    Steps {
+        translation: 0.1 * body.outer_radius,
+        rotation: 0.1,
     }
 }
 
@@ -426,6 +494,26 @@ mod tests {
             make(bodies - 1),
             Err(Error::BoxTooSmall { bodies: again, .. }) if again == bodies
         ));
+    }
+
+    /// Bodies are put where they are given, across the border as well, and overlaps are counted.
+    #[test]
+    fn given_places_are_kept_and_overlaps_refused() {
+        let disk = HardBody::<2>::ball(0.5).unwrap();
+        let placed = |x: f64| {
+            Start::Placed(Placed {
+                space: PeriodicBox::rectangular([6.0, 5.0]).unwrap(),
+                positions: vec![[0.4, 2.0], [x, 2.0]],
+                rotations: vec![Rotation::identity(); 2],
+                has_walls: false,
+            })
+        };
+        let (system, _) = placed(3.0).make(&disk, &[], 1, &|| false).unwrap();
+        assert_eq!(system.positions(), [[0.4, 2.0], [3.0, 2.0]]);
+        for x in [1.2, 5.8] {
+            let refused = placed(x).make(&disk, &[], 1, &|| false).unwrap_err();
+            assert_eq!(refused, Error::PlacedOverlap { overlaps: 1 });
+        }
     }
 
     #[test]

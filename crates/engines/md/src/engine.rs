@@ -225,6 +225,11 @@ impl Engine {
         &self.settings
     }
 
+    /// Counts further steps from this one on: the number of a step says which random numbers it takes.
+    pub fn count_from(&mut self, steps: u64) {
+        self.motion.steps = steps;
+    }
+
     /// Moves on with another time step and ensemble; the interaction stays.
     ///
     /// # Errors

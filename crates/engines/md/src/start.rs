@@ -9,8 +9,8 @@ use protomer_kernel::random::{CounterRng, Purpose};
 use protomer_kernel::{Boundary, Vec3};
 use std::f64::consts::TAU;
 
-/// The third length of a box in a plane, where nothing depends on it.
-const ACROSS_THE_PLANE: f64 = 1e6;
+/// Third length of a box in a plane, where nothing depends on it.
+pub const ACROSS_THE_PLANE: f64 = 1e6;
 
 /// The least number density at which bodies may be turned at random on a square or simple cubic
 /// lattice without repelling each other.

@@ -5,6 +5,7 @@
 //! | [`shapes`] | convex shapes from files and names |
 //! | [`hard_bodies`] | Monte Carlo of many hard convex bodies, phases by theory |
 //! | [`dynamics`] | contact dynamics of convex shapes |
+//! | [`given_state`] | bodies where a file has them |
 //! | `course` | the log of a run as a figure |
 //! | `last_frame` | the bodies of a trajectory as meshes to look at |
 //!
@@ -12,6 +13,7 @@
 
 mod course;
 pub mod dynamics;
+pub mod given_state;
 pub mod hard_bodies;
 mod last_frame;
 pub mod shapes;

@@ -15,6 +15,8 @@ pub struct PosedFrame {
     pub step: u64,
     /// Edge lengths of the box, Å; of open space, those of a cube around the bodies.
     pub box_lengths_angstrom: [f64; 3],
+    /// Tilt factors of the box: xy, xz, yz.
+    pub tilt_factors: [f64; 3],
     /// Index of the kind of each body.
     pub type_ids: Vec<u32>,
     /// Pose of each body, as exact as the precision of the file holds it.
@@ -92,11 +94,11 @@ impl TrajectoryReader {
             _ => 0,
         };
         let space = self.numbers(frame, "configuration/box")?;
-        // Three lengths; the tilts behind them are those of an upright box.
-        let Some([x, y, z, ..]) = space.as_deref() else {
+        let Some([x, y, z, tilts @ ..]) = space.as_deref() else {
             return Err(self.other_content("box"));
         };
         let box_lengths_angstrom = [*x, *y, *z];
+        let tilt_factors = std::array::from_fn(|place| tilts.get(place).copied().unwrap_or(0.0));
         let Some(positions) = self.numbers(frame, "particles/position")? else {
             return Err(self.other_content("particles/position"));
         };
@@ -118,10 +120,51 @@ impl TrajectoryReader {
         Ok(PosedFrame {
             step,
             box_lengths_angstrom,
+            tilt_factors,
             type_ids,
             poses: poses
                 .map(|(position, wxyz)| Pose::from_wxyz(Vec3::from(*position), *wxyz))
                 .collect(),
+        })
+    }
+
+    /// Vectors of a frame, one for each body, such as `particles/velocity`; `None` where neither the frame nor the
+    /// first one has them.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame), and for another number of components.
+    pub fn vectors(&mut self, frame: u64, name: &str) -> Result<Option<Vec<Vec3>>> {
+        let Some(numbers) = self.numbers(frame, name)? else {
+            return Ok(None);
+        };
+        let (vectors, rest) = numbers.as_chunks::<3>();
+        if !rest.is_empty() {
+            return Err(self.other_content(name));
+        }
+        Ok(Some(
+            vectors.iter().map(|vector| Vec3::from(*vector)).collect(),
+        ))
+    }
+
+    /// Texts of the first frame, such as `particles/type_shapes`; none where it does not have them.
+    ///
+    /// # Errors
+    /// As [`GsdFile::chunk`].
+    pub fn texts(&mut self, name: &str) -> Result<Vec<String>> {
+        let Some(chunk) = self.file.chunk(0, name)? else {
+            return Ok(Vec::new());
+        };
+        chunk.texts().ok_or_else(|| self.other_content(name))
+    }
+
+    /// Number of dimensions of a frame, 2 or 3.
+    ///
+    /// # Errors
+    /// As [`GsdFile::chunk`].
+    pub fn dimensions(&mut self, frame: u64) -> Result<usize> {
+        Ok(match self.chunk(frame, "configuration/dimensions")? {
+            Some(ChunkData::U8(values)) => values.first().map_or(3, |value| usize::from(*value)),
+            _ => 3,
         })
     }
 
@@ -249,6 +292,11 @@ mod tests {
             assert_eq!(frame.box_lengths_angstrom, [10.0, 20.0, 30.0]);
         }
         assert_eq!(first.poses[1].rotation, Pose::identity().rotation);
+        assert_eq!(reader.dimensions(1).unwrap(), 3);
+        assert_eq!(reader.vectors(1, "particles/velocity").unwrap(), None);
+        let places = reader.vectors(1, "particles/position").unwrap().unwrap();
+        assert_eq!(places[1].as_slice(), &positions[3..]);
+        assert!(reader.texts("particles/type_shapes").unwrap().is_empty());
         assert!((second.poses[1].wxyz()[2] - 0.8).abs() < 1e-15);
     }
 

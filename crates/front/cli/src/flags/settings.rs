@@ -150,6 +150,7 @@ fn argument(declaration: Declaration) -> Arg {
                 }
             })
             .allow_hyphen_values(true),
+        Kind::Word => argument,
         Kind::Words => argument.action(ArgAction::Append),
         Kind::Reals => argument
             .action(ArgAction::Append)
@@ -166,7 +167,7 @@ fn given(matches: &ArgMatches, declaration: &Declaration) -> Option<Given> {
         Kind::Whole(_) => return matches.get_one(key).copied().map(Given::Whole),
         Kind::Real => Value::Float(*matches.get_one(key)?),
         Kind::Switch(value) => matches.get_flag(key).then_some(Value::Boolean(value))?,
-        Kind::Choice(_) => Value::String(word()?.clone()),
+        Kind::Choice(_) | Kind::Word => Value::String(word()?.clone()),
         Kind::NameOrNumber(_) => {
             let word = word()?;
             let number = word.parse().map(Value::Float);

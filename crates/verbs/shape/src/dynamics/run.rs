@@ -9,20 +9,20 @@
 //! the energy is kept, counts from the end of the preparation.
 
 use super::log::LogRow;
+use super::schedule::Schedule;
 use super::settings::{DynamicsSettings, EnsembleName};
-use super::start::{Begun, begin};
 use super::trajectory::{frame, open_trajectory};
 use anyhow::{Context, Error, Result};
 use protomer_common::answer::Answer;
 use protomer_common::cpu_time::ProcessClock;
 use protomer_io::gsd::FrameWriter;
 use protomer_kernel::statistics::block_standard_error;
-use protomer_md::bath::Ensemble;
 use protomer_md::drift::Drift;
-use protomer_md::engine::{Engine, Motion, Settings};
+use protomer_md::engine::{Engine, Motion};
+use protomer_results::keys::read_toml;
 use protomer_results::{
-    CHECKPOINT, End, Execution, Layout, Log, LogMark, ResultKind, ResultsDirectory, Run, Turn,
-    Work, drive, log, settings,
+    CHECKPOINT, End, Execution, Layout, Log, LogMark, Record, ResultKind, ResultsDirectory, Run,
+    Turn, Work, checkpoint, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -30,10 +30,9 @@ use std::path::Path;
 const LOG: &str = log::FILE;
 /// Name of the trajectory.
 pub(super) const TRAJECTORY: &str = "trajectory.gsd";
+const CHECKPOINT_KIND: &str = "dynamics checkpoint";
 /// Steps between two looks at energy, temperature and pressure.
 const SAMPLE_EVERY: u64 = 10;
-/// Relaxation time of the bath of the preparation.
-const PREPARATION_TIME: f64 = 0.05;
 
 /// The directory of a run.
 const LAYOUT: Layout = Layout {
@@ -159,17 +158,37 @@ pub fn run_dynamics(
 ) -> Result<End<DynamicsResult>> {
     // Checked before the directory is touched: an impossible start leaves nothing behind.
     let run = DynamicsRun::new(settings)?;
-    run.engine(None)?;
+    run.schedule.engine(None)?;
     let _ours = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
     execution.progress.begin(run.length(), "steps");
     drive(&run, path, execution)
+}
+
+/// Settings and last motion of the run in a directory, whatever its progress.
+///
+/// # Errors
+/// If the directory holds no such run, or one without a checkpoint.
+pub(super) fn saved_motion(directory: &Path) -> Result<(DynamicsSettings, Motion)> {
+    ResultKind::DynamicsRun.expect_in(directory)?;
+    let settings: DynamicsSettings = read_toml(&directory.join(LAYOUT.settings))?;
+    let identity = Record::read(directory)?.map(|record| record.identity);
+    let path = directory.join(CHECKPOINT);
+    let saved: Option<Saved> =
+        checkpoint::read(&path, CHECKPOINT_KIND, &identity.unwrap_or_default())?;
+    let saved = saved.with_context(|| {
+        format!(
+            "{} has no checkpoint yet; give a run that has begun, or a GSD file",
+            directory.display()
+        )
+    })?;
+    Ok((settings, saved.motion))
 }
 
 /// A run whose settings have been checked.
 struct DynamicsRun<'a> {
     settings: &'a DynamicsSettings,
     identity: String,
-    begun: Begun,
+    schedule: Schedule,
 }
 
 /// A run with its open files.
@@ -229,81 +248,32 @@ struct Saved {
 
 impl<'a> DynamicsRun<'a> {
     fn new(settings: &'a DynamicsSettings) -> Result<Self> {
-        let begun = begin(settings)?;
+        let schedule = Schedule::new(settings.clone())?;
         Ok(Self {
             settings,
-            identity: settings::identity(settings, &begun.shape_sha256)?,
-            begun,
+            identity: settings::identity(settings, &schedule.begun.input_sha256)?,
+            schedule,
         })
-    }
-
-    /// An engine at the start, or at the saved state.
-    fn engine(&self, saved: Option<Motion>) -> Result<Engine> {
-        let steps = saved.as_ref().map_or(0, |motion| motion.steps);
-        let settings = self.motion(steps);
-        let bodies = self.begun.bodies.clone();
-        Ok(match saved {
-            Some(motion) => Engine::continued(bodies, motion, settings)?,
-            None => Engine::new(bodies, self.begun.state.clone(), settings)?,
-        })
-    }
-
-    /// Settings of the motion after so many steps.
-    fn motion(&self, steps: u64) -> Settings {
-        let is_prepared = steps >= self.settings.preparation_steps();
-        let preparation = Ensemble::Nvt {
-            temperature: self.settings.temperature,
-            relaxation_time: PREPARATION_TIME,
-        };
-        let (time_step, ensemble) = match is_prepared {
-            true => (self.settings.time_step, self.settings.ensemble()),
-            false => (self.settings.preparation_time_step, preparation),
-        };
-        Settings {
-            interaction: self.settings.interaction(),
-            time_step,
-            ensemble,
-            seed: self.settings.seed,
-            is_threaded: rayon::current_num_threads() > 1,
-        }
-    }
-
-    /// Steps and time since the preparation.
-    fn place(&self, engine: &Engine) -> (i64, f64) {
-        let step = engine.motion().steps as i64 - self.settings.preparation_steps() as i64;
-        let time_step = match step >= 0 {
-            true => self.settings.time_step,
-            false => self.settings.preparation_time_step,
-        };
-        (step, step as f64 * time_step)
     }
 
     /// Makes a step, and does what is due after it.
     fn step(&self, open: &mut Open) -> Result<()> {
-        let steps = open.engine.motion().steps;
-        let scale = match steps < self.settings.compress_steps {
-            true => self.begun.scale_per_step,
-            false => 1.0,
-        };
-        open.engine.step(scale).with_context(|| {
-            match (steps + 1).checked_sub(self.settings.preparation_steps()) {
-                None | Some(0) => format!("preparation: step {}", steps + 1),
-                Some(step) => format!("step {step}"),
-            }
-        })?;
-        if steps + 1 == self.settings.preparation_steps() {
-            open.engine.change_settings(self.motion(steps + 1))?;
-        }
+        self.schedule.step(&mut open.engine)?;
         self.write_outputs(open)
     }
 
     fn write_outputs(&self, open: &mut Open) -> Result<()> {
-        let (step, time) = self.place(&open.engine);
+        let (step, time) = self.schedule.place(&open.engine);
         if step >= 0 && step.unsigned_abs().is_multiple_of(SAMPLE_EVERY) {
             open.averages.push(time, &open.engine);
         }
         if step.unsigned_abs().is_multiple_of(self.settings.log_every) {
-            let row = LogRow::new(step, time, &open.engine, self.begun.volume_with_layer);
+            let row = LogRow::new(
+                step,
+                time,
+                &open.engine,
+                self.schedule.begun.volume_with_layer,
+            );
             open.log.append(&row)?;
         }
         if let Some(trajectory) = &mut open.trajectory
@@ -324,14 +294,14 @@ impl Run for DynamicsRun<'_> {
     type Answer = DynamicsResult;
     type Error = Error;
 
-    const CHECKPOINT_KIND: &'static str = "dynamics checkpoint";
+    const CHECKPOINT_KIND: &'static str = CHECKPOINT_KIND;
 
     fn work(&self) -> Work {
         Work {
             kind: ResultKind::DynamicsRun,
             verb: "md run",
             identity: self.identity.clone(),
-            input_sha256: self.begun.shape_sha256.clone(),
+            input_sha256: self.schedule.begun.input_sha256.clone(),
         }
     }
 
@@ -345,13 +315,13 @@ impl Run for DynamicsRun<'_> {
             Some(saved) => (saved.log, saved.frames, saved.averages, Some(saved.motion)),
             None => (LogMark::default(), 0, Averages::default(), None),
         };
-        let engine = self.engine(motion)?;
+        let engine = self.schedule.engine(motion)?;
         let log = Log::open::<LogRow>(&directory.join(LOG), &mark)?;
         let trajectory = match self.settings.trajectory_every {
             0 => None,
             _ => {
                 let path = directory.join(TRAJECTORY);
-                Some(open_trajectory(&path, &self.begun.bodies, frames)?)
+                Some(open_trajectory(&path, &self.schedule.begun.bodies, frames)?)
             }
         };
         let mut open = Open {
@@ -406,7 +376,7 @@ impl Run for DynamicsRun<'_> {
 
     fn answer(&self, open: &mut Open, directory: &Path) -> Result<DynamicsResult> {
         let engine = &open.engine;
-        let (step, time) = self.place(engine);
+        let (step, time) = self.schedule.place(engine);
         let averages = match open.averages.count {
             0 => {
                 let mut now = Averages::default();
@@ -432,9 +402,10 @@ impl Run for DynamicsRun<'_> {
             dimension: bodies.dimension(),
             steps: step.max(0).unsigned_abs(),
             time: time.max(0.0),
-            packing_fraction: density * self.begun.volume_with_layer,
+            packing_fraction: density * self.schedule.begun.volume_with_layer,
             core_packing_fraction: density * mean_mass,
-            mean_packing_fraction: averages.density / samples * self.begun.volume_with_layer,
+            mean_packing_fraction: averages.density / samples
+                * self.schedule.begun.volume_with_layer,
             volume_acceptance: acceptance(engine.motion().volume_trials),
             energy_per_body: engine.energy() / count,
             potential_energy_per_body: averages.potential_energy / samples / count,

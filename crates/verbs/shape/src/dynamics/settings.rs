@@ -85,6 +85,12 @@ protomer_common::settings! {
         friction: f64 = 1.0, in POSITIVE;
         /// Seed of the random numbers.
         seed: u64 = 1_u64, in Count::new(0, i64::MAX as u64);
+        /// State to start from instead of a lattice: a GSD file of any program, or the directory of a run. Bodies and
+        /// packing fraction are those of the state, unless a larger packing fraction is given. Velocities that it
+        /// has are kept.
+        start: Option<String>, otherwise "a lattice", omit "is_default";
+        /// Frame of the GSD file to start from, counted from 0.
+        frame: Option<u64>, in Count::new(0, i64::MAX as u64), otherwise "the last", omit "is_default";
         /// Packing fraction of the lattice at the start.
         compress_from: Option<f64>, in Range::new(1e-9, 1.0, ""), otherwise "the densest without forces",
             omit "is_default";
@@ -133,6 +139,12 @@ impl DynamicsSettings {
                 "--pressure is {pressure}, and the volume is constant; give --ensemble npt, or leave \
                  it out"
             ),
+        }
+        if self.start.is_none() && self.frame.is_some() {
+            bail!("--frame is for a GSD file to --start from; give one, or leave it out");
+        }
+        if self.start.is_some() && self.compress_from.is_some() {
+            bail!("--compress-from is for a lattice; leave it out with --start");
         }
         let target = self.packing_fraction;
         if target >= 1.0 {

@@ -1,5 +1,6 @@
 //! Bodies from the settings of a run, and how they begin.
 
+use super::placed;
 use super::settings::DynamicsSettings;
 use crate::shapes::{half_axes, read_shape};
 use anyhow::{Context, Result, bail};
@@ -29,8 +30,8 @@ pub struct Begun {
     pub scale_per_step: f64,
     /// Packing fraction at the start.
     pub first_packing_fraction: f64,
-    /// SHA-256 of the files of the shapes; empty for names.
-    pub shape_sha256: String,
+    /// SHA-256 of the files of the shapes and of a state to start from; empty for names on a lattice.
+    pub input_sha256: String,
 }
 
 /// Reads the shapes and places the bodies.
@@ -39,6 +40,15 @@ pub struct Begun {
 /// Says what is wrong with the shapes or the densities.
 pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
     settings.check()?;
+    let kinds = kinds(settings)?;
+    match &settings.start {
+        Some(start) => placed::begin(settings, start, kinds),
+        None => begin_on_a_lattice(settings, kinds),
+    }
+}
+
+/// Kinds of bodies of the settings, of unit volume unless their size is kept.
+pub(super) fn kinds(settings: &DynamicsSettings) -> Result<Vec<Kind>> {
     let mut kinds = Vec::new();
     for name in settings.shape.iter() {
         let kind = kind(name, settings.rounding)?;
@@ -47,13 +57,12 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
             false => kind.of_unit_volume()?,
         });
     }
+    Ok(kinds)
+}
+
+fn begin_on_a_lattice(settings: &DynamicsSettings, kinds: Vec<Kind>) -> Result<Begun> {
     let bodies = mixture(kinds, settings);
-    let volumes: f64 = bodies
-        .kind_of
-        .iter()
-        .map(|kind| with_layer(&bodies.kinds[*kind]))
-        .sum();
-    let volume_with_layer = volumes / settings.bodies as f64;
+    let volume_with_layer = mean_volume_with_layer(&bodies);
     let free = free_density(&bodies) * volume_with_layer;
     let target = settings.packing_fraction;
     let first = settings.compress_from.unwrap_or(free.min(target));
@@ -63,26 +72,9 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
             AtMost(free)
         );
     }
-    if target > first && settings.compress_steps == 0 {
-        bail!(
-            "the bodies begin at a packing fraction of {first:.4} and must be compressed to \
-             {target}; give --compress-steps"
-        );
-    }
-    let steps = settings.compress_steps.max(1) as f64;
-    let dimension = bodies.dimension() as f64;
-    let scale_per_step = match target > first {
-        true => (first / target).powf(1.0 / (dimension * steps)),
-        false => 1.0,
-    };
+    let scale_per_step = scale_per_step(settings, first, bodies.dimension())?;
     let mut state = on_a_lattice(&bodies, first / volume_with_layer, settings.seed)?;
-    let compressed = in_smaller_box(&state, (first / target).min(1.0).powf(1.0 / dimension));
-    Neighbours::of(&bodies, &compressed, &settings.interaction()).with_context(|| {
-        format!(
-            "{} bodies at a packing fraction of {target}",
-            settings.bodies
-        )
-    })?;
+    require_room(&bodies, &state, first, settings)?;
     set_velocities(&mut state, &bodies, settings.temperature, settings.seed)?;
     Ok(Begun {
         bodies,
@@ -90,8 +82,58 @@ pub fn begin(settings: &DynamicsSettings) -> Result<Begun> {
         volume_with_layer,
         scale_per_step,
         first_packing_fraction: first,
-        shape_sha256: hash_of_files(&settings.shape)?,
+        input_sha256: hash_of_files(&settings.shape)?,
     })
+}
+
+/// Area or volume of a body with a layer of half of σ_c around it, on average.
+pub(super) fn mean_volume_with_layer(bodies: &Bodies) -> f64 {
+    let volumes = bodies
+        .kind_of
+        .iter()
+        .map(|kind| with_layer(&bodies.kinds[*kind]));
+    volumes.sum::<f64>() / bodies.count() as f64
+}
+
+/// Factor of all lengths in each step of the compression from a packing fraction to that of the settings.
+pub(super) fn scale_per_step(
+    settings: &DynamicsSettings,
+    first: f64,
+    dimension: usize,
+) -> Result<f64> {
+    let target = settings.packing_fraction;
+    if target > first && settings.compress_steps == 0 {
+        bail!(
+            "the bodies begin at a packing fraction of {first:.4} and must be compressed to \
+             {target}; give --compress-steps"
+        );
+    }
+    let steps = settings.compress_steps.max(1) as f64;
+    Ok(match target > first {
+        true => (first / target).powf(1.0 / (dimension as f64 * steps)),
+        false => 1.0,
+    })
+}
+
+/// Refuses bodies that would meet their own images in the compressed box.
+pub(super) fn require_room(
+    bodies: &Bodies,
+    state: &State,
+    first: f64,
+    settings: &DynamicsSettings,
+) -> Result<()> {
+    let target = settings.packing_fraction;
+    let scale = (first / target)
+        .min(1.0)
+        .powf(1.0 / bodies.dimension() as f64);
+    let compressed = in_smaller_box(state, scale);
+    Neighbours::of(bodies, &compressed, &settings.interaction()).with_context(|| {
+        format!(
+            "{} bodies at a packing fraction of {target}",
+            bodies.count()
+        )
+    })?;
+    Ok(())
 }
 
 /// The state with its box and its centres drawn together.
@@ -107,7 +149,7 @@ fn in_smaller_box(state: &State, scale: f64) -> State {
 }
 
 /// SHA-256 of the files of the shapes; of several, that of their hashes. Empty for names.
-fn hash_of_files(names: &[String]) -> Result<String> {
+pub(super) fn hash_of_files(names: &[String]) -> Result<String> {
     let mut hashes = Vec::new();
     for name in names.iter().flat_map(|name| name.split('+')) {
         let path = Path::new(name);

@@ -22,11 +22,11 @@ pub fn open_trajectory(path: &Path, bodies: &Bodies, frames: u64) -> Result<Fram
 }
 
 /// The data that is the same in every frame.
-fn header(bodies: &Bodies) -> Result<Vec<Chunk>> {
+pub(super) fn header(bodies: &Bodies) -> Result<Vec<Chunk>> {
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for (number, kind) in bodies.kinds.iter().enumerate() {
         names.push(format!("body{}", number + 1));
-        shapes.push(shape(kind));
+        shapes.push(shape(kind).to_string());
     }
     let count = bodies.count();
     let kinds = bodies.kind_of.iter().map(|kind| *kind as u32).collect();
@@ -48,12 +48,11 @@ fn header(bodies: &Bodies) -> Result<Vec<Chunk>> {
 }
 
 /// The shape of a kind, as viewers read it; a union of parts is a mesh.
-fn shape(kind: &Kind) -> String {
-    let shape = match kind.parts.as_slice() {
+pub(super) fn shape(kind: &Kind) -> Value {
+    match kind.parts.as_slice() {
         [part] => shape_of_part(part),
         parts => mesh(parts),
-    };
-    shape.to_string()
+    }
 }
 
 fn shape_of_part(part: &Part) -> Value {

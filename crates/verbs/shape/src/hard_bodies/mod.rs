@@ -4,7 +4,9 @@
 //! |---|---|
 //! | [`settings`] | the settings of a run |
 //! | [`start`] | bodies and starts from names and files |
+//! | [`placed`] | bodies that begin where another simulation left them |
 //! | [`run`] | one run in its directory |
+//! | [`live`] | hard bodies in memory, for loops of one's own |
 //! | [`result`] | what it found |
 //! | [`equilibrium`] | whether a run has arrived at what it should measure |
 //! | [`sweep`] | runs over packing fraction or pressure: an equation of state |
@@ -16,9 +18,11 @@
 
 pub mod equilibrium;
 pub mod free_energy;
+pub mod live;
 pub mod log;
 pub mod page;
 pub mod phases;
+pub mod placed;
 pub mod result;
 pub mod run;
 pub mod settings;

@@ -6,6 +6,7 @@
 
 use super::equilibrium::{Equilibrium, Series};
 use super::log::LogRow;
+use super::placed;
 use super::result::{
     DepletantResult, HardBodyResult, MeanBox, WallsResult, mean_and_error,
     mean_and_error_following, tilt_factors,
@@ -13,6 +14,7 @@ use super::result::{
 use super::settings::{Freedom, HardBodySettings};
 use super::start::{BodyShape, FLUID, cell_text, unit_cell};
 use super::trajectory::{frame, open_trajectory};
+use crate::given_state::is_state;
 use anyhow::{Context, Error, Result};
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
@@ -24,9 +26,10 @@ use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
 use protomer_io::gsd::FrameWriter;
 use protomer_results::checkpoint::require_lengths;
+use protomer_results::keys::read_toml;
 use protomer_results::{
     CHECKPOINT, End, Execution, Exit, Interrupt, Layout, Log, LogMark, Record, ResultKind,
-    ResultsDirectory, Run, Turn, Work, drive, log, settings,
+    ResultsDirectory, Run, Turn, Work, checkpoint, drive, log, settings,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -36,6 +39,7 @@ const LOG: &str = log::FILE;
 /// Name of the trajectory.
 pub(super) const TRAJECTORY: &str = "trajectory.gsd";
 const PROFILE: &str = "profile.csv";
+const CHECKPOINT_KIND: &str = "hard bodies checkpoint";
 /// Measurements between two looks at the clock. What makes a run fast is forgotten there, so that a run
 /// goes on from a checkpoint as it would have.
 const SAMPLES_AT_ONCE: u64 = 10;
@@ -127,34 +131,68 @@ struct Saved {
     state: State,
 }
 
+/// Bodies, their start and the settings of the engine, from settings that have been checked.
+pub(super) struct Prepared<const D: usize> {
+    pub(super) body: HardBody<D>,
+    pub(super) start: Start<D>,
+    pub(super) engine: simulation::Settings,
+    input_sha256: String,
+}
+
+impl<const D: usize> Prepared<D> {
+    pub(super) fn new(settings: &HardBodySettings, shape: &BodyShape) -> Result<Self> {
+        let body = shape
+            .body(settings.rounding_radius)
+            .with_context(|| settings.shape.clone())?;
+        let (start, input_sha256) = match is_state(&settings.start) {
+            true => {
+                let state = placed::placed(settings, &body)?;
+                let sha256 = shape.sha256(Some(&state.sha256));
+                (Start::Placed(state.placed), sha256)
+            }
+            false => {
+                let text = cell_text(&settings.start)?;
+                let start = start(settings, &body, text.as_deref())?;
+                (start, shape.sha256(text.as_deref()))
+            }
+        };
+        Ok(Self {
+            body,
+            start,
+            engine: engine(settings)?,
+            input_sha256,
+        })
+    }
+}
+
+/// The settings of the engine.
+pub(super) fn engine(settings: &HardBodySettings) -> Result<simulation::Settings> {
+    let engine = simulation::Settings {
+        seed: settings.seed,
+        equilibration_sweeps: settings.equilibration,
+        insertions: settings.insertions,
+        points: settings.resolved_points(),
+        pressure: settings.pressure,
+        gravity: settings.gravity,
+    };
+    engine.check(&settings.depletants)?;
+    Ok(engine)
+}
+
 impl<'a, const D: usize> HardBodyRun<'a, D> {
     fn new(
         settings: &'a HardBodySettings,
         shape: &BodyShape,
         interrupt: &Interrupt,
     ) -> Result<Self> {
-        let body = shape
-            .body(settings.rounding_radius)
-            .with_context(|| settings.shape.clone())?;
-        let engine = simulation::Settings {
-            seed: settings.seed,
-            equilibration_sweeps: settings.equilibration,
-            insertions: settings.insertions,
-            points: settings.resolved_points(),
-            pressure: settings.pressure,
-            gravity: settings.gravity,
-        };
-        engine.check(&settings.depletants)?;
-        let text = cell_text(&settings.start)?;
-        let start = start(settings, &body, text.as_deref())?;
-        let input_sha256 = shape.sha256(text.as_deref());
+        let prepared = Prepared::new(settings, shape)?;
         Ok(Self {
             settings,
-            identity: settings::identity(settings, &input_sha256)?,
-            input_sha256,
-            body,
-            start,
-            engine,
+            identity: settings::identity(settings, &prepared.input_sha256)?,
+            input_sha256: prepared.input_sha256,
+            body: prepared.body,
+            start: prepared.start,
+            engine: prepared.engine,
             interrupt: interrupt.clone(),
         })
     }
@@ -289,7 +327,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     type Answer = HardBodyResult;
     type Error = Error;
 
-    const CHECKPOINT_KIND: &'static str = "hard bodies checkpoint";
+    const CHECKPOINT_KIND: &'static str = CHECKPOINT_KIND;
 
     fn work(&self) -> Work {
         Work {
@@ -385,27 +423,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             outcome.map_err(|error| self.with_whole_cells(error))?;
             open.trials += (next - done) * self.settings.bodies as u64;
             if next > start && (next - start).is_multiple_of(period) {
-                let sample = open.simulation.sample();
-                let space = open.simulation.system().space();
-                let (lengths, tilt_factors) =
-                    match self.settings.pressure.map(|pressure| pressure.freedom) {
-                        None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
-                        // What is fixed is not written.
-                        Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
-                        Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
-                    };
-                let row = LogRow {
-                    sweep: next,
-                    compressibility_factor: sample.compressibility_factor,
-                    insertion_probability: sample.insertion_probability,
-                    free_volume_fraction: sample.free_volume,
-                    packing_fraction: sample.packing_fraction,
-                    lower_wall_pressure: sample.walls.map(|walls| walls.pressures[0]),
-                    upper_wall_pressure: sample.walls.map(|walls| walls.pressures[1]),
-                    mean_height: sample.walls.map(|walls| walls.mean_height),
-                    box_lengths: lengths,
-                    box_tilt_factors: tilt_factors,
-                };
+                let row = measure(&mut open.simulation, self.settings);
                 open.log.append(&row)?;
                 open.rows.push(row);
             }
@@ -527,6 +545,53 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
     fn check(&self, directory: &Path, saved: &Saved) -> Result<()> {
         Ok(log::check(&directory.join(LOG), &saved.log)?)
     }
+}
+
+/// Measures a state: the row of the log.
+pub(super) fn measure<const D: usize>(
+    simulation: &mut Simulation<D>,
+    settings: &HardBodySettings,
+) -> LogRow {
+    let sample = simulation.sample();
+    let space = simulation.system().space();
+    let (lengths, tilt_factors) = match settings.pressure.map(|pressure| pressure.freedom) {
+        None | Some(Freedom::Volume) => (Vec::new(), Vec::new()),
+        // What is fixed is not written.
+        Some(Freedom::Lengths) => (space.lengths().to_vec(), Vec::new()),
+        Some(Freedom::Shape) => (space.lengths().to_vec(), space.tilt_factors()),
+    };
+    LogRow {
+        sweep: simulation.sweeps(),
+        compressibility_factor: sample.compressibility_factor,
+        insertion_probability: sample.insertion_probability,
+        free_volume_fraction: sample.free_volume,
+        packing_fraction: sample.packing_fraction,
+        lower_wall_pressure: sample.walls.map(|walls| walls.pressures[0]),
+        upper_wall_pressure: sample.walls.map(|walls| walls.pressures[1]),
+        mean_height: sample.walls.map(|walls| walls.mean_height),
+        box_lengths: lengths,
+        box_tilt_factors: tilt_factors,
+    }
+}
+
+/// Settings and last state of the run in a directory, whatever its progress.
+///
+/// # Errors
+/// If the directory holds no such run, or one without a checkpoint.
+pub(super) fn saved_state(directory: &Path) -> Result<(HardBodySettings, State)> {
+    ResultKind::HardBodies.expect_in(directory)?;
+    let settings: HardBodySettings = read_toml(&directory.join(LAYOUT.settings))?;
+    let checkpoint = directory.join(CHECKPOINT);
+    let record = Record::read(directory)?;
+    let identity = record.map(|record| record.identity).unwrap_or_default();
+    let saved: Option<Saved> = checkpoint::read(&checkpoint, CHECKPOINT_KIND, &identity)?;
+    let saved = saved.with_context(|| {
+        format!(
+            "{} has no checkpoint yet; give a run that has begun, or a GSD file",
+            directory.display()
+        )
+    })?;
+    Ok((settings, saved.state))
 }
 
 /// Whether the work was asked to stop before there was a state to save.

@@ -1,6 +1,7 @@
 //! The settings of a run of hard bodies, as stored in `run.toml`.
 
 use super::start::FLUID;
+use crate::given_state::is_state;
 use anyhow::{Context, Result, bail};
 use protomer_common::range;
 pub use protomer_hpmc::box_moves::{Freedom, Pressure};
@@ -41,9 +42,12 @@ pub struct HardBodySettings {
     /// Penetrable hard spheres, or disks, in equilibrium with a reservoir.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub depletants: Vec<Depletant>,
-    /// `fluid`, the name of a crystal, or the file of a unit cell.
+    /// `fluid`, the name of a crystal, the file of a unit cell, a GSD file, or the directory of a run.
     #[serde(skip_serializing_if = "is_fluid")]
     pub start: String,
+    /// Frame of the GSD file in which the bodies start, counted from zero; `None` for the last.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u64>,
     /// Rotation of every body of a crystal in its own frame: degrees in a plane, a quaternion in
     /// space; empty for none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -75,6 +79,7 @@ impl Default for HardBodySettings {
             points: 0,
             depletants: Vec::new(),
             start: FLUID.into(),
+            frame: None,
             turn: Vec::new(),
             box_ratios: Vec::new(),
             pressure: None,
@@ -189,7 +194,27 @@ impl HardBodySettings {
             kind.check()
                 .with_context(|| format!("depletants {}", number + 1))?;
         }
-        let is_fluid = is_fluid(&self.start);
+        self.check_start()
+    }
+
+    /// Checks what belongs to some starts only.
+    pub(super) fn check_start(&self) -> Result<()> {
+        let (is_fluid, is_state) = (is_fluid(&self.start), is_state(&self.start));
+        if self.frame.is_some() && !is_state {
+            bail!(
+                "--frame is for a GSD file, and the start is {}; leave it out",
+                self.start
+            );
+        }
+        if is_state && !(self.turn.is_empty() && self.box_ratios.is_empty()) {
+            bail!(
+                "{} has its own box and its own orientations; leave --turn and --box out",
+                self.start
+            );
+        }
+        if is_state {
+            return Ok(());
+        }
         if is_fluid && !self.turn.is_empty() {
             bail!(
                 "a turn is for crystals, and the start is a fluid; give a crystal or leave it out"

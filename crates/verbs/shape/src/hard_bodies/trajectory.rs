@@ -31,7 +31,7 @@ fn equilibration(sweeps: u64) -> Chunk {
 }
 
 /// The data that is the same in every frame.
-fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
+pub(super) fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
     Ok(vec![
         Chunk::new(
             "configuration/dimensions",
@@ -45,7 +45,7 @@ fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
 }
 
 /// The shape in the words of the schema.
-fn shape<const D: usize>(body: &HardBody<D>) -> Value {
+pub(super) fn shape<const D: usize>(body: &HardBody<D>) -> Value {
     let rounding = body.rounding_radius;
     if body.is_round() {
         return json!({ "type": "Sphere", "diameter": 2.0 * rounding });

@@ -4,7 +4,7 @@ use super::system::{BoxArgs, SystemArgs, freedom};
 use crate::flags::execution::ExecutionArgs;
 use crate::front::Front;
 use crate::reply::Reply;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use protomer_results::End;
 use protomer_shape_verbs::hard_bodies::run::run_hard_bodies;
@@ -20,9 +20,9 @@ use std::path::PathBuf;
 pub struct RunArgs {
     #[command(flatten)]
     system: SystemArgs,
-    /// The part of the box that the bodies fill.
+    /// The part of the box that the bodies fill; a state has its own.
     #[arg(long, allow_negative_numbers = true)]
-    packing_fraction: f64,
+    packing_fraction: Option<f64>,
     /// Constant pressure, kT per volume, at which the box changes; the packing fraction is that of the
     /// start.
     #[arg(long, value_name = "P_KT_PER_VOLUME", allow_negative_numbers = true)]
@@ -48,14 +48,16 @@ pub struct RunArgs {
 impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         self.box_changes.check(self.pressure.is_some())?;
+        if self.packing_fraction.is_none() && !self.system.starts_from_state() {
+            bail!("there is no --packing-fraction; give one, or a state to --start");
+        }
         let settings = HardBodySettings {
-            packing_fraction: self.packing_fraction,
             seed: self.seed,
             pressure: self.pressure.map(|kt_per_volume| {
                 let freedom = freedom(self.anisotropic, self.triclinic);
                 self.box_changes.pressure(kt_per_volume, freedom)
             }),
-            ..self.system.settings()?
+            ..self.system.settings(self.packing_fraction)?
         };
         let execution = self.execution.execution(front)?;
         let end = run_hard_bodies(&settings, &self.output, &execution)?;

@@ -93,13 +93,15 @@ impl SweepArgs {
             bail!("--seeds is {}; give 1 to {MOST_SEEDS}", self.seeds);
         }
         self.box_changes.check(!self.pressures.is_empty())?;
-        let of_a_run = self.system.settings()?;
+        if self.system.starts_from_state() && self.pressures.is_empty() {
+            bail!("a state has one packing fraction; give --pressures, or another --start");
+        }
+        let of_a_run = self.system.settings(self.packing_fraction)?;
         Ok(HardBodySweepSettings {
             packing_fractions: self.packing_fractions.clone(),
             pressures_kt_per_volume: self.pressures.clone(),
             seeds: (1..=self.seeds).collect(),
             run: HardBodySettings {
-                packing_fraction: self.packing_fraction.unwrap_or(of_a_run.packing_fraction),
                 pressure: self.pressures.first().map(|kt_per_volume| {
                     let freedom = freedom(self.anisotropic, self.triclinic);
                     self.box_changes.pressure(*kt_per_volume, freedom)

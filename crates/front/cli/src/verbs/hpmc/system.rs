@@ -3,6 +3,8 @@
 use crate::flags::hard_body::HardBodyArgs;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_shape_verbs::given_state::is_state;
+use protomer_shape_verbs::hard_bodies::placed::with_state;
 use protomer_shape_verbs::hard_bodies::settings::{
     Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
@@ -13,13 +15,17 @@ use protomer_shape_verbs::hard_bodies::start::FLUID;
 pub struct SystemArgs {
     #[command(flatten)]
     body: HardBodyArgs,
-    /// Number of bodies.
-    #[arg(long, default_value_t = 216)]
-    bodies: usize,
+    /// Number of bodies [default: 216; those of a state].
+    #[arg(long)]
+    bodies: Option<usize>,
     /// Initial arrangement of the bodies: fluid, the name of a crystal (simple-cubic, fcc, bcc,
-    /// hcp, diamond, hexagonal-diamond; square, hexagonal; row), or the file of a unit cell.
+    /// hcp, diamond, hexagonal-diamond; square, hexagonal; row), the file of a unit cell, or a state: a
+    /// GSD file of any program, or the directory of a run.
     #[arg(long, default_value = FLUID, value_name = "CRYSTAL")]
     start: String,
+    /// Frame of the GSD file to start from, counted from 0 [default: the last].
+    #[arg(long, value_name = "NUMBER")]
+    frame: Option<u64>,
     /// Turn every body of a crystal first: degrees in a plane, a quaternion W,X,Y,Z in space.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     turn: Vec<f64>,
@@ -91,12 +97,30 @@ pub fn freedom(anisotropic: bool, triclinic: bool) -> Freedom {
 }
 
 impl SystemArgs {
-    /// The settings of a run, but for its packing fraction, pressure and seed.
-    pub fn settings(&self) -> Result<HardBodySettings> {
+    /// Whether the bodies start where a file or a run has them.
+    pub fn starts_from_state(&self) -> bool {
+        is_state(&self.start)
+    }
+
+    /// The settings of a run, but for its pressure and seed. The packing fraction may be left out where the
+    /// start is a state.
+    pub fn settings(&self, packing_fraction: Option<f64>) -> Result<HardBodySettings> {
+        let mut settings = self.settings_of_a_fluid()?;
+        if self.starts_from_state() {
+            return with_state(settings, self.bodies, packing_fraction);
+        }
+        if let Some(packing_fraction) = packing_fraction {
+            settings.packing_fraction = packing_fraction;
+        }
+        Ok(settings)
+    }
+
+    fn settings_of_a_fluid(&self) -> Result<HardBodySettings> {
+        let defaults = HardBodySettings::default();
         Ok(HardBodySettings {
             shape: self.body.shape.clone(),
             rounding_radius: self.body.rounding,
-            bodies: self.bodies,
+            bodies: self.bodies.unwrap_or(defaults.bodies),
             equilibration: self.equilibration,
             sweeps: self.sweeps,
             sample_every: self.sample_every,
@@ -108,12 +132,13 @@ impl SystemArgs {
                 Some(text) => parse_depletants(text)?,
             },
             start: self.start.clone(),
+            frame: self.frame,
             turn: self.turn.clone(),
             box_ratios: self.box_ratios.clone(),
             gravity: self.gravity.map(|weight_kt_per_length| Gravity {
                 weight_kt_per_length,
             }),
-            ..HardBodySettings::default()
+            ..defaults
         })
     }
 }

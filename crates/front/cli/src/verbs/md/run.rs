@@ -6,6 +6,7 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
 use clap::Args;
+use protomer_shape_verbs::dynamics::placed::with_state;
 use protomer_shape_verbs::dynamics::run::run_dynamics;
 use protomer_shape_verbs::dynamics::settings::DynamicsSettings;
 use protomer_shape_verbs::dynamics::start::begin;
@@ -33,7 +34,7 @@ pub struct RunArgs {
 
 impl RunArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
-        let settings = self.settings.settings(self.config.as_deref())?;
+        let settings = with_state(self.settings.settings(self.config.as_deref())?)?;
         let begun = begin(&settings)?;
         front.say(&format!(
             "{} bodies from a packing fraction of {:.4} to {}, then {} steps of {}",

@@ -9,10 +9,11 @@ mod equation;
 
 pub use equation::{EquationOfState, StatePoint};
 
+use super::placed::start_text;
 use super::result::HardBodyResult;
 use super::run::run_hard_bodies;
 use super::settings::{HardBodySettings, Pressure};
-use super::start::{BodyShape, FLUID, cell_text};
+use super::start::{BodyShape, FLUID};
 use anyhow::{Context, Error, Result, bail};
 use equation::integrate;
 use protomer_common::answer::Answer;
@@ -213,7 +214,7 @@ pub fn run_sweep(
     execution: &Execution,
 ) -> Result<End<EquationOfState>> {
     let shape = BodyShape::read(&settings.run.shape)?;
-    let text = cell_text(&settings.run.start)?;
+    let text = start_text(&settings.run, &shape)?;
     let input_sha256 = shape.sha256(text.as_deref());
     let sweep = Sweep {
         settings,

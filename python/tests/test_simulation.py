@@ -1,0 +1,223 @@
+"""Simulations in memory: their arrays, loops, schedules and states of one's own."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import protomer as pm
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def squares(**settings):
+    return pm.HardBodies("polygon:4", **{"bodies": 50, "packing_fraction": 0.5, "seed": 4, **settings})
+
+
+@pytest.fixture
+def disk(tmp_path):
+    path = tmp_path / "point.txt"
+    path.write_text("0 0\n")
+    return str(path)
+
+
+def test_arrays_are_the_same_objects_and_cannot_be_written_to():
+    bodies = squares()
+    positions, before = bodies.positions, bodies.positions.copy()
+    bodies.run(5)
+    assert bodies.positions is positions and not (positions == before).all()
+    assert np.shares_memory(positions, bodies.positions)
+    with pytest.raises(ValueError, match="read-only"):
+        positions[0] = 0.0
+
+
+def test_a_loop_samples_what_the_command_samples(tmp_path):
+    gsd = pytest.importorskip("gsd.hoomd")
+    settings = {"bodies": 50, "packing_fraction": 0.5, "seed": 4, "equilibration": 20}
+    pm.hpmc.run(shape="polygon:4", sweeps=40, trajectory_every=20, output=tmp_path / "run", **settings)
+    bodies = squares(equilibration=20)
+    with gsd.open(str(tmp_path / "run" / "trajectory.gsd")) as frames:
+        for frame in frames:
+            bodies.run(frame.configuration.step - bodies.sweep)
+            np.testing.assert_allclose(bodies.positions, frame.particles.position[:, :2], atol=1e-5)
+    assert bodies.sweep == 60
+
+
+def test_observers_are_called_at_their_sweeps_whatever_the_calls_of_run():
+    seen = []
+    bodies = squares()
+    stop = bodies.every(7, lambda bodies: seen.append(bodies.sweep))
+    bodies.every(10, lambda bodies: seen.append(-bodies.sweep))
+    for sweeps in [5, 16, 9]:
+        bodies.run(sweeps)
+    stop()
+    bodies.run(5)
+    assert seen == [7, -10, 14, -20, 21, 28, -30]
+    with pytest.raises(pm.ConfigError, match="count is 0"):
+        bodies.every(0, print)
+    with pytest.raises(pm.ConfigError, match="count is -1"):
+        bodies.run(-1)
+
+
+@pytest.mark.parametrize("engine", ["hard bodies", "dynamics"])
+def test_a_saved_state_goes_on_bit_for_bit(engine):
+    bodies = squares() if engine == "hard bodies" else pm.ContactDynamics(
+        "polygon:4", bodies=36, packing_fraction=0.4, ensemble="langevin", compress_steps=20, equilibrate_steps=20
+    )
+    bodies.run(30)
+    saved = bodies.save()
+    first = bodies.run(30).positions.copy()
+    bodies.restore(saved)
+    assert bodies.done == 30
+    assert (bodies.run(30).positions == first).all()
+    with pytest.raises(pm.ProtomerError, match="saved"):
+        bodies.restore(b"{}")
+
+
+def test_a_state_that_overlaps_or_does_not_fit_is_refused_and_changes_nothing():
+    pair = pm.HardBodies("polygon:4", positions=[[-1, 0], [1, 0]], box=[6, 6])
+    before = pair.positions.copy()
+    with pytest.raises(pm.GeometryError, match="1 pair"):
+        pair.place(positions=[[0, 0], [0.5, 0]])
+    for arrays, words in [
+        ({"positions": [[0, 0, 0]] * 2}, "positions has 3 columns; give 2"),
+        ({"positions": [[0, 0]] * 3}, "3 rows"),
+        ({"places": [[0, 0]] * 2}, "there is no array places"),
+        ({"box": [6]}, "box has 1 numbers"),
+        ({"orientations": [[0, 0, 0, 0]] * 2}, "quaternion of zeros"),
+        ({"positions": [[np.nan, 0], [1, 0]]}, "finite"),
+    ]:
+        with pytest.raises(pm.ProtomerError, match=re.escape(words)):
+            pair.place(**arrays)
+    assert (pair.positions == before).all()
+    with pytest.raises(pm.ConfigError, match="pressur"):
+        pair.change(pressur=1)
+    with pytest.raises(pm.ProtomerError, match="other bodies"):
+        pair.change(shape="polygon:5")
+    with pytest.raises(pm.ProtomerError, match="positions"):
+        pm.HardBodies("polygon:4", angles=[0.0, 0.1], box=[6, 6])
+
+
+def test_turned_bodies_in_a_tilted_box_come_back_as_they_were_given():
+    angles = np.array([0.3, -2.0])
+    pair = pm.HardBodies("polygon:5", positions=[[-1, 0.5], [1, 0]], angles=angles, box=[6, 5, 0.2])
+    np.testing.assert_allclose(pair.angles, angles)
+    np.testing.assert_allclose(pair.box, [6, 5, 0, 0.2, 0, 0])
+    np.testing.assert_allclose(pair.positions, [[-1, 0.5], [1, 0]])
+
+
+def test_a_ramp_of_pressure_compresses_hard_rods_to_their_exact_density():
+    """Hard rods of length 1 on a line: βP = ρ / (1 - ρ) (Tonks)."""
+    rods = pm.HardBodies("rod:1", bodies=50, packing_fraction=0.3, pressure=1.0, equilibration=500)
+    rods.run(500)
+    for pressure in [1.0, 4.0]:
+        rods.change(pressure=pressure)
+        rods.run(200)
+        densities = []
+        stop = rods.every(5, lambda rods: densities.append(len(rods) / rods.box[0]))
+        rods.run(6000)
+        stop()
+        blocks = np.array(densities).reshape(10, -1).mean(1)
+        # At constant pressure the mean of V is exact: N + (N + 1)/P for N rods on a ring with the measure V dV/V.
+        error = blocks.std(ddof=1) / np.sqrt(10)
+        assert abs(blocks.mean() - pressure / (1 + pressure)) < 4 * error + 0.01, pressure
+
+
+def test_ten_lines_sample_disks_on_a_spring(disk):
+    """Two hard disks, u(r) = 4 (r - 1.5)²: the density of r is r exp(-u) from contact on."""
+    box = 8.0
+    random = np.random.default_rng(1)
+
+    def distance(disks):
+        apart = disks.positions[0] - disks.positions[1]
+        return float(np.linalg.norm(apart - box * np.round(apart / box)))
+
+    disks = pm.HardBodies(disk, rounding_radius=0.5, positions=[[0, 0], [1.5, 0]], box=[box, box], equilibration=0)
+    energy, found = 0.0, []
+    for _ in range(6000):
+        before = disks.positions.copy()
+        proposed = 4.0 * (distance(disks.run(4)) - 1.5) ** 2
+        if np.log(random.random()) < energy - proposed:
+            energy = proposed
+        else:
+            disks.place(positions=before)
+        found.append(distance(disks))
+    r = np.linspace(1.0, 4.0, 3001)
+    weight = r * np.exp(-4.0 * (r - 1.5) ** 2)
+    exact = (r * weight).sum() / weight.sum()
+    blocks = np.array(found[1000:]).reshape(10, -1).mean(1)
+    assert abs(blocks.mean() - exact) < 4 * blocks.std(ddof=1) / np.sqrt(10)
+    assert min(found) >= 1.0
+
+
+def test_bodies_in_motion_keep_their_energy_and_take_over_arrays():
+    first = pm.ContactDynamics("cube", bodies=27, packing_fraction=0.3, compress_steps=100, equilibrate_steps=100, seed=2)
+    first.run(400)
+    arrays = {name: getattr(first, name) for name in ["positions", "orientations", "velocities", "spins", "box"]}
+    second = pm.ContactDynamics("cube", seed=2, **arrays)
+    assert second.step == 0 and abs(second.measure()["energy"] - first.measure()["energy"]) < 1e-9
+    energy = second.measure()["energy"]
+    second.run(500)
+    assert abs(second.measure()["energy"] - energy) < 1e-3
+    second.change(ensemble="nvt", temperature=2.0, relaxation_time=0.01)
+    second.run(3000)
+    assert second.measure()["temperature"] > 1.5
+    with pytest.raises(pm.ProtomerError, match="other bodies"):
+        second.change(packing_fraction=0.1)
+
+
+def test_files_are_those_of_the_command(tmp_path):
+    gsd = pytest.importorskip("gsd.hoomd")
+    bodies = squares()
+    bodies.write_to(tmp_path / "mine")
+    for _ in range(3):
+        bodies.run(5)
+        row = bodies.log()
+        bodies.frame()
+    text = (tmp_path / "mine" / "log.csv").read_text().splitlines()
+    pm.hpmc.run(shape="polygon:4", bodies=50, packing_fraction=0.5, equilibration=0, sweeps=5, output=tmp_path / "run")
+    assert text[0] == (tmp_path / "run" / "log.csv").read_text().splitlines()[0]
+    assert len(text) == 4 and row["sweep"] == 15
+    with gsd.open(str(tmp_path / "mine" / "trajectory.gsd")) as frames:
+        assert [frame.configuration.step for frame in frames] == [5, 10, 15]
+        np.testing.assert_allclose(frames[2].particles.position[:, :2], bodies.positions, atol=1e-5)
+    with pytest.raises(FileExistsError, match="not empty"):
+        bodies.write_to(tmp_path / "mine")
+
+
+def test_a_file_of_another_program_starts_both_engines(tmp_path):
+    gsd = pytest.importorskip("gsd.hoomd")
+    frame = gsd.Frame()
+    frame.configuration.box = [8, 8, 0, 0, 0, 0]
+    frame.configuration.dimensions = 2
+    places = (np.arange(5) - 2) * 1.55
+    frame.particles.position = np.array([[x, y, 0] for x in places for y in places])
+    frame.particles.N = 25
+    frame.particles.velocity = np.random.default_rng(1).normal(size=(25, 3)) * [1, 1, 0]
+    path = str(tmp_path / "mine.gsd")
+    with gsd.open(path, "w") as file:
+        file.append(frame)
+    run = {"shape": "polygon:5", "start": path, "equilibration": 20, "output": tmp_path / "hard"}
+    first = pm.hpmc.run(sweeps=20, **run)
+    longer = pm.hpmc.run(sweeps=40, **run)
+    assert (first.bodies, longer.sweeps) == (25, 40)
+    np.testing.assert_allclose(longer.box_edges, [8, 8])
+    moved = pm.md.run(shape="polygon:5", start=path, equilibrate_steps=0, compress_steps=0, steps=50, output=tmp_path / "moving")
+    energy = 0.5 * (frame.particles.velocity**2).sum() / 25
+    assert moved.bodies == 25 and abs(moved.energy_per_body - energy) < 0.05 * energy
+    with pytest.raises(pm.ProtomerError, match="3-dimensional|dimensions"):
+        pm.hpmc.run(shape="cube", start=path, sweeps=20, output=tmp_path / "cubes")
+
+
+def test_the_page_about_own_loops_runs(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("gsd.hoomd")
+    text = (ROOT / "docs/tutorial/own-loop.md").read_text()
+    blocks = re.findall(r"^```(python|text)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for kind, block in blocks:
+        if kind == "python":
+            capsys.readouterr()
+            exec(compile(block, "own-loop.md", "exec"), names)
+        else:
+            assert capsys.readouterr().out == block
