@@ -82,9 +82,17 @@ impl<const D: usize> HardBody<D> {
     /// # Ok::<(), protomer_hpmc::Error>(())
     /// ```
     pub fn of_pieces(shapes: &[Shape], rounding_radius: f64) -> Result<Self> {
-        if let [shape] = shapes {
-            return Self::new(shape, rounding_radius);
+        match shapes {
+            [shape] => Self::new(shape, rounding_radius),
+            shapes => Self::in_pieces(shapes, rounding_radius),
         }
+    }
+
+    /// Variant of [`of_pieces`](Self::of_pieces) that keeps a single piece as one, for mixtures with bodies of several.
+    ///
+    /// # Errors
+    /// As [`of_pieces`](Self::of_pieces).
+    pub fn in_pieces(shapes: &[Shape], rounding_radius: f64) -> Result<Self> {
         let pieces = shapes
             .iter()
             .map(|shape| Piece::new(shape, rounding_radius));
@@ -142,6 +150,7 @@ impl<const D: usize> HardBody<D> {
     }
 
     /// Number of blocks of four corners.
+    #[inline]
     pub(crate) fn blocks(&self) -> usize {
         self.packed.len()
     }
@@ -151,60 +160,72 @@ impl<const D: usize> HardBody<D> {
         turn(&matrix(rotation), &self.packed, corners);
     }
 
-    /// Bound on the rounding of heights in a pair; see [`Pair::error`].
-    pub(crate) fn error_of_heights(&self) -> f64 {
+    /// Bound on the rounding of heights in a pair with another body; see [`Pair::error`].
+    #[inline]
+    pub(crate) fn error_of_heights(&self, other: &Self) -> f64 {
         // Two bodies and the offset between their centres.
-        error_of_heights(4.0 * D as f64 * self.outer_radius)
+        error_of_heights(2.0 * D as f64 * (self.outer_radius + other.outer_radius))
     }
 
-    /// Whether two of these bodies overlap, given their turned corners and the vector between their
+    /// Whether this body overlaps another, given their turned corners and the vector between their
     /// centres.
     pub(crate) fn overlaps_at(
         &self,
+        other: &Self,
         first: &[Block<D>],
         second: &[Block<D>],
         offset: &[f64; D],
     ) -> bool {
-        let (inner, outer) = (2.0 * self.inner_radius, 2.0 * self.outer_radius);
+        let inner = self.inner_radius + other.inner_radius;
+        let outer = self.outer_radius + other.outer_radius;
         let squared: f64 = offset.iter().map(|x| x * x).sum();
         if squared < inner * inner || squared >= outer * outer {
             return squared < outer * outer;
         }
-        let pair = self.pair_of_hulls(first, second, offset);
-        pair.overlap(&mut { *offset }, || self.exact(&pair))
-            && self.overlap_as_their_hulls_do(first, second, offset)
+        let pair = self.pair_of_hulls(other, first, second, offset);
+        pair.overlap(&mut { *offset }, || self.exact(other, &pair))
+            && self.overlap_as_their_hulls_do(other, first, second, offset)
     }
 
     /// The convex hulls of two bodies; of convex ones, the bodies.
+    #[inline]
     pub(crate) fn pair_of_hulls<'a>(
         &self,
+        other: &Self,
         first: &'a [Block<D>],
         second: &'a [Block<D>],
         offset: &[f64; D],
     ) -> Pair<'a, D> {
-        let hull = match &self.pieces {
-            Some(pieces) => pieces.hull_blocks(),
-            None => first.len(),
+        let hull = |body: &Self| {
+            body.pieces
+                .as_ref()
+                .map_or(body.blocks(), Pieces::hull_blocks)
         };
         Pair {
-            first: &first[..hull],
-            second: &second[..hull],
+            first: &first[..hull(self)],
+            second: &second[..hull(other)],
             offset: *offset,
-            reach: 2.0 * self.rounding_radius,
-            error: self.error_of_heights(),
+            reach: self.rounding_radius + other.rounding_radius,
+            error: self.error_of_heights(other),
         }
     }
 
     /// Whether two bodies overlap whose hulls do.
     pub(crate) fn overlap_as_their_hulls_do(
         &self,
+        other: &Self,
         first: &[Block<D>],
         second: &[Block<D>],
         offset: &[f64; D],
     ) -> bool {
-        let error = self.error_of_heights();
-        let pieces = self.pieces.as_ref();
-        pieces.is_none_or(|pieces| pieces.overlap(first, second, offset, error))
+        match (&self.pieces, &other.pieces) {
+            (Some(pieces), Some(others)) => {
+                let error = self.error_of_heights(other);
+                pieces.overlap(others, first, second, offset, error)
+            }
+            // A mixture has pieces in all of its bodies or in none.
+            _ => true,
+        }
     }
 
     /// Whether a point, from the centre of a body with these corners, is within a radius of it.
@@ -238,11 +259,13 @@ impl<const D: usize> HardBody<D> {
     }
 
     /// Decides whether two bodies that touch to within rounding overlap.
-    pub(crate) fn exact(&self, pair: &Pair<'_, D>) -> bool {
-        if self.rounding_radius > 0.0 || self.faces.is_empty() {
+    #[inline]
+    pub(crate) fn exact(&self, other: &Self, pair: &Pair<'_, D>) -> bool {
+        let is_rounded = self.rounding_radius > 0.0 || other.rounding_radius > 0.0;
+        if is_rounded || self.faces.is_empty() || other.faces.is_empty() {
             return true;
         }
-        overlap_exactly(pair, [&self.faces, &self.faces])
+        overlap_exactly(pair, [&self.faces, &other.faces])
     }
 }
 

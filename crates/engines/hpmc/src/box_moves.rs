@@ -38,14 +38,20 @@
 //! length is refused if a length, at equal volume, would become more than twice or less than half of what it was at the
 //! start. With tilt, the same lattice of images can occur within these bounds with several sets of edges.
 //!
+//! **Depletants.** A state weighs V^N exp(-βΠV - z V_covered) then, so the pressure Π is the osmotic one, by which the
+//! bodies' side of a membrane exceeds the reservoir of the depletants. V_covered is never computed: depletants are drawn around
+//! the bodies, M of them, and move with the space. Bodies and depletants together weigh V^(N+M) exp(-(βΠ + z) V), which
+//! adds M g - z (V' - V) to ln(J π'/π), and a depletant that is covered after the change forbids it.
+//!
 //! **Small boxes.** Two bodies may meet at several images, but none may meet an image of itself. A change that only
 //! this forbids is an error: a run that refused it would measure the smallest box instead of the pressure.
 
-use crate::body::HardBody;
-use crate::system::{Counts, Deformation, System, least_edge};
+use crate::reservoir::Depletant;
+use crate::system::{Counts, Deformation, System};
 use crate::{Error, Result};
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::CounterRng;
+use protomer_kernel::shape::separation::dot;
 use serde::{Deserialize, Serialize};
 
 /// Acceptance that the steps are tuned to.
@@ -200,8 +206,12 @@ impl BoxMoves {
     ) -> Result<()> {
         let change = self.propose::<D>(pressure.freedom, number, rng);
         let deformation = change.deformation::<D>();
-        // The weight first: it is cheap, and a refused change need not touch the bodies.
-        let is_likely = rng.uniform() < change.weight(system, pressure).exp();
+        let chance = rng.uniform();
+        let around = Around::draw(system, rng);
+        let weight = change.weight(system, pressure) + around.weight(system, &change);
+        // The weight first: it is cheap, and a refused change need not touch the bodies. With a potential the energy
+        // decides as well, and that is known afterwards.
+        let is_likely = system.potential.is_some() || chance < weight.exp();
         let step = match change {
             Change::Volume(_) | Change::Length(..) => &mut self.volume,
             Change::Stretch(..) => &mut self.stretch,
@@ -216,7 +226,9 @@ impl BoxMoves {
             Change::Volume(_) | Change::Shear(..) => true,
         };
         let end = match is_likely && is_allowed {
-            true => system.try_deform(&deformation),
+            true => around.try_deform(system, &deformation, &|change| {
+                chance < (weight - change).exp()
+            }),
             false => Deformation::Blocked,
         };
         step.counts.note(end == Deformation::Done);
@@ -224,8 +236,8 @@ impl BoxMoves {
             // Refused for size alone: going on would measure the smallest box, not the pressure.
             Deformation::TooSmall => Err(Error::BoxShrinks {
                 edge: system.space().deformed(&deformation).smallest_length(),
-                least: least_edge(system.body(), &[]),
-                bodies: fewest_bodies(&self.first_shape, pressure.freedom, system.body()),
+                least: system.least_edge(),
+                bodies: fewest_bodies(&self.first_shape, pressure.freedom, system),
             }),
             Deformation::Done | Deformation::Blocked => Ok(()),
         }
@@ -252,6 +264,72 @@ impl BoxMoves {
     }
 }
 
+/// Depletants around the bodies of a state, in parts of the edges of the box.
+struct Around<const D: usize> {
+    kinds: Vec<(Depletant, Vec<[f64; D]>)>,
+}
+
+impl<const D: usize> Around<D> {
+    fn draw(system: &System<D>, rng: &mut CounterRng) -> Self {
+        let kinds = system
+            .depletants()
+            .iter()
+            .filter(|kind| kind.fugacity > 0.0);
+        let kinds = kinds.map(|kind| (*kind, system.draw_depletants(kind, rng)));
+        Self {
+            kinds: kinds.collect(),
+        }
+    }
+
+    /// Part of ln(J π'/π) that the depletants add.
+    fn weight(&self, system: &System<D>, change: &Change) -> f64 {
+        let (Change::Volume(growth) | Change::Length(_, growth)) = *change else {
+            return 0.0;
+        };
+        let more = system.volume() * (growth.exp() - 1.0);
+        let of_kind = |(kind, points): &(Depletant, Vec<[f64; D]>)| {
+            points.len() as f64 * growth - kind.fugacity * more
+        };
+        self.kinds.iter().map(of_kind).sum()
+    }
+
+    /// Deforms the box with the depletants in it, unless bodies overlap or cover a depletant then, or the change of the
+    /// energy (kT) is not allowed.
+    fn try_deform(
+        &self,
+        system: &mut System<D>,
+        deformation: &[[f64; D]; D],
+        allows: &dyn Fn(f64) -> bool,
+    ) -> Deformation {
+        if self.kinds.is_empty() && system.potential.is_none() {
+            return system.try_deform(deformation);
+        }
+        let energy = system.potential_energy_kt();
+        let before = (system.space, system.positions.clone(), system.grid.clone());
+        let edges = system.space;
+        let end = system.try_deform(deformation);
+        let is_covered = |(kind, points): &(Depletant, Vec<[f64; D]>)| {
+            points.iter().any(|parts| {
+                // By the edges of before, deformed: those of the new box may be other ones of the same images.
+                let place = edges.at(parts);
+                let moved = deformation.map(|row| dot(&row, &place));
+                system.is_covered(&system.space.wrap(&moved), kind.radius)
+            })
+        };
+        let is_done = end == Deformation::Done;
+        let is_refused = || {
+            let has_potential = system.potential.is_some();
+            has_potential && !allows(system.potential_energy_kt() - energy)
+                || self.kinds.iter().any(is_covered)
+        };
+        if is_done && is_refused() {
+            (system.space, system.positions, system.grid) = before;
+            return Deformation::Blocked;
+        }
+        end
+    }
+}
+
 /// Whether each length, at equal volume, is within its bounds.
 fn is_within<const D: usize>(first_shape: &[f64], space: &PeriodicBox<D>) -> bool {
     let lengths = shape(space).into_iter().zip(first_shape);
@@ -264,7 +342,7 @@ fn is_within<const D: usize>(first_shape: &[f64], space: &PeriodicBox<D>) -> boo
 fn fewest_bodies<const D: usize>(
     first_shape: &[f64],
     freedom: Freedom,
-    body: &HardBody<D>,
+    system: &System<D>,
 ) -> usize {
     let shortest = first_shape.iter().copied().fold(f64::INFINITY, f64::min);
     let shortest = match freedom {
@@ -272,8 +350,9 @@ fn fewest_bodies<const D: usize>(
         Freedom::Volume => shortest,
         Freedom::Lengths | Freedom::Shape => shortest / WIDEST,
     };
-    let volume = (least_edge(body, &[]) / shortest).powi(D as i32);
-    (volume / body.volume).ceil() as usize
+    let volume = (system.least_edge() / shortest).powi(D as i32);
+    let mean_volume = system.body_volume() / system.len().max(1) as f64;
+    (volume / mean_volume).ceil() as usize
 }
 
 /// Two axes, the lower first.

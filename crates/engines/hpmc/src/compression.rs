@@ -8,8 +8,13 @@
 //! x, and of other bodies the first contact is what counts, so each pair has one contraction. These are counted in equal bins up to
 //! a largest contraction. The density of pairs, times (1 - x)^(d+1), is for spheres the radial
 //! distribution function; it is fitted with a cubic polynomial, whose value at zero is n'(0).
+//!
+//! A [potential](crate::potential) adds the virial -r du/dr of its continuous part, and for each distance at which it jumps
+//! the pairs that would cross it, counted as those that would overlap, with 1 - exp(-Δu) for each: Δu is the energy inside less
+//! that outside, which for a hard core is infinite (de Miguel and Jackson, Mol. Phys. 104, 3717 (2006)).
 
 use crate::grid::Grid;
+use crate::potential::PosedPair;
 use crate::system::System;
 use nalgebra::{Matrix4, Vector4};
 
@@ -20,6 +25,8 @@ pub(crate) const BINS: usize = 32;
 const RANGE: f64 = 0.8;
 /// The largest contraction at low density.
 const LARGEST: f64 = 0.2;
+/// Relative distance from a jump of the potential at which its two sides are looked at.
+const STEP: f64 = 1e-9;
 /// The least value of the largest contraction.
 const SMALLEST: f64 = 1e-5;
 
@@ -45,10 +52,11 @@ impl Compression {
     /// A measurement for a compressibility factor of about this size.
     pub fn new<const D: usize>(system: &System<D>, factor: f64) -> Self {
         // In a small box no body may meet an image of itself.
-        let room = 1.0 - 2.0 * system.body.outer_radius / system.space.smallest_length();
+        let room = 1.0 - 2.0 * system.widest / system.space.smallest_length();
         let largest = (RANGE / factor.max(1.0))
             .min(LARGEST)
             .min(room)
+            .min(before_jumps(system))
             .max(SMALLEST);
         let mut weights = weights();
         // The weights see the density of pairs times (1 - x)^(d+1), which is nearly a cubic.
@@ -62,31 +70,58 @@ impl Compression {
     /// The compressibility factor of one state. Its mean over states is that of the system.
     pub fn factor<const D: usize>(&self, system: &System<D>) -> f64 {
         let mut density = 0.0;
-        self.visit(system, |bin, sign| density += sign * self.weights[bin]);
-        1.0 + density / self.largest / (D as f64 * system.len() as f64)
+        let virial = self.visit(system, |bin, sign| density += sign * self.weights[bin]);
+        1.0 + (density / self.largest + virial) / (D as f64 * system.len() as f64)
     }
 
     /// The factor without extrapolation, too small for a wide range but less noisy.
     pub fn rough_factor<const D: usize>(&self, system: &System<D>) -> f64 {
         let mut pairs = 0.0;
-        self.visit(system, |_, sign| pairs += sign);
-        1.0 + pairs / self.largest / (D as f64 * system.len() as f64)
+        let virial = self.visit(system, |_, sign| pairs += sign);
+        1.0 + (pairs / self.largest + virial) / (D as f64 * system.len() as f64)
     }
 
     /// Calls `visit` with the bin of every pair that overlaps in the range, and 1 if it is contracted for that or
-    /// -1 if it is expanded.
-    fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize, f64)) {
-        let outer = 2.0 * system.body.outer_radius;
+    /// -1 if it is expanded; and with the bin of every pair that crosses a jump of the potential, and its weight.
+    /// Returns the virial of the potential.
+    fn visit<const D: usize>(&self, system: &System<D>, mut visit: impl FnMut(usize, f64)) -> f64 {
+        let outer = 2.0 * system.widest;
+        let potential = system.potential.as_deref();
+        let jumps = potential
+            .map(|potential| potential.jumps())
+            .unwrap_or_default();
         // Pairs that touch after the largest contraction are farther apart before it.
-        let range = outer / (1.0 - self.largest);
+        let contact = outer / (1.0 - self.largest);
+        let farthest = jumps.iter().map(|jump| jump / (1.0 - self.largest));
+        let farthest = farthest.chain(potential.map(|potential| potential.range()));
+        let range = farthest.fold(contact, f64::max);
         let grid = Grid::new(&system.space, range, &system.positions);
-        let is_convex = system.body.pieces().is_none();
+        let is_convex = system.body().pieces().is_none();
+        let mut virial = 0.0;
         for body in 0..system.len() {
             let pose = system.where_it_is(body);
             let but = body as u32;
             // Each pair once.
             grid.any_near(&pose.position, range * range, but, |near| {
                 if near.body <= but {
+                    return false;
+                }
+                if let Some(potential) = potential {
+                    let rotations = [&pose.rotation, &system.rotations[near.body as usize]];
+                    let pair = PosedPair::new(near.offset, rotations);
+                    virial += potential.virial_kt(&pair);
+                    for jump in &jumps {
+                        let change = 1.0 - jump / pair.distance;
+                        if (0.0..self.largest).contains(&change) {
+                            let side =
+                                |factor: f64| potential.energy_kt(&pair.at_distance(jump * factor));
+                            let inward = side(1.0 - STEP) - side(1.0 + STEP);
+                            let bin = (change / self.largest * BINS as f64) as usize;
+                            visit(bin.min(BINS - 1), 1.0 - (-inward).exp());
+                        }
+                    }
+                }
+                if near.squared >= contact * contact {
                     return false;
                 }
                 if is_convex {
@@ -110,7 +145,22 @@ impl Compression {
                 false
             });
         }
+        virial
     }
+}
+
+/// The largest contraction that does not bring a pair that touches, or one at a jump, to another jump: the density of pairs has a step
+/// there, and is not extrapolated across it.
+fn before_jumps<const D: usize>(system: &System<D>) -> f64 {
+    let Some(potential) = &system.potential else {
+        return f64::INFINITY;
+    };
+    let mut steps = potential.jumps();
+    steps.push(2.0 * system.widest);
+    steps.sort_by(f64::total_cmp);
+    steps.dedup();
+    let gaps = steps.windows(2).map(|pair| 1.0 - pair[0] / pair[1]);
+    gaps.fold(f64::INFINITY, f64::min)
 }
 
 /// The least number, from 1 to `BINS`, for which a statement holds that holds for `BINS` and, with

@@ -294,6 +294,11 @@ pub struct Crystal<const D: usize> {
 }
 
 impl<const D: usize> Crystal<D> {
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
+        self.positions.len()
+    }
+
     /// A crystal of so many bodies, in a box as near to a cube as whole cells allow.
     ///
     /// # Errors
@@ -336,7 +341,7 @@ impl<const D: usize> Crystal<D> {
         if bodies == 0 || !bodies.is_multiple_of(sites) {
             let cells_per_edge = (bodies as f64 / sites as f64).powf(1.0 / D as f64).round();
             let nearest = cells_per_edge.max(2.0).powi(D as i32) as usize * sites;
-            let least = least_edge(body, depletants);
+            let least = least_edge(body.outer_radius, depletants);
             return Err(Error::PartialCell {
                 bodies,
                 sites,
@@ -390,7 +395,10 @@ impl<const D: usize> Crystal<D> {
     /// # Errors
     /// If they overlap there, or the box is too small.
     pub fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
-        let (edge, least) = (self.space.smallest_length(), least_edge(body, depletants));
+        let (edge, least) = (
+            self.space.smallest_length(),
+            least_edge(body.outer_radius, depletants),
+        );
         if edge < least {
             let bodies = self.positions.len();
             let packing_fraction = bodies as f64 * body.volume / self.space.volume();
@@ -464,7 +472,7 @@ impl<const D: usize> Crystal<D> {
                 let overlaps = |offset: [f64; D]| {
                     // A body may meet its own image, but not itself.
                     (first != second || norm(&offset) > 0.0)
-                        && body.overlaps_at(&corners[first], &corners[second], &offset)
+                        && body.overlaps_at(body, &corners[first], &corners[second], &offset)
                 };
                 if space.any_image_within(&apart, reach, overlaps) {
                     return Some([first, second]);

@@ -20,6 +20,12 @@
 //! many large depletants little is free, and *covered* refuses less. A run tries both while it
 //! equilibrates and keeps the better one.
 //!
+//! **Walls** cover what is less than r away from them. They are part of J, so both regions stay as they are.
+//!
+//! **A box that changes** takes its depletants along: they are drawn around the bodies, which is exact because
+//! they are ideal among themselves, the change moves them with the space, is refused if one of them is covered then, and
+//! they are forgotten again (see [`box_moves`](crate::box_moves)).
+//!
 //! A point in a ball about the centre that O and N share is in neither region, so points are drawn
 //! only in the shell around it.
 
@@ -83,9 +89,10 @@ impl<const D: usize> System<D> {
         };
         // Balls of the inner radius about both centres are in O and N alike;
         // around one centre the ball that both share is smaller by the step.
+        let body = self.body_of(new.body);
         let shell = Shell::new::<D>(
-            (self.body.inner_radius + radius - length).max(0.0),
-            self.body.outer_radius + radius,
+            (body.inner_radius + radius - length).max(0.0),
+            body.outer_radius + radius,
         );
         // From the centre of `inside` to that of `outside`.
         let apart = match counting {
@@ -101,12 +108,8 @@ impl<const D: usize> System<D> {
             let point = shell.point(rng);
             let beyond = minus(&point, &apart);
             // The cheaper test first: outside of the widened body at the other end of the move.
-            if self
-                .body
-                .covers(self.corners_of_trial(outside), &beyond, radius)
-                || !self
-                    .body
-                    .covers(self.corners_of_trial(inside), &point, radius)
+            if body.covers(self.corners_of_trial(outside), &beyond, radius)
+                || !body.covers(self.corners_of_trial(inside), &point, radius)
             {
                 continue;
             }
@@ -115,11 +118,16 @@ impl<const D: usize> System<D> {
                 self.gather(inside, radius, near);
                 is_gathered = true;
             }
-            let is_covered = near.iter().any(|other| {
-                let from_other = minus(&point, &other.offset);
-                self.body
-                    .covers(self.corners_of(other.body as usize), &from_other, radius)
-            });
+            let height = inside.position[D - 1] + point[D - 1];
+            let is_covered = self.reaches_beyond_wall(height, radius)
+                || near.iter().any(|other| {
+                    let from_other = minus(&point, &other.offset);
+                    self.body_of(other.body as usize).covers(
+                        self.corners_of(other.body as usize),
+                        &from_other,
+                        radius,
+                    )
+                });
             // Lost: covered by others. Covered: by none. Either way this point forbids the move.
             if is_covered == (counting == Counting::Lost) {
                 return false;
@@ -131,7 +139,7 @@ impl<const D: usize> System<D> {
     /// The other bodies that can touch the same depletant.
     fn gather(&self, trial: &Trial<D>, radius: f64, near: &mut Vec<Near<D>>) {
         near.clear();
-        let range = 2.0 * (self.body.outer_radius + radius);
+        let range = self.reach(trial) + 2.0 * radius;
         let but = trial.body as u32;
         self.grid
             .any_near(&trial.position, range * range, but, |other| {
@@ -147,7 +155,6 @@ impl<const D: usize> System<D> {
         let width = (self.volume() / points.max(1) as f64).powf(1.0 / D as f64);
         let lengths = self.space.lengths();
         let cells = lengths.map(|length| (length / width - 1e-9).ceil().max(1.0) as usize);
-        let range = self.body.outer_radius + radius;
         let count: usize = cells.iter().product();
         let mut free = 0;
         for number in 0..count {
@@ -159,14 +166,71 @@ impl<const D: usize> System<D> {
             }
             // Parts of a sheared box are equal in volume.
             let point = self.space.sheared(&straight);
-            let is_covered = self.grid.any_near(&point, range * range, u32::MAX, |near| {
-                let from_body = near.offset.map(|x| -x);
-                self.body
-                    .covers(self.corners_of(near.body as usize), &from_body, radius)
-            });
-            free += usize::from(!is_covered);
+            free += usize::from(!self.is_covered(&point, radius));
         }
         free as f64 / count as f64
+    }
+
+    /// Whether the centre of a depletant cannot be in a place.
+    pub(crate) fn is_covered(&self, point: &[f64; D], radius: f64) -> bool {
+        let range = self.widest + radius;
+        self.reaches_beyond_wall(point[D - 1], radius)
+            || self.grid.any_near(point, range * range, u32::MAX, |near| {
+                let from_body = near.offset.map(|x| -x);
+                self.body_of(near.body as usize).covers(
+                    self.corners_of(near.body as usize),
+                    &from_body,
+                    radius,
+                )
+            })
+    }
+
+    /// Whether a depletant with its centre at a height would reach into a wall; without walls, never. To bodies, walls
+    /// are one more that covers.
+    fn reaches_beyond_wall(&self, height: f64, radius: f64) -> bool {
+        let top = self.space.lengths()[D - 1];
+        self.has_walls() && (height < radius || height > top - radius)
+    }
+
+    /// Parts of the lower and of the upper wall that depletants can touch: random points where their centres would be, one in each
+    /// of about `points` equal cells.
+    pub(crate) fn free_walls(&self, radius: f64, points: usize, rng: &mut CounterRng) -> [f64; 2] {
+        let lengths = self.space.lengths();
+        let per_edge = (points.max(1) as f64)
+            .powf(1.0 / (D as f64 - 1.0).max(1.0))
+            .ceil() as usize;
+        let mut cells = [per_edge; D];
+        cells[D - 1] = 1;
+        let count: usize = cells.iter().product();
+        [radius, lengths[D - 1] - radius].map(|height| {
+            let mut free = 0;
+            for number in 0..count {
+                let (mut quotient, mut point) = (number, [height; D]);
+                for axis in 0..D - 1 {
+                    let place = (quotient % cells[axis]) as f64 + rng.uniform();
+                    point[axis] = place * lengths[axis] / cells[axis] as f64;
+                    quotient /= cells[axis];
+                }
+                free += usize::from(!self.is_covered(&point, radius));
+            }
+            free as f64 / count as f64
+        })
+    }
+
+    /// Draws the depletants of one kind in equilibrium with their reservoir around the bodies where these are: the points of
+    /// the Poisson process that are not covered, in parts of the edges.
+    pub(crate) fn draw_depletants(&self, kind: &Depletant, rng: &mut CounterRng) -> Vec<[f64; D]> {
+        let expected = kind.fugacity * self.volume();
+        let mut points = Vec::new();
+        let mut arrived = exponential(rng);
+        while arrived < expected {
+            let parts = std::array::from_fn(|_| rng.uniform());
+            if !self.is_covered(&self.space.at(&parts), kind.radius) {
+                points.push(parts);
+            }
+            arrived += exponential(rng);
+        }
+        points
     }
 }
 

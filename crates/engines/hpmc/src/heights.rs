@@ -4,7 +4,8 @@
 //! so many would be in the way of a wall that moved in by x. The gaps are counted in bins, and their
 //! density is extrapolated to zero as for [`compression`](crate::compression). In a field that pulls down
 //! with m g, the walls' pressures differ by the weight, whatever the bodies are: β(P_low - P_high) A =
-//! N β m g.
+//! N β m g. With depletants this holds for all that the walls bear: those push with the pressure of
+//! their reservoir, z kT, wherever they can touch a wall.
 
 use crate::compression::{BINS, weights};
 use crate::field::Gravity;
@@ -31,12 +32,15 @@ impl Walls {
     /// of gaps falls about as exp(-(βP a + β m g) x).
     pub fn of<const D: usize>(system: &System<D>, gravity: &Gravity, pressure: f64) -> Self {
         let edges = system.space().lengths();
-        let width = 2.0 * system.body().outer_radius;
+        let width = 2.0 * system.widest;
         let steepness = pressure * width.powi(D as i32 - 1) + gravity.weight_kt_per_length;
         let area: f64 = edges.iter().take(D - 1).product();
         let pressed = system.len() as f64 * gravity.weight_kt_per_length / area;
         // Weight of the column over the lower wall: there the gaps fall faster.
         let steepness = steepness + pressed * width.powi(D as i32 - 1);
+        // Depletants press bodies that cover them to the wall, at most with all of their pressure.
+        let depletants: f64 = system.depletants().iter().map(|kind| kind.fugacity).sum();
+        let steepness = steepness + depletants * width.powi(D as i32 - 1);
         // Not more than a tenth of the height, or both walls would see each other.
         let largest = (GAPS / steepness).min(0.1 * edges[D - 1]);
         let weights = weights();

@@ -9,6 +9,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`body`] | a hard body, ready for tests of overlap |
+//! | [`mixture`] | kinds of bodies, and which body is of which |
 //! | [`pieces`] | convex pieces, and bodies made of several of them |
 //! | [`reservoir`] | kinds of depletants |
 //! | [`box_moves`] | changes of the box at constant pressure |
@@ -17,6 +18,7 @@
 //! | [`crystal`] | unit cells, by name or of one's own, and crystals made of them |
 //! | [`start`] | the start of a run |
 //! | [`field`] | potentials that act on each body: gravity |
+//! | [`potential`] | energies of pairs of bodies |
 //! | [`compression`] | the pressure by trial compressions |
 //! | [`heights`] | bodies between walls |
 //! | [`depletants`] | implicit penetrable hard spheres, sampled exactly |
@@ -50,8 +52,10 @@ pub mod frenkel_ladd;
 mod grid;
 pub mod heights;
 pub mod measured_phase;
+pub mod mixture;
 pub mod pieces;
 pub mod polynomial;
+pub mod potential;
 pub mod reservoir;
 pub mod simulation;
 pub mod spline;

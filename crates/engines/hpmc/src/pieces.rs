@@ -227,6 +227,7 @@ impl<const D: usize> Pieces<D> {
     /// Whether two bodies overlap, given their turned corners and the vector between their centres.
     pub(crate) fn overlap(
         &self,
+        others: &Self,
         first: &[Block<D>],
         second: &[Block<D>],
         offset: &[f64; D],
@@ -234,21 +235,22 @@ impl<const D: usize> Pieces<D> {
     ) -> bool {
         self.turned(first).any(|a| {
             let to_second = minus(offset, &a.centre);
-            self.turned(second).any(|b| {
+            others.turned(second).any(|b| {
                 let between = plus(&to_second, &b.centre);
                 let outer = a.piece.outer_radius + b.piece.outer_radius;
                 // Spheres around both pieces: most pairs of pieces end here.
                 if dot(&between, &between) >= outer * outer {
                     return false;
                 }
-                let pair = self.pair(&a, &b, between, error);
-                pair.overlap(&mut { between }, || self.exact(&pair, &a, &b))
+                let pair = self.pair(others, &a, &b, between, error);
+                pair.overlap(&mut { between }, || self.exact(others, &pair, &a, &b))
             })
         })
     }
 
     fn pair<'a>(
         &self,
+        others: &Self,
         first: &Turned<'a, D>,
         second: &Turned<'a, D>,
         offset: [f64; D],
@@ -258,17 +260,24 @@ impl<const D: usize> Pieces<D> {
             first: first.corners,
             second: second.corners,
             offset,
-            reach: 2.0 * self.rounding_radius,
+            reach: self.rounding_radius + others.rounding_radius,
             error,
         }
     }
 
     /// Decides whether two pieces that touch to within rounding overlap.
-    fn exact(&self, pair: &Pair<'_, D>, first: &Turned<'_, D>, second: &Turned<'_, D>) -> bool {
+    fn exact(
+        &self,
+        others: &Self,
+        pair: &Pair<'_, D>,
+        first: &Turned<'_, D>,
+        second: &Turned<'_, D>,
+    ) -> bool {
         let faces = [first, second].map(|turned_piece| turned_piece.piece.faces.as_slice());
         // Rounded pieces and those without faces have no
         // exact predicate; touching counts as overlap.
-        if self.rounding_radius > 0.0 || faces.iter().any(|faces| faces.is_empty()) {
+        let is_rounded = self.rounding_radius > 0.0 || others.rounding_radius > 0.0;
+        if is_rounded || faces.iter().any(|faces| faces.is_empty()) {
             return true;
         }
         overlap_exactly(pair, faces)
@@ -293,6 +302,7 @@ impl<const D: usize> Pieces<D> {
     /// which they do: a factor that falls from one (`sign` is -1) or rises (1).
     pub(crate) fn first_contact(
         &self,
+        others: &Self,
         [first, second]: [&[Block<D>]; 2],
         offset: &[f64; D],
         sign: f64,
@@ -302,7 +312,7 @@ impl<const D: usize> Pieces<D> {
         let mut nearest = None;
         let mut range = largest;
         for a in self.turned(first) {
-            for b in self.turned(second) {
+            for b in others.turned(second) {
                 let apart = minus(&b.centre, &a.centre);
                 let separation =
                     |change: f64| plus(&offset.map(|x| x * (1.0 + sign * change)), &apart);
@@ -311,7 +321,7 @@ impl<const D: usize> Pieces<D> {
                 if least_distance_squared(&separation(0.0), &separation(range)) >= outer * outer {
                     continue;
                 }
-                let pair = |change: f64| self.pair(&a, &b, separation(change), error);
+                let pair = |change: f64| self.pair(others, &a, &b, separation(change), error);
                 let velocity = offset.map(|x| x * sign);
                 if let Some(first_change) = contact(pair, &velocity, range, LEAST_STEP * largest) {
                     // Later pairs only matter if they meet earlier.
@@ -427,7 +437,7 @@ mod tests {
         ];
         let body = HardBody::<2>::of_pieces(&horseshoe, 0.0).unwrap();
         let pieces = body.pieces().unwrap();
-        let error = body.error_of_heights();
+        let error = body.error_of_heights(&body);
         let mut rng = CounterRng::for_purpose(4, 0, 0, Purpose::HardBodyStart);
         let (largest, scans) = (0.2, 500);
         let mut contacts = [0, 0];
@@ -441,14 +451,14 @@ mod tests {
             let offset: [f64; 2] = std::array::from_fn(|_| rng.uniform_in(-1.5, 1.5));
             let overlap = |factor: f64| {
                 let offset = offset.map(|x| x * factor);
-                pieces.overlap(&packed[0], &packed[1], &offset, error)
+                pieces.overlap(pieces, &packed[0], &packed[1], &offset, error)
             };
             if overlap(1.0) {
                 continue;
             }
             for (kind, sign) in [(0, -1.0), (1, 1.0)] {
                 let corners = [&packed[0][..], &packed[1][..]];
-                let found = pieces.first_contact(corners, &offset, sign, largest, error);
+                let found = pieces.first_contact(pieces, corners, &offset, sign, largest, error);
                 let mut steps =
                     (1..=scans).map(|step| largest * f64::from(step) / f64::from(scans));
                 let scanned = steps.find(|change| overlap(1.0 + sign * change));

@@ -6,16 +6,19 @@ use crate::body::HardBody;
 use crate::box_moves::{BoxMoves, Pressure};
 use crate::compression::Compression;
 use crate::depletants::Counting;
-use crate::field::{Gravity, Nothing};
+use crate::field::{Both, Gravity, HeightTable, Nothing};
 use crate::heights::{Heights, Walls};
+use crate::mixture::Mixture;
+use crate::potential::{Sum, Term};
 use crate::reservoir::{Depletant, ball_volume};
 use crate::start::{Placed, Start};
-use crate::system::{MoveCounts, Steps, System};
+use crate::system::{Counts, MoveCounts, Steps, System};
 use crate::{Error, Result, error::require};
 use protomer_kernel::Rotation;
 use protomer_kernel::periodic_box::PeriodicBox;
 use protomer_kernel::random::{CounterRng, Purpose};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Acceptance that the steps are tuned to.
 const ACCEPTANCE: f64 = 0.3;
@@ -27,6 +30,10 @@ const NEW_PART: f64 = 0.3;
 const POINTS: u32 = 0;
 /// Stream of the bodies that are inserted.
 const BODIES: u32 = 1;
+/// Stream of the points at the walls.
+const WALLS: u32 = 2;
+/// Stream of the exchanges of places.
+const SWAPS: u32 = 1 << 24;
 /// Streams of the changes of the box, in addition to that of the moves.
 const BOX: u32 = 1 << 20;
 /// Changes of the box in a sweep, so that their streams do not meet others.
@@ -42,11 +49,14 @@ const LARGEST_FORCE: f64 = 1e100;
 /// use protomer_hpmc::reservoir::Depletant;
 /// use protomer_hpmc::simulation::Settings;
 /// use protomer_hpmc::field::Gravity;
+/// use protomer_hpmc::box_moves::{Freedom, Pressure};
 /// let gravity = Some(Gravity { weight_kt_per_length: 0.5 });
 /// let settings = Settings { gravity, ..Settings::default() };
-/// assert!(settings.check(&[]).is_ok());
 /// let depletants = [Depletant { radius: 0.1, fugacity: 1.0 }];
-/// assert!(settings.check(&depletants).is_err(), "these do not go together");
+/// assert!(settings.check(&depletants).is_ok());
+/// let pressure = Pressure { kt_per_volume: 2.0, freedom: Freedom::Volume, changes_per_sweep: None };
+/// let both = Settings { pressure: Some(pressure), ..settings };
+/// assert!(both.check(&[]).is_err(), "these do not go together");
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -62,6 +72,12 @@ pub struct Settings {
     pub pressure: Option<Pressure>,
     /// Gravity, for bodies between walls.
     pub gravity: Option<Gravity>,
+    /// Terms of the energy of each pair of bodies; none for hard bodies alone.
+    pub potential: Vec<Term>,
+    /// Energy of each body by its last coordinate.
+    pub field: Option<HeightTable>,
+    /// Trial exchanges of the places of two bodies of different kinds in a sweep.
+    pub swaps: usize,
 }
 
 impl Default for Settings {
@@ -74,6 +90,9 @@ impl Default for Settings {
             points: 1000,
             pressure: None,
             gravity: None,
+            potential: Vec::new(),
+            field: None,
+            swaps: 0,
         }
     }
 }
@@ -83,7 +102,7 @@ impl Default for Settings {
 pub struct Sample {
     /// Compressibility factor of the bodies.
     pub compressibility_factor: f64,
-    /// Part of the inserted bodies that overlap none; `None` without insertions.
+    /// Part of the inserted bodies that overlap none, each weighed by exp(-u) with a potential; `None` without insertions.
     pub insertion_probability: Option<f64>,
     /// Free volume of each depletant as a part of the box.
     pub free_volume: Vec<f64>,
@@ -91,6 +110,8 @@ pub struct Sample {
     pub packing_fraction: f64,
     /// Pressures on the walls and mean height of the bodies, between walls.
     pub walls: Option<Walls>,
+    /// Energy of all pairs over the number of bodies, kT; `None` without a potential.
+    pub energy_kt_per_body: Option<f64>,
 }
 
 /// A state from which a run goes on as if it had not stopped.
@@ -119,8 +140,32 @@ pub struct State {
     pub counts: MoveCounts,
     /// Steps of the changes of the box.
     pub box_moves: BoxMoves,
+    /// Exchanges of places of the production.
+    #[serde(default, skip_serializing_if = "Counts::is_none")]
+    pub swap_counts: Counts,
     /// Bodies by height, between walls, from samples of the production.
     pub heights: Vec<u64>,
+}
+
+impl Settings {
+    /// Refuses what several kinds of bodies do not go with.
+    fn check_mixture<const D: usize>(&self, mixture: &Mixture<D>) -> Result<()> {
+        match mixture.kinds().len() > 1 && self.insertions > 0 {
+            true => Err(Error::NotTogether {
+                first: "several kinds of bodies",
+                second: "insertions",
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// The system with the potential of these settings.
+    fn with_potential<const D: usize>(&self, system: System<D>) -> Result<System<D>> {
+        match self.potential.as_slice() {
+            [] => Ok(system),
+            terms => system.with_potential(Arc::new(Sum::new(terms)?)),
+        }
+    }
 }
 
 impl State {
@@ -159,6 +204,21 @@ impl Settings {
     /// # Errors
     /// For impossible numbers, and for what cannot be simulated together.
     pub fn check(&self, depletants: &[Depletant]) -> Result<()> {
+        let swaps = self.swaps as f64;
+        require(
+            "the number of exchanges per sweep",
+            swaps,
+            "at most 1e6",
+            swaps <= 1e6,
+        )?;
+        let active = depletants.iter().any(|kind| kind.fugacity > 0.0);
+        let fields = self.gravity.is_some() || self.field.is_some();
+        if self.swaps > 0 && (active || fields) {
+            return Err(Error::NotTogether {
+                first: "exchanges of places",
+                second: "depletants or a field",
+            });
+        }
         if let Some(pressure) = &self.pressure {
             let value = pressure.kt_per_volume;
             let holds = (SMALLEST_FORCE..=LARGEST_FORCE).contains(&value);
@@ -186,20 +246,34 @@ impl Settings {
                 holds,
             )?;
         }
-        let kinds = [
-            (self.pressure.is_some(), "constant pressure"),
-            (self.gravity.is_some(), "gravity between walls"),
-            (!depletants.is_empty(), "depletants"),
-        ];
-        let asked: Vec<&'static str> = kinds
-            .iter()
-            .filter(|(is_asked_for, _)| *is_asked_for)
-            .map(|(_, name)| *name)
-            .collect();
-        match asked[..] {
-            [first, second, ..] => Err(Error::NotTogether { first, second }),
-            _ => Ok(()),
+        if let Some(field) = &self.field {
+            field.check()?;
         }
+        if self.pressure.is_some() && self.field.is_some() {
+            return Err(Error::NotTogether {
+                first: "constant pressure",
+                second: "a field",
+            });
+        }
+        if self.pressure.is_some() && self.gravity.is_some() {
+            return Err(Error::NotTogether {
+                first: "constant pressure",
+                second: "gravity between walls",
+            });
+        }
+        if let Some(kind) = depletants.iter().find(|kind| kind.fugacity > 0.0)
+            && self.pressure.is_some()
+        {
+            // Each change of the box draws all of them.
+            let fugacity = kind.fugacity;
+            require(
+                "the fugacity of the depletants",
+                fugacity,
+                "at most 1e6 at constant pressure",
+                fugacity <= 1e6,
+            )?;
+        }
+        Ok(())
     }
 }
 
@@ -228,6 +302,7 @@ pub struct Simulation<const D: usize> {
     tried: [MoveCounts; 2],
     counts: MoveCounts,
     box_moves: BoxMoves,
+    swap_counts: Counts,
     heights: Heights,
     compression: Compression,
 }
@@ -258,13 +333,29 @@ impl<const D: usize> Simulation<D> {
         start: &Start<D>,
         must_stop: &dyn Fn() -> bool,
     ) -> Result<Self> {
+        let mixture = Mixture::equal(body.clone(), start.bodies());
+        Self::of_mixture(settings, &mixture, depletants, start, must_stop)
+    }
+
+    /// A simulation of bodies of several kinds, as [`new_unless`](Self::new_unless).
+    ///
+    /// # Errors
+    /// As [`new_unless`](Self::new_unless).
+    pub fn of_mixture(
+        settings: &Settings,
+        mixture: &Mixture<D>,
+        depletants: &[Depletant],
+        start: &Start<D>,
+        must_stop: &dyn Fn() -> bool,
+    ) -> Result<Self> {
+        settings.check_mixture(mixture)?;
         for kind in depletants {
             kind.check()?;
         }
         settings.check(depletants)?;
         // Points of a move grow with z times the volume: refused before it hangs.
         for kind in depletants {
-            let around = ball_volume(D, body.outer_radius + kind.radius);
+            let around = ball_volume(D, mixture.widest() + kind.radius);
             let points = kind.fugacity * around;
             let requirement =
                 "at most 1e7, because a move looks at each of them; give a lower fugacity";
@@ -275,7 +366,8 @@ impl<const D: usize> Simulation<D> {
                 points <= 1e7,
             )?;
         }
-        let (system, steps) = start.make(body, depletants, settings.seed, must_stop)?;
+        let (system, steps) = start.make_mixture(mixture, depletants, settings.seed, must_stop)?;
+        let system = settings.with_potential(system)?;
         let compression = Compression::new(&system, 1.0);
         let mut simulation = Self {
             settings: settings.clone(),
@@ -287,6 +379,7 @@ impl<const D: usize> Simulation<D> {
             counting: Counting::Lost,
             tried: <[MoveCounts; 2]>::default(),
             counts: MoveCounts::default(),
+            swap_counts: Counts::default(),
             heights: Heights::default(),
             compression,
         };
@@ -309,9 +402,30 @@ impl<const D: usize> Simulation<D> {
         depletants: &[Depletant],
         state: &State,
     ) -> Result<Self> {
+        let mixture = Mixture::equal(body.clone(), state.positions.len() / D);
+        Self::resume_mixture(settings, &mixture, depletants, state)
+    }
+
+    /// Resumes bodies of several kinds from a saved state.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume).
+    pub fn resume_mixture(
+        settings: &Settings,
+        mixture: &Mixture<D>,
+        depletants: &[Depletant],
+        state: &State,
+    ) -> Result<Self> {
         let placed = state.placed::<D>(settings.gravity.is_some())?;
-        let system = System::new(
-            body.clone(),
+        let count = placed.positions.len();
+        require(
+            "the number of saved bodies",
+            count as f64,
+            "that of the run",
+            count == mixture.len(),
+        )?;
+        let system = System::of_mixture(
+            mixture.clone(),
             depletants.to_vec(),
             placed.space,
             placed.positions,
@@ -321,6 +435,7 @@ impl<const D: usize> Simulation<D> {
             true => system.between_walls()?,
             false => system,
         };
+        let system = settings.with_potential(system)?;
         let compression = Compression::new(&system, state.rough_factor);
         Ok(Self {
             settings: settings.clone(),
@@ -332,6 +447,7 @@ impl<const D: usize> Simulation<D> {
             tried: state.tried,
             counts: state.counts,
             box_moves: state.box_moves.clone(),
+            swap_counts: state.swap_counts,
             heights: Heights(state.heights.clone()),
             compression,
         })
@@ -356,6 +472,7 @@ impl<const D: usize> Simulation<D> {
             tried: self.tried,
             counts: self.counts,
             box_moves: self.box_moves.clone(),
+            swap_counts: self.swap_counts,
             heights: self.heights.0.clone(),
         }
     }
@@ -379,6 +496,11 @@ impl<const D: usize> Simulation<D> {
     /// Moves of the production so far.
     pub fn counts(&self) -> &MoveCounts {
         &self.counts
+    }
+
+    /// Exchanges of places in the production so far.
+    pub fn swap_counts(&self) -> &Counts {
+        &self.swap_counts
     }
 
     /// Bodies by height, from the samples of the production; without walls, none.
@@ -432,10 +554,24 @@ impl<const D: usize> Simulation<D> {
             let mut rng =
                 CounterRng::for_purpose(self.settings.seed, 0, trial, Purpose::HardBodyMove);
             let (system, steps, counts) = (&mut self.system, &self.steps, &mut counts);
-            match &mut self.settings.gravity {
-                None => system.trial(&mut rng, steps, counting, &mut Nothing, counts),
-                Some(gravity) => system.trial(&mut rng, steps, counting, gravity, counts),
+            match (&mut self.settings.gravity, &mut self.settings.field) {
+                (None, None) => system.trial(&mut rng, steps, counting, &mut Nothing, counts),
+                (Some(gravity), None) => system.trial(&mut rng, steps, counting, gravity, counts),
+                (None, Some(table)) => system.trial(&mut rng, steps, counting, table, counts),
+                (Some(gravity), Some(table)) => {
+                    let mut both = Both(gravity, table);
+                    system.trial(&mut rng, steps, counting, &mut both, counts)
+                }
             };
+        }
+        for number in 0..self.settings.swaps as u64 {
+            let trial = self.sweeps * self.settings.swaps as u64 + number;
+            let mut rng =
+                CounterRng::for_purpose(self.settings.seed, SWAPS, trial, Purpose::HardBodyMove);
+            let is_accepted = self.system.swap(&mut rng);
+            if !equilibrates {
+                self.swap_counts.note(is_accepted);
+            }
         }
         if let Some(pressure) = self.settings.pressure {
             let changes = pressure.changes();
@@ -499,14 +635,35 @@ impl<const D: usize> Simulation<D> {
         let walls = self.settings.gravity.map(|gravity| {
             self.heights.count(&self.system);
             let density = self.system.len() as f64 / self.system.volume();
-            Walls::of(&self.system, &gravity, density * self.rough_factor)
+            let mut walls = Walls::of(&self.system, &gravity, density * self.rough_factor);
+            self.add_depletants(&mut walls);
+            walls
         });
         Sample {
             packing_fraction: self.system.packing_fraction(),
             walls,
+            energy_kt_per_body: self
+                .system
+                .potential
+                .is_some()
+                .then(|| self.system.potential_energy_kt() / self.system.len() as f64),
             compressibility_factor: self.compression.factor(&self.system),
             insertion_probability: self.insertion_probability(),
             free_volume,
+        }
+    }
+
+    /// Adds the pressure of the depletants on the walls: that of their reservoir on the part that they can touch.
+    fn add_depletants(&self, walls: &mut Walls) {
+        let mut rng = self.inserted(WALLS);
+        for kind in self.system.depletants() {
+            if kind.fugacity > 0.0 {
+                let points = self.settings.points;
+                let free = self.system.free_walls(kind.radius, points, &mut rng);
+                for (pressure, free) in walls.pressures.iter_mut().zip(free) {
+                    *pressure += kind.fugacity * free;
+                }
+            }
         }
     }
 
@@ -520,7 +677,8 @@ impl<const D: usize> Simulation<D> {
         fractions
     }
 
-    /// The part of bodies inserted at random that overlap none (Widom, J. Chem. Phys. 39, 2808 (1963)).
+    /// The part of bodies inserted at random that overlap none (Widom, J. Chem. Phys. 39, 2808 (1963)); with a potential, each
+    /// weighed by exp(-u).
     fn insertion_probability(&mut self) -> Option<f64> {
         let insertions = self.settings.insertions;
         if insertions == 0 {
@@ -528,7 +686,7 @@ impl<const D: usize> Simulation<D> {
         }
         // By the sweep: the same state gives the same sample.
         let mut rng = self.inserted(BODIES);
-        let mut free = 0;
+        let mut free = 0.0;
         for _ in 0..insertions {
             // Centres at random in the whole box, also where a wall is in the way.
             let parts = std::array::from_fn(|_| rng.uniform());
@@ -540,9 +698,11 @@ impl<const D: usize> Simulation<D> {
                 }
                 _ => rng.rotation(),
             };
-            free += usize::from(self.system.is_free(place, &rotation));
+            if self.system.is_free(place, &rotation) {
+                free += (-self.system.energy_of_inserted(place, &rotation)).exp();
+            }
         }
-        Some(free as f64 / insertions as f64)
+        Some(free / insertions as f64)
     }
 
     fn inserted(&self, stream: u32) -> CounterRng {

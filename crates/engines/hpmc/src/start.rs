@@ -9,6 +9,7 @@ use crate::crystal::Crystal;
 use crate::depletants::Counting;
 use crate::error::{require, require_packing_fraction};
 use crate::field::Nothing;
+use crate::mixture::Mixture;
 use crate::reservoir::Depletant;
 use crate::system::{
     MoveCounts, Steps, System, bodies_in_longer_box, first_that_works, least_edge,
@@ -93,7 +94,7 @@ impl<const D: usize> Placed<D> {
         self.positions.len() as f64 * body_volume / self.space.volume()
     }
 
-    fn system(&self, body: &HardBody<D>, depletants: &[Depletant]) -> Result<System<D>> {
+    fn system(&self, mixture: &Mixture<D>, depletants: &[Depletant]) -> Result<System<D>> {
         let count = self.positions.len();
         require(
             "the number of bodies",
@@ -107,8 +108,8 @@ impl<const D: usize> Placed<D> {
             "that of the positions",
             self.rotations.len() == count,
         )?;
-        let system = System::new(
-            body.clone(),
+        let system = System::of_mixture(
+            mixture.clone(),
             depletants.to_vec(),
             self.space,
             self.positions.clone(),
@@ -158,9 +159,46 @@ impl<const D: usize> Start<D> {
         seed: u64,
         must_stop: &dyn Fn() -> bool,
     ) -> Result<(System<D>, Steps)> {
+        let mixture = Mixture::equal(body.clone(), self.bodies());
+        self.make_mixture(&mixture, depletants, seed, must_stop)
+    }
+
+    /// Number of bodies.
+    pub fn bodies(&self) -> usize {
         match self {
-            Self::Crystal(crystal) => Ok((crystal.system(body, depletants)?, first_steps(body))),
-            Self::Placed(placed) => Ok((placed.system(body, depletants)?, first_steps(body))),
+            Self::Fluid { bodies, .. } => *bodies,
+            Self::Crystal(crystal) => crystal.bodies(),
+            Self::Placed(placed) => placed.positions.len(),
+        }
+    }
+
+    /// Bodies of several kinds in their places, as [`make`](Self::make).
+    ///
+    /// # Errors
+    /// As [`make`](Self::make); also for several kinds on the sites of a crystal, and another number of bodies.
+    pub fn make_mixture(
+        &self,
+        mixture: &Mixture<D>,
+        depletants: &[Depletant],
+        seed: u64,
+        must_stop: &dyn Fn() -> bool,
+    ) -> Result<(System<D>, Steps)> {
+        let (count, wanted) = (mixture.len(), self.bodies());
+        require(
+            "the number of bodies",
+            count as f64,
+            "that of the start",
+            count == wanted,
+        )?;
+        match self {
+            Self::Crystal(crystal) => match mixture.kinds() {
+                [body] => Ok((crystal.system(body, depletants)?, first_steps(mixture))),
+                _ => Err(Error::NotTogether {
+                    first: "several kinds of bodies",
+                    second: "a crystal as the start",
+                }),
+            },
+            Self::Placed(placed) => Ok((placed.system(mixture, depletants)?, first_steps(mixture))),
             Self::Fluid {
                 bodies,
                 packing_fraction,
@@ -169,11 +207,11 @@ impl<const D: usize> Start<D> {
             } => {
                 let (bodies, packing) = (*bodies, *packing_fraction);
                 check(bodies, packing, edge_ratios)?;
-                let edges = edges(edge_ratios, bodies as f64 * body.volume / packing);
-                let (edge, least) = (shortest(&edges), least_edge(body, depletants));
+                let volume = mixture.mean_volume() / packing;
+                let edges = edges(edge_ratios, bodies as f64 * volume);
+                let (edge, least) = (shortest(&edges), least_edge(mixture.widest(), depletants));
                 if edge < least {
                     let from = bodies_in_longer_box::<D>(bodies, least / edge);
-                    let volume = body.volume / packing;
                     let length =
                         |bodies| shortest(&self::edges(edge_ratios, bodies as f64 * volume));
                     let bodies = first_that_works(from, 1, |bodies| length(bodies) >= least);
@@ -183,16 +221,16 @@ impl<const D: usize> Start<D> {
                         bodies,
                     });
                 }
-                random_fluid(body, depletants, bodies, edges, *has_walls, seed, must_stop)
+                random_fluid(mixture, depletants, edges, *has_walls, seed, must_stop)
             }
         }
     }
 }
 
 /// Steps of bodies that stand in their places, before they are tuned.
-fn first_steps<const D: usize>(body: &HardBody<D>) -> Steps {
+fn first_steps<const D: usize>(mixture: &Mixture<D>) -> Steps {
     Steps {
-        translation: 0.1 * body.outer_radius,
+        translation: 0.1 * mixture.widest(),
         rotation: 0.1,
     }
 }
@@ -224,20 +262,20 @@ fn shortest(edges: &[f64]) -> f64 {
 
 /// Bodies at random in a box.
 fn random_fluid<const D: usize>(
-    body: &HardBody<D>,
+    mixture: &Mixture<D>,
     depletants: &[Depletant],
-    bodies: usize,
     edges: [f64; D],
     has_walls: bool,
     seed: u64,
     must_stop: &dyn Fn() -> bool,
 ) -> Result<(System<D>, Steps)> {
+    let (bodies, widest) = (mixture.len(), mixture.widest());
     // A lattice with room for all, filled as evenly as possible.
     let per_edge = sites_per_edge(&edges, bodies);
     let mut scale: f64 = 1.0;
     for (edge, sites) in edges.iter().zip(per_edge) {
         // Balls of the outer radius must fit; then no orientation overlaps.
-        let wide = edge.max(sites as f64 * 2.0 * body.outer_radius * (1.0 + 1e-9));
+        let wide = edge.max(sites as f64 * 2.0 * widest * (1.0 + 1e-9));
         if wide > *edge {
             scale = scale.max(ROOM_AT_FIRST * wide / edge);
         }
@@ -254,13 +292,14 @@ fn random_fluid<const D: usize>(
             site /= per_edge[axis];
         }
         positions.push(position);
+        let body = mixture.body(number);
         rotations.push(orientation::<D>(body, seed, number as u64));
     }
     let depletants = depletants.to_vec();
     let space = PeriodicBox::rectangular(edges)?;
     let wide = PeriodicBox::rectangular(wide)?;
     // Without depletants: they would only slow the compression.
-    let mut system = System::new(body.clone(), Vec::new(), wide, positions, rotations)?;
+    let mut system = System::of_mixture(mixture.clone(), Vec::new(), wide, positions, rotations)?;
     if has_walls {
         system = system.between_walls()?;
     }
@@ -271,7 +310,7 @@ fn random_fluid<const D: usize>(
         ..
     } = system;
     // Into the wanted box, now with depletants: the bodies are in their places.
-    let mut system = System::new(body.clone(), depletants, space, positions, rotations)?;
+    let mut system = System::of_mixture(mixture.clone(), depletants, space, positions, rotations)?;
     if has_walls {
         system = system.between_walls()?;
     }
@@ -311,7 +350,7 @@ struct Compressor<'a, const D: usize> {
 impl<'a, const D: usize> Compressor<'a, D> {
     fn new(system: System<D>, seed: u64, must_stop: &'a dyn Fn() -> bool) -> Result<Self> {
         let steps = Steps {
-            translation: 0.2 * system.body.outer_radius,
+            translation: 0.2 * system.widest,
             rotation: 0.2,
         };
         let mut compressor = Self {
@@ -366,8 +405,8 @@ impl<'a, const D: usize> Compressor<'a, D> {
             false => before.map(|edge| edge * scale),
         };
         let scaled = |place: &[f64; D]| place.map(|x| x * scale);
-        let system = System::new(
-            self.system.body.clone(),
+        let system = System::of_mixture(
+            self.system.mixture(),
             Vec::new(),
             PeriodicBox::rectangular(shrunk)?,
             self.system.positions.iter().map(scaled).collect(),

@@ -10,6 +10,8 @@
 
 use crate::body::HardBody;
 use crate::grid::{Grid, Near};
+use crate::mixture::Mixture;
+use crate::potential::PairPotential;
 use crate::reservoir::Depletant;
 use crate::{Error, Result};
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -19,6 +21,7 @@ use protomer_kernel::random::CounterRng;
 use protomer_kernel::shape::separation::{Block, dot};
 use rand_core::Rng;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The longest components of a rotation step: tan of half an angle of nearly 180 degrees.
 const LONGEST_TURN: f64 = 2.0;
@@ -71,6 +74,10 @@ impl Counts {
     /// The accepted part; zero without trials.
     pub fn acceptance(&self) -> f64 {
         self.accepted as f64 / self.trials.max(1) as f64
+    }
+
+    pub(crate) fn is_none(&self) -> bool {
+        self.trials == 0
     }
 
     pub(crate) fn note(&mut self, is_accepted: bool) {
@@ -135,7 +142,7 @@ pub(crate) struct Trial<const D: usize> {
     pub is_turned: bool,
 }
 
-/// Equal hard bodies in a periodic box of D dimensions.
+/// Hard bodies in a periodic box of D dimensions, of one kind or of several.
 ///
 /// ```
 /// use protomer_hpmc::{body::HardBody, system::System};
@@ -150,9 +157,20 @@ pub(crate) struct Trial<const D: usize> {
 /// ```
 #[derive(Debug, Clone)]
 pub struct System<const D: usize> {
-    pub(crate) body: HardBody<D>,
+    /// Kinds of bodies.
+    pub(crate) kinds: Vec<HardBody<D>>,
+    /// Number of the kind of each body.
+    pub(crate) kind_of: Vec<u32>,
+    /// Radius of the ball that holds any of the bodies.
+    pub(crate) widest: f64,
+    /// Blocks of corners that each body has room for.
+    stride: usize,
+    /// Whether all bodies are balls, which their distances decide.
+    is_round: bool,
     pub(crate) space: PeriodicBox<D>,
     has_walls: bool,
+    /// Whether a move may turn a body.
+    turns: bool,
     pub(crate) positions: Vec<[f64; D]>,
     pub(crate) rotations: Vec<Rotation>,
     /// The corners of all bodies, turned, each from the centre of its body.
@@ -162,6 +180,7 @@ pub struct System<const D: usize> {
     /// Corners of the body of a trial.
     pub(crate) trial_corners: Vec<Block<D>>,
     pub(crate) near: Vec<Near<D>>,
+    pub(crate) potential: Option<Arc<dyn PairPotential<D>>>,
     memory: Vec<Slot<D>>,
 }
 
@@ -179,9 +198,26 @@ impl<const D: usize> System<D> {
         positions: Vec<[f64; D]>,
         rotations: Vec<Rotation>,
     ) -> Result<Self> {
+        let count = positions.len();
+        let mixture = Mixture::equal(body, count);
+        Self::of_mixture(mixture, depletants, space, positions, rotations)
+    }
+
+    /// Bodies of several kinds, as [`new`](Self::new).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_mixture(
+        mixture: Mixture<D>,
+        depletants: Vec<Depletant>,
+        space: PeriodicBox<D>,
+        positions: Vec<[f64; D]>,
+        rotations: Vec<Rotation>,
+    ) -> Result<Self> {
         let space = space.reduced();
-        let range = range(&body, &depletants);
-        let (edge, least) = (space.smallest_length(), least_edge(&body, &depletants));
+        let widest = mixture.widest();
+        let range = range(widest, &depletants);
+        let (edge, least) = (space.smallest_length(), least_edge(widest, &depletants));
         if edge < least {
             let from = bodies_in_longer_box::<D>(positions.len(), least / edge);
             // The guess may be off by one, as roots and powers round.
@@ -195,27 +231,69 @@ impl<const D: usize> System<D> {
                 bodies,
             });
         }
-        let blocks = body.blocks();
+        let Mixture { kinds, kind_of } = mixture;
+        let stride = kinds.iter().map(HardBody::blocks).max().unwrap_or(0);
         let places: Vec<[f64; D]> = positions.iter().map(|place| space.wrap(place)).collect();
+        let is_round = kinds.iter().all(HardBody::is_round);
         let mut system = Self {
-            trial_corners: vec![[[0.0; 4]; D]; blocks],
-            corners: vec![[[0.0; 4]; D]; blocks * places.len()],
+            trial_corners: vec![[[0.0; 4]; D]; stride],
+            corners: vec![[[0.0; 4]; D]; stride * places.len()],
             grid: Grid::new(&space, range, &places),
-            body,
+            turns: !is_round,
+            kinds,
+            kind_of,
+            widest,
+            stride,
+            is_round,
             space,
             has_walls: false,
             positions: places,
             rotations,
             depletants,
             near: Vec::new(),
+            potential: None,
             memory: Vec::new(),
         };
-        for (number, rotation) in system.rotations.iter().enumerate() {
-            let corners = &mut system.corners[number * blocks..(number + 1) * blocks];
-            system.body.turned_into(rotation, corners);
-        }
+        system.turn_corners();
         system.refresh();
         Ok(system)
+    }
+
+    /// Turns the corners of all bodies to their orientations.
+    fn turn_corners(&mut self) {
+        for (number, rotation) in self.rotations.iter().enumerate() {
+            let body = &self.kinds[self.kind_of[number] as usize];
+            let first = number * self.stride;
+            body.turned_into(rotation, &mut self.corners[first..first + body.blocks()]);
+        }
+    }
+
+    /// The body of a number; of a number that no body has, the first kind.
+    #[inline]
+    pub(crate) fn body_of(&self, number: usize) -> &HardBody<D> {
+        if let [only] = self.kinds.as_slice() {
+            return only;
+        }
+        let kind = self.kind_of.get(number).copied().unwrap_or(0);
+        &self.kinds[kind as usize]
+    }
+
+    /// Kinds of bodies.
+    pub fn kinds(&self) -> &[HardBody<D>] {
+        &self.kinds
+    }
+
+    /// Number of the kind of each body.
+    pub fn kind_of(&self) -> &[u32] {
+        &self.kind_of
+    }
+
+    /// Kinds of bodies and the kind of each.
+    pub(crate) fn mixture(&self) -> Mixture<D> {
+        Mixture {
+            kinds: self.kinds.clone(),
+            kind_of: self.kind_of.clone(),
+        }
     }
 
     /// Forgets everything but the places of the bodies: what follows depends on them alone.
@@ -227,14 +305,14 @@ impl<const D: usize> System<D> {
         };
         self.memory.clear();
         // Round bodies are decided by their distance; they need no directions.
-        if !self.body.is_round() {
+        if !self.is_round {
             self.memory.resize(SLOTS * self.positions.len(), empty);
         }
     }
 
-    /// The shape of the bodies.
+    /// The shape of the bodies; of several kinds, that of the first.
     pub fn body(&self) -> &HardBody<D> {
-        &self.body
+        &self.kinds[0]
     }
 
     /// The box.
@@ -274,6 +352,35 @@ impl<const D: usize> System<D> {
         Ok(self)
     }
 
+    /// The same bodies with an energy of each pair.
+    ///
+    /// # Errors
+    /// If a body could interact with an image of itself.
+    pub fn with_potential(mut self, potential: Arc<dyn PairPotential<D>>) -> Result<Self> {
+        let range = potential.range();
+        self.turns |= D > 1 && potential.is_directed();
+        self.potential = Some(potential);
+        let (edge, least) = (self.space.smallest_length(), self.least_edge());
+        if edge < least {
+            return Err(Error::OutOfRange {
+                quantity: "the range of the potential",
+                value: range,
+                requirement: "at most the smallest length of the box; give more bodies or a shorter range",
+            });
+        }
+        self.refresh();
+        Ok(self)
+    }
+
+    /// The smallest length that the box may have.
+    pub(crate) fn least_edge(&self) -> f64 {
+        let potential = self
+            .potential
+            .as_ref()
+            .map_or(0.0, |potential| potential.range());
+        least_edge(self.widest, &self.depletants).max(potential)
+    }
+
     /// Whether there are walls.
     pub fn has_walls(&self) -> bool {
         self.has_walls
@@ -306,12 +413,25 @@ impl<const D: usize> System<D> {
 
     /// The part of the box that the bodies fill.
     pub fn packing_fraction(&self) -> f64 {
-        self.len() as f64 * self.body.volume / self.volume()
+        self.body_volume() / self.volume()
     }
 
+    /// Volume of all bodies together.
+    pub fn body_volume(&self) -> f64 {
+        match self.kinds.as_slice() {
+            [body] => self.len() as f64 * body.volume,
+            kinds => self
+                .kind_of
+                .iter()
+                .map(|kind| kinds[*kind as usize].volume)
+                .sum(),
+        }
+    }
+
+    #[inline]
     pub(crate) fn corners_of(&self, body: usize) -> &[Block<D>] {
-        let blocks = self.body.blocks();
-        &self.corners[body * blocks..(body + 1) * blocks]
+        let first = body * self.stride;
+        &self.corners[first..first + self.body_of(body).blocks()]
     }
 
     /// The number of pairs that overlap, and of bodies that reach into a wall.
@@ -335,17 +455,17 @@ impl<const D: usize> System<D> {
             *place = self.space.wrap(place);
         }
         self.rotations = rotations;
-        let blocks = self.body.blocks();
-        for (number, rotation) in self.rotations.iter().enumerate() {
-            let corners = &mut self.corners[number * blocks..(number + 1) * blocks];
-            self.body.turned_into(rotation, corners);
-        }
+        self.turn_corners();
         self.sort();
     }
 
     /// Sorts the bodies into new cells.
     fn sort(&mut self) {
-        let range = range(&self.body, &self.depletants);
+        let potential = self
+            .potential
+            .as_ref()
+            .map_or(0.0, |potential| potential.range());
+        let range = range(self.widest, &self.depletants).max(potential);
         self.grid = Grid::new(&self.space, range, &self.positions);
     }
 
@@ -353,7 +473,7 @@ impl<const D: usize> System<D> {
     /// unless bodies overlap then or could meet images of themselves.
     pub(crate) fn try_deform(&mut self, matrix: &[[f64; D]; D]) -> Deformation {
         let space = self.space.deformed(matrix).reduced();
-        let is_too_small = space.smallest_length() < least_edge(&self.body, &self.depletants);
+        let is_too_small = space.smallest_length() < self.least_edge();
         // Copied before: a blocked change, which is the usual end, must leave no trace.
         let before = (self.space, self.positions.clone(), self.grid.clone());
         self.space = space;
@@ -378,7 +498,8 @@ impl<const D: usize> System<D> {
     /// Gaps from the lower wall to the body and from the body to the upper wall; negative if it
     /// reaches in.
     pub(crate) fn gaps_to_walls(&self, trial: &Trial<D>) -> [f64; 2] {
-        let [low, high] = self.body.extent(self.corners_of_trial(trial));
+        let body = self.body_of(trial.body);
+        let [low, high] = body.extent(self.corners_of_trial(trial));
         let place = trial.position[D - 1];
         let top = self.space.lengths()[D - 1] - (place + high);
         [place + low, top]
@@ -391,8 +512,9 @@ impl<const D: usize> System<D> {
         let height = trial.position[D - 1];
         // Height decides for most bodies; only those near a wall need their corners.
         let nearest = height.min(self.space.lengths()[D - 1] - height);
-        if nearest >= self.body.outer_radius || nearest < self.body.inner_radius {
-            return nearest < self.body.inner_radius;
+        let body = self.body_of(trial.body);
+        if nearest >= body.outer_radius || nearest < body.inner_radius {
+            return nearest < body.inner_radius;
         }
         self.gaps_to_walls(trial).iter().any(|gap| *gap < 0.0)
     }
@@ -410,7 +532,7 @@ impl<const D: usize> System<D> {
     /// walls.
     pub(crate) fn overlaps_of(&self, trial: &Trial<D>, counts: impl Fn(u32) -> bool) -> usize {
         let mut overlaps = usize::from(self.reaches_into_wall(trial));
-        let range = 2.0 * self.body.outer_radius;
+        let range = self.reach(trial);
         let but = trial.body as u32;
         // Beyond two outer radii no two bodies meet.
         self.grid
@@ -421,6 +543,11 @@ impl<const D: usize> System<D> {
         overlaps
     }
 
+    /// Largest distance at which the body of a trial meets another.
+    pub(crate) fn reach(&self, trial: &Trial<D>) -> f64 {
+        self.body_of(trial.body).outer_radius + self.widest
+    }
+
     /// Whether the body of a trial overlaps another when all distances are scaled.
     pub(crate) fn is_overlap(&self, trial: &Trial<D>, other: &Near<D>, scale: f64) -> bool {
         let (first, second) = (
@@ -429,7 +556,8 @@ impl<const D: usize> System<D> {
         );
         // Scaling offsets, not bodies: pairs are compared as in a compressed box.
         let offset = other.offset.map(|x| x * scale);
-        self.body.overlaps_at(first, second, &offset)
+        let body = self.body_of(trial.body);
+        body.overlaps_at(self.body_of(other.body as usize), first, second, &offset)
     }
 
     /// The smallest change of all distances at which the body of a trial first overlaps another: a contraction
@@ -445,14 +573,16 @@ impl<const D: usize> System<D> {
             self.corners_of_trial(trial),
             self.corners_of(other.body as usize),
         ];
-        let error = self.body.error_of_heights();
-        let pieces = self.body.pieces()?;
-        pieces.first_contact(corners, &other.offset, sign, largest, error)
+        let bodies = [trial.body, other.body as usize].map(|number| self.body_of(number));
+        let error = bodies[0].error_of_heights(bodies[1]);
+        let [first, second] = [bodies[0].pieces()?, bodies[1].pieces()?];
+        first.first_contact(second, corners, &other.offset, sign, largest, error)
     }
 
+    #[inline]
     pub(crate) fn corners_of_trial(&self, trial: &Trial<D>) -> &[Block<D>] {
         if trial.is_turned {
-            &self.trial_corners
+            &self.trial_corners[..self.body_of(trial.body).blocks()]
         } else {
             self.corners_of(trial.body)
         }
@@ -460,7 +590,8 @@ impl<const D: usize> System<D> {
 
     /// Whether a body at a place, turned so, overlaps none. Its corners are left in `trial_corners`.
     pub(crate) fn is_free(&mut self, position: [f64; D], rotation: &Rotation) -> bool {
-        self.body.turned_into(rotation, &mut self.trial_corners);
+        let body = &self.kinds[0];
+        body.turned_into(rotation, &mut self.trial_corners[..body.blocks()]);
         let trial = Trial {
             body: NOBODY as usize,
             position,
@@ -471,7 +602,7 @@ impl<const D: usize> System<D> {
     }
 
     fn overlaps_any(&self, trial: &Trial<D>) -> bool {
-        let range = 2.0 * self.body.outer_radius;
+        let range = self.reach(trial);
         let but = trial.body as u32;
         self.grid
             .any_near(&trial.position, range * range, but, |near| {
@@ -484,8 +615,20 @@ impl<const D: usize> System<D> {
         if self.reaches_into_wall(trial) {
             return true;
         }
+        // Compiled twice: bodies of one kind, the usual case, look up neither their kinds nor the lengths of their corners, which took
+        // a quarter of the time of cubes.
+        match self.kinds.len() {
+            1 => self.collides_among::<true>(trial),
+            _ => self.collides_among::<false>(trial),
+        }
+    }
+
+    /// Whether the body would overlap another, among bodies of one kind or of several.
+    fn collides_among<const ONE_KIND: bool>(&mut self, trial: &Trial<D>) -> bool {
         let Self {
-            body,
+            kinds,
+            kind_of,
+            stride,
             grid,
             near,
             corners,
@@ -493,39 +636,63 @@ impl<const D: usize> System<D> {
             memory,
             ..
         } = self;
-        let outer = 2.0 * body.outer_radius;
+        let only = &kinds[0];
+        let kind_of = |body: usize| match ONE_KIND {
+            true => only,
+            false => &kinds[kind_of[body] as usize],
+        };
+        let body = kind_of(trial.body);
+        let kind = |other: &Near<D>| kind_of(other.body as usize);
+        let outer = body.outer_radius + self.widest;
         let trial_body = trial.body as u32;
-        if body.is_round() {
+        if self.is_round && ONE_KIND {
             return grid.any_near(&trial.position, outer * outer, trial_body, |_| true);
         }
-        // Inner balls that overlap settle it without a look at the corners.
-        let inner = 4.0 * body.inner_radius * body.inner_radius;
+        if self.is_round {
+            return grid.any_near(&trial.position, outer * outer, trial_body, |other| {
+                let contact = body.outer_radius + kind(&other).outer_radius;
+                other.squared < contact * contact
+            });
+        }
         near.clear();
         // Every neighbour is collected before any is
         // tested, so that the loop over cells stays short.
         let is_deep = grid.any_near(&trial.position, outer * outer, trial_body, |other| {
             near.push(other);
-            other.squared < inner
+            // Inner balls that overlap settle it without a look at the corners.
+            let inner = body.inner_radius + kind(&other).inner_radius;
+            other.squared < inner * inner
         });
         if is_deep {
             return true;
         }
-        let blocks = body.blocks();
         let slots = &mut memory[trial.body * SLOTS..(trial.body + 1) * SLOTS];
+        let blocks = |body: &HardBody<D>| match ONE_KIND {
+            true => *stride,
+            false => body.blocks(),
+        };
         let first = if trial.is_turned {
-            &trial_corners[..]
+            &trial_corners[..blocks(body)]
         } else {
-            &corners[trial.body * blocks..(trial.body + 1) * blocks]
+            &corners[trial.body * *stride..trial.body * *stride + blocks(body)]
         };
-        // Corners of all bodies lie in one array: `blocks` per body.
+        // Corners of all bodies lie in one array, with room for `stride` blocks per body.
         let corners_of = |other: &Near<D>| {
-            let number = other.body as usize;
-            &corners[number * blocks..(number + 1) * blocks]
+            let begin = other.body as usize * *stride;
+            &corners[begin..begin + blocks(kind(other))]
         };
-        let pair_with =
-            |other: &Near<D>| body.pair_of_hulls(first, corners_of(other), &other.offset);
+        let pair_with = |other: &Near<D>| {
+            body.pair_of_hulls(kind(other), first, corners_of(other), &other.offset)
+        };
         // The upper five bits of the product: a number below 32, `SLOTS`.
         let place = |other: u32| (other.wrapping_mul(HASH) >> 27) as usize;
+        if !ONE_KIND {
+            // Beyond their two radii no two bodies meet; of one kind all that were found are closer.
+            near.retain(|other| {
+                let contact = body.outer_radius + kind(other).outer_radius;
+                other.squared < contact * contact
+            });
+        }
         // First the remembered directions of all: one pass over the corners of each drops most.
         near.retain(|other| {
             let slot = &slots[place(other.body)];
@@ -539,9 +706,14 @@ impl<const D: usize> System<D> {
             let pair = pair_with(other);
             // Without memory the search begins with the line of centres.
             let mut direction = other.offset;
-            if pair.overlap(&mut direction, || body.exact(&pair)) {
+            if pair.overlap(&mut direction, || body.exact(kind(other), &pair)) {
                 // Hulls overlap: of convex bodies that is the answer, others ask their pieces.
-                if body.overlap_as_their_hulls_do(first, corners_of(other), &other.offset) {
+                if body.overlap_as_their_hulls_do(
+                    kind(other),
+                    first,
+                    corners_of(other),
+                    &other.offset,
+                ) {
                     return true;
                 }
                 continue;
@@ -566,7 +738,7 @@ impl<const D: usize> System<D> {
         let word = rng.next_u32();
         let any = (u64::from(word >> 1) * self.positions.len() as u64) >> 31;
         let body = body.unwrap_or(any as usize);
-        let is_turned = !self.body.is_round() && word & 1 == 1;
+        let is_turned = self.turns && word & 1 == 1;
         let mut trial = Trial {
             is_turned,
             ..self.where_it_is(body)
@@ -583,8 +755,13 @@ impl<const D: usize> System<D> {
             let turn = UnitQuaternion::new_normalize(Quaternion::new(1.0, x, y, z));
             let quaternion = (turn * trial.rotation).into_inner();
             trial.rotation = UnitQuaternion::new_normalize(quaternion);
-            self.body
-                .turned_into(&trial.rotation, &mut self.trial_corners);
+            let kind = if self.kinds.len() == 1 {
+                0
+            } else {
+                self.kind_of[trial.body] as usize
+            };
+            let body = &self.kinds[kind];
+            body.turned_into(&trial.rotation, &mut self.trial_corners[..body.blocks()]);
         } else {
             for x in &mut trial.position {
                 *x += steps.translation * symmetric(rng);
@@ -618,12 +795,51 @@ impl<const D: usize> System<D> {
     pub(crate) fn accept(&mut self, trial: &Trial<D>) {
         let body = trial.body;
         if trial.is_turned {
-            let blocks = self.body.blocks();
+            let (first, blocks) = (body * self.stride, self.body_of(body).blocks());
             // Only now: a refused trial leaves the corners of the body untouched.
-            self.corners[body * blocks..(body + 1) * blocks].copy_from_slice(&self.trial_corners);
+            self.corners[first..first + blocks].copy_from_slice(&self.trial_corners[..blocks]);
             self.rotations[body] = trial.rotation;
         } else {
             self.positions[body] = trial.position;
+            self.grid.moved(body, &self.positions);
+        }
+    }
+
+    /// Tries to exchange the places of two bodies drawn at random; bodies of one kind have nothing to exchange.
+    /// Both draws are as likely before as after, so only overlaps and the energy decide (Metropolis).
+    pub(crate) fn swap(&mut self, rng: &mut CounterRng) -> bool {
+        let count = self.len();
+        let [first, second] = [rng.index(count), rng.index(count)];
+        if self.kind_of[first] == self.kind_of[second] {
+            return false;
+        }
+        let energy = |system: &Self| match &system.potential {
+            None => 0.0,
+            // The pair of both is counted twice before and after alike, up to their own exchange, which leaves it as it is but
+            // for the direction; so it is taken once.
+            Some(_) => [first, second]
+                .iter()
+                .map(|body| system.energy_with_others(&system.where_it_is(*body)))
+                .sum::<f64>(),
+        };
+        let before = energy(self) - self.energy_of_pair(first, second);
+        self.exchange(first, second);
+        let is_free = ![first, second]
+            .iter()
+            .any(|body| self.collides(&self.where_it_is(*body)));
+        let is_allowed = is_free && {
+            let change = energy(self) - self.energy_of_pair(first, second) - before;
+            change <= 0.0 || rng.uniform() < (-change).exp()
+        };
+        if !is_allowed {
+            self.exchange(first, second);
+        }
+        is_allowed
+    }
+
+    fn exchange(&mut self, first: usize, second: usize) {
+        self.positions.swap(first, second);
+        for body in [first, second] {
             self.grid.moved(body, &self.positions);
         }
     }
@@ -643,20 +859,20 @@ impl<const D: usize> System<D> {
     }
 }
 
-/// The largest distance at which two bodies meet, with depletants between them.
-fn range<const D: usize>(body: &HardBody<D>, depletants: &[Depletant]) -> f64 {
+/// The largest distance at which two bodies of an outer radius meet, with depletants between them.
+fn range(widest: f64, depletants: &[Depletant]) -> f64 {
     // Depletants in contact with both bodies make them meet at larger distances.
     let radii = depletants.iter().map(|kind| kind.radius);
-    2.0 * (body.outer_radius + radii.fold(0.0, f64::max))
+    2.0 * (widest + radii.fold(0.0, f64::max))
 }
 
 /// The smallest length that a box may have. No body reaches an image of itself there. A move of up to half of a
 /// length must not bring a body within the reach of where an image of it was either, if there are depletants,
 /// because [`depletants`](crate::depletants) compare two places of one body and no images of them.
-pub(crate) fn least_edge<const D: usize>(body: &HardBody<D>, depletants: &[Depletant]) -> f64 {
+pub(crate) fn least_edge(widest: f64, depletants: &[Depletant]) -> f64 {
     match depletants {
-        [] => range(body, depletants),
-        _ => 2.0 * range(body, depletants),
+        [] => range(widest, depletants),
+        _ => 2.0 * range(widest, depletants),
     }
 }
 
@@ -809,8 +1025,14 @@ mod tests {
             let apart = |place: &[f64; 3]| place.map(|x| 8.0 * x);
             let places: Vec<[f64; 3]> = crowded.positions.iter().map(apart).collect();
             let (space, rotations) = (crowded.space.scaled(8.0), crowded.rotations.clone());
-            let mut system =
-                System::new(crowded.body, Vec::new(), space, places.clone(), rotations).unwrap();
+            let mut system = System::new(
+                crowded.body().clone(),
+                Vec::new(),
+                space,
+                places.clone(),
+                rotations,
+            )
+            .unwrap();
             let before = system.clone();
             let squeezed = [[0.01, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
             let by = [[1.2, 0.9, -0.7], [0.0, 1.1, 0.8], [0.0, 0.0, 1.3]];

@@ -16,9 +16,11 @@ impl<const D: usize> System<D> {
         counts: &mut MoveCounts,
     ) -> bool {
         let trial = self.propose(rng, steps, None);
-        // From cheap to expensive: the field, the bodies, the depletants.
+        // From cheap to expensive: the field, the bodies, their potential, the depletants. Each accepts by itself with the
+        // ratio of its own weights, so all of them together do with the product.
         let is_accepted = field.allows(self, &trial, rng)
             && !self.collides(&trial)
+            && self.potential_allows(&trial, rng)
             && (self.depletants.is_empty() || self.depletants_allow(&trial, rng, counting));
         if is_accepted {
             // Before the bodies move: the field still sees the old place.

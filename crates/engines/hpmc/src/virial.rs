@@ -103,7 +103,7 @@ pub fn draw_triple<const D: usize>(body: &HardBody<D>, seed: u64, number: u64) -
     let offset = minus(&third.place, &second.place);
     Ok(Triple {
         draws: second.draws + third.draws,
-        overlaps: body.overlaps_at(&second.corners, &third.corners, &offset),
+        overlaps: body.overlaps_at(body, &second.corners, &third.corners, &offset),
     })
 }
 
@@ -120,7 +120,7 @@ impl<const D: usize> Neighbour<D> {
         for draws in 1..=MOST_DRAWS {
             let place = place_in_ball(2.0 * body.outer_radius, rng);
             body.turned_into(&random_rotation::<D>(rng), &mut corners);
-            if body.overlaps_at(still, &corners, &place) {
+            if body.overlaps_at(body, still, &corners, &place) {
                 return Ok(Self {
                     corners,
                     place,

@@ -7,6 +7,7 @@ use protomer_hpmc::body::HardBody;
 use protomer_hpmc::box_moves::Freedom;
 use protomer_hpmc::crystal::{Crystal, UnitCell};
 use protomer_hpmc::field::Gravity;
+use protomer_hpmc::reservoir::Depletant;
 use protomer_hpmc::simulation::{Sample, Settings, Simulation};
 use protomer_hpmc::start::Start;
 use protomer_kernel::shape::builders::by_name;
@@ -18,7 +19,17 @@ fn samples<const D: usize>(
     start: &Start<D>,
     count: usize,
 ) -> (Vec<Sample>, Simulation<D>) {
-    let mut simulation = Simulation::new(settings, body, &[], start).unwrap();
+    samples_among(&[], settings, body, start, count)
+}
+
+fn samples_among<const D: usize>(
+    depletants: &[Depletant],
+    settings: &Settings,
+    body: &HardBody<D>,
+    start: &Start<D>,
+    count: usize,
+) -> (Vec<Sample>, Simulation<D>) {
+    let mut simulation = Simulation::new(settings, body, depletants, start).unwrap();
     simulation.run(settings.equilibration_sweeps).unwrap();
     let mut samples = Vec::new();
     for _ in 0..count {
@@ -170,4 +181,94 @@ fn walls_bear_the_weight_of_bodies() {
             .collect();
         assert_mean(&series, weight, 0.15, "weight");
     }
+}
+
+/// Hard rods on a ring among depletants of radius r, at an osmotic pressure Π: each gap g has the weight
+/// exp(-Π g - z min(g, 2 r)), and a ring of length L once more the weight L.
+#[test]
+fn rods_among_depletants_have_their_mean_length() {
+    let (rods, pressure, radius, fugacity) = (12.0, 2.0, 0.2, 3.0);
+    let weight = |gap: f64| (-pressure * gap - fugacity * gap.min(2.0 * radius)).exp();
+    let [norm, first, second] = [0, 1, 2].map(|power| {
+        let step = 1e-4;
+        let moment = |cell: i32| {
+            let gap = step * (f64::from(cell) + 0.5);
+            gap.powi(power) * weight(gap) * step
+        };
+        (0..200_000).map(moment).sum::<f64>()
+    });
+    let (gap, variance) = (first / norm, second / norm - (first / norm).powi(2));
+    let mean = rods * (1.0 + gap);
+    let exact = mean + rods * variance / mean;
+    let rod = HardBody::<1>::ball(0.5).unwrap();
+    let crystal = Crystal::new(&UnitCell::by_name("row").unwrap(), &rod, 12, 0.5).unwrap();
+    for freedom in [Freedom::Volume, Freedom::Lengths] {
+        let depletants = [Depletant { radius, fugacity }];
+        let start = Start::Crystal(crystal.clone());
+        let settings = pressed(pressure, freedom);
+        let (samples, _) = samples_among(&depletants, &settings, &rod, &start, 20_000);
+        let lengths: Vec<f64> = samples
+            .iter()
+            .map(|sample| rods / sample.packing_fraction)
+            .collect();
+        assert_mean(&lengths, exact, 0.01, "length");
+    }
+}
+
+/// One rod that falls among depletants between walls: its height h has the weight exp(-w h + z V_free(h)).
+#[test]
+fn a_rod_that_falls_among_depletants_has_its_mean_height() {
+    let (edge, weight_kt, radius, fugacity) = (4.0, 0.5, 0.3, 3.0);
+    let free = |height: f64| {
+        let gaps = [height - 0.5, edge - height - 0.5];
+        gaps.map(|gap| (gap - 2.0 * radius).max(0.0))
+            .iter()
+            .sum::<f64>()
+    };
+    let (mut norm, mut first) = (0.0, 0.0);
+    for cell in 0..30_000 {
+        let height = 0.5 + 1e-4 * (f64::from(cell) + 0.5);
+        let weight = (-weight_kt * height + fugacity * free(height)).exp();
+        norm += weight;
+        first += weight * height;
+    }
+    let rod = HardBody::<1>::ball(0.5).unwrap();
+    let depletants = [Depletant { radius, fugacity }];
+    let start = between_walls(1, 1.0 / edge, [1.0]);
+    let (samples, _) = samples_among(&depletants, &falling(weight_kt), &rod, &start, 40_000);
+    let heights: Vec<f64> = samples
+        .iter()
+        .map(|sample| sample.walls.unwrap().mean_height)
+        .collect();
+    assert_mean(&heights, first / norm, 0.01, "height");
+}
+
+/// Bodies and depletants together press on the walls: the pressures differ by the weight of the bodies.
+#[test]
+fn walls_bear_the_weight_of_bodies_among_depletants() {
+    let ball = HardBody::<3>::ball(0.5).unwrap();
+    let depletants = [Depletant {
+        radius: 0.15,
+        fugacity: 5.0,
+    }];
+    let start = between_walls(60, 0.15, [1.0, 1.0, 1.5]);
+    let settings = Settings {
+        points: 100,
+        ..falling(3.0)
+    };
+    let (samples, simulation) = samples_among(&depletants, &settings, &ball, &start, 8000);
+    let [x, y, _] = *simulation.system().space().lengths();
+    let differences: Vec<f64> = samples
+        .iter()
+        .map(|sample| {
+            let [low, high] = sample.walls.unwrap().pressures;
+            low - high
+        })
+        .collect();
+    assert_mean(
+        &differences,
+        60.0 * 3.0 / (x * y),
+        0.08,
+        "difference of pressures",
+    );
 }

@@ -18,6 +18,9 @@ const SETTINGS: Settings = Settings {
     points: 1000,
     pressure: None,
     gravity: None,
+    potential: Vec::new(),
+    field: None,
+    swaps: 0,
 };
 
 fn ball() -> HardBody<3> {

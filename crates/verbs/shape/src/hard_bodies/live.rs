@@ -1,16 +1,16 @@
 //! Hard bodies in memory, for loops of one's own.
 
+use super::kinds::Shapes;
 use super::placed::{of_file, with_state};
 use super::run::{Prepared, engine, measure};
 use super::settings::HardBodySettings;
-use super::start::BodyShape;
 use super::trajectory::{frame, header};
-use crate::given_state::{GivenState, arrays_of, given_arrays, is_state};
+use crate::given_state::{arrays_of, given_arrays, is_state};
 use anyhow::{Context, Result, bail};
 use protomer_common::live::{Arrays, Column, Live, changed, require_rows};
-use protomer_hpmc::body::HardBody;
+use protomer_hpmc::mixture::Mixture;
 use protomer_hpmc::simulation::{Simulation, State};
-use protomer_hpmc::start::Start;
+use protomer_hpmc::start::{Placed, Start};
 use protomer_io::gsd::Chunk;
 use protomer_results::Row;
 use serde_json::Value;
@@ -45,7 +45,7 @@ pub fn hard_bodies(settings: &Value, arrays: Option<Arrays>) -> Result<Box<dyn L
         all = with_state(all, bodies, number("packing_fraction"))?;
     }
     let settings = all;
-    let shape = BodyShape::read(&settings.shape)?;
+    let shape = Shapes::read(&settings)?;
     Ok(match shape.dimension() {
         1 => Box::new(LiveHardBodies::<1>::new(settings, &shape, arrays)?),
         2 => Box::new(LiveHardBodies::<2>::new(settings, &shape, arrays)?),
@@ -55,62 +55,73 @@ pub fn hard_bodies(settings: &Value, arrays: Option<Arrays>) -> Result<Box<dyn L
 
 struct LiveHardBodies<const D: usize> {
     settings: HardBodySettings,
-    body: HardBody<D>,
+    mixture: Mixture<D>,
     simulation: Simulation<D>,
 }
 
 impl<const D: usize> LiveHardBodies<D> {
-    fn new(settings: HardBodySettings, shape: &BodyShape, arrays: Option<Arrays>) -> Result<Self> {
+    fn new(settings: HardBodySettings, shape: &Shapes, arrays: Option<Arrays>) -> Result<Self> {
         let Some(arrays) = arrays else {
             settings.check()?;
             let Prepared {
-                body,
+                mixture,
                 start,
                 engine,
                 ..
             } = Prepared::new(&settings, shape)?;
-            let simulation = Simulation::new(&engine, &body, &settings.depletants, &start)?;
+            let depletants = &settings.depletants;
+            let simulation =
+                Simulation::of_mixture(&engine, &mixture, depletants, &start, &|| false)?;
             return Ok(Self {
                 settings,
-                body,
+                mixture,
                 simulation,
             });
         };
-        let body = shape.body(settings.rounding_radius)?;
-        let (settings, simulation) = begin(settings, &body, &given_arrays(arrays, D.max(2))?)?;
+        let given = given_arrays(arrays, D.max(2))?;
+        let kinds = shape.kinds(&settings)?;
+        let state = of_file(&given, &settings, &kinds)?;
+        let settings = HardBodySettings {
+            bodies: state.kind_of.len(),
+            ..settings
+        };
+        let mixture = match settings.spread > 0.0 {
+            true => shape.mixture(&settings)?,
+            false => Mixture::new(kinds, state.kind_of)?,
+        };
+        let (settings, simulation) = begin(settings, &mixture, state.placed)?;
         Ok(Self {
             settings,
-            body,
+            mixture,
             simulation,
         })
     }
 
     fn resume(&self, settings: &HardBodySettings, state: &State) -> Result<Simulation<D>> {
-        let engine = engine(settings)?;
-        Ok(Simulation::resume(
+        let (engine, depletants) = (engine(settings)?, &settings.depletants);
+        Ok(Simulation::resume_mixture(
             &engine,
-            &self.body,
-            &settings.depletants,
+            &self.mixture,
+            depletants,
             state,
         )?)
     }
 }
 
-/// A simulation that begins where bodies are given, and its settings with their number and packing fraction.
+/// A simulation that begins where bodies are given, and its settings with their packing fraction.
 fn begin<const D: usize>(
     settings: HardBodySettings,
-    body: &HardBody<D>,
-    given: &GivenState,
+    mixture: &Mixture<D>,
+    placed: Placed<D>,
 ) -> Result<(HardBodySettings, Simulation<D>)> {
-    let placed = of_file(given, &settings, body)?.placed;
     let settings = HardBodySettings {
-        bodies: placed.positions.len(),
-        packing_fraction: placed.packing_fraction(body.volume),
+        packing_fraction: placed.packing_fraction(mixture.mean_volume()),
         ..settings
     };
     settings.check()?;
-    let start = Start::Placed(placed);
-    let simulation = Simulation::new(&engine(&settings)?, body, &settings.depletants, &start)?;
+    let (engine, start) = (engine(&settings)?, Start::Placed(placed));
+    let depletants = &settings.depletants;
+    let simulation = Simulation::of_mixture(&engine, mixture, depletants, &start, &|| false)?;
     Ok((settings, simulation))
 }
 
@@ -175,7 +186,8 @@ impl<const D: usize> Live for LiveHardBodies<D> {
         }
         all.append(&mut arrays);
         let given = given_arrays(all, D.max(2))?;
-        let (settings, simulation) = begin(self.settings.clone(), &self.body, &given)?;
+        let placed = of_file(&given, &self.settings, self.simulation.system().kinds())?.placed;
+        let (settings, simulation) = begin(self.settings.clone(), &self.mixture, placed)?;
         let moved = simulation.state();
         let state = State {
             lengths: moved.lengths,
@@ -198,7 +210,8 @@ impl<const D: usize> Live for LiveHardBodies<D> {
         let bodies = |settings: &HardBodySettings| {
             (
                 settings.shape.clone(),
-                settings.rounding_radius,
+                settings.share.clone(),
+                (settings.rounding_radius, settings.spread),
                 settings.bodies,
                 settings.start.clone(),
             )

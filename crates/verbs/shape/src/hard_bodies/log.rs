@@ -26,6 +26,8 @@ protomer_results::log_row! {
         pub box_lengths: Vec<f64> = Vec::new() => "length of the box" as "x" | "y" | "z",
         /// Tilt factors of the box, where more than its volume changes.
         pub box_tilt_factors: Vec<f64> = Vec::new() => "tilt factor of the box" as "xy" | "xz" | "yz",
+        /// Energy of all pairs over the number of bodies, kT, with a potential.
+        pub energy("energy_kt_per_body"): Option<f64> = None => "energy per body (kT)",
     }
 }
 

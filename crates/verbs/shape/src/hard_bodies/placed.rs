@@ -1,8 +1,9 @@
 //! Hard bodies that begin where another simulation left them: a frame of a GSD file, or a run's directory.
 
+use super::kinds::Shapes;
 use super::run::saved_state;
 use super::settings::HardBodySettings;
-use super::start::{BodyShape, cell_text};
+use super::start::cell_text;
 use super::trajectory::shape;
 use crate::given_state::{GivenState, is_state};
 use anyhow::{Context, Result, bail};
@@ -19,7 +20,21 @@ const SAME: f64 = 1e-9;
 /// A state, and the hash of all that is in it.
 pub(super) struct State<const D: usize> {
     pub(super) placed: Placed<D>,
+    pub(super) kind_of: Vec<u32>,
     pub(super) sha256: String,
+}
+
+impl<const D: usize> State<D> {
+    /// Part of the box that bodies of these kinds fill.
+    pub(super) fn packing_fraction(&self, kinds: &[HardBody<D>]) -> f64 {
+        let volumes = self
+            .kind_of
+            .iter()
+            .filter_map(|kind| kinds.get(*kind as usize));
+        let volume: f64 = volumes.map(|kind| kind.volume).sum();
+        let mean = volume / self.kind_of.len().max(1) as f64;
+        self.placed.packing_fraction(mean)
+    }
 }
 
 /// The settings with the number of bodies and the packing fraction of the state in which they start. Numbers that were
@@ -33,7 +48,7 @@ pub fn with_state(
     packing_fraction: Option<f64>,
 ) -> Result<HardBodySettings> {
     settings.check_start()?;
-    let shape = BodyShape::read(&settings.shape)?;
+    let shape = Shapes::read(&settings)?;
     match shape.dimension() {
         1 => resolve::<1>(settings, &shape, bodies, packing_fraction),
         2 => resolve::<2>(settings, &shape, bodies, packing_fraction),
@@ -43,14 +58,16 @@ pub fn with_state(
 
 fn resolve<const D: usize>(
     settings: HardBodySettings,
-    shape: &BodyShape,
+    shape: &Shapes,
     bodies: Option<usize>,
     packing_fraction: Option<f64>,
 ) -> Result<HardBodySettings> {
-    let body = shape.body::<D>(settings.rounding_radius)?;
-    let placed = read(&settings, &body)?.placed;
+    let state = read(&settings, &shape.kinds::<D>(&settings)?)?;
     let start = &settings.start;
-    let (count, packing) = (placed.positions.len(), placed.packing_fraction(body.volume));
+    let (count, packing) = (
+        state.kind_of.len(),
+        state.packing_fraction(&shape.kinds(&settings)?),
+    );
     if let Some(given) = bodies.filter(|given| *given != count) {
         bail!("--bodies is {given}, and {start} has {count}; leave --bodies out");
     }
@@ -72,15 +89,14 @@ fn resolve<const D: usize>(
 ///
 /// # Errors
 /// If the file or the state cannot be read.
-pub(super) fn start_text(settings: &HardBodySettings, shape: &BodyShape) -> Result<Option<String>> {
+pub(super) fn start_text(settings: &HardBodySettings, shape: &Shapes) -> Result<Option<String>> {
     if !is_state(&settings.start) {
         return cell_text(&settings.start);
     }
-    let rounding = settings.rounding_radius;
     Ok(Some(match shape.dimension() {
-        1 => read::<1>(settings, &shape.body(rounding)?)?.sha256,
-        2 => read::<2>(settings, &shape.body(rounding)?)?.sha256,
-        _ => read::<3>(settings, &shape.body(rounding)?)?.sha256,
+        1 => read::<1>(settings, &shape.kinds(settings)?)?.sha256,
+        2 => read::<2>(settings, &shape.kinds(settings)?)?.sha256,
+        _ => read::<3>(settings, &shape.kinds(settings)?)?.sha256,
     }))
 }
 
@@ -94,13 +110,10 @@ fn is_same(first: f64, second: f64) -> bool {
 /// As [`with_state`]; also if the state has changed since the settings were made.
 pub(super) fn placed<const D: usize>(
     settings: &HardBodySettings,
-    body: &HardBody<D>,
+    kinds: &[HardBody<D>],
 ) -> Result<State<D>> {
-    let state = read(settings, body)?;
-    let (count, packing) = (
-        state.placed.positions.len(),
-        state.placed.packing_fraction(body.volume),
-    );
+    let state = read(settings, kinds)?;
+    let (count, packing) = (state.kind_of.len(), state.packing_fraction(kinds));
     if count != settings.bodies || !is_same(settings.packing_fraction, packing) {
         bail!(
             "{} has {count} bodies at a packing fraction of {packing}, and the settings have {} at {}; give those of the state",
@@ -112,11 +125,11 @@ pub(super) fn placed<const D: usize>(
     Ok(state)
 }
 
-fn read<const D: usize>(settings: &HardBodySettings, body: &HardBody<D>) -> Result<State<D>> {
+fn read<const D: usize>(settings: &HardBodySettings, kinds: &[HardBody<D>]) -> Result<State<D>> {
     let path = Path::new(&settings.start);
     if !path.is_dir() {
         let given = GivenState::read(path, settings.frame)?;
-        return of_file(&given, settings, body);
+        return of_file(&given, settings, kinds);
     }
     if settings.frame.is_some() {
         bail!(
@@ -131,17 +144,18 @@ fn read<const D: usize>(settings: &HardBodySettings, body: &HardBody<D>) -> Resu
 pub(super) fn of_file<const D: usize>(
     given: &GivenState,
     settings: &HardBodySettings,
-    body: &HardBody<D>,
+    kinds: &[HardBody<D>],
 ) -> Result<State<D>> {
     if given.dimensions != D.max(2) {
         bail!(
             "{} has {} dimensions, and --shape {} has {D}; give a shape of the same space",
             given.origin,
             given.dimensions,
-            settings.shape
+            settings.shape.join(", ")
         );
     }
-    given.check_shapes(&[shape(body)], std::slice::from_ref(&settings.shape))?;
+    let shapes: Vec<_> = kinds.iter().map(shape).collect();
+    given.check_shapes(&shapes, &settings.shape)?;
     let lengths: [f64; D] = std::array::from_fn(|axis| given.lengths[axis]);
     // xy, xz, yz in space, xy in a plane.
     let tilts = &given.tilt_factors[..D * (D - 1) / 2];
@@ -162,6 +176,7 @@ pub(super) fn of_file<const D: usize>(
             rotations: given.rotations.clone(),
             has_walls: settings.gravity.is_some(),
         },
+        kind_of: given.kinds.iter().map(|kind| *kind as u32).collect(),
         sha256: given.sha256(),
     })
 }
@@ -180,15 +195,16 @@ fn in_plane(rotation: &Rotation, origin: &str) -> Result<()> {
 /// The bodies of a run, as its checkpoint has them to the last bit.
 fn of_directory<const D: usize>(path: &Path, settings: &HardBodySettings) -> Result<State<D>> {
     let (theirs, state) = saved_state(path)?;
-    let is_same_shape = BodyShape::read(&theirs.shape)? == BodyShape::read(&settings.shape)?
-        && theirs.rounding_radius == settings.rounding_radius;
+    let is_same_shape = Shapes::read(&theirs)? == Shapes::read(settings)?
+        && theirs.rounding_radius == settings.rounding_radius
+        && theirs.spread == settings.spread;
     if !is_same_shape {
         bail!(
             "{} has the shape {}, rounded by {}, and --shape is {}, rounded by {}; give the shape of that run",
             path.display(),
-            theirs.shape,
+            theirs.shape.join(", "),
             theirs.rounding_radius,
-            settings.shape,
+            settings.shape.join(", "),
             settings.rounding_radius
         );
     }
@@ -198,7 +214,19 @@ fn of_directory<const D: usize>(path: &Path, settings: &HardBodySettings) -> Res
         &state.positions,
         &state.orientations_wxyz,
     ))?;
+    let kind_of = match (theirs.shape.len(), is_state(&theirs.start)) {
+        (1, _) => vec![0; state.orientations_wxyz.len()],
+        (_, false) => Shapes::read(&theirs)?
+            .mixture::<D>(&theirs)?
+            .kind_of()
+            .to_vec(),
+        (_, true) => {
+            let kinds = Shapes::read(&theirs)?.kinds::<D>(&theirs)?;
+            placed(&theirs, &kinds)?.kind_of
+        }
+    };
     Ok(State {
+        kind_of,
         placed: state.placed(settings.gravity.is_some())?,
         sha256: sha256_hex(text.as_bytes()),
     })
@@ -243,11 +271,11 @@ mod tests {
         let resolved = with_state(settings(&first), None, None).unwrap();
         assert_eq!(resolved.bodies, 50);
         assert!((resolved.packing_fraction - 0.5).abs() < 1e-12);
-        let body = BodyShape::read("polygon:5")
+        let kinds = Shapes::read(&resolved)
             .unwrap()
-            .body::<2>(0.0)
+            .kinds::<2>(&resolved)
             .unwrap();
-        let state = placed(&resolved, &body).unwrap();
+        let state = placed(&resolved, &kinds).unwrap();
         assert_eq!(state.placed.positions.as_flattened(), theirs.positions);
         let next = folder.path().join("next");
         run_hard_bodies(&resolved, &next, &Execution::default()).unwrap();
@@ -259,7 +287,7 @@ mod tests {
                 ..of_file.clone()
             };
             let again = with_state(of_file, Some(50), None).unwrap();
-            let read = placed(&again, &body).unwrap();
+            let read = placed(&again, &kinds).unwrap();
             for (place, exact) in read
                 .placed
                 .positions

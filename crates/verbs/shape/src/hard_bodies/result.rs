@@ -36,7 +36,7 @@ pub struct HardBodyResult {
     pub mean_box: Option<MeanBox>,
     /// Sweeps after the equilibration.
     pub sweeps: u64,
-    /// Z = βP/ρ of the bodies by trial compressions. It does not hold what depletants add.
+    /// Z = βP/ρ of the bodies and their potential by trial compressions. It does not hold what depletants add.
     pub compressibility_factor: f64,
     /// Standard error of the compressibility factor.
     pub compressibility_factor_error: Option<f64>,
@@ -50,7 +50,13 @@ pub struct HardBodyResult {
     pub rotation_step: f64,
     /// Trial moves per second of processor time in this process; `None` if it made none.
     pub trial_moves_per_cpu_second: Option<f64>,
-    /// The part of inserted bodies that overlap none.
+    /// Energy of all pairs over the number of bodies, kT, with a potential.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub energy_kt_per_body: Option<f64>,
+    /// Standard error of the energy.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub energy_kt_per_body_error: Option<f64>,
+    /// The part of inserted bodies that overlap none, each weighed by exp(-u) with a potential.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub insertion_probability: Option<f64>,
     /// Standard error of the insertion probability.
@@ -75,6 +81,9 @@ pub struct HardBodyResult {
     /// The constant pressure βP, kT per volume.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub pressure_kt_per_volume: Option<f64>,
+    /// Accepted part of the exchanges of places, where they were tried.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub swap_acceptance: Option<f64>,
     /// The accepted part of the changes of the box.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub box_acceptance: Option<f64>,
@@ -200,6 +209,10 @@ impl Answer for HardBodyResult {
                 )
             ),
         ];
+        if let Some(energy) = self.energy_kt_per_body {
+            let energy = with_error(energy, self.energy_kt_per_body_error);
+            lines.push(format!("energy {energy} kT per body"));
+        }
         lines.extend(self.equilibrium.as_ref().map(Equilibrium::text));
         lines.extend(self.mean_box.as_ref().map(MeanBox::text));
         if let Some(walls) = &self.walls {
@@ -231,6 +244,12 @@ impl Answer for HardBodyResult {
             "{:.1} % of the moves accepted",
             100.0 * self.acceptance
         ));
+        if let Some(acceptance) = self.swap_acceptance {
+            lines.push(format!(
+                "{:.1} % of the exchanges accepted",
+                100.0 * acceptance
+            ));
+        }
         lines.join("\n")
     }
 }
@@ -239,6 +258,13 @@ impl HardBodyResult {
     /// Warning that the numbers are not those of equilibrium, and why; `None` if nothing speaks
     /// against it.
     pub fn warning(&self) -> Option<String> {
+        let is_pressed_among_depletants = self.pressure_kt_per_volume.is_some()
+            && self.depletants.iter().any(|kind| kind.fugacity > 0.0);
+        if is_pressed_among_depletants {
+            return Some(
+                "the balance of pressures is not measured among depletants; look at packing_fraction in log.csv".into(),
+            );
+        }
         let equilibrium = self.equilibrium.as_ref()?;
         (!equilibrium.is_reached).then(|| equilibrium.text())
     }

@@ -5,6 +5,7 @@
 //! ```
 
 use super::equilibrium::{Equilibrium, Series};
+use super::kinds::Shapes;
 use super::log::LogRow;
 use super::placed;
 use super::result::{
@@ -12,15 +13,17 @@ use super::result::{
     mean_and_error_following, tilt_factors,
 };
 use super::settings::{Freedom, HardBodySettings};
-use super::start::{BodyShape, FLUID, cell_text, unit_cell};
+use super::start::{FLUID, cell_text, unit_cell};
 use super::trajectory::{frame, open_trajectory};
 use crate::given_state::is_state;
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Error, Result, bail};
 use protomer_common::cpu_time::Stopwatch;
 use protomer_common::output_file::write_once;
 use protomer_hpmc::body::HardBody;
 use protomer_hpmc::crystal::Crystal;
 use protomer_hpmc::heights::Walls;
+use protomer_hpmc::mixture::Mixture;
+use protomer_hpmc::potential::Sum;
 use protomer_hpmc::reservoir::ball_volume;
 use protomer_hpmc::simulation::{self, Simulation, State};
 use protomer_hpmc::start::Start;
@@ -89,7 +92,7 @@ pub fn run_hard_bodies(
     execution: &Execution,
 ) -> Result<End<HardBodyResult>> {
     settings.check()?;
-    let shape = BodyShape::read(&settings.shape)?;
+    let shape = Shapes::read(settings)?;
     match shape.dimension() {
         1 => HardBodyRun::<1>::new(settings, &shape, &execution.interrupt)?.drive(path, execution),
         2 => HardBodyRun::<2>::new(settings, &shape, &execution.interrupt)?.drive(path, execution),
@@ -102,7 +105,7 @@ struct HardBodyRun<'a, const D: usize> {
     settings: &'a HardBodySettings,
     identity: String,
     input_sha256: String,
-    body: HardBody<D>,
+    mixture: Mixture<D>,
     start: Start<D>,
     engine: simulation::Settings,
     /// Request to stop, which also ends the compression of bodies.
@@ -133,31 +136,33 @@ struct Saved {
 
 /// Bodies, their start and the settings of the engine, from settings that have been checked.
 pub(super) struct Prepared<const D: usize> {
-    pub(super) body: HardBody<D>,
+    pub(super) mixture: Mixture<D>,
     pub(super) start: Start<D>,
     pub(super) engine: simulation::Settings,
     input_sha256: String,
 }
 
 impl<const D: usize> Prepared<D> {
-    pub(super) fn new(settings: &HardBodySettings, shape: &BodyShape) -> Result<Self> {
-        let body = shape
-            .body(settings.rounding_radius)
-            .with_context(|| settings.shape.clone())?;
-        let (start, input_sha256) = match is_state(&settings.start) {
+    pub(super) fn new(settings: &HardBodySettings, shape: &Shapes) -> Result<Self> {
+        let kinds = shape.kinds::<D>(settings)?;
+        // Refused before there is a directory.
+        Sum::<D>::new(&settings.potential)?;
+        let (start, mixture, input_sha256) = match is_state(&settings.start) {
             true => {
-                let state = placed::placed(settings, &body)?;
+                let state = placed::placed(settings, &kinds)?;
                 let sha256 = shape.sha256(Some(&state.sha256));
-                (Start::Placed(state.placed), sha256)
+                let mixture = Mixture::new(kinds, state.kind_of)?;
+                (Start::Placed(state.placed), mixture, sha256)
             }
             false => {
                 let text = cell_text(&settings.start)?;
-                let start = start(settings, &body, text.as_deref())?;
-                (start, shape.sha256(text.as_deref()))
+                let start = start(settings, &kinds, text.as_deref())?;
+                let mixture = shape.mixture(settings)?;
+                (start, mixture, shape.sha256(text.as_deref()))
             }
         };
         Ok(Self {
-            body,
+            mixture,
             start,
             engine: engine(settings)?,
             input_sha256,
@@ -174,23 +179,22 @@ pub(super) fn engine(settings: &HardBodySettings) -> Result<simulation::Settings
         points: settings.resolved_points(),
         pressure: settings.pressure,
         gravity: settings.gravity,
+        potential: settings.potential.clone(),
+        field: settings.field.clone(),
+        swaps: settings.swaps,
     };
     engine.check(&settings.depletants)?;
     Ok(engine)
 }
 
 impl<'a, const D: usize> HardBodyRun<'a, D> {
-    fn new(
-        settings: &'a HardBodySettings,
-        shape: &BodyShape,
-        interrupt: &Interrupt,
-    ) -> Result<Self> {
+    fn new(settings: &'a HardBodySettings, shape: &Shapes, interrupt: &Interrupt) -> Result<Self> {
         let prepared = Prepared::new(settings, shape)?;
         Ok(Self {
             settings,
             identity: settings::identity(settings, &prepared.input_sha256)?,
             input_sha256: prepared.input_sha256,
-            body: prepared.body,
+            mixture: prepared.mixture,
             start: prepared.start,
             engine: prepared.engine,
             interrupt: interrupt.clone(),
@@ -240,6 +244,10 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
         let series = |quantity: &dyn Fn(&LogRow) -> Option<f64>| -> Option<Vec<f64>> {
             rows.iter().map(quantity).collect()
         };
+        if self.settings.field.is_some() {
+            // A field bears a part of the bodies, which no pressure shows.
+            return None;
+        }
         if let Some(walls) = walls {
             return Some(Equilibrium::of(&Series {
                 pressure: &series(&|row| {
@@ -252,7 +260,16 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
             }));
         }
         let pressure = self.settings.pressure?;
-        let volume = self.body.volume;
+        if self
+            .settings
+            .depletants
+            .iter()
+            .any(|kind| kind.fugacity > 0.0)
+        {
+            // Trial compressions see the contacts of bodies, not what depletants push.
+            return None;
+        }
+        let volume = self.mixture.mean_volume();
         Some(Equilibrium::of(&Series {
             pressure: &series(&|row| {
                 // βP = Z ρ, with ρ = packing fraction / volume of a body.
@@ -304,7 +321,7 @@ impl<'a, const D: usize> HardBodyRun<'a, D> {
                 edge,
                 least,
                 // The engine names some number of bodies; a crystal needs whole cells of them.
-                bodies: crystal.fewest_bodies_from(bodies, &self.body, least),
+                bodies: crystal.fewest_bodies_from(bodies, &self.mixture.kinds()[0], least),
             },
             (error, _) => error,
         }
@@ -354,13 +371,14 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                     ("orientations", state.orientations_wxyz.len(), bodies),
                     ("lengths of the box", state.lengths.len(), D),
                 ])?;
-                let resumed = Simulation::resume(&self.engine, &self.body, depletants, state)?;
+                let resumed =
+                    Simulation::resume_mixture(&self.engine, &self.mixture, depletants, state)?;
                 (saved.log, saved.frames, resumed)
             }
             None => {
-                let new = Simulation::new_unless(
+                let new = Simulation::of_mixture(
                     &self.engine,
-                    &self.body,
+                    &self.mixture,
                     depletants,
                     &self.start,
                     // Compressing a fluid takes long at high
@@ -467,6 +485,10 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 free_volume_fraction_error: error,
             });
         }
+        let energies: Option<Vec<f64>> = rows.iter().map(|row| row.energy).collect();
+        let energy = energies
+            .filter(|series| !series.is_empty())
+            .map(|series| mean_and_error(&series));
         let walls = self.walls(open);
         let equilibrium = self.equilibrium(rows, walls.as_ref());
         if walls.is_some() {
@@ -488,7 +510,7 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
         let first = depletants.first();
         let seconds = open.watch.seconds();
         Ok(HardBodyResult {
-            shape: self.settings.shape.clone(),
+            shape: self.settings.shape.join(", "),
             dimension: D,
             rounding_radius: self.settings.rounding_radius,
             bodies: system.len(),
@@ -509,6 +531,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
             translation_step: open.simulation.steps().translation,
             rotation_step: open.simulation.steps().rotation,
             trial_moves_per_cpu_second: (seconds > 0.0).then(|| open.trials as f64 / seconds),
+            energy_kt_per_body: energy.map(|(mean, _)| mean),
+            energy_kt_per_body_error: energy.and_then(|(_, error)| error),
             insertion_probability: insertion.map(|(mean, _)| mean),
             insertion_probability_error: insertion.and_then(|(_, error)| error),
             excess_chemical_potential_kt: insertion
@@ -525,6 +549,8 @@ impl<const D: usize> Run for HardBodyRun<'_, D> {
                 .settings
                 .pressure
                 .map(|pressure| pressure.kt_per_volume),
+            swap_acceptance: (self.settings.swaps > 0)
+                .then(|| open.simulation.swap_counts().acceptance()),
             box_acceptance: self
                 .settings
                 .pressure
@@ -571,6 +597,7 @@ pub(super) fn measure<const D: usize>(
         mean_height: sample.walls.map(|walls| walls.mean_height),
         box_lengths: lengths,
         box_tilt_factors: tilt_factors,
+        energy: sample.energy_kt_per_body,
     }
 }
 
@@ -604,11 +631,18 @@ fn is_stopped(error: &Error) -> bool {
 
 fn start<const D: usize>(
     settings: &HardBodySettings,
-    body: &HardBody<D>,
+    kinds: &[HardBody<D>],
     cell_text: Option<&str>,
 ) -> Result<Start<D>> {
     let (bodies, packing) = (settings.bodies, settings.packing_fraction);
     if settings.start != FLUID {
+        let body = match kinds {
+            [body] if settings.spread == 0.0 => body,
+            _ => bail!(
+                "bodies of several kinds start as a fluid or from a state; leave --start {} out",
+                settings.start
+            ),
+        };
         let cell = unit_cell(&settings.start, cell_text, &settings.turn)?;
         let crystal = Crystal::among(&cell, body, &settings.depletants, bodies, packing)?;
         // What cannot be is refused before a directory is made.
@@ -638,12 +672,13 @@ fn profile<const D: usize>(open: &Open<D>) -> String {
     // The heights run along the last axis, which has the walls.
     let height = system.space().lengths()[D - 1] / parts.len().max(1) as f64;
     let volume = system.volume() / parts.len().max(1) as f64;
+    let mean_volume = system.body_volume() / system.len() as f64;
     let mut table = String::from("height,number_density,packing_fraction\n");
     for (bin, part) in parts.iter().enumerate() {
         // `part` is the share of the bodies in this layer.
         let density = part * system.len() as f64 / volume;
         let middle = (bin as f64 + 0.5) * height;
-        let packing = density * system.body().volume;
+        let packing = density * mean_volume;
         table.push_str(&format!("{middle},{density},{packing}\n"));
     }
     table

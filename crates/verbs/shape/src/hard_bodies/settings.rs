@@ -4,8 +4,10 @@ use super::start::FLUID;
 use crate::given_state::is_state;
 use anyhow::{Context, Result, bail};
 use protomer_common::range;
+use protomer_common::settings::Words;
 pub use protomer_hpmc::box_moves::{Freedom, Pressure};
-pub use protomer_hpmc::field::Gravity;
+pub use protomer_hpmc::field::{Gravity, HeightTable};
+pub use protomer_hpmc::potential::Term;
 use protomer_hpmc::reservoir::Depletant;
 use protomer_hpmc::simulation;
 use protomer_kernel::Number;
@@ -17,8 +19,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HardBodySettings {
-    /// File or name of the shape.
-    pub shape: String,
+    /// File or name of the shape; several for a mixture.
+    pub shape: Words,
+    /// Relative number of bodies of each shape; empty for equal numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub share: Vec<f64>,
+    /// Standard deviation of the size of the bodies, relative to that of the shape.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub spread: f64,
     /// Radius of the ball, or disk, that rounds the shape.
     pub rounding_radius: f64,
     /// Number of bodies.
@@ -61,12 +69,23 @@ pub struct HardBodySettings {
     /// Gravity between hard walls.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
+    /// Terms of the energy of each pair of bodies.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub potential: Vec<Term>,
+    /// Energy of each body by its last coordinate, from the lower end of the box.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub field: Option<HeightTable>,
+    /// Trial exchanges of the places of two bodies of different kinds in a sweep.
+    #[serde(skip_serializing_if = "is_none")]
+    pub swaps: usize,
 }
 
 impl Default for HardBodySettings {
     fn default() -> Self {
         Self {
-            shape: String::new(),
+            shape: Words::default(),
+            share: Vec::new(),
+            spread: 0.0,
             rounding_radius: 0.0,
             bodies: 216,
             packing_fraction: 0.3,
@@ -84,8 +103,19 @@ impl Default for HardBodySettings {
             box_ratios: Vec::new(),
             pressure: None,
             gravity: None,
+            potential: Vec::new(),
+            field: None,
+            swaps: 0,
         }
     }
+}
+
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
+fn is_none(number: &usize) -> bool {
+    *number == 0
 }
 
 fn is_fluid(start: &str) -> bool {
@@ -144,6 +174,7 @@ impl HardBodySettings {
         check_packing_fraction(self.packing_fraction)?;
         check_bodies(self.bodies)?;
         check_rounding(self.rounding_radius)?;
+        self.check_kinds()?;
         for ratio in &self.box_ratios {
             if !(1e-3..=1e3).contains(ratio) {
                 bail!(
@@ -187,6 +218,8 @@ impl HardBodySettings {
         let engine = simulation::Settings {
             pressure: self.pressure,
             gravity: self.gravity,
+            field: self.field.clone(),
+            swaps: self.swaps,
             ..simulation::Settings::default()
         };
         engine.check(&self.depletants)?;
@@ -195,6 +228,43 @@ impl HardBodySettings {
                 .with_context(|| format!("depletants {}", number + 1))?;
         }
         self.check_start()
+    }
+
+    /// Checks what belongs to bodies of several kinds only.
+    fn check_kinds(&self) -> Result<()> {
+        let (shapes, shares) = (self.shape.len(), self.share.len());
+        if shares != 0 && shares != shapes {
+            bail!("--shape: {shapes}, --share: {shares}; give a --share for each --shape, or none");
+        }
+        if let Some(share) = self
+            .share
+            .iter()
+            .find(|share| !(1e-9..=1e9).contains(*share))
+        {
+            bail!(
+                "share holds {}; each must be from 1e-9 to 1e9",
+                Number(*share)
+            );
+        }
+        if !(0.0..=0.3).contains(&self.spread) {
+            bail!(
+                "spread is {}; it must be from 0 to 0.3",
+                Number(self.spread)
+            );
+        }
+        let is_mixture = shapes > 1 || self.spread > 0.0;
+        if self.swaps > 0 && !is_mixture {
+            bail!(
+                "--swaps is for bodies of different kinds; give several --shape or a --spread, or leave it out"
+            );
+        }
+        if is_mixture && self.insertions > 0 {
+            bail!("--insertions is for bodies of one kind; leave it out");
+        }
+        if self.spread > 0.0 && is_state(&self.start) {
+            bail!("--spread gives bodies their sizes, and a state has its own; leave one out");
+        }
+        Ok(())
     }
 
     /// Checks what belongs to some starts only.

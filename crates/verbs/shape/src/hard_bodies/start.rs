@@ -69,6 +69,29 @@ impl BodyShape {
         })
     }
 
+    /// The body with all coordinates scaled, rounded by a radius that is not; `in_pieces` keeps one piece as a body of pieces.
+    pub(super) fn body_scaled<const D: usize>(
+        &self,
+        rounding_radius: f64,
+        scale: f64,
+        in_pieces: bool,
+    ) -> Result<HardBody<D>> {
+        if scale == 1.0 && !in_pieces {
+            return self.body(rounding_radius);
+        }
+        let shapes = match self {
+            Self::Rod(length) => return Self::Rod(scale * length).body(rounding_radius),
+            Self::Shape(shape) => std::slice::from_ref(shape),
+            Self::Pieces(shapes) => shapes,
+        };
+        let scaled = shapes.iter().map(|shape| scaled(shape, scale));
+        let scaled = scaled.collect::<Result<Vec<Shape>>>()?;
+        Ok(match in_pieces {
+            true => HardBody::in_pieces(&scaled, rounding_radius)?,
+            false => HardBody::of_pieces(&scaled, rounding_radius)?,
+        })
+    }
+
     pub(super) fn sha256(&self, cell_text: Option<&str>) -> String {
         let mut text = match self {
             Self::Rod(length) => format!("rod {length}"),
@@ -78,6 +101,22 @@ impl BodyShape {
         text.push_str(cell_text.unwrap_or_default());
         sha256_hex(text.as_bytes())
     }
+}
+
+/// The shape with all coordinates scaled.
+fn scaled(shape: &Shape, scale: f64) -> Result<Shape> {
+    let corners = shape
+        .corner_points()
+        .into_iter()
+        .map(|corner| scale * corner);
+    Ok(match shape {
+        Shape::Flat(_) => Shape::flat(
+            &corners
+                .map(|corner| [corner.x, corner.y])
+                .collect::<Vec<_>>(),
+        )?,
+        Shape::Solid(_) => Shape::solid(&corners.collect::<Vec<_>>())?,
+    })
 }
 
 /// The text of the file of a unit cell; `None` for a name.

@@ -32,15 +32,27 @@ fn equilibration(sweeps: u64) -> Chunk {
 
 /// The data that is the same in every frame.
 pub(super) fn header<const D: usize>(system: &System<D>) -> Result<Vec<Chunk>> {
+    let kinds = system.kinds();
+    let names: Vec<String> = match kinds {
+        [_] => vec!["body".into()],
+        _ => (1..=kinds.len())
+            .map(|number| format!("body{number}"))
+            .collect(),
+    };
+    let shapes: Vec<String> = kinds.iter().map(|kind| shape(kind).to_string()).collect();
     Ok(vec![
         Chunk::new(
             "configuration/dimensions",
             1,
             ChunkData::U8(vec![D.max(2) as u8]),
         ),
-        Chunk::text("particles/types", &["body"])?,
-        Chunk::new("particles/typeid", 1, ChunkData::U32(vec![0; system.len()])),
-        Chunk::text("particles/type_shapes", &[shape(system.body()).to_string()])?,
+        Chunk::text("particles/types", &names)?,
+        Chunk::new(
+            "particles/typeid",
+            1,
+            ChunkData::U32(system.kind_of().to_vec()),
+        ),
+        Chunk::text("particles/type_shapes", &shapes)?,
     ])
 }
 
@@ -138,7 +150,8 @@ pub fn frame<const D: usize>(sweep: u64, system: &System<D>) -> Vec<Chunk> {
         *number = factor as f32;
     }
     if D == 1 {
-        numbers[1] = 2.0 * system.body().outer_radius as f32;
+        let radii = system.kinds().iter().map(|kind| kind.outer_radius);
+        numbers[1] = 2.0 * radii.fold(0.0, f64::max) as f32;
     }
     vec![
         Chunk::new("configuration/step", 1, ChunkData::U64(vec![sweep])),

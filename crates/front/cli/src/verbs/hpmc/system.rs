@@ -1,20 +1,47 @@
 //! Flags of the bodies, their box and what is measured, shared by `run` and `sweep`.
 
-use crate::flags::hard_body::HardBodyArgs;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_common::settings::Words;
 use protomer_shape_verbs::given_state::is_state;
 use protomer_shape_verbs::hard_bodies::placed::with_state;
+use protomer_shape_verbs::hard_bodies::potential_file::{read_field, read_potential};
 use protomer_shape_verbs::hard_bodies::settings::{
     Freedom, Gravity, HardBodySettings, Pressure, parse_depletants,
 };
 use protomer_shape_verbs::hard_bodies::start::FLUID;
+use std::path::PathBuf;
 
 /// Bodies, their box, and what is measured.
 #[derive(Debug, Args)]
 pub struct SystemArgs {
-    #[command(flatten)]
-    body: HardBodyArgs,
+    /// File with points, or the name of a shape, as for `shape`; rod:LENGTH for rods on a line. Several joined
+    /// by + are the convex pieces of one body. Give it several times for a mixture.
+    #[arg(long, value_name = "FILE", required = true)]
+    shape: Vec<String>,
+    /// Relative number of bodies of each shape: once for each --shape [default: equal numbers].
+    #[arg(long, value_name = "SHARE")]
+    share: Vec<f64>,
+    /// Radius of the ball, or disk, that rounds the shapes (Minkowski sum).
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "RADIUS",
+        allow_negative_numbers = true
+    )]
+    rounding: f64,
+    /// Standard deviation of the sizes of the bodies, relative to that of their shape; each body has its own size, at most
+    /// three deviations away.
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "DEVIATION",
+        allow_negative_numbers = true
+    )]
+    spread: f64,
+    /// Trial exchanges of the places of two bodies of different kinds or sizes in a sweep.
+    #[arg(long, default_value_t = 0, value_name = "NUMBER")]
+    swaps: usize,
     /// Number of bodies [default: 216; those of a state].
     #[arg(long)]
     bodies: Option<usize>,
@@ -36,6 +63,14 @@ pub struct SystemArgs {
     /// both ends of the last axis.
     #[arg(long, value_name = "KT_PER_LENGTH", allow_negative_numbers = true)]
     gravity: Option<f64>,
+    /// Energy of each body by its last coordinate, from the lower end of the box: a table with the columns height and
+    /// energy_kt.
+    #[arg(long, value_name = "FILE")]
+    field: Option<PathBuf>,
+    /// Energy of pairs of bodies in addition to their hardness: terms in a .toml file (square-well, radial, patches,
+    /// charges), or a table with the columns distance and energy_kt.
+    #[arg(long, value_name = "FILE")]
+    potential: Option<PathBuf>,
     /// Penetrable hard spheres, or disks, in equilibrium with a reservoir: radius and number density in
     /// the reservoir, several with commas between them. With density 0 only free volumes are measured.
     #[arg(long, value_name = "RADIUS:FUGACITY,…", allow_hyphen_values = true)]
@@ -118,8 +153,11 @@ impl SystemArgs {
     fn settings_of_a_fluid(&self) -> Result<HardBodySettings> {
         let defaults = HardBodySettings::default();
         Ok(HardBodySettings {
-            shape: self.body.shape.clone(),
-            rounding_radius: self.body.rounding,
+            shape: Words(self.shape.clone()),
+            share: self.share.clone(),
+            rounding_radius: self.rounding,
+            spread: self.spread,
+            swaps: self.swaps,
             bodies: self.bodies.unwrap_or(defaults.bodies),
             equilibration: self.equilibration,
             sweeps: self.sweeps,
@@ -135,6 +173,11 @@ impl SystemArgs {
             frame: self.frame,
             turn: self.turn.clone(),
             box_ratios: self.box_ratios.clone(),
+            field: self.field.as_deref().map(read_field).transpose()?,
+            potential: match &self.potential {
+                None => Vec::new(),
+                Some(path) => read_potential(path)?,
+            },
             gravity: self.gravity.map(|weight_kt_per_length| Gravity {
                 weight_kt_per_length,
             }),

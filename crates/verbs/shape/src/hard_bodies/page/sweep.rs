@@ -27,7 +27,7 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
     contents.subtitle = format!(
         "{} bodies ({}), {} states",
         run.bodies,
-        run.shape,
+        run.shape.join(", "),
         equation.points.len()
     );
     let mut parts: Vec<Part> = states(&equation).into_iter().collect();

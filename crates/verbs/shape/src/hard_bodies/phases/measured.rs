@@ -102,12 +102,12 @@ impl MeasuredBranch {
         let equation = read_sweep(sweep)?;
         let result = read_free_energy(free_energy)?;
         let run = &equation.settings.run;
-        if run.shape != result.shape || run.start != result.crystal {
+        if run.shape.join(", ") != result.shape || run.start != result.crystal {
             bail!(
                 "{} is of '{}' in '{}', and {} of '{}' in '{}'; give the free energy of the same \
                  crystal",
                 sweep.display(),
-                run.shape,
+                run.shape.join(", "),
                 run.start,
                 free_energy.display(),
                 result.shape,
@@ -172,9 +172,9 @@ impl MeasuredBranch {
             bail!(
                 "{} is of '{}' and {} of '{}'; give phases of one body",
                 first.sweep.display(),
-                a.shape,
+                a.shape.join(", "),
                 self.sweep.display(),
-                b.shape
+                b.shape.join(", ")
             );
         }
         check_volume(

@@ -286,7 +286,7 @@ impl Answer for EquationOfState {
             }),
         ];
         Some(Figure {
-            title: format!("Equation of state: {}", self.settings.run.shape),
+            title: format!("Equation of state: {}", self.settings.run.shape.join(", ")),
             caption: self.caption(),
             x: Axis::linear("packing fraction"),
             panels: panels.into_iter().flatten().collect(),

@@ -9,6 +9,7 @@ mod equation;
 
 pub use equation::{EquationOfState, StatePoint};
 
+use super::kinds::Shapes;
 use super::placed::start_text;
 use super::result::HardBodyResult;
 use super::run::run_hard_bodies;
@@ -213,7 +214,7 @@ pub fn run_sweep(
     path: &Path,
     execution: &Execution,
 ) -> Result<End<EquationOfState>> {
-    let shape = BodyShape::read(&settings.run.shape)?;
+    let shape = Shapes::read(&settings.run)?;
     let text = start_text(&settings.run, &shape)?;
     let input_sha256 = shape.sha256(text.as_deref());
     let sweep = Sweep {
@@ -234,7 +235,7 @@ struct Sweep<'a> {
     tasks: Vec<Task>,
     identity: String,
     input_sha256: String,
-    shape: BodyShape,
+    shape: Shapes,
     path: &'a Path,
 }
 
@@ -244,10 +245,15 @@ impl Sweep<'_> {
         let run = &self.settings.run;
         let is_plain = run.start == FLUID
             && run.gravity.is_none()
+            && run.spread == 0.0
+            && run.potential.is_empty()
+            && run.field.is_none()
             // Depletants of fugacity 0 only measure free volumes.
             && run.depletants.iter().all(|kind| kind.fugacity == 0.0);
-        let measures = match &self.shape {
-            BodyShape::Shape(shape) if is_plain && !self.settings.packing_fractions.is_empty() => {
+        let measures = match self.shape.single() {
+            Some(BodyShape::Shape(shape))
+                if is_plain && !self.settings.packing_fractions.is_empty() =>
+            {
                 Measures::of(shape, run.rounding_radius)?
             }
             _ => return Ok(None),
@@ -256,11 +262,11 @@ impl Sweep<'_> {
     }
 
     fn body_volume(&self) -> Result<f64> {
-        let rounding = self.settings.run.rounding_radius;
+        let run = &self.settings.run;
         Ok(match self.shape.dimension() {
-            1 => self.shape.body::<1>(rounding)?.volume,
-            2 => self.shape.body::<2>(rounding)?.volume,
-            _ => self.shape.body::<3>(rounding)?.volume,
+            1 => self.shape.mixture::<1>(run)?.mean_volume(),
+            2 => self.shape.mixture::<2>(run)?.mean_volume(),
+            _ => self.shape.mixture::<3>(run)?.mean_volume(),
         })
     }
 }

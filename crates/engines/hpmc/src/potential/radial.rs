@@ -1,0 +1,81 @@
+//! An energy by the distance of the centres, as a table.
+
+use super::{PairPotential, PosedPair, require_energy, require_length, require_rows};
+use crate::{Error, Result, error::require};
+
+/// Straight lines between the rows of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Radial {
+    distances: Vec<f64>,
+    energies_kt: Vec<f64>,
+}
+
+impl Radial {
+    pub(super) fn new(distances: &[f64], energies_kt: &[f64]) -> Result<Self> {
+        require_rows("the number of distances of a potential", distances.len())?;
+        if distances.len() != energies_kt.len() {
+            return Err(Error::OutOfRange {
+                quantity: "the number of energies of a potential",
+                value: energies_kt.len() as f64,
+                requirement: "that of its distances",
+            });
+        }
+        for (distance, energy) in distances.iter().zip(energies_kt) {
+            require_length("a distance of a potential", *distance)?;
+            require_energy("an energy of a potential (kT)", *energy)?;
+        }
+        for pair in distances.windows(2) {
+            let rising = "above the one before";
+            require(
+                "a distance of a potential",
+                pair[1],
+                rising,
+                pair[1] > pair[0],
+            )?;
+        }
+        let last = energies_kt[energies_kt.len() - 1];
+        require(
+            "the last energy of a potential (kT)",
+            last,
+            "0, so that nothing jumps where the table ends",
+            last == 0.0,
+        )?;
+        Ok(Self {
+            distances: distances.to_vec(),
+            energies_kt: energies_kt.to_vec(),
+        })
+    }
+
+    /// Energy and slope at a distance.
+    fn at(&self, distance: f64) -> (f64, f64) {
+        let above = self.distances.partition_point(|row| *row <= distance);
+        match above {
+            0 => (self.energies_kt[0], 0.0),
+            all if all == self.distances.len() => (0.0, 0.0),
+            row => {
+                let [low, high] = [self.distances[row - 1], self.distances[row]];
+                let [first, second] = [self.energies_kt[row - 1], self.energies_kt[row]];
+                let slope = (second - first) / (high - low);
+                (first + slope * (distance - low), slope)
+            }
+        }
+    }
+}
+
+impl<const D: usize> PairPotential<D> for Radial {
+    fn range(&self) -> f64 {
+        self.distances[self.distances.len() - 1]
+    }
+
+    fn energy_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
+        self.at(pair.distance).0
+    }
+
+    fn virial_kt(&self, pair: &PosedPair<'_, D>) -> f64 {
+        -pair.distance * self.at(pair.distance).1
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        Vec::new()
+    }
+}
