@@ -31,12 +31,13 @@ from ._body import Body
 from . import dynamics, structure
 from ._sets import VoxelSet
 from ._log import read_log
-from .simulation import ContactDynamics, HardBodies, Simulation
+from .simulation import AssemblySimulation, ContactDynamics, HardBodies, Simulation
 from .results import *  # noqa: F403
 from .results import __all__ as _result_names
 
 __all__ = [
     "Assembly",
+    "AssemblySimulation",
     "Body",
     "CheckpointError",
     "ConfigError",

@@ -34,10 +34,7 @@ def call(
     """
     output: Any = flags.get("--output")
     with Files(verb, output, replace=bool(flags.get("--force"))) as files:
-        words = list(verb)
-        for flag, value in flags.items():
-            words += _flag(flag, files.named(value), once_per_value=flag in repeated)
-        placed = [word for value in places for word in _words(files.named(value))]
+        words, placed = words_of(verb, places, flags, files, repeated)
         if verb[0] in _GOES_ON:
             for word in placed:
                 if not os.path.exists(word):
@@ -60,6 +57,20 @@ def call(
             raise PartialError(f"{'; '.join(failed)} (the attribute 'result' holds the rest)", answered)
         warnings.warn("some of the work was not done; the result says what", stacklevel=3)
     return answered
+
+
+def words_of(
+    verb: Sequence[str],
+    places: Sequence[object],
+    flags: Mapping[str, object],
+    files: Files,
+    repeated: Sequence[str] = (),
+) -> tuple[list[str], list[str]]:
+    """The words of a command and those of its places, with objects written as files."""
+    words = list(verb)
+    for flag, value in flags.items():
+        words += _flag(flag, files.named(value), once_per_value=flag in repeated)
+    return words, [word for value in places for word in _words(files.named(value))]
 
 
 # A verb that goes on if a file fails would count a wrong name among the failures.

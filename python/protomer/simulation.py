@@ -6,14 +6,15 @@
 >>> squares.positions.shape, squares.sweep
 ((100, 2), 50)
 
-`HardBodies` is the engine of ``hpmc run``, `ContactDynamics` that of ``md run``. Both take the settings of the verb as
-keywords, under the names that its ``run.toml`` has.
+`HardBodies` is the engine of ``hpmc run``, `ContactDynamics` that of ``md run``: they take the settings of the verb as
+keywords, under the names that its ``run.toml`` has. `AssemblySimulation` is that of ``simulate`` and takes its keywords.
 """
 
 from __future__ import annotations
 
 import csv
 import json
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -21,6 +22,9 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._assembly import Trajectory
+from ._call import salts, words_of
+from ._objects import Files
 from ._protomer import ConfigError, LiveSimulation
 
 S = TypeVar("S", bound="Simulation")
@@ -38,8 +42,10 @@ class Simulation:
     _kind = ""
 
     def __init__(self, settings: Mapping[str, Any], arrays: Mapping[str, ArrayLike | None]) -> None:
-        given = _columns(arrays)
-        self._native = LiveSimulation(self._kind, json.dumps(settings), given or None)
+        self._hold(LiveSimulation(self._kind, json.dumps(settings), _columns(arrays) or None))
+
+    def _hold(self, native: LiveSimulation) -> None:
+        self._native = native
         self._views = {name: _locked(array) for name, array in self._native._arrays().items()}
         self._observers: list[tuple[int, Callable[[Any], Any]]] = []
         self._log: Any = None
@@ -208,7 +214,9 @@ class HardBodies(Simulation):
     Parameters
     ----------
     shape
-        File or name, as for ``hpmc run``
+        File or name, as for ``hpmc run``; several for a mixture
+    kinds
+        Number of the shape of each body, in a mixture
     positions, orientations, angles
         Bodies to begin with: centres from the middle of the box; quaternions with the scalar first or, in a plane, angles
         in radians. Without them the bodies begin as the verb begins them
@@ -229,16 +237,17 @@ class HardBodies(Simulation):
 
     def __init__(
         self,
-        shape: str | Path,
+        shape: str | Path | list[str],
         *,
         positions: ArrayLike | None = None,
         orientations: ArrayLike | None = None,
         angles: ArrayLike | None = None,
+        kinds: ArrayLike | None = None,
         box: ArrayLike | None = None,
         **settings: Any,
     ) -> None:
-        arrays = {"positions": positions, "orientations": orientations, "angles": angles, "box": box}
-        super().__init__(self._settings_of({"shape": str(shape), **settings}), arrays)
+        arrays = {"positions": positions, "orientations": orientations, "angles": angles, "kinds": kinds, "box": box}
+        super().__init__(self._settings_of({"shape": _names(shape), **settings}), arrays)
 
     @property
     def sweep(self) -> int:
@@ -304,8 +313,7 @@ class ContactDynamics(Simulation):
             "kinds": kinds,
             "box": box,
         }
-        names = [str(name) for name in shape] if isinstance(shape, list) else str(shape)
-        super().__init__({"shape": names, **settings}, arrays)
+        super().__init__({"shape": _names(shape), **settings}, arrays)
 
     @property
     def step(self) -> int:
@@ -321,6 +329,79 @@ class ContactDynamics(Simulation):
     def spins(self) -> Numbers:
         """Angular momenta in the frame of each body; in a plane the third number."""
         return self._views["spins"]
+
+
+class AssemblySimulation(Simulation):
+    """Monte Carlo of bodies with charges, the engine of ``simulate``, in memory.
+
+    Parameters
+    ----------
+    assembly
+        Assembly file, or `Assembly`
+    positions, orientations
+        Bodies to begin with, a row for each body of the assembly: centres in Å, quaternions with the scalar first. Without them
+        the bodies begin where the assembly has them
+    start
+        Trajectory of another run, or the directory that holds it: the bodies begin as in its last frame, or as in `frame`
+    settings
+        Keywords of `simulate`: `salt`, `model`, `seed`, `equilibration`, ... `change` takes the keys of its ``run.toml``
+
+    >>> import protomer as pm
+    >>> ring = pm.AssemblySimulation("ring.json", salt="100mM", equilibration=0)   # doctest: +SKIP
+    >>> ring.run(10).measure()["r_g_angstrom"]                                     # doctest: +SKIP
+    """
+
+    def __init__(
+        self,
+        assembly: Any,
+        *,
+        positions: ArrayLike | None = None,
+        orientations: ArrayLike | None = None,
+        start: str | Path | None = None,
+        frame: int = -1,
+        salt: Any = None,
+        salt_molar: Any = None,
+        **settings: Any,
+    ) -> None:
+        if start is not None:
+            positions, orientations = _poses(start, frame, positions, orientations)
+        arrays = {"positions": positions, "orientations": orientations}
+        flags = {f"--{name.replace('_', '-')}": value for name, value in settings.items()}
+        # The directory of the results is a flag that the verb requires; nothing is written there.
+        flags |= {"--salt": salts("AssemblySimulation", salt, salt_molar, required=settings.get("config") is None), "--output": "in-memory"}
+        with Files(["inspect"], None, replace=False) as files:
+            words, placed = words_of(["simulate"], [assembly], flags, files)
+            native, warned = LiveSimulation._of_assembly([*words, "--", *placed], _columns(arrays) or None)
+        for line in warned:
+            warnings.warn(line.removeprefix("warning: "), stacklevel=2)
+        self._hold(native)
+
+    @property
+    def sweep(self) -> int:
+        """Sweeps done, with those of the equilibration."""
+        return self.done
+
+
+def _poses(start: str | Path, frame: int, *others: ArrayLike | None) -> tuple[ArrayLike, ArrayLike]:
+    """Positions and orientations of a frame of a trajectory; -1 is the last."""
+    if any(given is not None for given in others):
+        raise ConfigError("start has its own positions and orientations; give one or the other")
+    found = Trajectory(_trajectory_in(Path(start)))[frame]
+    return found.positions_angstrom, found.orientations_wxyz
+
+
+def _trajectory_in(path: Path) -> Path:
+    """The trajectory of a run, whose directory has a folder for its salt; a file is that file."""
+    if not path.is_dir():
+        return path
+    found = sorted(path.rglob("trajectory.gsd"))
+    if len(found) != 1:
+        raise ConfigError(f"{path} has {len(found)} trajectories; give the trajectory.gsd of one simulation")
+    return found[0]
+
+
+def _names(shape: str | Path | list[str]) -> str | list[str]:
+    return [str(name) for name in shape] if isinstance(shape, list) else str(shape)
 
 
 def _columns(arrays: Mapping[str, ArrayLike | None]) -> dict[str, Numbers]:

@@ -15,9 +15,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard};
 
-/// Moves of bodies between two looks for Ctrl-C. A fixed number, so that no result depends on time.
-const MOVES_AT_ONCE: u64 = 50_000;
-
 /// A simulation in memory. `python/protomer/simulation.py` is what a user sees.
 #[pyclass(subclass, frozen, module = "protomer")]
 pub struct LiveSimulation {
@@ -48,19 +45,21 @@ impl LiveSimulation {
             }
         };
         let engine = py.detach(begin).map_err(|error| raised(&error))?;
-        let mut held = BTreeMap::new();
-        for Column { name, columns } in engine.arrays() {
-            let array = PyArray2::<f64>::zeros(py, [engine.count(), columns], false);
-            held.insert(name, array.unbind());
-        }
-        held.insert("box", PyArray2::<f64>::zeros(py, [1, 6], false).unbind());
-        let simulation = Self {
-            engine: Mutex::new(engine),
-            arrays: held,
-            trajectory: Mutex::new(None),
-        };
-        simulation.fill(py)?;
-        Ok(simulation)
+        Self::of(py, engine)
+    }
+
+    /// Begins the simulation of an assembly by the words of `simulate`; also its warnings.
+    #[staticmethod]
+    #[pyo3(signature = (words, arrays=None))]
+    fn _of_assembly(
+        py: Python<'_>,
+        words: Vec<String>,
+        arrays: Option<BTreeMap<String, PyReadonlyArray2<'_, f64>>>,
+    ) -> PyResult<(Self, Vec<String>)> {
+        let arrays = arrays.map(given);
+        let begin = || protomer_cli::simulation(&words, arrays);
+        let (engine, warnings) = py.detach(begin).map_err(|error| raised(&error))?;
+        Ok((Self::of(py, engine)?, warnings))
     }
 
     /// The arrays of the state by name, those that are filled again after every change.
@@ -84,9 +83,8 @@ impl LiveSimulation {
             }
             let outcome = py.detach(|| {
                 let mut engine = self.engine()?;
-                let block = (MOVES_AT_ONCE / engine.count().max(1) as u64)
-                    .max(1)
-                    .min(left);
+                let block = engine.moves_at_once() / engine.count().max(1) as u64;
+                let block = block.max(1).min(left);
                 engine.advance(block).map_err(|error| raised(&error))?;
                 Ok::<u64, PyErr>(block)
             });
@@ -161,6 +159,23 @@ impl LiveSimulation {
 }
 
 impl LiveSimulation {
+    /// A simulation with arrays for its state.
+    fn of(py: Python<'_>, engine: Box<dyn Live>) -> PyResult<Self> {
+        let mut arrays = BTreeMap::new();
+        for Column { name, columns } in engine.arrays() {
+            let array = PyArray2::<f64>::zeros(py, [engine.count(), columns], false);
+            arrays.insert(name, array.unbind());
+        }
+        arrays.insert("box", PyArray2::<f64>::zeros(py, [1, 6], false).unbind());
+        let simulation = Self {
+            engine: Mutex::new(engine),
+            arrays,
+            trajectory: Mutex::new(None),
+        };
+        simulation.fill(py)?;
+        Ok(simulation)
+    }
+
     fn engine(&self) -> PyResult<MutexGuard<'_, Box<dyn Live>>> {
         lock(&self.engine)
     }

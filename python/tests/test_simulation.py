@@ -166,6 +166,19 @@ def test_bodies_in_motion_keep_their_energy_and_take_over_arrays():
         second.change(packing_fraction=0.1)
 
 
+def test_kinds_and_potentials_are_given_in_memory(disk):
+    """A square and a triangle, and two disks in a well: their energy is that of the well."""
+    pair = pm.HardBodies(["polygon:4", "polygon:3"], positions=[[-1, 0], [1, 0]], kinds=[1, 0], box=[6, 6])
+    assert len(pair.run(20)) == 2
+    well = [{"kind": "square-well", "range": 1.5, "depth_kt": 2.0}]
+    disks = pm.HardBodies(disk, rounding_radius=0.5, positions=[[0, 0], [1.2, 0]], box=[8, 8], potential=well)
+    assert disks.measure()["energy_kt_per_body"] == -1.0
+    disks.place(positions=[[0, 0], [2.2, 0]])
+    assert disks.measure()["energy_kt_per_body"] == 0.0
+    with pytest.raises(pm.ConfigError, match="depth"):
+        disks.change(potential=[{"kind": "square-well", "range": 1.5, "depth": 2.0}])
+
+
 def test_files_are_those_of_the_command(tmp_path):
     gsd = pytest.importorskip("gsd.hoomd")
     bodies = squares()
@@ -209,10 +222,44 @@ def test_a_file_of_another_program_starts_both_engines(tmp_path):
         pm.hpmc.run(shape="cube", start=path, sweeps=20, output=tmp_path / "cubes")
 
 
+def test_an_assembly_moves_in_memory_as_its_command_moves_it(ring, tmp_path):
+    settings = {"salt": "100mM", "equilibration": 4, "seed": 3, "energy": "direct"}
+    run = pm.simulate(ring, sweeps=6, trajectory_every=2, log_every=2, output=tmp_path / "run", **settings)
+    bodies = pm.AssemblySimulation(ring, **settings)
+    bodies.run(10)
+    last = run.trajectory()[-1]
+    np.testing.assert_allclose(bodies.positions, last.positions_angstrom, atol=1e-3)
+    assert abs(bodies.measure()["energy_kT"] - run.log["energy_kT"][-1]) < 1e-9
+    np.testing.assert_allclose(bodies.box[:3], 640.0)
+
+    saved = bodies.save()
+    first = bodies.run(4).positions.copy()
+    bodies.restore(saved)
+    assert (bodies.run(4).positions == first).all()
+
+    # Screening by more salt weakens the attraction of opposite charges at the same places.
+    again = pm.AssemblySimulation(pm.Assembly.read(ring), start=tmp_path / "run", **settings)
+    np.testing.assert_allclose(again.positions, last.positions_angstrom)
+    strong = again.measure()["energy_kT"]
+    again.change(salt_M=[0.5])
+    assert 0 > again.measure()["energy_kT"] > strong
+
+    with pytest.raises(pm.GeometryError, match="overlap"):
+        again.place(positions=np.zeros((4, 3)))
+    with pytest.raises(pm.ProtomerError, match="leave box out"):
+        again.place(box=[[100, 100, 100]])
+    with pytest.raises(pm.ConfigError, match="salt"):
+        pm.AssemblySimulation(ring)
+    with pytest.raises(pm.ConfigError, match="sed"):
+        pm.AssemblySimulation(ring, salt="100mM", sed=1)
+
+
 def test_the_page_about_own_loops_runs(tmp_path, monkeypatch, capsys):
     pytest.importorskip("gsd.hoomd")
     text = (ROOT / "docs/tutorial/own-loop.md").read_text()
     blocks = re.findall(r"^```(python|text)\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    # The page speaks from the root of the project.
+    (tmp_path / "data").symlink_to(ROOT / "data")
     monkeypatch.chdir(tmp_path)
     names = {}
     for kind, block in blocks:

@@ -33,12 +33,17 @@ pub struct Column {
 }
 
 /// A simulation in memory. Its errors are those of the engine, with what to do about them.
-pub trait Live: Send + Sync {
+pub trait Live: Send {
     /// Number of bodies.
     fn count(&self) -> usize;
 
     /// Number of steps or sweeps done.
     fn done(&self) -> u64;
+
+    /// Moves of bodies between two looks for a request to stop. A fixed number, so that no result depends on time.
+    fn moves_at_once(&self) -> u64 {
+        50_000
+    }
 
     /// Advances by so many steps or sweeps. What only makes the engine fast is forgotten first, so what follows depends
     /// on the state alone.

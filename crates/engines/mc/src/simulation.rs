@@ -213,6 +213,33 @@ impl Simulation {
         self.energy.reset(&self.system)
     }
 
+    /// The simulation with its bodies at the poses of another system, and with other settings and energies: steps, counts and the
+    /// number of sweeps go on, and with that the random numbers.
+    ///
+    /// # Errors
+    /// As [`Simulation::with_model`]; also for another number of bodies.
+    pub fn placed(
+        &self,
+        system: System,
+        settings: Settings,
+        energy: Box<dyn EnergyModel>,
+    ) -> Result<Self> {
+        if system.len() != self.system.len() {
+            let (given, count) = (system.len(), self.system.len());
+            return Err(McError::BadSystem(format!(
+                "there are {given} poses for {count} bodies; give one for each"
+            )));
+        }
+        let begun = Self::with_model(system, settings, energy, self.seed, self.replica)?;
+        Ok(Self {
+            sweep: self.sweep,
+            tuners: self.tuners.clone(),
+            statistics: self.statistics.clone(),
+            native_contacts: self.native_contacts.clone(),
+            ..begun
+        })
+    }
+
     /// The state between two sweeps, from which a run continues bit for bit.
     pub fn checkpoint(&self) -> Checkpoint {
         Checkpoint {

@@ -34,6 +34,7 @@ use anyhow::{Context, Result, anyhow};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use front::Front;
 use global::Global;
+use protomer_common::live::{Arrays, Live};
 use protomer_common::remedy;
 use std::ffi::OsString;
 use std::fmt;
@@ -148,6 +149,29 @@ pub fn call<S: AsRef<str>>(words: &[S], host: Host) -> Result<Reply> {
     let front = Front::program(global, host);
     let reply = pool.install(|| verb.run(&front))?.unless_failed()?;
     Ok(reply.with_notes(front.warnings()))
+}
+
+/// Begins the simulation of an assembly in memory, by the words of `simulate`, and returns it with its warnings; with arrays the
+/// bodies begin where these have them.
+///
+/// # Errors
+/// As the verb; also for words of another verb.
+pub fn simulation<S: AsRef<str>>(
+    words: &[S],
+    arrays: Option<Arrays>,
+) -> Result<(Box<dyn Live>, Vec<String>)> {
+    let words = ["protomer", "--quiet"]
+        .into_iter()
+        .chain(words.iter().map(AsRef::as_ref));
+    let Cli { global, verb } = parsed(words).map_err(usage)?;
+    let front = Front::program(global, Host::default());
+    let verbs::Verb::Simulate(args) = verb else {
+        return Err(anyhow!(
+            "only simulate has a simulation in memory; give its words"
+        ));
+    };
+    let simulation = args.live(&front, arrays)?;
+    Ok((simulation, front.warnings()))
 }
 
 fn usage(error: clap::Error) -> UsageError {

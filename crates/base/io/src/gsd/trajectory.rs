@@ -193,7 +193,8 @@ fn check_header(header: &TrajectoryHeader) -> Result<()> {
     Ok(())
 }
 
-fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
+/// Data of one frame.
+pub fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
     let [lx, ly, lz] = frame.box_lengths_angstrom.map(|length| length as f32);
     let (mut positions, mut orientations) = (Vec::new(), Vec::new());
     for pose in frame.poses {
@@ -217,7 +218,11 @@ fn frame_chunks(frame: &TrajectoryFrame) -> Vec<Chunk> {
     chunks
 }
 
-fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
+/// Data of a trajectory that are the same in every frame.
+///
+/// # Errors
+/// [`IoError::Unwritable`] for a name that does not fit.
+pub fn header_chunks(header: &TrajectoryHeader) -> Result<Vec<Chunk>> {
     let (mut names, mut shapes) = (Vec::new(), Vec::new());
     for kind in &header.types {
         names.push(printable(&kind.name).into_owned());

@@ -11,11 +11,13 @@ use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::{Result, bail};
 use clap::Args;
+use protomer_common::live::{Arrays, Live};
 use protomer_common::quantity;
 use protomer_kernel::setting::Choices;
 use protomer_protein_verbs::assemblies::assembly_file::Assembly;
 use protomer_protein_verbs::stability::contacts::ContactCore;
 use protomer_protein_verbs::stability::effective;
+use protomer_protein_verbs::stability::live;
 use protomer_protein_verbs::stability::run::{EnergyMode, Engine, RunSettings};
 use protomer_protein_verbs::stability::sweep::{figure, refuse_other_settings, resolved, simulate};
 use protomer_results::{End, keys};
@@ -161,6 +163,17 @@ impl SimulateArgs {
             )
         });
         Ok(reply.with_notes(notes))
+    }
+
+    /// The simulation in memory; the directory of the results is not touched.
+    pub fn live(&self, front: &Front, arrays: Option<Arrays>) -> Result<Box<dyn Live>> {
+        let settings = self.settings()?;
+        front.warn(quantity::salt_warning(settings.salt_molar.iter().copied()));
+        let assembly = Assembly::read(&self.assembly)?;
+        front.warn(self.run.model.body_warning(&assembly));
+        let engine = self.run.tables.engine(assembly, front)?;
+        say_limits(front, &engine, &settings)?;
+        live::assembly(engine, &settings, arrays)
     }
 
     fn settings(&self) -> Result<RunSettings> {

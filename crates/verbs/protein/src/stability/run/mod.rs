@@ -21,3 +21,4 @@ pub use settings::{
     DEFAULT_TOLERANCE_KT, EnergyMode, Promise, RunSettings, Start, Starts, replica_directory,
     salt_label,
 };
+pub(crate) use trajectory::{frame, header};
