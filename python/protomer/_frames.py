@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ._protomer import ParseError
 from ._result import missing
 
@@ -38,6 +41,16 @@ def read_frames(run: Path | str, skip: int | None = None) -> list[Any]:
     if len(frames) <= skip:
         raise ValueError(f"{path} has {len(frames)} frames; skip fewer than these (skip is {skip})")
     return frames[skip:]
+
+
+def vertices_of(frame: Any) -> NDArray[np.float64] | None:
+    """The vertices of the shape, (V, 3), where the frame has one shape with vertices; those in a plane get a z of 0."""
+    shapes = frame.particles.type_shapes or []
+    vertices = shapes[0].get("vertices") if len(shapes) == 1 else None
+    if vertices is None:
+        return None
+    points = np.array(vertices, dtype=np.float64)
+    return points if points.shape[1] == 3 else np.column_stack([points, np.zeros(len(points))])
 
 
 def _equilibrating(frames: list[Any]) -> int:

@@ -1,10 +1,11 @@
-"""Bodies in motion: displacements, correlations, relaxation times and bond-orientational order.
+"""Bodies in motion: displacements, correlations, relaxation times, cages and bond-orientational order.
 
 `Motion.read` takes the trajectory of a run of `md run`; `Seeds` holds runs that differ in their seed, and gives means with
 standard errors over them. Displacements and bond-orientational order are those of freud (`pip install protomer[dynamics]`).
 
 Definitions: lags t are counted from every frame; the drift of the centre of mass is taken off; angles are followed through
-full turns. Times are in the unit of the run.
+full turns. Times are in the unit of the run. Quantities that are no sums of products, and so cannot be Fourier transformed, are
+computed at lags spaced evenly in their logarithm.
 """
 
 from __future__ import annotations
@@ -15,11 +16,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from . import _displacements
 from ._errors import unknown
-from ._frames import read_frames
+from ._frames import read_frames, vertices_of
 from ._result import new_axes
+from ._rotations import between, invariants, symmetric_character, turned_vectors
+from .structure import rotations_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,6 +51,10 @@ class Motion:
         Angular momenta in the frame of each body, (F, N, 3)
     box
         Edges, (3,); in a plane the third is 0
+    orientations
+        Quaternions w, x, y, z, (F, N, 4), or None
+    vertices
+        Of the shape, in the frame of a body, (V, 3); None where the trajectory has none, or several shapes
     """
 
     times: Numbers
@@ -55,6 +63,8 @@ class Motion:
     velocities: Numbers
     spins: Numbers
     box: Numbers
+    orientations: Numbers | None = None
+    vertices: Numbers | None = None
 
     @classmethod
     def read(cls, run: Path | str, *, skip: int | None = None) -> Motion:
@@ -92,6 +102,8 @@ class Motion:
             velocities=np.array([frame.particles.velocity for frame in frames], dtype=np.float64),
             spins=column("particles/spin"),
             box=np.array(frames[-1].configuration.box[:3], dtype=np.float64),
+            orientations=np.array([frame.particles.orientation for frame in frames], dtype=np.float64),
+            vertices=vertices_of(frames[0]),
         )
 
     def lags(self) -> Numbers:
@@ -115,6 +127,122 @@ class Motion:
         angles = symmetry * self._angles()
         return self.lags(), self._products_over_origins(np.stack([np.cos(angles), np.sin(angles)], axis=-1))
 
+    def orientation_in_space(self, degree: int | None = None, *, symmetry: ArrayLike | None = None) -> tuple[Numbers, Numbers]:
+        """Correlation of the orientations of bodies in space that look alike after each rotation of their symmetry.
+
+        C_l(t) = ⟨Σ_g χ_l(R(0)⁻¹ R(t) g)⟩ / Σ_g χ_l(g), over the symmetries g, with χ_l(ω) = sin((l + ½)ω)/sin(½ω): 1 while a body
+        keeps its orientation or takes one that looks the same, 0 when it has forgotten it. Without symmetry it is the mean of
+        ⟨P_l(u(0)·u(t))⟩ over all axes u of the body. Bodies that turn by isotropic Brownian motion have exp(-l(l + 1) D t).
+
+        Parameters
+        ----------
+        degree
+            l; the least that the symmetry allows without it: 3 for tetrahedra, 4 for cubes, 6 for icosahedra, 1 without symmetry
+        symmetry
+            Rotations of the shape, quaternions (S, 4); those of `vertices` without it
+
+        Raises
+        ------
+        ValueError
+            If bodies are in a plane, or nothing of this degree has the symmetry
+        """
+        orientations = self._orientations()
+        if symmetry is None:
+            symmetry = [[1.0, 0.0, 0.0, 0.0]] if self.vertices is None else rotations_of(self.vertices)
+        group = np.asarray(symmetry, dtype=np.float64)
+        allowed = [number for number in range(1, 13) if invariants(group, number) > 0]
+        degree = allowed[0] if degree is None else degree
+        if degree < 1 or invariants(group, degree) == 0:
+            raise ValueError(
+                f"no function of degree {degree} keeps its form under the {len(group)} rotations of the shape; take one of "
+                f"{', '.join(map(str, allowed[:5]))}"
+            )
+        still = float(symmetric_character(np.array([1.0, 0.0, 0.0, 0.0]), group, degree))
+        return self._at_lags(
+            lambda lag: np.mean(symmetric_character(between(orientations[:-lag], orientations[lag:]), group, degree)) / still
+        )
+
+    def axis(self, direction: ArrayLike, degree: int = 2) -> tuple[Numbers, Numbers]:
+        """⟨P_l(u(0)·u(t))⟩ of an axis u in the frame of the bodies, for example the long one of ellipsoids.
+
+        Parameters
+        ----------
+        direction
+            In the frame of a body, (3,)
+        degree
+            l, 1 or more; even where both ends look the same
+        """
+        unit = np.asarray(direction, dtype=np.float64)
+        axes = turned_vectors(self._orientations(), unit / np.linalg.norm(unit))
+        legendre = np.polynomial.Legendre.basis(degree)
+        return self._at_lags(lambda lag: np.mean(legendre(np.sum(axes[lag:] * axes[:-lag], axis=-1))))
+
+    def non_gaussian(self) -> tuple[Numbers, Numbers]:
+        """α₂ = d⟨r⁴⟩/((d + 2)⟨r²⟩²) - 1 of the displacements: 0 for free flight and for diffusion, above it where bodies differ.
+
+        The first lag is one frame.
+        """
+        track = self._track()
+        lags, found = self._at_lags(lambda lag: _displacements.non_gaussian(track, lag))
+        return lags[1:], found[1:]
+
+    def non_gaussian_turning(self) -> tuple[Numbers, Numbers]:
+        """⟨Δθ⁴⟩/(3⟨Δθ²⟩²) - 1 of the angles of rotation in a plane; the first lag is one frame."""
+        track = self._angles()[:, :, None]
+        lags, found = self._at_lags(lambda lag: _displacements.non_gaussian(track, lag))
+        return lags[1:], found[1:]
+
+    def van_hove(self, time: float, r_max: float, bins: int = 60) -> tuple[Numbers, Numbers]:
+        """Distances and the self part of the van Hove function G_s(r, t), (B,) each.
+
+        G_s is the density of displacements per area or volume: its integral over the plane or space is 1.
+
+        Parameters
+        ----------
+        time
+            The lag; that of the nearest frame is taken
+        r_max
+            The largest displacement
+        """
+        edges = np.linspace(0.0, r_max, bins + 1)
+        return 0.5 * (edges[1:] + edges[:-1]), _displacements.van_hove(self._track(), self._frames_in(time), edges)
+
+    def intermediate(self, wave_number: float) -> tuple[Numbers, Numbers]:
+        """The self-intermediate scattering function F_s(k, t) = ⟨exp(i k·Δr)⟩, averaged over the directions of k.
+
+        Diffusion has exp(-k² D t), free flight exp(-k² kT t²/(2m)). `relaxation_time` fits its decay.
+        """
+        track = self._track()
+        return self._at_lags(lambda lag: _displacements.intermediate(track, lag, wave_number))
+
+    def staying(self, distance: float, *, origins: int = 50) -> tuple[Numbers, Numbers]:
+        """The part of bodies that have never been farther than a distance from where they were, against the time since then.
+
+        Bodies that leave and come back count as gone. Times between frames are not seen, so that frames must be close
+        compared with the time that bodies stay.
+
+        Parameters
+        ----------
+        distance
+            The radius of the cage, for example the displacement at which the local slope is least
+        origins
+            Frames from which displacements are counted, evenly spaced over the first half of the run
+        """
+        found = _displacements.staying(self._track(), distance, origins)
+        return self.lags()[: len(found)], found
+
+    def escape_time(self, distance: float, *, origins: int = 50) -> float:
+        """The time after which the part of `staying` bodies falls to 1/e, between frames along a straight line.
+
+        Not a number if the run is too short for it.
+        """
+        times, part = self.staying(distance, origins=origins)
+        below = np.flatnonzero(part < np.exp(-1.0))
+        if below.size == 0:
+            return float("nan")
+        after = int(below[0])
+        return float(np.interp(-np.exp(-1.0), -part[after - 1 : after + 1], times[after - 1 : after + 1]))
+
     def velocity(self) -> tuple[Numbers, Numbers]:
         """⟨v(0)·v(t)⟩/⟨v²⟩."""
         return self.lags(), self._correlation(self.velocities)
@@ -135,8 +263,34 @@ class Motion:
 
     def _angles(self) -> Numbers:
         if self.angles_rad is None:
-            raise ValueError("bodies in space have no angle; this is for bodies in a plane")
+            raise ValueError("bodies in space have no angle; take orientation_in_space, or axis")
         return self.angles_rad
+
+    def _orientations(self) -> Numbers:
+        if self.angles_rad is not None:
+            raise ValueError("bodies in a plane turn by an angle; take orientation, or turning")
+        if self.orientations is None:
+            raise ValueError("this motion has no orientations; give quaternions, (F, N, 4)")
+        return self.orientations
+
+    def _track(self) -> Numbers:
+        """Places without the drift of the centre of mass, (F, N, d)."""
+        places = self.positions[:, :, : 2 if self.box[2] == 0 else 3]
+        return np.asarray(places - places.mean(axis=1, keepdims=True))
+
+    def _frames_in(self, time: float) -> int:
+        lags = self.lags()
+        lag = int(np.argmin(np.abs(lags - time)))
+        if lag == 0:
+            step = f"the time between frames is {lags[1]:g} and their last {lags[-1]:g}" if len(lags) > 1 else "there is one frame"
+            raise ValueError(f"no frames are {time:g} apart; {step}")
+        return lag
+
+    def _at_lags(self, of: Callable[[int], Any]) -> tuple[Numbers, Numbers]:
+        """A correlation at 0, where it is 1, and at lags spaced evenly in their logarithm."""
+        picked = _spaced(len(self.times) - 1, 60)
+        values = np.array([1.0, *(float(of(int(lag))) for lag in picked)])
+        return self.lags()[[0, *picked]], values
 
     @staticmethod
     def _over_origins(of: Callable[[Any, Any], Any], values: Numbers) -> Numbers:
@@ -178,12 +332,16 @@ def local_slope(times: Numbers, values: Numbers, points: int = 24) -> tuple[Numb
     >>> bool(np.allclose(local_slope(t, 3.0 * t**2)[1], 2.0))
     True
     """
-    last = (2 * len(times)) // 3
-    picked = np.unique(np.geomspace(1, max(last, 2), points).astype(int))
-    picked = picked[picked < len(times)]
+    picked = _spaced(min(max((2 * len(times)) // 3, 2), len(times) - 1), points)
     t, value = np.log(times[picked]), np.log(values[picked])
     slope = np.diff(value) / np.diff(t)
     return np.exp(0.5 * (t[1:] + t[:-1])), slope
+
+
+def _spaced(last: int, points: int) -> NDArray[np.int64]:
+    """Numbers of frames from 1 to the last, evenly spaced in their logarithm."""
+    picked = np.unique(np.geomspace(1, max(last, 1), points).astype(np.int64))
+    return picked[picked <= last]
 
 
 def relaxation_time(times: Numbers, correlation: Numbers) -> float:
@@ -209,6 +367,9 @@ _CURVES = {
     "slope": "local slope",
     "turning": "mean squared angle (rad²)",
     "orientation": "⟨cos n Δθ⟩",
+    "orientation_in_space": "C_l(t) of orientations",
+    "non_gaussian": "non-Gaussian parameter",
+    "non_gaussian_turning": "non-Gaussian parameter of angles",
     "velocity": "⟨v(0)·v(t)⟩/⟨v²⟩",
     "spinning": "⟨L(0)·L(t)⟩/⟨L²⟩",
 }
@@ -235,18 +396,25 @@ class Seeds:
         self.motions = [run if isinstance(run, Motion) else Motion.read(run) for run in runs]
         self.symmetry = symmetry
 
-    def curve(self, quantity: str) -> tuple[Numbers, Numbers, Numbers]:
+    def curve(self, quantity: str | Callable[[Motion], tuple[Numbers, Numbers]]) -> tuple[Numbers, Numbers, Numbers]:
         """Lags, means and standard errors (NaN for one run) of a quantity.
 
         Parameters
         ----------
         quantity
-            `displacement`, `slope`, `turning`, `orientation`, `velocity` or `spinning`
+            `displacement`, `slope`, `turning`, `orientation`, `orientation_in_space`, `non_gaussian`, `non_gaussian_turning`,
+            `velocity`, `spinning`, or a function of a motion that gives lags and values
+
+        Examples
+        --------
+        >>> squares.curve(lambda motion: motion.intermediate(6.0))     # doctest: +SKIP
         """
         found = [self._of(motion, quantity) for motion in self.motions]
         return found[0][0], *_mean_and_error(np.array([values for _, values in found]))
 
-    def _of(self, motion: Motion, quantity: str) -> tuple[Numbers, Numbers]:
+    def _of(self, motion: Motion, quantity: str | Callable[[Motion], tuple[Numbers, Numbers]]) -> tuple[Numbers, Numbers]:
+        if callable(quantity):
+            return quantity(motion)
         match quantity:
             case "displacement":
                 return motion.displacement()
@@ -256,6 +424,12 @@ class Seeds:
                 return motion.turning()
             case "orientation":
                 return motion.orientation(self.symmetry)
+            case "orientation_in_space":
+                return motion.orientation_in_space()
+            case "non_gaussian":
+                return motion.non_gaussian()
+            case "non_gaussian_turning":
+                return motion.non_gaussian_turning()
             case "velocity":
                 return motion.velocity()
             case "spinning":
@@ -264,13 +438,15 @@ class Seeds:
                 unknown("quantity", quantity, _CURVES)
 
     def relaxation_times(self) -> dict[str, tuple[float, float]]:
-        """Of the velocities, of the angular momenta and, in a plane, of the orientations.
+        """Of the velocities, of the angular momenta and of the orientations (`orientation`, or `orientation_in_space`).
 
         Mean and standard error over the runs; not a number where a run is too short for the correlation to fall to 1/e.
         """
         quantities = ["velocity", "spinning"]
         if all(motion.angles_rad is not None for motion in self.motions):
             quantities.append("orientation")
+        elif all(motion.orientations is not None for motion in self.motions):
+            quantities.append("orientation_in_space")
         times = {}
         for quantity in quantities:
             found = np.array([relaxation_time(*self._of(motion, quantity)) for motion in self.motions])

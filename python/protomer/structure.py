@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._frames import read_frames
+from ._frames import read_frames, vertices_of
 from ._result import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Autocorrelation", "Diamonds", "MeanForce", "Structure", "rotations_of"]
+__all__ = ["Autocorrelation", "Diamonds", "MeanForce", "MeanTorque", "Structure", "rotations_of"]
 
 Numbers = NDArray[np.float64]
 
@@ -86,24 +86,24 @@ class Autocorrelation:
 
 @dataclass(frozen=True)
 class MeanForce:
-    """The potential of mean force and torque around a body: -ln of the density of others in its frame over that of an ideal gas, kT.
+    """The potential of mean force around a body: -ln of the density of others in its frame over that of an ideal gas, kT.
 
-    It is not shifted: 0 is an ideal gas. Orientations of the others are averaged over.
+    It is not shifted: 0 is an ideal gas. Orientations of the others are averaged over (`mean_torque` keeps them).
 
     Attributes
     ----------
     coordinates
         Of the grid along each axis of the body, (K,)
     values_kt
-        (K, K, K); infinite where no body was seen
+        (K, K, K) in space, (K, K) in a plane; infinite where no body was seen
     """
 
     coordinates: Numbers
     values_kt: Numbers
 
     def along(self, direction: ArrayLike) -> tuple[Numbers, Numbers]:
-        """Distances from the centre and the potential along a direction in the frame of the body."""
-        unit = np.asarray(direction, dtype=np.float64)
+        """Distances from the centre and the potential along a direction in the frame of the body, (3,), or (2,) in a plane."""
+        unit = np.asarray(direction, dtype=np.float64)[: self.values_kt.ndim]
         unit = unit / np.linalg.norm(unit)
         step = self.coordinates[1] - self.coordinates[0]
         distances = np.arange(0.0, self.coordinates[-1], 0.5 * step)
@@ -130,6 +130,36 @@ class MeanForce:
 
 
 @dataclass(frozen=True)
+class MeanTorque:
+    """The potential of mean force and torque of two bodies in a plane: of the place of the other one and of the angle between both.
+
+    Attributes
+    ----------
+    coordinates
+        Of the grid along each axis of the body, (K,)
+    angles_rad
+        Of the other body in the frame of the first, (A,); from 0 to 2π over the symmetry, periodic
+    values_kt
+        (K, K, A): -ln of the density over that of an ideal gas; infinite where no body was seen
+    """
+
+    coordinates: Numbers
+    angles_rad: Numbers
+    values_kt: Numbers
+
+    def mean_force(self) -> MeanForce:
+        """The potential with the angle averaged over."""
+        with np.errstate(divide="ignore"):
+            return MeanForce(self.coordinates, -np.log(np.mean(np.exp(-self.values_kt), axis=2)))
+
+    def against_angle(self, point: ArrayLike) -> tuple[Numbers, Numbers]:
+        """Angles and the potential of bodies whose centres are in the bin of a point in the frame of the body, (2,)."""
+        step = self.coordinates[1] - self.coordinates[0]
+        x, y = np.rint((np.asarray(point, dtype=np.float64)[:2] - self.coordinates[0]) / step).astype(int)
+        return self.angles_rad, self.values_kt[x, y]
+
+
+@dataclass(frozen=True)
 class Structure:
     """Where bodies are, frame by frame.
 
@@ -142,7 +172,7 @@ class Structure:
     boxes
         Lx, Ly, Lz and tilt factors xy, xz, yz, (F, 6); in a plane Lz is 0
     vertices
-        Of the shape, in the frame of a body, (V, 3); None where the trajectory has none
+        Of the shape, in the frame of a body, (V, 3); None where the trajectory has none, or several shapes
     """
 
     positions: Numbers
@@ -178,13 +208,11 @@ class Structure:
         def column(of: Any) -> Numbers:
             return np.array([of(frame) for frame in frames], dtype=np.float64)
 
-        shapes = frames[0].particles.type_shapes or [{}]
-        vertices = shapes[0].get("vertices")
         return cls(
             positions=column(lambda frame: frame.particles.position),
             orientations=column(lambda frame: frame.particles.orientation),
             boxes=column(lambda frame: _box_of(frame.configuration)),
-            vertices=None if vertices is None else _in_space(np.array(vertices, dtype=np.float64)),
+            vertices=vertices_of(frames[0]),
         )
 
     def radial_distribution(self, r_max: float | None = None, bins: int = 100) -> tuple[Numbers, Numbers]:
@@ -303,34 +331,126 @@ class Structure:
         return k, np.abs(waves[0] @ waves[1].T) ** 2 / len(across)
 
     def mean_force(self, reach: float, bins: int = 61, *, symmetry: ArrayLike | None = None) -> MeanForce:
-        """The potential of mean force and torque around a body in space, over all frames (freud).
+        """The potential of mean force around a body, in its frame, over all frames (freud).
 
         Parameters
         ----------
         reach
-            Largest coordinate along each axis; √3 times it must be below half of the box
+            Largest coordinate along each axis; √3 times it, in a plane √2 times, must be below half of the box
         bins
             Along each axis; an odd number has a bin at the centre
         symmetry
             Rotations of the shape, quaternions (S, 4); those of `vertices` without it
+
+        Raises
+        ------
+        ValueError
+            If the corners of the grid are beyond half of the box
         """
         import freud
 
-        room = min(freud.box.Box(*box).to_matrix().diagonal().min() for box in self.boxes)
-        if np.sqrt(3.0) * reach >= 0.5 * room:
-            raise ValueError(
-                f"a reach of {reach:g} has corners beyond half of the box: at most {0.5 * room / np.sqrt(3.0):.4g} will do"
-            )
-        if symmetry is None:
-            symmetry = np.array([[1.0, 0.0, 0.0, 0.0]]) if self.vertices is None else rotations_of(self.vertices)
-        equivalent = np.asarray(symmetry, dtype=np.float32)
+        self._check_reach(reach)
+        centres = np.linspace(-reach, reach, bins, endpoint=False) + reach / bins
+        if self._flat():
+            return MeanForce(coordinates=centres, values_kt=self._mean_force_in_a_plane(reach, bins, symmetry))
+        equivalent = self._symmetry(symmetry).astype(np.float32)
         found = freud.pmft.PMFTXYZ(reach, reach, reach, bins)
         for frame in range(len(self.positions)):
             found.compute(
                 self._system(frame), self.orientations[frame].astype(np.float32), equiv_orientations=equivalent, reset=False
             )
-        centres = np.linspace(-reach, reach, bins, endpoint=False) + reach / bins
         return MeanForce(coordinates=centres, values_kt=np.asarray(found.pmft, dtype=np.float64))
+
+    def mean_torque(
+        self, reach: float, bins: int = 41, angles: int = 24, *, symmetry: ArrayLike | None = None
+    ) -> MeanTorque:
+        """The potential of mean force and torque of two bodies in a plane, over all frames.
+
+        Parameters
+        ----------
+        reach
+            Largest coordinate along each axis; √2 times it must be below half of the box
+        bins
+            Along each axis; an odd number has a bin at the centre
+        angles
+            Bins of the angle between both bodies, over 2π divided by the symmetry
+        symmetry
+            Rotations of the shape, quaternions (S, 4); those of `vertices` without it
+
+        Raises
+        ------
+        ValueError
+            If bodies are in space, or the corners of the grid are beyond half of the box
+        """
+        import freud
+
+        if not self._flat():
+            raise ValueError("mean_torque is for bodies in a plane; in space mean_force averages over orientations")
+        self._check_reach(reach)
+        turns = self._turns_in_a_plane(symmetry)
+        period = 2.0 * np.pi / len(turns)
+        edges = [np.linspace(-reach, reach, bins + 1)] * 2 + [np.linspace(0.0, period, angles + 1)]
+        seen, expected = np.zeros((bins, bins, angles)), 0.0
+        cell = (2.0 * reach / bins) ** 2 / angles
+        for frame in range(len(self.positions)):
+            box, points = self._system(frame)
+            query = freud.locality.AABBQuery(box, points).query(points, {"r_max": np.sqrt(2.0) * reach, "exclude_ii": True})
+            pairs = query.toNeighborList()
+            first, other = np.asarray(pairs.query_point_indices), np.asarray(pairs.point_indices)
+            way = np.asarray(box.wrap(points[other] - points[first]), dtype=np.float64)[:, :2]
+            angle = _angle(self.orientations[frame])
+            between = np.mod(angle[other] - angle[first], period)
+            for turn in turns:
+                cosine, sine = np.cos(angle[first] + turn), np.sin(angle[first] + turn)
+                x, y = way[:, 0] * cosine + way[:, 1] * sine, way[:, 1] * cosine - way[:, 0] * sine
+                seen += np.histogramdd((x, y, between), bins=edges)[0]
+            expected += len(turns) * len(points) * len(points) / box.volume * cell
+        with np.errstate(divide="ignore"):
+            values = -np.log(seen / expected)
+        middles = [0.5 * (edge[1:] + edge[:-1]) for edge in edges]
+        return MeanTorque(coordinates=middles[0], angles_rad=middles[2], values_kt=values)
+
+    def _mean_force_in_a_plane(self, reach: float, bins: int, symmetry: ArrayLike | None) -> Numbers:
+        import freud
+
+        found = freud.pmft.PMFTXY(reach, reach, bins)
+        for frame in range(len(self.positions)):
+            angle = _angle(self.orientations[frame])
+            for turn in self._turns_in_a_plane(symmetry):
+                found.compute(self._system(frame), (angle + turn).astype(np.float32), reset=False)
+        return np.asarray(found.pmft, dtype=np.float64)
+
+    def _flat(self) -> bool:
+        return bool(self.boxes[0, 2] == 0)
+
+    def _check_reach(self, reach: float) -> None:
+        """The grid's corners must not meet images, which are nearer than half of the least distance between faces."""
+        import freud
+
+        room = np.inf
+        for box in self.boxes:
+            edges = freud.box.Box(*box, is2D=self._flat()).to_matrix()[: self._dimension(), : self._dimension()]
+            room = min(room, float((1.0 / np.linalg.norm(np.linalg.inv(edges), axis=1)).min()))
+        corner = np.sqrt(float(self._dimension()))
+        if corner * reach >= 0.5 * room:
+            raise ValueError(
+                f"a grid with a reach of {reach:g} has corners beyond half of the box, whose faces are {room:g} apart; "
+                f"the reach must be below {0.5 * room / corner:.4g}"
+            )
+
+    def _dimension(self) -> int:
+        return 2 if self._flat() else 3
+
+    def _symmetry(self, given: ArrayLike | None) -> Numbers:
+        if given is not None:
+            return np.asarray(given, dtype=np.float64)
+        return np.array([[1.0, 0.0, 0.0, 0.0]]) if self.vertices is None else rotations_of(self.vertices)
+
+    def _turns_in_a_plane(self, given: ArrayLike | None) -> Numbers:
+        """Angles of the symmetries that leave a body in its plane without turning it over."""
+        group = self._symmetry(given)
+        kept = group[np.all(np.abs(group[:, 1:3]) < 1e-4, axis=1)]
+        return _angle(kept)
 
     def _system(self, frame: int) -> tuple[Any, NDArray[np.float32]]:
         import freud
@@ -377,6 +497,11 @@ def rotations_of(vertices: ArrayLike) -> Numbers:
             if gaps.min(axis=1).max() < 1e-5 * size:
                 found.append(_quaternion(rotation))
     return np.array(found)
+
+
+def _angle(quaternions: Numbers) -> Numbers:
+    """Angles of rotations about z, (N,)."""
+    return np.asarray(2.0 * np.arctan2(quaternions[:, 3], quaternions[:, 0]))
 
 
 def _frame_of(a: Numbers, b: Numbers) -> Numbers:
@@ -427,7 +552,3 @@ def _box_of(configuration: Any) -> Numbers:
     box = np.array(configuration.box, dtype=np.float64)
     return np.where([True, True, configuration.dimensions == 3, True, True, True], box, 0.0)
 
-
-def _in_space(vertices: Numbers) -> Numbers:
-    """Vertices in a plane get a third coordinate of 0."""
-    return vertices if vertices.shape[1] == 3 else np.column_stack([vertices, np.zeros(len(vertices))])

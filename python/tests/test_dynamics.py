@@ -81,6 +81,213 @@ def test_langevin_velocities_relax_with_their_friction() -> None:
     assert middle[0] < middle[-1]
 
 
+def gaussian_walk(seed: int, frames: int, count: int, dimension: int, step: float = 0.1) -> Motion:
+    """Brownian motion with D = step²/2 per frame; a third coordinate of 0 in a plane."""
+    rng = np.random.default_rng(seed)
+    steps = rng.normal(size=(frames, count, 3)) * step
+    steps[..., dimension:] = 0.0
+    box = np.full(3, 10.0) * (np.arange(3) < dimension)
+    return motion(np.arange(frames) * 0.5, steps.cumsum(axis=0), box=box)
+
+
+def quaternions(axis: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Of rotations by an angle (...) about unit vectors (..., 3)."""
+    return np.concatenate([np.cos(0.5 * angle)[..., None], np.sin(0.5 * angle)[..., None] * axis], axis=-1)
+
+
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    w = a[..., 0] * b[..., 0] - np.sum(a[..., 1:] * b[..., 1:], axis=-1)
+    v = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])
+    return np.concatenate([w[..., None], v], axis=-1)
+
+
+def turning_in_space(steps: np.ndarray, start: np.ndarray, **more: np.ndarray) -> Motion:
+    """Bodies that turn from frame to frame by rotation vectors (F - 1, N, 3) in their own frames, from quaternions (N, 4)."""
+    angle = np.linalg.norm(steps, axis=-1)
+    turns = quaternions(steps / angle[..., None], angle)
+    found = [start]
+    for turn in turns:
+        found.append(product(found[-1], turn))
+    zeros = np.zeros((len(found), len(start), 3))
+    return motion(
+        0.1 * np.arange(len(found)), zeros, angles_rad=None, box=np.full(3, 10.0), orientations=np.array(found), **more
+    )
+
+
+def anywhere(rng: np.random.Generator, count: int) -> np.ndarray:
+    found = rng.normal(size=(count, 4))
+    return found / np.linalg.norm(found, axis=1, keepdims=True)
+
+
+ICOSAHEDRON = np.array(
+    [
+        np.roll([0.0, a, b * 0.5 * (1 + 5**0.5)], shift)
+        for shift in range(3)
+        for a in (-1.0, 1.0)
+        for b in (-1.0, 1.0)
+    ]
+)
+SOLIDS = {
+    "tetrahedron": (np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=np.float64), 3),
+    "cube": (np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1]), dtype=np.float64).reshape(3, 8).T, 4),
+    "icosahedron": (ICOSAHEDRON, 6),
+}
+
+
+@pytest.mark.parametrize("solid", [None, *SOLIDS])
+def test_brownian_rotation_forgets_by_exponentials(solid: str | None) -> None:
+    """exp(-l(l + 1) D t) for the least degree of each symmetry, and for others that it allows."""
+    rng = np.random.default_rng(12)
+    frames, count, width = 40, 2000, 0.06
+    vertices, least = SOLIDS[solid] if solid else (None, 1)
+    brownian = turning_in_space(width * rng.normal(size=(frames - 1, count, 3)), anywhere(rng, count), vertices=vertices)
+    # One step shrinks degree l by the mean of χ_l/(2l + 1), which is exp(-l(l + 1) width²/2) up to the fourth order.
+    for degree in [None, *({1: [2], 3: [4], 4: [6], 6: []}[least])]:
+        power = least if degree is None else degree
+        t, found = brownian.orientation_in_space(degree)
+        expected = np.exp(-power * (power + 1) * 0.5 * width**2 * t / 0.1)
+        assert found[0] == 1.0 and len(t) == len(found)
+        assert np.abs(found - expected).max() < 0.02
+    t, found = brownian.orientation_in_space()
+    rate = least * (least + 1) * 0.5 * width**2 / 0.1
+    if rate * t[-1] > 1.5:
+        assert relaxation_time(t, found) == pytest.approx(1.0 / rate, rel=0.05)
+    for degree in (1, 2):
+        t, along = brownian.axis([0.0, 0.6, 0.8], degree)
+        assert np.abs(along - np.exp(-degree * (degree + 1) * 0.5 * width**2 * t / 0.1)).max() < 0.03
+
+
+def test_free_rotors_in_space_have_their_exact_correlation() -> None:
+    """(2l + 1)⁻¹ Σ_m (1 - m²s²t²) exp(-m²s²t²/2) of balls with moment of inertia I, s² = kT/I, for every symmetry."""
+    rng = np.random.default_rng(13)
+    count, frames, width = 8000, 20, 0.18
+    spin = width * rng.normal(size=(count, 3))
+    vertices = SOLIDS["tetrahedron"][0]
+    free = turning_in_space(np.repeat(spin[None], frames - 1, axis=0), anywhere(rng, count), vertices=vertices)
+    for degree, symmetry in ((1, [[1.0, 0.0, 0.0, 0.0]]), (2, [[1.0, 0.0, 0.0, 0.0]]), (3, None), (4, None)):
+        t, found = free.orientation_in_space(degree, symmetry=symmetry)
+        m = np.arange(-degree, degree + 1)[:, None]
+        square = (m * width * t / 0.1) ** 2
+        np.testing.assert_allclose(found, np.mean((1.0 - square) * np.exp(-0.5 * square), axis=0), atol=0.02)
+
+
+def test_a_rotation_of_the_symmetry_is_not_seen() -> None:
+    rng = np.random.default_rng(14)
+    vertices, degree = SOLIDS["cube"]
+    start = anywhere(rng, 50)
+    group = pm.structure.rotations_of(vertices)
+    orientations = np.array([start, *(product(start, turn) for turn in group)])
+    zeros = np.zeros((25, 50, 3))
+    cubes = motion(np.arange(25.0), zeros, angles_rad=None, box=np.full(3, 9.0), orientations=orientations, vertices=vertices)
+    assert np.allclose(cubes.orientation_in_space()[1], 1.0)
+    assert np.abs(cubes.orientation_in_space(1, symmetry=[[1.0, 0.0, 0.0, 0.0]])[1][1:]).max() < 1.01
+    with pytest.raises(ValueError, match=r"no function of degree 3 keeps its form under the 24 rotations .* 4, 6, 8"):
+        cubes.orientation_in_space(3)
+    with pytest.raises(ValueError, match="take orientation_in_space, or axis"):
+        cubes.turning()
+    flat = motion(np.arange(3.0), np.zeros((3, 5, 3)))
+    with pytest.raises(ValueError, match="turn by an angle"):
+        flat.orientation_in_space()
+    # A quarter turn about z carries x to y.
+    quarter = np.array([[[1.0, 0.0, 0.0, 0.0]], [[np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]]])
+    turned = motion(np.arange(2.0), np.zeros((2, 1, 3)), angles_rad=None, box=np.full(3, 9.0), orientations=quarter)
+    assert turned.axis([1, 0, 0], 2)[1][1] == pytest.approx(-0.5)
+    assert turned.axis([0, 0, 2], 1)[1][1] == pytest.approx(1.0)
+    assert turned.axis([1, 0, 1], 1)[1][1] == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_gaussian_displacements_have_exact_statistics(dimension: int) -> None:
+    """α₂ = 0, exp(-k² D t), and a Gaussian van Hove function."""
+    step, frames = 0.1, 120
+    walk = gaussian_walk(15, frames, 2500, dimension, step)
+    lags, parameter = walk.non_gaussian()
+    assert lags[0] == 0.5 and np.abs(parameter).max() < 0.06 and np.abs(parameter[:20]).max() < 0.01
+    for wave_number in (0.5, 2.0, 6.0):
+        t, found = walk.intermediate(wave_number)
+        expected = np.exp(-(wave_number**2) * 0.5 * step**2 * t / 0.5)
+        # 2500 displacements that overlap, at the longest lags: an error of 0.014.
+        assert found[0] == 1.0 and np.abs(found - expected).max() < 0.045
+    r, density = walk.van_hove(10.0, 3.0, bins=30)
+    variance = step**2 * 20
+    expected = np.exp(-0.5 * r**2 / variance) / (2.0 * np.pi * variance) ** (dimension / 2)
+    np.testing.assert_allclose(density[:20], expected[:20], rtol=0.05, atol=0.02 * expected[0])
+    measure = np.diff(np.linspace(0.0, 3.0, 31) ** dimension) * {2: np.pi, 3: 4 / 3 * np.pi}[dimension]
+    assert (density * measure).sum() == pytest.approx(1.0, abs=1e-6)
+    with pytest.raises(ValueError, match="no frames are 0.1 apart; the time between frames is 0.5"):
+        walk.van_hove(0.1, 1.0)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_displacements_of_one_length_have_exact_statistics(dimension: int) -> None:
+    """α₂ = d/(d + 2) - 1, and J0(kr) or sin(kr)/(kr)."""
+    rng = np.random.default_rng(16)
+    way = rng.normal(size=(2000, 3))
+    way[:, dimension:] = 0.0
+    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    way = np.concatenate([way, -way])  # no drift
+    box = np.full(3, 9.0) * (np.arange(3) < dimension)
+    jump = motion(np.arange(2.0), np.array([0.0 * way, 0.75 * way]), box=box)
+    assert jump.non_gaussian()[1][0] == pytest.approx(dimension / (dimension + 2) - 1.0)
+    bessel = 0.5118276717  # J0(1.5)
+    expected = bessel if dimension == 2 else np.sin(1.5) / 1.5
+    assert jump.intermediate(2.0)[1][1] == pytest.approx(expected, abs=1e-6)
+    _, density = jump.van_hove(1.0, 1.0, bins=10)
+    assert np.count_nonzero(density) == 1
+
+
+def test_slow_and_fast_bodies_are_not_gaussian() -> None:
+    """Half of the bodies stay: ⟨r⁴⟩/⟨r²⟩² doubles, so that α₂ = 1; the same of angles."""
+    walk = gaussian_walk(17, 50, 8000, 2)
+    still = np.arange(8000) % 2 == 0
+    places = np.where(still[None, :, None], 0.0, walk.positions)
+    half = motion(walk.times, places, angles_rad=places[..., 0])
+    assert np.allclose(half.non_gaussian()[1][:20], 1.0, atol=0.05)
+    assert np.allclose(half.non_gaussian_turning()[1][:20], 1.0, atol=0.08)
+
+
+def test_free_flight_leaves_a_cage_when_it_is_fast_enough() -> None:
+    """1 - exp(-m a²/(2 kT t²)) have not left after t: bodies that are slower than a/t."""
+    rng = np.random.default_rng(18)
+    times = np.linspace(0.0, 4.0, 201)
+    velocity = rng.normal(size=(10000, 3)) * [1.0, 1.0, 0.0]
+    flight = motion(times, times[:, None, None] * velocity)
+    t, part = flight.staying(0.5, origins=3)
+    with np.errstate(divide="ignore"):
+        expected = 1.0 - np.exp(-0.5 * (0.5 / t) ** 2)
+    assert len(t) == 101 and np.abs(part - expected).max() < 0.015
+    exact = 0.5 / np.sqrt(-2.0 * np.log(1.0 - np.exp(-1.0)))
+    assert flight.escape_time(0.5) == pytest.approx(exact, rel=0.02)
+    assert np.isnan(flight.escape_time(30.0))
+    # Those that came back have left.
+    there_and_back = motion(np.arange(4.0), np.array([0.0, 1.0, 0.0, 0.0])[:, None, None] * velocity[:2])
+    assert there_and_back.staying(1e-6, origins=1)[1].tolist() == [1.0, 0.0, 0.0, 0.0]
+
+
+def test_diffusion_leaves_a_cage_after_its_exact_mean_time() -> None:
+    """∫S dt = a²/(2 d D) from the centre of a disk; a walk in steps sees a radius that is larger by 0.5826 of a step.
+
+    The shift is that of Siegmund (Adv. Appl. Probab. 11, 701 (1979)), exact for steps that are small compared with the radius.
+    """
+    step, radius = 0.05, 1.0
+    walk = gaussian_walk(19, 3001, 2000, 2, step)
+    t, part = walk.staying(radius, origins=10)
+    mean = 0.5 * (t[1] - t[0]) * (part[1:] + part[:-1]).sum()
+    diffusion = 0.5 * step**2 / 0.5
+    assert part[-1] < 0.02
+    assert mean == pytest.approx((radius + 0.5826 * step) ** 2 / (4.0 * diffusion), rel=0.03)
+
+
+def test_few_frames_are_enough_or_told() -> None:
+    one = motion(np.array([0.0]), np.zeros((1, 5, 3)))
+    assert [values.tolist() for values in one.intermediate(1.0)] == [[0.0], [1.0]]
+    with pytest.raises(ValueError, match="there is one frame"):
+        one.van_hove(1.0, 1.0)
+    still = motion(np.arange(3.0), np.zeros((3, 5, 3)))
+    assert np.isnan(still.non_gaussian()[1]).all()
+    assert np.isnan(still.escape_time(1.0))
+
+
 def lattice(kind: str, turn: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     side = 12
     rows, columns = np.meshgrid(np.arange(side), np.arange(side))
@@ -120,6 +327,9 @@ def test_seeds_give_errors_and_figures() -> None:
     pytest.importorskip("matplotlib").use("Agg")
     assert seeds.plot(quantity="turning").get_yscale() == "log"
     assert seeds.plot(quantity="velocity").get_xscale() == "log"
+    assert seeds.plot(quantity="non_gaussian").get_ylabel() == "non-Gaussian parameter"
+    t, mean, _ = seeds.curve(lambda flight: flight.intermediate(2.0))
+    assert np.allclose(mean, np.exp(-2.0 * t**2), atol=0.01)
     for wrong in (lambda: seeds.plot(quantity="colour"), lambda: seeds.curve("colour")):
         with pytest.raises((ValueError, pm.ProtomerError)):
             wrong()
@@ -145,6 +355,17 @@ def test_each_shape_of_a_mixture_is_a_word_of_its_own(tmp_path) -> None:  # type
     settings = tomllib.loads((tmp_path / "mixture" / "run.toml").read_text())
     assert settings["shape"] == ["disk", "ellipse:2,1"]
     assert settings["share"] == [3.0, 1.0]
+
+
+def test_a_run_in_space_has_orientations_and_a_shape(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    settings = {"bodies": 27, "packing_fraction": 0.2, "compress_steps": 50, "equilibrate_steps": 0, "trajectory_every": 5}
+    pm.md.run(shape="cube", steps=100, output=tmp_path / "cubes", **settings)
+    cubes = Motion.read(tmp_path / "cubes")
+    assert cubes.vertices.shape == (8, 3) and cubes.orientations.shape == (len(cubes.times), 27, 4)
+    t, found = cubes.orientation_in_space()
+    assert found[0] == 1.0 and np.all(np.diff(found) < 0.0) and found[-1] > 0.9
+    assert cubes.non_gaussian()[1].shape == (len(t) - 1,)
+    assert "orientation_in_space" in Seeds([cubes]).relaxation_times()
 
 
 def test_frames_that_are_not_there_are_told(tmp_path) -> None:

@@ -121,8 +121,141 @@ def test_an_ideal_gas_has_no_structure() -> None:
     potential = gas.mean_force(reach=2.8, bins=9)
     assert np.abs(potential.values_kt).max() < 0.3
     assert abs(potential.values_kt.mean()) < 0.01
-    with pytest.raises(ValueError, match="at most 2.887"):
+    with pytest.raises(ValueError, match=r"faces are 10 apart; the reach must be below 2\.887"):
         gas.mean_force(reach=3.0)
+    with pytest.raises(ValueError, match="for bodies in a plane"):
+        gas.mean_torque(reach=2.0)
+
+
+def in_a_plane(frames: list[np.ndarray], angles: list[np.ndarray], edge: float, corners: int | None = None) -> Structure:
+    """Bodies in a square box: points (N, 2) and angles (N,) of each frame, regular polygons where corners are given."""
+    points = np.array([np.column_stack([frame, np.zeros(len(frame))]) for frame in frames])
+    half = 0.5 * np.array(angles)
+    zeros = np.zeros_like(half)
+    around = None
+    if corners is not None:
+        angle = 2.0 * np.pi / corners * np.arange(corners)
+        around = np.column_stack([np.cos(angle), np.sin(angle), np.zeros(corners)])
+    boxes = np.tile([edge, edge, 0.0, 0.0, 0.0, 0.0], (len(frames), 1))
+    return Structure(points, np.stack([np.cos(half), zeros, zeros, np.sin(half)], axis=-1), boxes, around)
+
+
+def test_an_ideal_gas_in_a_plane_has_no_structure() -> None:
+    rng = np.random.default_rng(8)
+    frames = [rng.uniform(-5.0, 5.0, size=(300, 2)) for _ in range(20)]
+    gas = in_a_plane(frames, [rng.uniform(-9.0, 9.0, size=300) for _ in frames], 10.0, 4)
+    force = gas.mean_force(reach=3.5, bins=7)
+    torque = gas.mean_torque(reach=3.5, bins=7, angles=4)
+    # About 3500 pairs are in a bin of the force, four times as many with the symmetry, and a quarter of these in one of the torque.
+    assert force.values_kt.shape == (7, 7) and np.abs(force.values_kt).max() < 0.1
+    assert torque.values_kt.shape == (7, 7, 4) and np.abs(torque.values_kt).max() < 0.15
+    assert abs(torque.values_kt.mean()) < 0.01
+    assert torque.angles_rad[-1] == pytest.approx(np.pi / 2 * 7 / 8)
+    for wrong in (lambda: gas.mean_force(3.6), lambda: gas.mean_torque(3.6)):
+        with pytest.raises(ValueError, match=r"faces are 10 apart; the reach must be below 3\.536"):
+            wrong()
+    # In a box that leans by 45 degrees the faces are nearer to each other than the edges are long.
+    leaning = Structure(gas.positions, gas.orientations, np.tile([10.0, 10.0, 0.0, 1.0, 0.0, 0.0], (20, 1)))
+    with pytest.raises(ValueError, match=r"faces are 7\.07107 apart; the reach must be below 2\.5"):
+        leaning.mean_force(2.6)
+
+
+def test_disks_have_minus_the_logarithm_of_the_radial_distribution() -> None:
+    """Hard disks, whose bodies all point somewhere else: the potential is isotropic and that of g(r)."""
+    rng = np.random.default_rng(9)
+    edge, count = 10.0, 40
+    points = np.empty((0, 2))
+    frames, angles = [], []
+    for _ in range(600):
+        points = np.empty((0, 2))
+        while len(points) < count:
+            trial = rng.uniform(-edge / 2, edge / 2, size=2)
+            way = points - trial
+            way -= edge * np.round(way / edge)
+            if not np.any(np.sum(way**2, axis=1) < 1.0):
+                points = np.vstack([points, trial])
+        frames.append(points)
+        angles.append(rng.uniform(-np.pi, np.pi, size=count))
+    disks = in_a_plane(frames, angles, edge)
+    r, g = disks.radial_distribution(r_max=3.4, bins=34)
+    force = disks.mean_force(reach=2.4, bins=49)
+    x, y = np.meshgrid(force.coordinates, force.coordinates, indexing="ij")
+    radius, density = np.hypot(x, y), np.exp(-force.values_kt)
+    assert np.all(density[radius < 0.92] == 0.0)
+    for low in (1.2, 1.5, 1.8, 2.1):
+        ring = (radius >= low) & (radius < low + 0.3)
+        inside = (r >= low) & (r < low + 0.3)
+        assert density[ring].mean() == pytest.approx((g[inside] * r[inside]).sum() / r[inside].sum(), rel=0.02)
+
+
+def squares_meet(x: np.ndarray, y: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Whether squares of edge 1 at these places and angles meet one at the origin: each has no separating edge."""
+    meet = np.ones(np.shape(x), dtype=bool)
+    reach = 0.5 * (1.0 + np.abs(np.cos(angle)) + np.abs(np.sin(angle)))
+    for turn in (0.0, np.pi / 2, angle, angle + np.pi / 2):
+        meet &= np.abs(x * np.cos(turn) + y * np.sin(turn)) < reach
+    return meet
+
+
+def test_two_squares_have_no_density_where_they_overlap_and_one_density_elsewhere() -> None:
+    """Two hard squares alone in a box: every place and angle without overlap is as likely as any other."""
+    rng = np.random.default_rng(10)
+    edge, count = 5.0, 200_000
+    way = rng.uniform(-edge / 2, edge / 2, size=(count, 2))
+    first, other = rng.uniform(-np.pi, np.pi, size=(2, count))
+    cosine, sine = np.cos(first), np.sin(first)
+    x, y = way[:, 0] * cosine + way[:, 1] * sine, way[:, 1] * cosine - way[:, 0] * sine
+    free = ~squares_meet(x, y, other - first)
+    kept = np.flatnonzero(free)[:5000]
+    # Many pairs far from each other, as frames of two bodies.
+    frames = [np.array([[0.0, 0.0], place]) for place in way[kept]]
+    squares = in_a_plane(frames, list(np.column_stack([first[kept], other[kept]])), edge, 4)
+    # The squares of `in_a_plane` have corners on the axes, those of `squares_meet` edges: their frames differ by an eighth of a turn,
+    # and so do both bodies, whose angle with each other is the same.
+    torque = squares.mean_torque(reach=1.7, bins=17, angles=8)
+    assert np.array_equal(np.isinf(torque.values_kt[8, 8]), np.ones(8, dtype=bool))
+    half_bin, half_angle = 0.1, np.pi / 32
+    offsets = np.linspace(-1.0, 1.0, 9)
+    for i, x0 in enumerate(torque.coordinates):
+        for j, y0 in enumerate(torque.coordinates):
+            for k, angle0 in enumerate(torque.angles_rad):
+                dx, dy, da = np.meshgrid(half_bin * offsets, half_bin * offsets, half_angle * offsets, indexing="ij")
+                blocked = squares_meet(x0 + dx, y0 + dy, angle0 + da)
+                if blocked.all():
+                    assert np.isinf(torque.values_kt[i, j, k])
+    # One pair in a box of 25, less the part that is excluded on average, compared with an ideal gas of two.
+    excluded = 1.0 - free.mean()
+    far = np.hypot(*np.meshgrid(torque.coordinates, torque.coordinates)) > 1.6
+    density = np.exp(-torque.values_kt[far])
+    # About 1700 pairs are there: an error of 2.4 %.
+    assert density.mean() == pytest.approx(0.5 / (1.0 - excluded), rel=0.075)
+    assert excluded * edge**2 == pytest.approx(2.0 + 8.0 / np.pi, rel=0.01)
+    # With angles averaged over it is the potential of mean force, by freud.
+    force = squares.mean_force(reach=1.7, bins=17)
+    # A few of about 5000 · 2 · 4 places are on the other side of an edge between bins in single precision.
+    both = [np.exp(-values) for values in (torque.mean_force().values_kt, force.values_kt)]
+    assert np.mean(np.isclose(*both, rtol=1e-4)) > 0.9
+    np.testing.assert_allclose(*both, atol=0.15)
+    angles, values = torque.against_angle([1.0, 0.0])
+    assert len(angles) == 8 and np.array_equal(values, torque.values_kt[13, 8])
+
+
+def test_contacts_of_polygons_are_wells_in_the_frame_of_the_body() -> None:
+    """Squares of a perfect lattice that all lean by the same angle have neighbours along their edges."""
+    rng = np.random.default_rng(11)
+    rows, columns = np.meshgrid(np.arange(8.0), np.arange(8.0))
+    points = np.column_stack([rows.ravel(), columns.ravel()]) - 4.0
+    lean = 0.3
+    frames = [points + rng.normal(scale=0.05, size=points.shape) for _ in range(20)]
+    leaning = in_a_plane(frames, [np.full(64, lean) for _ in frames], 8.0, 4)
+    force = leaning.mean_force(reach=1.2, bins=25)
+    # The neighbour along x of the box is at -0.3 rad in the frame of a body, and by the symmetry a quarter of a turn on.
+    for quarter in range(4):
+        angle = quarter * np.pi / 2 - lean
+        distance, depth = force.well([np.cos(angle), np.sin(angle)])
+        assert distance == pytest.approx(1.0, abs=0.1) and depth < -2.0
+        distances, values = force.along([np.cos(angle + 2 * lean), np.sin(angle + 2 * lean)])
+        assert np.all(np.isinf(values[distances < 1.2]))
 
 
 def test_contacts_are_wells_in_the_frame_of_the_body() -> None:
