@@ -11,7 +11,8 @@
 //! |---|---|
 //! | [`model`] | the network as data |
 //! | `check`, `supercell` | what is wrong with a network; the same network with a larger cell |
-//! | [`build`] | honeycombs, rotating squares and triangles, arrowheads, the rod lattice, FCC and diamond |
+//! | [`build`] | honeycombs, rotating squares and triangles, arrowheads, missing-rib foams, stars, chiral honeycombs, the rod lattice, FCC, diamond, alpha-cristobalite |
+//! | [`flexure`] | ribs that flex: chains of segments |
 //! | `term` | one spring: its length or angle, and its energy with derivatives |
 //! | `configuration` | nodes and cell, and strains of them |
 //! | [`energy`] | energy, gradient and Hessian of a network |
@@ -35,6 +36,7 @@ mod check;
 mod configuration;
 pub mod elastic;
 pub mod energy;
+pub mod flexure;
 pub mod load;
 pub mod model;
 pub mod moduli;
@@ -45,6 +47,7 @@ mod term;
 mod work;
 
 pub use elastic::{Elasticity, Mechanism};
+pub use flexure::Flexure;
 pub use load::{Load, StressKind};
 pub use model::{Framework, Hinge, Neighbour, Rod, Torsion};
 pub use moduli::Moduli;

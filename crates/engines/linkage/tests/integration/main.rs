@@ -14,6 +14,7 @@ mod collisions_paper;
 mod collisions_reference;
 mod common;
 mod framework;
+mod framework_ribs;
 mod grima;
 mod long_runs;
 mod reference;

@@ -13,7 +13,7 @@ pub(super) fn hinge(vertex: usize, between: [Neighbour; 2], stiffness_kcal_mol_r
 }
 
 /// The other ends of the rods at a node, in the order of the rods.
-pub(super) fn rods_at(rods: &[Rod], vertex: usize) -> Vec<Neighbour> {
+pub(in crate::framework) fn rods_at(rods: &[Rod], vertex: usize) -> Vec<Neighbour> {
     let mut ends = Vec::new();
     for rod in rods {
         if rod.from == vertex {

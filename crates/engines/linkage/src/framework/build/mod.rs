@@ -5,17 +5,24 @@
 //! |---|---|
 //! | `honeycomb` | hexagonal honeycombs and arrowheads: ribs that hinge |
 //! | `polygons` | stiff squares and triangles, joined at corners or by rods |
+//! | `ribs` | crosses, stars and wheels joined by ribs |
+//! | `cristobalite` | tetrahedra of alpha-cristobalite |
 //! | `cubic` | nets of nearest neighbours in a cubic cell |
 //! | `hinges` | which rods a hinge joins |
 
+mod cristobalite;
 mod cubic;
 mod hinges;
 mod honeycomb;
 mod polygons;
+mod ribs;
 
+pub use cristobalite::alpha_cristobalite;
 pub use cubic::{diamond, face_centred_cubic};
+pub(super) use hinges::rods_at;
 pub use honeycomb::{arrowhead, honeycomb};
 pub use polygons::{rod_lattice, rotating_squares, rotating_triangles};
+pub use ribs::{MissingRib, chiral, missing_rib, stars};
 
 use super::model::{Framework, Neighbour, Rod};
 

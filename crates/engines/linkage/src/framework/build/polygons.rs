@@ -191,7 +191,7 @@ fn lattice_links() -> [(usize, Neighbour); 8] {
 }
 
 /// Polygons made stiff by a rod between any two corners.
-fn stiff_polygons(
+pub(super) fn stiff_polygons(
     cell: Vec<Vec<f64>>,
     nodes: Vec<Vec<f64>>,
     polygons: &[Polygon],
@@ -209,7 +209,7 @@ fn stiff_polygons(
 }
 
 /// A corner of a polygon, where another corner is taken to be in the cell itself.
-fn seen_from(first: &Neighbour, second: &Neighbour) -> Neighbour {
+pub(super) fn seen_from(first: &Neighbour, second: &Neighbour) -> Neighbour {
     let images = second.image.iter().zip(&first.image);
     Neighbour {
         node: second.node,
