@@ -19,6 +19,7 @@
 //! | `relaxation` | how nodes follow a strain |
 //! | [`elastic`] | elastic constants, mechanisms, Maxwell's count |
 //! | [`moduli`] | Young's and shear moduli, Poisson's ratios, on axis and off |
+//! | [`shares`] | the energy in rods and in hinges |
 //! | [`load`] | minimisation, with and without the cell, under uniaxial stress |
 //! | `newton`, `work` | its steps; the work of a load on the cell |
 //! | [`analytic`] | the closed formulas for honeycombs |
@@ -42,6 +43,7 @@ pub mod model;
 pub mod moduli;
 mod newton;
 mod relaxation;
+pub mod shares;
 mod supercell;
 mod term;
 mod work;
@@ -51,6 +53,7 @@ pub use flexure::Flexure;
 pub use load::{Load, StressKind};
 pub use model::{Framework, Hinge, Neighbour, Rod, Torsion};
 pub use moduli::Moduli;
+pub use shares::rod_shares;
 
 /// Avogadro's number, 1/mol (exact, SI of 2019).
 pub const AVOGADRO_PER_MOL: f64 = 6.022_140_76e23;

@@ -71,7 +71,11 @@ impl Analysis {
             loaded = Some(last);
         }
         if let Some(folder) = &self.output {
-            let files = directory::files(&report, &placed, loaded.as_ref())?;
+            let states = match &self.load {
+                Some(load) => curve::states(&placed, load, gpa)?,
+                None => Vec::new(),
+            };
+            let files = directory::files(&report, &placed, loaded.as_ref(), &states)?;
             directory::write(folder, ResultKind::ElasticConstants, &files, force)?;
         }
         Ok(report)

@@ -1,5 +1,6 @@
 //! A network under increasing loads along one axis.
 
+use super::answer::LoadSettings;
 use super::axes;
 use super::text::rounded;
 use anyhow::{Result, bail};
@@ -13,6 +14,11 @@ use std::collections::BTreeMap;
 
 /// Range of stresses, far beyond what any network bears.
 const STRESS: Range = Range::new(-1e6, 1e6, "GPa");
+
+/// Equilibria of a film, at least.
+const FRAMES: usize = 12;
+/// Larger networks are not filmed.
+const MOST_FILMED_RODS: usize = 4000;
 
 /// Strain against stress.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -146,6 +152,39 @@ pub fn load(
         points,
     };
     Ok((curve, last))
+}
+
+/// The network without a load, and on the way to each stress of a load one after another, for a film;
+/// nothing for large networks.
+///
+/// # Errors
+/// As [`load`].
+pub fn states(network: &Framework, settings: &LoadSettings, gpa: f64) -> Result<Vec<Framework>> {
+    let names = axes(network.dimension());
+    let Some(axis) = names.iter().position(|name| *name == settings.axis) else {
+        return Ok(Vec::new());
+    };
+    if network.rods.len() > MOST_FILMED_RODS {
+        return Ok(Vec::new());
+    }
+    let parts = FRAMES.div_ceil(settings.stresses_gpa.len().max(1));
+    let (mut loads, mut before) = (Vec::new(), 0.0);
+    for stress in &settings.stresses_gpa {
+        for part in 1..=parts {
+            let now = before + (stress - before) * part as f64 / parts as f64;
+            loads.push(Load {
+                axis,
+                stress_kcal_mol_angstrom3: now / gpa,
+                kind: settings.kind,
+            });
+        }
+        before = *stress;
+    }
+    let mut states = vec![network.clone()];
+    for equilibrium in stretch_curve(network, &loads)? {
+        states.push(equilibrium.configuration.place(network));
+    }
+    Ok(states)
 }
 
 fn point(

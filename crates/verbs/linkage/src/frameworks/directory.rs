@@ -3,6 +3,7 @@
 use super::curve::Curve;
 use super::drawing::{self, LoadedNetwork};
 use super::figure::polar_figure;
+use super::film::film;
 use super::network_file;
 use super::report::{FILE, Report};
 use anyhow::{Context, Result};
@@ -16,9 +17,12 @@ use std::path::Path;
 /// A file name in the directory, and the content.
 pub type NamedFile = (String, Vec<u8>);
 
+/// The moving picture, which is drawn from the other files and so is no part of their identity.
+const FILM: &str = "deformation.svg";
+
 /// All files of a report: `result.json`, `network.toml`, `stiffness.csv`, `polar.csv`, `polar.svg`,
-/// `polar.png`, `drawing.svg`, `curve.csv`; those of the polar plot and the curve only if
-/// they exist.
+/// `polar.png`, `drawing.svg`, `curve.csv`, `deformation.svg`; those of the polar plot, the curve and
+/// the film only if they exist.
 ///
 /// # Errors
 /// If a figure cannot be drawn.
@@ -26,6 +30,7 @@ pub fn files(
     report: &Report,
     unloaded: &Framework,
     loaded: Option<&Framework>,
+    states: &[Framework],
 ) -> Result<Vec<NamedFile>> {
     let mut files = Vec::new();
     let mut add = |name: &str, bytes: Vec<u8>| files.push((name.to_owned(), bytes));
@@ -60,6 +65,19 @@ pub fn files(
         add("curve.csv", curve.table()?.to_csv()?.into_bytes());
     }
     add("drawing.svg", draw(report, unloaded, loaded).into_bytes());
+    if let Some(curve) = &report.curve
+        && let Some(last) = curve.points.last()
+        && let Some(film) = film(
+            &report.network,
+            &format!(
+                "from no load to {:.4} GPa along {} (nominal) and back",
+                last.nominal_gpa, curve.axis
+            ),
+            states,
+        )
+    {
+        add(FILM, film.into_bytes());
+    }
     Ok(files)
 }
 
@@ -125,7 +143,8 @@ pub fn write(folder: &Path, kind: ResultKind, files: &[NamedFile], force: bool) 
         write_bytes(&folder.join(name), bytes)?;
     }
     // Frameworks are never continued, so the hash of the results is their identity.
-    let everything: Vec<u8> = files.iter().flat_map(|(_, bytes)| bytes.clone()).collect();
+    let results = files.iter().filter(|(name, _)| name != FILM);
+    let everything: Vec<u8> = results.flat_map(|(_, bytes)| bytes.clone()).collect();
     let work = Work {
         kind,
         verb: "framework",

@@ -7,13 +7,13 @@ use protomer_linkage::framework::{Framework, Neighbour};
 use protomer_plot::escaped;
 use std::fmt::Write;
 
-const WIDTH: f64 = 1200.0;
-const HEIGHT: f64 = 800.0;
-const MARGIN: f64 = 50.0;
+pub(super) const WIDTH: f64 = 1200.0;
+pub(super) const HEIGHT: f64 = 800.0;
+pub(super) const MARGIN: f64 = 50.0;
 /// Room for title and legend.
-const HEAD: f64 = 70.0;
-const BEFORE: &str = "#b4b4b4";
-const AFTER: &str = "#0072b2";
+pub(super) const HEAD: f64 = 70.0;
+pub(super) const BEFORE: &str = "#b4b4b4";
+pub(super) const AFTER: &str = "#0072b2";
 /// Number of cells along the longer direction of the patch.
 const CELLS: f64 = 3.0;
 /// Largest number of nodes drawn.
@@ -38,27 +38,8 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     let before = Patch::new(unloaded, &counts);
     let after = loaded.map(|loaded| Patch::new(loaded.network, &counts));
     // Both patches share one scale, so that the strain is seen as it is.
-    let patches = || [Some(&before), after.as_ref()].into_iter().flatten();
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for point in patches().flat_map(|patch| patch.lines.iter().flatten()) {
-        for axis in 0..2 {
-            (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
-        }
-    }
-    let centre = [0, 1].map(|axis| 0.5 * (low[axis] + high[axis]));
-    let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
-    let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
-    // A patch without width must not divide by zero.
-    let [scale_x, scale_y] = [0, 1].map(|axis| room[axis] / half[axis].max(1e-9));
-    let scale = scale_x.min(scale_y);
-    let place = |point: &[f64; 2]| {
-        let [x, y] = [
-            scale * (point[0] - centre[0]),
-            scale * (point[1] - centre[1]),
-        ];
-        // SVG counts downwards.
-        [0.5 * WIDTH + x, HEAD + 0.5 * (HEIGHT - HEAD) - y]
-    };
+    let view = View::new([Some(&before), after.as_ref()].into_iter().flatten());
+    let place = |point: &[f64; 2]| view.place(point);
     let mut text = format!(
         "<svg width=\"{WIDTH}\" height=\"{HEIGHT}\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" xmlns=\"http://www.w3.org/2000/svg\" \
          font-family=\"DejaVu Sans, sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n<text x=\"{MARGIN}\" \
@@ -84,14 +65,48 @@ pub fn svg(title: &str, unloaded: &Framework, loaded: Option<LoadedNetwork>) -> 
     if let (Some(patch), Some(loaded)) = (&after, loaded) {
         // The loaded network over the unloaded one.
         draw(&mut text, patch, &place, AFTER, 4.0);
-        arrows(&mut text, &half.map(|x| scale * x), loaded);
+        arrows(&mut text, &view.half.map(|x| view.scale * x), loaded);
     }
     text += "</svg>\n";
     text
 }
 
+/// Places of points of the drawing plane on the picture.
+pub(super) struct View {
+    centre: [f64; 2],
+    half: [f64; 2],
+    scale: f64,
+}
+
+impl View {
+    /// A view of all these patches.
+    pub(super) fn new<'a>(patches: impl Iterator<Item = &'a Patch>) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for point in patches.flat_map(|patch| patch.lines.iter().flatten()) {
+            for axis in 0..2 {
+                (low[axis], high[axis]) = (low[axis].min(point[axis]), high[axis].max(point[axis]));
+            }
+        }
+        let half = [0, 1].map(|axis| 0.5 * (high[axis] - low[axis]));
+        let room = [0.5 * WIDTH - MARGIN, 0.5 * (HEIGHT - HEAD) - MARGIN];
+        // A patch without width must not divide by zero.
+        let [scale_x, scale_y] = [0, 1].map(|axis| room[axis] / half[axis].max(1e-9));
+        Self {
+            centre: [0, 1].map(|axis| 0.5 * (low[axis] + high[axis])),
+            half,
+            scale: scale_x.min(scale_y),
+        }
+    }
+
+    pub(super) fn place(&self, point: &[f64; 2]) -> [f64; 2] {
+        let [x, y] = [0, 1].map(|axis| self.scale * (point[axis] - self.centre[axis]));
+        // SVG counts downwards.
+        [0.5 * WIDTH + x, HEAD + 0.5 * (HEIGHT - HEAD) - y]
+    }
+}
+
 /// Number of cells to draw along each vector, so that the patch is about as long in each direction.
-fn cell_counts(network: &Framework) -> Vec<usize> {
+pub(super) fn cell_counts(network: &Framework) -> Vec<usize> {
     let mut lengths = Vec::new();
     for vector in &network.cell_angstrom {
         lengths.push(vector.iter().map(|x| x * x).sum::<f64>().sqrt());
@@ -114,12 +129,12 @@ fn cell_counts(network: &Framework) -> Vec<usize> {
 }
 
 /// The rods of several cells as lines in the drawing plane, centred on the mean of their ends.
-struct Patch {
-    lines: Vec<[[f64; 2]; 2]>,
+pub(super) struct Patch {
+    pub(super) lines: Vec<[[f64; 2]; 2]>,
 }
 
 impl Patch {
-    fn new(network: &Framework, counts: &[usize]) -> Self {
+    pub(super) fn new(network: &Framework, counts: &[usize]) -> Self {
         let mut lines = Vec::new();
         for number in 0..counts.iter().product() {
             let cell = cell_of(number, counts);

@@ -44,6 +44,11 @@ pub fn contents(directory: &Path, _: Option<&Record>) -> Result<Contents> {
         "Network",
         vec![
             drawing,
+            Part::picture(
+                "deformation.svg",
+                "The network under its load, moving",
+                None,
+            ),
             match loaded {
                 Some(figure) => Part::figure(figure, "curve.csv"),
                 None => Part::file("curve.csv"),

@@ -1,10 +1,11 @@
 //! The networks that `protomer framework` can build, each with its own flags.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::{Args, Subcommand};
 use protomer_common::quantity::length_angstrom;
 use protomer_common::range::Range;
 use protomer_linkage::framework::analytic::Honeycomb;
+use protomer_linkage::framework::build::MissingRib;
 use protomer_linkage::framework::{Framework, build};
 
 /// Lengths of networks.
@@ -18,7 +19,7 @@ fn length(text: &str) -> Result<f64, String> {
     Ok(length)
 }
 
-#[derive(Debug, Subcommand)]
+#[derive(Debug, Clone, Subcommand)]
 pub enum Builder {
     Honeycomb(HoneycombArgs),
     /// Squares that share corners and rotate alternately.
@@ -26,16 +27,20 @@ pub enum Builder {
     /// Equilateral triangles that share corners and rotate alternately.
     RotatingTriangles(PolygonArgs),
     Arrowhead(ArrowheadArgs),
+    MissingRib(MissingRibArgs),
+    Stars(StarsArgs),
+    Chiral(ChiralArgs),
     RodLattice(RodLatticeArgs),
     Fcc(FccArgs),
     Diamond(DiamondArgs),
+    AlphaCristobalite(AlphaCristobaliteArgs),
     /// Tables 2 to 4 of Grima et al., Mol. Simul. 31, 925 (2005), printed and recomputed.
     Tables,
 }
 
 /// Hexagonal honeycomb: ribs h along z, ribs l at the angle theta to them; re-entrant below 90
 /// degrees.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct HoneycombArgs {
     /// Length of the ribs along z, Å.
@@ -55,7 +60,7 @@ pub struct HoneycombArgs {
     ks: f64,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct PolygonArgs {
     /// Side of a polygon, Å.
@@ -74,7 +79,7 @@ pub struct PolygonArgs {
 }
 
 /// Arrowheads: long ribs at the outer and short ribs at the inner angle to z.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct ArrowheadArgs {
     /// Extent of a cell along y, Å.
@@ -94,8 +99,93 @@ pub struct ArrowheadArgs {
     kh: f64,
 }
 
+/// Missing-rib foam: crosses turned out of the axes, whose arms are joined by ribs at elbows.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Network")]
+pub struct MissingRibArgs {
+    /// Length of the arms of a cross, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    arm: f64,
+    /// Length of the ribs between the arms of two crosses, Å.
+    #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
+    rib: f64,
+    /// Rotation of the crosses out of the axes, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    angle: f64,
+    /// Stiffness of each arm and rib, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge at an elbow, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+    /// Stiffness of each hinge between neighbouring arms of a cross, kcal/mol/rad² [default: that of
+    /// the elbows].
+    #[arg(long, allow_negative_numbers = true)]
+    cross_kh: Option<f64>,
+}
+
+/// Stars with four or six points, joined by ribs from point to point.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Network")]
+pub struct StarsArgs {
+    /// Points of a star: 4 or 6.
+    #[arg(long, default_value_t = 4)]
+    points: usize,
+    /// Length of a side of a star, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    side: f64,
+    /// Length of the ribs between stars, Å.
+    #[arg(long, default_value = "1A", value_parser = length, allow_hyphen_values = true)]
+    rib: f64,
+    /// Angle at a point, between two sides, degrees.
+    #[arg(long, allow_negative_numbers = true)]
+    angle: f64,
+    /// Stiffness of each side and rib, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge, one between any two adjacent rods at a node, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+/// Chiral honeycomb: rigid wheels, joined by ligaments that touch them.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Network")]
+pub struct ChiralArgs {
+    /// Ligaments of a wheel: 4 or 6.
+    #[arg(long, default_value_t = 6)]
+    spokes: usize,
+    /// Radius of a wheel, Å.
+    #[arg(long, default_value = "0.5A", value_parser = length, allow_hyphen_values = true)]
+    radius: f64,
+    /// Length of the ligaments, Å.
+    #[arg(long, default_value = "2A", value_parser = length, allow_hyphen_values = true)]
+    ligament: f64,
+    /// Stiffness of each ligament, and of the rods that make a wheel rigid, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each hinge between a ligament and a wheel, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
+/// Tetrahedra of alpha-cristobalite, from its crystal structure.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Network")]
+pub struct AlphaCristobaliteArgs {
+    /// Factor of all lengths of the crystal.
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    scale: f64,
+    /// Stiffness of the rods that make a tetrahedron rigid, kcal/mol/Å².
+    #[arg(long, allow_negative_numbers = true)]
+    ks: f64,
+    /// Stiffness of each of the nine hinges between two tetrahedra, kcal/mol/rad².
+    #[arg(long, allow_negative_numbers = true)]
+    kh: f64,
+}
+
 /// The lattice of squares whose corners are joined by rods.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct RodLatticeArgs {
     /// Half-diagonal of a square, Å.
@@ -119,7 +209,7 @@ pub struct RodLatticeArgs {
 }
 
 /// Face-centred cubic net of nearest-neighbour rods.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct FccArgs {
     /// Edge of the cubic cell, Å.
@@ -131,7 +221,7 @@ pub struct FccArgs {
 }
 
 /// Diamond net of nearest-neighbour rods, hinged between all rods at a node.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Network")]
 pub struct DiamondArgs {
     /// Edge of the cubic cell, Å.
@@ -185,6 +275,27 @@ impl Builder {
                 "arrowheads, width {} Å, {}° and {}°, k_h = {}, k_s = {}",
                 a.width, a.outer, a.inner, a.kh, a.ks
             ),
+            Builder::MissingRib(a) => format!(
+                "missing-rib foam, arm {} Å, rib {} Å, {}°, k_h = {} ({} in crosses), k_s = {}",
+                a.arm,
+                a.rib,
+                a.angle,
+                a.kh,
+                a.cross_kh.unwrap_or(a.kh),
+                a.ks
+            ),
+            Builder::Stars(a) => format!(
+                "stars with {} points, side {} Å, rib {} Å, {}°, k_h = {}, k_s = {}",
+                a.points, a.side, a.rib, a.angle, a.kh, a.ks
+            ),
+            Builder::Chiral(a) => format!(
+                "chiral honeycomb, {} spokes, radius {} Å, ligament {} Å, k_h = {}, k_s = {}",
+                a.spokes, a.radius, a.ligament, a.kh, a.ks
+            ),
+            Builder::AlphaCristobalite(a) => format!(
+                "alpha-cristobalite, scale {}, k_h = {}, k_s = {}",
+                a.scale, a.kh, a.ks
+            ),
             Builder::RodLattice(a) => format!(
                 "squares and rods, l = {} Å, r0 = {} Å, {}°, k_h = {}, k_s = {} ({} in squares)",
                 a.l, a.r0, a.angle, a.kh, a.ks, a.square_ks
@@ -195,6 +306,104 @@ impl Builder {
             }
             Builder::Tables => return None,
         })
+    }
+
+    /// The number of rods that come before the ribs which may flex; `None` where rods make rigid
+    /// polygons or the network is in space.
+    pub fn rods_before_ribs(&self) -> Option<usize> {
+        match self {
+            Builder::Honeycomb(_)
+            | Builder::Arrowhead(_)
+            | Builder::MissingRib(_)
+            | Builder::Stars(_) => Some(0),
+            Builder::Chiral(a) => Some(a.spokes * (a.spokes - 1) / 2),
+            _ => None,
+        }
+    }
+
+    /// Gives a parameter another value.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<()> {
+        let mut names = Vec::new();
+        // Unlike the others it has no value until it is given.
+        if let Builder::MissingRib(foam) = self {
+            if name == "cross-kh" {
+                foam.cross_kh = Some(value);
+                return Ok(());
+            }
+            names.push("cross-kh");
+        }
+        for (parameter, place) in self.numbers() {
+            if parameter == name {
+                *place = value;
+                return Ok(());
+            }
+            names.push(parameter);
+        }
+        bail!("--scan names {name}; this network has {}", names.join(", "))
+    }
+
+    /// The parameters that are numbers.
+    fn numbers(&mut self) -> Vec<(&'static str, &mut f64)> {
+        match self {
+            Builder::Honeycomb(a) => vec![
+                ("h", &mut a.h),
+                ("l", &mut a.l),
+                ("theta", &mut a.theta),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::RotatingSquares(a) | Builder::RotatingTriangles(a) => vec![
+                ("side", &mut a.side),
+                ("angle", &mut a.angle),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::Arrowhead(a) => vec![
+                ("width", &mut a.width),
+                ("outer", &mut a.outer),
+                ("inner", &mut a.inner),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::MissingRib(a) => vec![
+                ("arm", &mut a.arm),
+                ("rib", &mut a.rib),
+                ("angle", &mut a.angle),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::Stars(a) => vec![
+                ("side", &mut a.side),
+                ("rib", &mut a.rib),
+                ("angle", &mut a.angle),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::Chiral(a) => vec![
+                ("radius", &mut a.radius),
+                ("ligament", &mut a.ligament),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::RodLattice(a) => vec![
+                ("l", &mut a.l),
+                ("r0", &mut a.r0),
+                ("angle", &mut a.angle),
+                ("square-ks", &mut a.square_ks),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::Fcc(a) => vec![("edge", &mut a.edge), ("ks", &mut a.ks)],
+            Builder::Diamond(a) => {
+                vec![("edge", &mut a.edge), ("kh", &mut a.kh), ("ks", &mut a.ks)]
+            }
+            Builder::AlphaCristobalite(a) => vec![
+                ("scale", &mut a.scale),
+                ("kh", &mut a.kh),
+                ("ks", &mut a.ks),
+            ],
+            Builder::Tables => Vec::new(),
+        }
     }
 
     /// The network of one cell; `None` for the tables.
@@ -214,6 +423,19 @@ impl Builder {
                 a.ks,
                 a.kh,
             )?,
+            Builder::MissingRib(a) => build::missing_rib(&MissingRib {
+                arm_angstrom: a.arm,
+                rib_angstrom: a.rib,
+                angle_rad: a.angle.to_radians(),
+                ks: a.ks,
+                kh: a.kh,
+                cross_kh: a.cross_kh.unwrap_or(a.kh),
+            })?,
+            Builder::Stars(a) => {
+                build::stars(a.points, a.side, a.rib, a.angle.to_radians(), a.ks, a.kh)?
+            }
+            Builder::Chiral(a) => build::chiral(a.spokes, a.radius, a.ligament, a.ks, a.kh)?,
+            Builder::AlphaCristobalite(a) => build::alpha_cristobalite(a.scale, a.ks, a.kh)?,
             Builder::RodLattice(a) => {
                 build::rod_lattice(a.l, a.r0, a.angle.to_radians(), a.square_ks, a.ks, a.kh)?
             }

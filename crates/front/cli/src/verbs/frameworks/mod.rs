@@ -13,29 +13,37 @@ use clap::{Args, CommandFactory};
 use protomer_common::quantity::length_angstrom;
 use protomer_common::range::Range;
 use protomer_linkage::framework::analytic::Honeycomb;
-use protomer_linkage::framework::{AVOGADRO_PER_MOL, Framework, StressKind};
+use protomer_linkage::framework::{AVOGADRO_PER_MOL, Flexure, Framework, StressKind};
 use protomer_linkage_verbs::frameworks::answer::{
     Analysis, LoadSettings, PaperTables, cell_counts,
 };
 use protomer_linkage_verbs::frameworks::report::{Relax, Report, Settings};
-use protomer_linkage_verbs::frameworks::{curve, network_file};
+use protomer_linkage_verbs::frameworks::scan::{Scan, ScannedParameter};
+use protomer_linkage_verbs::frameworks::{competition, curve, network_file};
 use protomer_results::keys::nearest;
 use std::path::{Path, PathBuf};
 
 /// The builders of `framework`.
-const BUILDERS: [&str; 8] = [
+const BUILDERS: [&str; 12] = [
     "honeycomb",
     "rotating-squares",
     "rotating-triangles",
     "arrowhead",
+    "missing-rib",
+    "stars",
+    "chiral",
     "rod-lattice",
     "fcc",
     "diamond",
+    "alpha-cristobalite",
     "tables",
 ];
 
 /// Values of the Avogadro constant in the literature.
 const AVOGADRO: Range = Range::new(5.9e23, 6.2e23, "/mol");
+
+/// Segments of a rib that flexes: moduli are then 0.8 % below those of a beam.
+const SEGMENTS: usize = 16;
 
 /// Upper limit for the number of nodes, set by time and memory.
 const MOST_NODES: usize = 1_000_000;
@@ -77,6 +85,16 @@ pub struct AnalysisArgs {
     /// With --relax: keep the cell fixed.
     #[arg(long, global = true, requires = "relax")]
     fixed_cell: bool,
+    /// EI of ribs that flex and are joined rigidly, in place of hinges (give --kh 0), kcal Å/mol.
+    #[arg(long, global = true, allow_negative_numbers = true)]
+    flexure: Option<f64>,
+    /// Segments of each rib that flexes [default: 16].
+    #[arg(long, global = true, requires = "flexure")]
+    segments: Option<usize>,
+    /// Analyse the network over a range of a parameter, such as theta=30:150:10 (from, to, step) or
+    /// h=1,2; repeatable, for all combinations.
+    #[arg(long, global = true, value_name = "NAME=VALUES")]
+    scan: Vec<String>,
     /// Axis along which to load the network: x, y or z.
     #[arg(long, global = true, requires = "stress")]
     load: Option<String>,
@@ -101,6 +119,9 @@ impl FrameworkArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let thickness = self.analysis.thickness.as_deref();
         let thickness = thickness.map(length_angstrom).transpose()?;
+        if !self.analysis.scan.is_empty() {
+            return self.scan(thickness);
+        }
         let (network, name) = match (&self.builder, &self.file) {
             (Some(_), Some(file)) => {
                 bail!(
@@ -123,8 +144,70 @@ impl FrameworkArgs {
                 }
             }
         };
+        let (network, name) = self.flex(network, name)?;
         let network = self.analysis.shape(network, thickness)?;
         self.analyse(network, name, front)
+    }
+
+    /// The network with ribs that flex, if they are to.
+    fn flex(&self, network: Framework, name: String) -> Result<(Framework, String)> {
+        let Some(flexure) = self.analysis.flexure() else {
+            return Ok((network, name));
+        };
+        let first = match &self.builder {
+            None => Some(0),
+            Some(builder) => builder.rods_before_ribs(),
+        };
+        let Some(first) = first else {
+            bail!(
+                "--flexure is for honeycomb, arrowhead, missing-rib, stars, chiral and network files; the rods of \
+                 this network have no bending"
+            );
+        };
+        let name = format!(
+            "{name}, EI = {} in {} segments",
+            flexure.bending_stiffness_kcal_angstrom_mol, flexure.segments
+        );
+        Ok((network.flexing(first, &flexure)?, name))
+    }
+
+    /// Analyses the networks of a scan.
+    fn scan(&self, thickness: Option<f64>) -> Result<Reply> {
+        let args = &self.analysis;
+        let Some(builder) = &self.builder else {
+            bail!(
+                "--scan changes the parameters of a builder; give one of {}",
+                BUILDERS.join(", ")
+            );
+        };
+        let unused = [
+            ("--load", args.load.is_some()),
+            ("--derivatives", args.derivatives),
+            ("--write", args.write.is_some()),
+            ("--output", args.output.is_some()),
+        ];
+        if let Some((flag, _)) = unused.iter().find(|(_, is_given)| *is_given) {
+            bail!("--scan prints a table and does not accept {flag}; --json prints it as JSON");
+        }
+        let parameters = args.scan.iter().map(|text| ScannedParameter::parse(text));
+        let parameters = parameters.collect::<Result<Vec<_>>>()?;
+        for parameter in &parameters {
+            for value in &parameter.values {
+                builder.clone().set(&parameter.name, *value)?;
+            }
+        }
+        let scan = Scan::run(&parameters, &args.settings()?, |values| {
+            let mut builder = builder.clone();
+            for (parameter, value) in parameters.iter().zip(values) {
+                builder.set(&parameter.name, *value)?;
+            }
+            let Some(network) = builder.build(thickness.unwrap_or(1.0))? else {
+                bail!("the tables of the paper have no parameters to scan");
+            };
+            let (network, _) = self.flex(network, String::new())?;
+            args.shape(network, thickness)
+        })?;
+        Ok(Reply::of(scan))
     }
 
     fn analyse(&self, network: Framework, name: String, front: &Front) -> Result<Reply> {
@@ -132,6 +215,7 @@ impl FrameworkArgs {
         if args.derivatives && !front.flags().json && args.output.is_none() {
             bail!("--derivatives only affects the JSON; add --json or -o DIR");
         }
+        let competition = competition::warning(&network).unwrap_or_default();
         let analysis = Analysis {
             honeycomb: self.honeycomb(network.thickness_angstrom),
             network,
@@ -142,14 +226,19 @@ impl FrameworkArgs {
             output: args.output.clone(),
         };
         let report = analysis.run(front.force())?;
-        let notes = args.notes(&report);
+        let mut notes = args.notes(&report);
+        if report.relaxed.is_none() && report.at_rest() {
+            notes.extend(competition);
+        }
         Ok(Reply::of(report).with_notes(notes))
     }
 
     /// The parameters of the honeycomb, if it is one.
     fn honeycomb(&self, thickness_angstrom: f64) -> Option<Honeycomb> {
         match &self.builder {
-            Some(Builder::Honeycomb(honeycomb)) => Some(honeycomb.made_of(thickness_angstrom)),
+            Some(Builder::Honeycomb(honeycomb)) if self.analysis.flexure.is_none() => {
+                Some(honeycomb.made_of(thickness_angstrom))
+            }
             _ => None,
         }
     }
@@ -161,6 +250,7 @@ impl FrameworkArgs {
             ("--cells", args.cells.is_some()),
             ("--thickness", args.thickness.is_some()),
             ("--relax", args.relax),
+            ("--flexure", args.flexure.is_some()),
             ("--load", args.load.is_some()),
             ("--stress-kind", args.stress_kind.is_some()),
             ("--derivatives", args.derivatives),
@@ -213,6 +303,13 @@ pub fn explain_usage(error: clap::Error) -> clap::Error {
 }
 
 impl AnalysisArgs {
+    fn flexure(&self) -> Option<Flexure> {
+        Some(Flexure {
+            bending_stiffness_kcal_angstrom_mol: self.flexure?,
+            segments: self.segments.unwrap_or(SEGMENTS),
+        })
+    }
+
     fn settings(&self) -> Result<Settings> {
         let avogadro_per_mol = self.na.unwrap_or(AVOGADRO_PER_MOL);
         AVOGADRO.require("--na", avogadro_per_mol)?;
