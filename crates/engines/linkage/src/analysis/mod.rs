@@ -7,6 +7,10 @@
 //! | [`strain`] | deformation, strain, Poisson's ratio |
 //! | [`lyapunov`] | how fast neighbouring trajectories part |
 //! | [`spread`] | the first maximum of a quantity in time |
+//! | [`elastic`] | compliances from the fluctuations of the strain |
+//! | [`domains`] | how far neighbours close to the same side |
+//! | [`locking`] | the time from which phases are locked |
+//! | [`divergence`] | Lyapunov exponents from time series |
 //! | [`crossings`] | passages of a quantity through a level |
 //! | [`grima`] | the coherent motion, which has one degree of freedom, exactly |
 //! | [`elliptic`] | elliptic integrals of the second kind |
@@ -17,8 +21,12 @@
 //! ratio).
 
 pub mod crossings;
+pub mod divergence;
+pub mod domains;
+pub mod elastic;
 pub mod elliptic;
 pub mod grima;
+pub mod locking;
 pub mod lyapunov;
 pub mod modes;
 pub mod spread;
