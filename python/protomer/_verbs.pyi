@@ -1364,6 +1364,8 @@ class _Lattice:
         time_limit: float | str | None = None,
         checkpoint_every: float | str | None = None,
         ns: int | str | None = None,
+        angle_potential: Path | str | None = None,
+        opening_potential: Path | str | None = None,
         rows: int | str | None = None,
         columns: int | str | None = None,
         r0: float | str | None = None,
@@ -1382,6 +1384,8 @@ class _Lattice:
         paper: bool = False,
         temperature: float | str | None = None,
         friction: float | str | None = None,
+        stress_xx: float | str | None = None,
+        stress_yy: float | str | None = None,
         seed: int | str | None = None,
         log_every: int | str | None = None,
         trajectory_every: int | str | None = None,
@@ -1403,7 +1407,10 @@ class _Lattice:
         seeds: int | str | None = None,
         lyapunov: bool = False,
         lyapunov_intervals: int | str | None = None,
+        locked_within: float | str | None = None,
         ns: int | str | None = None,
+        angle_potential: Path | str | None = None,
+        opening_potential: Path | str | None = None,
         rows: int | str | None = None,
         columns: int | str | None = None,
         r0: float | str | None = None,
@@ -1422,6 +1429,8 @@ class _Lattice:
         paper: bool = False,
         temperature: float | str | None = None,
         friction: float | str | None = None,
+        stress_xx: float | str | None = None,
+        stress_yy: float | str | None = None,
         seed: int | str | None = None,
         log_every: int | str | None = None,
         trajectory_every: int | str | None = None,
@@ -1431,6 +1440,38 @@ class _Lattice:
     ) -> LatticeSweepResult:
         """Run lattices of several rod lengths and κ, once per seed, on all threads, with tables and
         figures. The same command continues a sweep that was stopped."""
+
+    def elastic(
+        self,
+        directories: Path | str | Sequence[Path | str],
+        *,
+        discard: float | str | None = None,
+        blocks: int | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """Compliances and Poisson's ratio of runs in a heat bath: from the fluctuations of the strain in
+        each run, and from the response of runs that differ in their stress."""
+
+    def divergence(
+        self,
+        directory: Path | str,
+        *,
+        column: str | float | Sequence[str | float] | None = None,
+        dimension: int | str | None = None,
+        delay: int | str | None = None,
+        window: int | str | None = None,
+        horizon: int | str | None = None,
+        fit_from: int | str | None = None,
+        fit_to: int | str | None = None,
+        radius: float | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """The maximal Lyapunov exponent of a run from the time series of a column of its log, as
+        Rosenstein or as Kantz estimate it."""
 
     def animate(
         self,

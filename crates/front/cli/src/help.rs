@@ -259,6 +259,20 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         ],
     ),
     (
+        "lattice elastic",
+        [
+            "lattice elastic pulled pushed",
+            "lattice elastic warm --discard 0.2 --blocks 10",
+        ],
+    ),
+    (
+        "lattice divergence",
+        [
+            "lattice divergence chaos --column checkerboard",
+            "lattice divergence chaos --radius 0.1 --fit-to 8",
+        ],
+    ),
+    (
         "lattice animate",
         [
             "lattice animate coherent",

@@ -12,19 +12,25 @@ mod common;
 
 use common::Watcher;
 use protomer_io::gsd::{ChunkData, GsdFile};
+use protomer_linkage::analysis::divergence::Embedding;
+use protomer_linkage::analysis::domains::{Domains, sides};
 use protomer_linkage::analysis::grima::CoherentOrbit;
 use protomer_linkage::analysis::lyapunov::{LyapunovSettings, SteppedFlow, maximal_exponent};
+use protomer_linkage::analysis::strain::poisson_ratio;
 use protomer_linkage::lattice::pair::SquareCharge;
 use protomer_linkage::lattice::{Edges, Mover, Square, State};
 use protomer_linkage_verbs::lattice::animation::Animation;
+use protomer_linkage_verbs::lattice::divergence::{DivergenceSettings, from_log};
+use protomer_linkage_verbs::lattice::elastic::{ElasticSettings, elastic};
 use protomer_linkage_verbs::lattice::log::LogRow;
+use protomer_linkage_verbs::lattice::potential_table::PotentialTable;
 use protomer_linkage_verbs::lattice::replay::{LatticeFile, replay, respond};
 use protomer_linkage_verbs::lattice::run::{LARGEST_ENERGY_ERROR, LatticeResult, run_lattice};
 use protomer_linkage_verbs::lattice::settings::{
     LatticeSettings, NamedTimeStep, OtherSquare, Screening, Start, SweepAxes, TimeStep, Velocities,
 };
 use protomer_linkage_verbs::lattice::square_of_body::{Axis, Size, square_of_body};
-use protomer_linkage_verbs::lattice::start::{begin, network};
+use protomer_linkage_verbs::lattice::start::{begin, charge_warning, network};
 use protomer_linkage_verbs::lattice::sweep::{LatticeSweep, run_sweep};
 use protomer_linkage_verbs::lattice::trajectory::read_states;
 use protomer_protein_verbs::bodies::own_body::{OwnBody, build};
@@ -101,6 +107,16 @@ fn cut_and_continued_runs_equal_uninterrupted_ones_bit_for_bit() {
             },
         ),
         ("periodic", periodic()),
+        (
+            "tabulated potentials and a stress",
+            LatticeSettings {
+                angle_potential: Some(well(0.1)),
+                opening_potential: Some(well(0.2)),
+                stress_xx: 0.02,
+                stress_yy: -0.01,
+                ..small()
+            },
+        ),
         (
             "the paper's protocol",
             LatticeSettings {
@@ -521,6 +537,7 @@ fn a_failed_run_leaves_the_table_of_the_others() {
             kappa: vec![0.0],
             seeds: vec![1, 2],
             lyapunov: None,
+            locked_within: None,
         }),
         ..small()
     };
@@ -669,6 +686,234 @@ fn other(half_diagonal: Option<f64>, mass: Option<f64>, inertia: Option<f64>) ->
     }
 }
 
+/// A potential with wells in the closed states, of this depth.
+fn well(depth: f64) -> PotentialTable {
+    let angle_rad: Vec<f64> = (-4..=36).map(|k| 0.1 * f64::from(k)).collect();
+    let energies = angle_rad.iter().map(|angle| depth * angle.sin().powi(2));
+    PotentialTable {
+        energy: Some(energies.collect()),
+        energy_kt: None,
+        angle_rad,
+    }
+}
+
+/// A run with an automatic step keeps its energy under a tabulated potential, says when an angle left
+/// the table, and a table in kT needs a temperature.
+#[test]
+fn tabulated_potentials_are_part_of_the_settings() {
+    let settings = LatticeSettings {
+        angle_potential: Some(well(0.3)),
+        time_step: TimeStep::AUTO,
+        time: 2.0,
+        steps: None,
+        ..small()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let result = finish(&settings, &folder.path().join("wide"));
+    assert!(result.energy_error < LARGEST_ENERGY_ERROR);
+    assert_eq!(
+        (result.rows_beyond_table, result.table_warning()),
+        (0, None)
+    );
+    let rows: Vec<LogRow> = log::read(&folder.path().join("wide/log.csv")).unwrap();
+    // At θ = ± 0.4, 24 joints: 24 · 0.3 sin² 0.8.
+    let at_first = 24.0 * 0.3 * 0.8f64.sin().powi(2);
+    assert!((rows[0].potential_energy - at_first).abs() < 1e-3 * at_first);
+    let energies = rows.iter().map(|row| row.potential_energy);
+    assert!(energies.fold(0.0, f64::max) > 1.05 * at_first, "it moves");
+
+    let mut narrow = settings.clone();
+    let table = narrow.angle_potential.as_mut().unwrap();
+    table.angle_rad.truncate(14);
+    table.energy.as_mut().unwrap().truncate(14);
+    let result = finish(&narrow, &folder.path().join("narrow"));
+    assert!(result.rows_beyond_table > 0 && result.table_warning().is_some());
+
+    let mut in_kt = settings.clone();
+    let table = in_kt.angle_potential.as_mut().unwrap();
+    table.energy_kt = table.energy.take();
+    let message = format!("{:#}", in_kt.check().unwrap_err());
+    assert!(
+        message.contains("angle_potential") && message.contains("--temperature"),
+        "{message}"
+    );
+    in_kt.temperature = Some(0.5);
+    in_kt.friction = 1.0;
+    in_kt.check().unwrap();
+    in_kt.angle_potential.as_mut().unwrap().angle_rad.pop();
+    assert!(in_kt.check().is_err());
+    let periodic = LatticeSettings {
+        stress_xx: 0.1,
+        ..periodic()
+    };
+    assert!(
+        periodic
+            .check()
+            .unwrap_err()
+            .to_string()
+            .contains("open edges")
+    );
+}
+
+/// Charges so screened that nothing acts are told of, and others not.
+#[test]
+fn charges_that_do_not_act_are_told_of() {
+    let warning = |debye: f64| {
+        let mut settings = small();
+        screen(&mut settings, 7.0, debye, 0.1);
+        let begun = begin(&settings).unwrap();
+        charge_warning(&settings, &begun).unwrap()
+    };
+    assert_eq!(warning(10.0), None);
+    let told = warning(1.0).unwrap();
+    assert!(
+        told.contains("do not act") && told.contains("1 Å"),
+        "{told}"
+    );
+    assert_eq!(
+        charge_warning(&small(), &begin(&small()).unwrap()).unwrap(),
+        None
+    );
+}
+
+/// Runs in a heat bath under three loads: the answers of the verb are those of the library from the
+/// logs, response and fluctuation agree, and runs without a bath are refused.
+#[test]
+fn elastic_answers_are_those_of_the_logs() {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = |name: &str| folder.path().join(name);
+    let settings = |stress_xx: f64| LatticeSettings {
+        rows: 3,
+        columns: 3,
+        r0: 0.5,
+        collisions: false,
+        angle_potential: Some(well(-0.5)),
+        velocities: Velocities::Thermal,
+        temperature: Some(0.05),
+        friction: 1.0,
+        stress_xx,
+        time_step: TimeStep::Fixed(0.02),
+        steps: Some(20_000),
+        log_every: 10,
+        trajectory_every: 0,
+        ..small()
+    };
+    let mut directories = Vec::new();
+    for (name, stress) in [("push", -0.02), ("free", 0.0), ("pull", 0.02)] {
+        finish(&settings(stress), &directory(name));
+        directories.push(directory(name));
+    }
+    let wanted = ElasticSettings {
+        discard: 0.1,
+        blocks: 20,
+    };
+    let found = elastic(&directories, &wanted).unwrap();
+    assert_eq!((found.runs.len(), found.responses.len()), (3, 1));
+    let rows: Vec<LogRow> = log::read(&directory("free/log.csv")).unwrap();
+    let strains: Vec<[f64; 2]> = rows
+        .iter()
+        .skip(200)
+        .map(|row| [row.strain_xx, row.strain_yy])
+        .collect();
+    let ratio = poisson_ratio(&strains, 20).unwrap();
+    let own = found.runs[1].compliances.poisson_ratio_xy;
+    assert!((own.value - ratio.xy).abs() < 1e-9 && (own.error - ratio.xy_error).abs() < 1e-9);
+    let response = &found.responses[0].response;
+    assert!(response.deviation.abs() < 4.0, "{response:?}");
+    assert!(
+        response.compliance.value > 5.0 * response.compliance.error,
+        "{response:?}"
+    );
+    finish(&small(), &directory("cold"));
+    let refused = elastic(&[directory("cold")], &wanted).unwrap_err();
+    assert!(format!("{refused:#}").contains("heat bath"));
+}
+
+/// A sweep says when phases lock, how many domains there are, and how far sides are correlated.
+#[test]
+fn sweeps_tell_of_domains_and_locking() {
+    let settings = LatticeSettings {
+        steps: Some(400),
+        sweep: Some(SweepAxes {
+            r0: vec![0.02, 2.0],
+            seeds: vec![1, 2],
+            ..SweepAxes::default()
+        }),
+        time_step: TimeStep::AUTO,
+        trajectory_every: 10,
+        ..small()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let sweep = finish_sweep(&settings, folder.path());
+    let [short, long] = &sweep.conditions[..] else {
+        panic!("{:?}", sweep.conditions)
+    };
+    // Short rods keep squares in step from the start, in one domain.
+    assert_eq!((short.locked_share, short.locking_time.mean), (1.0, 0.0));
+    assert_eq!((short.domains.mean, short.largest_domain.mean), (1.0, 1.0));
+    assert!(short.correlation_length.is_nan());
+    assert!(long.domains.mean >= 1.0 && long.largest_domain.mean <= 1.0);
+    let table = std::fs::read_to_string(folder.path().join("correlation.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 2 * 4);
+    for figure in ["correlation", "domains", "orbits"] {
+        assert!(
+            folder.path().join(format!("{figure}.svg")).is_file(),
+            "{figure}"
+        );
+    }
+    // The slow twin, from the frames.
+    let frames = read_states(&folder.path().join("r0_2_kappa_0/seed_1/trajectory.gsd")).unwrap();
+    let net = network(&LatticeSettings { r0: 2.0, ..small() }).unwrap();
+    let mut counts = 0.0;
+    for (_, positions) in &frames {
+        counts += Domains::of(&net, &sides(&net, positions)).count as f64 / frames.len() as f64;
+    }
+    let run = sweep
+        .runs
+        .iter()
+        .find(|run| run.r0 == 2.0 && run.seed == 1)
+        .unwrap();
+    assert!((run.domains - counts).abs() < 1e-12);
+}
+
+/// The series of a log gives a positive exponent for a chaotic run, by either method, and an unknown
+/// column is refused by name.
+#[test]
+fn logs_give_exponents() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = LatticeSettings {
+        velocity_spread: 0.1,
+        steps: Some(4000),
+        ..nearly_coherent()
+    };
+    let directory = folder.path().join("run");
+    finish(&settings, &directory);
+    let wanted = DivergenceSettings {
+        column: "checkerboard".into(),
+        embedding: Embedding {
+            dimension: 4,
+            delay: 5,
+            window: 50,
+            horizon: 30,
+        },
+        radius: None,
+        fit: [0, 10],
+    };
+    let nearest = from_log(&directory, &wanted).unwrap();
+    assert!(nearest.exponent > 0.0 && nearest.samples == 2001);
+    let ball = DivergenceSettings {
+        radius: Some(0.2),
+        ..wanted.clone()
+    };
+    assert!(from_log(&directory, &ball).unwrap().exponent > 0.0);
+    let unknown = DivergenceSettings {
+        column: "angle".into(),
+        ..wanted
+    };
+    let message = from_log(&directory, &unknown).unwrap_err().to_string();
+    assert!(message.contains("angle_spread"), "{message}");
+}
+
 fn screen(settings: &mut LatticeSettings, bjerrum: f64, debye: f64, kt: f64) {
     settings.half_diagonal_angstrom = Some(20.0);
     settings.charges = vec![SquareCharge {
@@ -792,6 +1037,7 @@ fn sweeps_do_not_depend_on_threads_and_are_taken_up_again() {
             kappa: vec![0.0, 1.0, 10.0],
             seeds: vec![1, 2],
             lyapunov: None,
+            locked_within: None,
         }),
         ..small()
     };

@@ -177,11 +177,11 @@ impl Embedded<'_> {
     }
 
     /// Mean |x - x'| of the last coordinates of a point and of its former neighbours.
-    fn mean_distance_of_last(&self, moved: usize, neighbours: &[usize], k: usize) -> f64 {
+    fn mean_distance_of_last(&self, point: usize, neighbours: &[usize], k: usize) -> f64 {
         let last = (self.dimension - 1) * self.delay;
         let mut sum = 0.0;
         for neighbour in neighbours {
-            sum += (self.series[moved + last] - self.series[neighbour + k + last]).abs();
+            sum += (self.series[point + last] - self.series[neighbour + k + last]).abs();
         }
         sum / neighbours.len() as f64
     }

@@ -79,8 +79,8 @@ pub fn compliances(strains: &[[f64; 3]], area: f64, kt: f64, blocks: usize) -> R
     let mut without = Vec::with_capacity(blocks);
     for block in 0..blocks {
         let range = block * samples / blocks..(block + 1) * samples / blocks;
-        let left = all.less(&Sums::of(&strains[range], origin));
-        without.push(left.answers(area / kt));
+        let remainder = all.less(&Sums::of(&strains[range], origin));
+        without.push(remainder.answers(area / kt));
     }
     let answers = all.answers(area / kt);
     if answers.iter().any(|answer| !answer.is_finite()) {
@@ -160,14 +160,14 @@ pub fn response(runs: &[LoadedRun<'_>], area: f64, kt: f64, blocks: usize) -> Re
     let answers = Answers::of(&wholes, area / kt);
     let mut without = Vec::with_capacity(blocks);
     for block in 0..blocks {
-        let mut rest = Vec::with_capacity(runs.len());
+        let mut shortened = Vec::with_capacity(runs.len());
         for (run, (stress, whole)) in runs.iter().zip(&wholes) {
             let samples = run.strains.len();
             let range = block * samples / blocks..(block + 1) * samples / blocks;
-            let left = Sums::of(&widened(&run.strains[range]), [0.0; 3]);
-            rest.push((*stress, whole.less(&left)));
+            let block_sums = Sums::of(&widened(&run.strains[range]), [0.0; 3]);
+            shortened.push((*stress, whole.less(&block_sums)));
         }
-        without.push(Answers::of(&rest, area / kt));
+        without.push(Answers::of(&shortened, area / kt));
     }
     let with_error = |value: fn(&Answers) -> f64| {
         let values: Vec<f64> = without.iter().map(value).collect();
@@ -193,10 +193,7 @@ pub fn response(runs: &[LoadedRun<'_>], area: f64, kt: f64, blocks: usize) -> Re
 }
 
 fn widened(strains: &[[f64; 2]]) -> Vec<[f64; 3]> {
-    strains
-        .iter()
-        .map(|[along, across]| [*along, *across, 0.0])
-        .collect()
+    strains.iter().map(|[x, y]| [*x, *y, 0.0]).collect()
 }
 
 struct Answers {
@@ -319,24 +316,24 @@ mod tests {
                     [strain[0] + 0.4, strain[1] - 0.1, 0.5 * strain[2]]
                 })
                 .collect();
-            let found = compliances(&strains, area, kt, 20).unwrap();
+            let answer_of_body = compliances(&strains, area, kt, 20).unwrap();
             for (answer, exact) in [
-                (found.strain_xx, 0.4),
-                (found.strain_yy, -0.1),
-                (found.compliance_xx, compliance[(0, 0)]),
-                (found.compliance_xy, compliance[(0, 1)]),
-                (found.compliance_yy, compliance[(1, 1)]),
+                (answer_of_body.strain_xx, 0.4),
+                (answer_of_body.strain_yy, -0.1),
+                (answer_of_body.compliance_xx, compliance[(0, 0)]),
+                (answer_of_body.compliance_xy, compliance[(0, 1)]),
+                (answer_of_body.compliance_yy, compliance[(1, 1)]),
                 (
-                    found.poisson_ratio_xy,
+                    answer_of_body.poisson_ratio_xy,
                     -compliance[(0, 1)] / compliance[(0, 0)],
                 ),
                 (
-                    found.poisson_ratio_yx,
+                    answer_of_body.poisson_ratio_yx,
                     -compliance[(0, 1)] / compliance[(1, 1)],
                 ),
-                (found.young_modulus_x, 1.0 / compliance[(0, 0)]),
-                (found.young_modulus_y, 1.0 / compliance[(1, 1)]),
-                (found.shear_modulus, 0.7),
+                (answer_of_body.young_modulus_x, 1.0 / compliance[(0, 0)]),
+                (answer_of_body.young_modulus_y, 1.0 / compliance[(1, 1)]),
+                (answer_of_body.shear_modulus, 0.7),
             ] {
                 misses.push(((answer.value - exact) / answer.error).powi(2));
             }
@@ -379,16 +376,16 @@ mod tests {
                     strains,
                 })
                 .collect();
-            let found = response(&loaded, area, kt, 20).unwrap();
+            let answer_of_body = response(&loaded, area, kt, 20).unwrap();
             for (answer, exact) in [
-                (found.compliance, xx),
-                (found.poisson_ratio, -xy / xx),
-                (found.fluctuation_compliance, xx),
-                (found.fluctuation_poisson_ratio, -xy / xx),
+                (answer_of_body.compliance, xx),
+                (answer_of_body.poisson_ratio, -xy / xx),
+                (answer_of_body.fluctuation_compliance, xx),
+                (answer_of_body.fluctuation_poisson_ratio, -xy / xx),
             ] {
                 misses.push(((answer.value - exact) / answer.error).powi(2));
             }
-            misses.push(found.deviation.powi(2));
+            misses.push(answer_of_body.deviation.powi(2));
             assert!(response(&loaded[..1], area, kt, 20).is_err());
         }
         let mean = misses.iter().sum::<f64>() / misses.len() as f64;

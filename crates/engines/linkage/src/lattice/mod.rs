@@ -24,6 +24,9 @@
 //! | [`drag`] | linear friction |
 //! | [`thermostat`] | Langevin dynamics at a temperature |
 //! | [`pair`] | screened charges on the squares |
+//! | [`spline`] | a potential given at points |
+//! | [`angle_potential`] | potentials of the angle between joined squares and of the opening |
+//! | [`load`] | a stress on a lattice with open edges |
 //! | [`mover`] | forces, collisions and heat bath of a run in one |
 //! | [`paper`] | collisions as the paper prescribes them, for comparison |
 //!
@@ -36,12 +39,14 @@
 //! simulation of auxetic two-dimensional protein crystals" (2020), below "the paper", with its
 //! misprints corrected.
 
+pub mod angle_potential;
 pub mod collision;
 pub mod contact;
 pub mod drag;
 pub mod dynamics;
 pub mod engine;
 pub mod force;
+pub mod load;
 pub mod mover;
 pub mod network;
 pub mod pair;
@@ -49,23 +54,27 @@ pub mod paper;
 pub mod plan;
 pub mod projector;
 pub mod rods;
+pub mod spline;
 pub mod square_of_body;
 pub mod start;
 pub mod state;
 pub mod thermostat;
 pub mod time_step;
 
+pub use angle_potential::{JointPotential, OpeningPotential};
 pub use collision::replay::{FirstContact, Response, first_contact, respond};
 pub use contact::Contact;
 pub use drag::Drag;
 pub use dynamics::Dynamics;
 pub use engine::{CollisionSettings, CollisionStatistics, Engine};
 pub use force::{Coherence, Force};
+pub use load::{Load, Stress};
 pub use mover::{Charges, Meetings, Motion, Mover, Screening};
 pub use network::{Corner, Edges, Network, Rod, Square};
 pub use pair::ScreenedCharges;
 pub use plan::{ListedRod, OtherSquare, Plan};
 pub use projector::Projector;
+pub use spline::Spline;
 pub use start::{Start, StartVelocities, Started};
 pub use state::State;
 pub use thermostat::Langevin;

@@ -4,12 +4,15 @@
 //! [`Dynamics`] where squares pass through each other, [`Engine`] where they collide event by
 //! event, [`PaperEngine`] for the published protocol.
 
+use super::angle_potential::{JointPotential, OpeningPotential};
 use super::dynamics::Dynamics;
 use super::engine::{CollisionSettings, Engine};
 use super::force::{Coherence, Force};
+use super::load::{Load, Stress};
 use super::network::Network;
 use super::pair::{ScreenedCharges, SquareCharge};
 use super::paper::{PaperEngine, PaperSettings, PaperStatistics};
+use super::spline::Spline;
 use super::state::State;
 use super::thermostat::Langevin;
 use crate::Result;
@@ -24,6 +27,12 @@ pub struct Motion {
     pub kappa: f64,
     /// Charges that act on those of neighbouring squares.
     pub charges: Option<Charges>,
+    /// Potential of the opening of every joint, reduced units.
+    pub angle_potential: Option<Spline>,
+    /// Potential of the opening of the crystal, per square, reduced units.
+    pub opening_potential: Option<Spline>,
+    /// Stress on the lattice.
+    pub stress: Stress,
     /// Treatment of squares that meet.
     pub meeting: Meetings,
     /// Friction and noise, half a step before and half a step after the rest.
@@ -70,6 +79,9 @@ impl Default for Motion {
         Self {
             kappa: 0.0,
             charges: None,
+            angle_potential: None,
+            opening_potential: None,
+            stress: Stress::default(),
             meeting: Meetings::Collisions(CollisionSettings::default()),
             bath: None,
         }
@@ -77,15 +89,25 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// The forces in addition to those of rods and contacts.
+    /// The forces in addition to those of rods and contacts, for a run from this first state.
     ///
     /// # Errors
     /// [`CrystalError::Kernel`](crate::CrystalError::Kernel) for a screening that makes no sense,
-    /// and those of [`ScreenedCharges::new`].
-    pub fn forces(&self, network: &Network) -> Result<Vec<Box<dyn Force>>> {
+    /// and those of [`ScreenedCharges::new`], [`JointPotential::new`], [`OpeningPotential::new`] and
+    /// [`Load::new`].
+    pub fn forces(&self, network: &Network, first: &State) -> Result<Vec<Box<dyn Force>>> {
         let mut forces: Vec<Box<dyn Force>> = vec![Box::new(Coherence { kappa: self.kappa })];
         if let Some(charges) = &self.charges {
             forces.push(Box::new(charges.force(network)?));
+        }
+        if let Some(spline) = &self.angle_potential {
+            forces.push(Box::new(JointPotential::new(network, spline.clone())?));
+        }
+        if let Some(spline) = &self.opening_potential {
+            forces.push(Box::new(OpeningPotential::new(network, spline.clone())?));
+        }
+        if self.stress.acts() {
+            forces.push(Box::new(Load::new(network, self.stress, first)?));
         }
         Ok(forces)
     }
@@ -141,7 +163,7 @@ impl Mover {
     /// # Errors
     /// Those of [`Motion::forces`], [`Dynamics::new`] and [`Engine::new`].
     pub fn new(motion: &Motion, network: Arc<Network>, first: &State) -> Result<Self> {
-        let forces = motion.forces(&network)?;
+        let forces = motion.forces(&network, first)?;
         let shared = network.clone();
         let kind = match motion.meeting {
             Meetings::Ignored => Kind::Free(Box::new(Dynamics::new(shared, forces, first)?)),

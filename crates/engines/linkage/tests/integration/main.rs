@@ -17,6 +17,7 @@ mod framework;
 mod framework_ribs;
 mod grima;
 mod long_runs;
+mod potentials;
 mod reference;
 #[path = "../../../../../tests/test_data.rs"]
 mod test_data;

@@ -7,8 +7,8 @@ use anyhow::{Result, bail};
 use protomer_common::range::Range;
 use protomer_common::settings::Declared;
 use protomer_linkage::analysis::lyapunov::LyapunovSettings;
-use protomer_linkage::lattice::Square;
 use protomer_linkage::lattice::pair::SquareCharge;
+use protomer_linkage::lattice::{Edges, Square};
 
 /// Upper limit for the number of squares, beyond any practical run.
 pub(super) const MOST_SQUARES: usize = 1_000_000;
@@ -40,6 +40,8 @@ pub(super) const TIME_STEP_LEAST: f64 = 1e-9;
 pub(super) const COORDINATE: Range = Range::new(-1e6, 1e6, "");
 /// Range of kT.
 pub(super) const ENERGY: Range = Range::new(1e-9, 1e6, "");
+/// Range of stresses.
+pub(super) const STRESS: Range = Range::new(-1e6, 1e6, "");
 /// Range of lengths of proteins, and of the medium around them.
 const ANGSTROMS: Range = Range::new(1e-2, 1e6, "Å");
 /// Range of the charges of sites.
@@ -65,6 +67,10 @@ impl LatticeSettings {
         self.check_squares_and_rods()?;
         self.check_charges()?;
         self.check_combinations()?;
+        let locked_within = self.sweep.as_ref().and_then(|sweep| sweep.locked_within);
+        if let Some(angle) = locked_within {
+            Range::new(1e-6, 1e3, "rad").require("sweep.locked_within", angle)?;
+        }
         let lyapunov = self.sweep.as_ref().and_then(|sweep| sweep.lyapunov);
         lyapunov.map_or(Ok(()), |lyapunov| self.check_lyapunov(&lyapunov))
     }
@@ -152,6 +158,14 @@ impl LatticeSettings {
         if self.paper && (self.restitution != 1.0 || !self.collisions) {
             bail!(
                 "the paper's collisions are elastic; remove restitution and collisions, or remove paper"
+            );
+        }
+        // Tables that are none are refused here, and not by the run.
+        self.motion()?;
+        if (self.stress_xx, self.stress_yy) != (0.0, 0.0) && self.edges == Edges::Periodic {
+            bail!(
+                "a stress acts on open edges only, because the periodic cell is fixed; give edges = \"open\", or remove \
+                 stress_xx and stress_yy"
             );
         }
         if self.velocities == Velocities::Thermal && self.temperature.is_none() {

@@ -47,6 +47,8 @@ protomer_results::log_row! {
         pub rod_violation: f64,
         /// Number of collisions so far.
         pub events: u64,
+        /// Rate of change of `checkerboard`.
+        pub checkerboard_rate: f64,
     }
 }
 
@@ -86,6 +88,7 @@ impl LogRow {
             step_strain_yy,
             rod_violation: mover.rod_violation(state),
             events: mover.events(),
+            checkerboard_rate: Modes::of(&network, &state.velocities).checkerboard,
         }
     }
 }

@@ -8,6 +8,7 @@
 //! | module | one idea |
 //! |---|---|
 //! | [`settings`] | the settings of a run |
+//! | [`potential_table`] | a potential of an angle as a table |
 //! | [`limits`] | the values that settings may have |
 //! | [`start`] | network, initial state and time step from the settings |
 //! | [`log`], [`trajectory`], [`directory`] | the files of a run |
@@ -15,6 +16,8 @@
 //! | [`replay`] | the motion from a state in a file, up to the first contact and through it |
 //! | [`mod@bench`] | steps per CPU-second |
 //! | [`exponent`] | the Lyapunov exponent of a run of a sweep |
+//! | [`elastic`] | compliances and Poisson's ratio of runs in a heat bath |
+//! | [`divergence`] | the Lyapunov exponent from the series of a log |
 //! | [`sweep`] | many runs, their tables and figures |
 //! | [`animation`] | the page that plays a run |
 //! | [`page`] | the pages of runs and sweeps |
@@ -23,10 +26,13 @@
 pub mod animation;
 pub mod bench;
 pub mod directory;
+pub mod divergence;
+pub mod elastic;
 pub mod exponent;
 pub mod limits;
 pub mod log;
 pub mod page;
+pub mod potential_table;
 pub mod replay;
 pub mod run;
 pub mod settings;

@@ -15,8 +15,10 @@ use super::start::{Begun, begin_unless, is_stopped, time_step};
 use super::trajectory::{frame, open_trajectory};
 use anyhow::{Error, Result, bail};
 use protomer_common::answer::Answer;
+use protomer_common::settings::is_default;
 use protomer_io::gsd::FrameWriter;
 use protomer_linkage::CrystalError;
+use protomer_linkage::lattice::angle_potential::openings;
 use protomer_linkage::lattice::paper::PaperStatistics;
 use protomer_linkage::lattice::{Mover, State};
 use protomer_results::checkpoint::require_lengths;
@@ -88,6 +90,9 @@ pub struct LatticeResult {
     pub energy_error: f64,
     /// Largest deviation of a rod from its length in the log.
     pub max_rod_violation: f64,
+    /// Rows of the log in which an angle was beyond the points of its tabulated potential.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub rows_beyond_table: u64,
     /// Statistics of the paper's protocol, where it is followed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<PaperStatistics>,
@@ -106,12 +111,14 @@ impl Answer for LatticeResult {
         if let Some(paper) = &self.paper {
             line += &format!(
                 "\npaper's protocol: {} steps end with overlaps (deepest {:.1e}), {} of {} impulses pull, {} collisions \
-                 unsolved",
+                 unsolved, rods of the ansatz off by at most {:.1e} (its equations by {:.1e})",
                 paper.steps_with_overlap,
                 paper.deepest_overlap,
                 paper.pulling_impulses,
                 paper.contacts,
-                paper.unsolved_collisions
+                paper.unsolved_collisions,
+                paper.largest_ansatz_rod_error,
+                paper.largest_ansatz_residual
             );
         }
         line
@@ -122,6 +129,17 @@ impl LatticeResult {
     /// The length of the steps taken.
     pub fn shortest_step(&self) -> f64 {
         self.time_step / f64::from(self.sub_steps)
+    }
+
+    /// The warning of a run that left the points of a tabulated potential.
+    pub fn table_warning(&self) -> Option<String> {
+        (self.rows_beyond_table > 0).then(|| {
+            format!(
+                "an angle was beyond the points of its tabulated potential in {} rows of the log; the potential goes on as a \
+                 straight line there: give a wider table",
+                self.rows_beyond_table
+            )
+        })
     }
 
     /// The warning of a run that should have conserved its energy and did not.
@@ -251,6 +269,9 @@ struct Progress {
     largest_rod_violation: f64,
     largest_energy_error: f64,
     first_energy: f64,
+    /// Rows in which an angle was beyond the points of its potential.
+    #[serde(default)]
+    rows_beyond_table: u64,
 }
 
 /// A state from which a run continues bit for bit.
@@ -360,6 +381,27 @@ impl<'a> LatticeRun<'a> {
         .into()
     }
 
+    /// Whether an angle is beyond the points of its tabulated potential.
+    fn is_beyond_table(&self, open: &Open, row: &LogRow) -> Result<bool> {
+        let LatticeSettings {
+            angle_potential,
+            opening_potential,
+            ..
+        } = self.settings;
+        if let Some(table) = angle_potential {
+            let openings = openings(open.mover.network(), &open.state.positions)?;
+            if openings
+                .into_iter()
+                .any(|opening| table.ends_before(opening))
+            {
+                return Ok(true);
+            }
+        }
+        Ok(opening_potential
+            .as_ref()
+            .is_some_and(|table| table.ends_before(row.checkerboard)))
+    }
+
     /// Writes the row and the frame due at this step.
     fn write_outputs(&self, open: &mut Open) -> Result<()> {
         let step = open.progress.steps;
@@ -368,6 +410,9 @@ impl<'a> LatticeRun<'a> {
             let start = &self.begun.state.positions;
             let row = LogRow::new(step, &mut open.mover, &open.state, start, &open.logged);
             open.progress.note(&row);
+            if self.is_beyond_table(open, &row)? {
+                open.progress.rows_beyond_table += 1;
+            }
             open.log.append(&row)?;
             open.logged.copy_from_slice(&open.state.positions);
         }
@@ -398,6 +443,7 @@ impl Progress {
             largest_rod_violation: 0.0,
             largest_energy_error: 0.0,
             first_energy,
+            rows_beyond_table: 0,
         }
     }
 
@@ -550,6 +596,7 @@ impl Run for LatticeRun<'_> {
             energy,
             energy_error: open.progress.largest_energy_error,
             max_rod_violation: open.progress.largest_rod_violation,
+            rows_beyond_table: open.progress.rows_beyond_table,
             paper: open.mover.paper_statistics(),
         })
     }

@@ -1,7 +1,8 @@
 //! The settings of a run: the resolved configuration, as stored in `run.toml`.
 
-use super::limits::{ENERGY, KAPPA, RATE, ROD_LENGTH, TIME, TIME_STEP};
-use anyhow::Result;
+use super::limits::{ENERGY, KAPPA, RATE, ROD_LENGTH, STRESS, TIME, TIME_STEP};
+use super::potential_table::PotentialTable;
+use anyhow::{Context, Result};
 use protomer_common::range::{Range, STEPS};
 use protomer_common::settings::{Holds, is_default};
 use protomer_kernel::setting::{Choices, Kind, Setting};
@@ -9,8 +10,8 @@ use protomer_linkage::analysis::lyapunov::LyapunovSettings;
 use protomer_linkage::lattice::pair::SquareCharge;
 use protomer_linkage::lattice::paper::PaperSettings;
 use protomer_linkage::lattice::{
-    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Square,
-    StartVelocities,
+    self, Charges, CollisionSettings, Edges, Langevin, Meetings, Motion, Plan, Spline, Square,
+    StartVelocities, Stress,
 };
 pub use protomer_linkage::lattice::{ListedRod, OtherSquare, Screening};
 use protomer_results::Settings;
@@ -68,6 +69,10 @@ protomer_common::settings! {
         temperature: Option<f64>, in ENERGY.or_zero(), omit "is_default";
         /// Friction, an inverse time; without a temperature it only slows the squares down.
         friction: f64 = 0.0, in RATE;
+        /// Stress along x, an energy per area in reduced units; positive pulls. Open edges only.
+        stress_xx: f64 = 0.0, in STRESS, omit "is_default";
+        /// Stress along y.
+        stress_yy: f64 = 0.0, in STRESS, omit "is_default";
         /// Seed of the random numbers.
         seed: u64 = 1_u64;
         /// Steps between rows of the log.
@@ -90,6 +95,10 @@ protomer_common::settings! {
         rods: Option<Vec<ListedRod>>, omit "is_default", from file;
         /// Charges on every square, which act if there is a `screening`.
         charges: Vec<SquareCharge>, omit "is_default", from file;
+        /// Potential of the opening (-1)^(i+j) (θ - θ') of every joint: 0 and π where closed, π/2 where open.
+        angle_potential: Option<PotentialTable>, omit "is_default", from file;
+        /// Potential per square of the opening of the whole crystal: 0 and π/2 where closed, π/4 where open.
+        opening_potential: Option<PotentialTable>, omit "is_default", from file;
         /// Interaction of the charges.
         screening: Option<Screening>, omit "is_default", from file;
         /// Parameters that a sweep varies.
@@ -226,6 +235,10 @@ pub struct SweepAxes {
     pub kappa: Vec<f64>,
     /// Seeds; if empty, that of the settings.
     pub seeds: Vec<u64>,
+    /// Phases are locked while all differences of (-1)^(i+j) θ are below this angle, rad; 0.5 if
+    /// left out.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub locked_within: Option<f64>,
     /// Measurement of the Lyapunov exponent of every run; if omitted, it is not measured. The seed
     /// of a run is added to the seed here.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -309,16 +322,36 @@ impl LatticeSettings {
     /// The integrator of the squares.
     ///
     /// # Errors
-    /// For a negative or non-finite temperature or friction.
+    /// For a negative or non-finite temperature or friction, and tables of potentials that are none.
     pub fn motion(&self) -> Result<Motion> {
         let kt = self.temperature.unwrap_or(0.0);
         let bath = Langevin::new(kt, self.friction, self.seed, 0)?;
         Ok(Motion {
             kappa: self.kappa,
             charges: self.screened_charges(),
+            angle_potential: self.potential("angle_potential", &self.angle_potential)?,
+            opening_potential: self.potential("opening_potential", &self.opening_potential)?,
+            stress: Stress {
+                xx: self.stress_xx,
+                yy: self.stress_yy,
+            },
             meeting: self.meetings(),
             bath: (self.friction > 0.0).then_some(bath),
         })
+    }
+
+    /// kT in reduced units, of the heat bath or else of the screened charges.
+    pub fn kt(&self) -> Option<f64> {
+        let of_charges = self.screening.map(|screening| screening.kt);
+        self.temperature.filter(|kt| *kt > 0.0).or(of_charges)
+    }
+
+    fn potential(&self, key: &str, table: &Option<PotentialTable>) -> Result<Option<Spline>> {
+        let Some(table) = table else {
+            return Ok(None);
+        };
+        let spline = table.spline(self.kt());
+        Ok(Some(spline.with_context(|| key.to_owned())?))
     }
 
     fn screened_charges(&self) -> Option<Charges> {

@@ -4,7 +4,10 @@ use super::settings::{LatticeSettings, NamedTimeStep, TimeStep};
 use anyhow::Result;
 use protomer_linkage::CrystalError;
 use protomer_linkage::lattice::time_step::automatic_time_step;
-use protomer_linkage::lattice::{Network, Started, State};
+use protomer_linkage::lattice::{Motion, Network, Started, State};
+
+/// Energies and forces of charges below this share of kT are nothing.
+const NO_INTERACTION: f64 = 1e-6;
 
 /// A lattice at its start.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,10 +112,49 @@ pub fn time_step(settings: &LatticeSettings, begun: &Begun) -> Result<f64> {
         TimeStep::Fixed(step) => Ok(step),
         TimeStep::Named(NamedTimeStep::Auto) => {
             let (network, kt) = (&begun.network, settings.temperature.unwrap_or(0.0));
-            let forces = settings.motion()?.forces(network)?;
+            let forces = settings.motion()?.forces(network, &begun.state)?;
             Ok(automatic_time_step(network, &begun.state, forces, kt)?)
         }
     }
+}
+
+/// The warning of charges that do not act at the start: so screened, or so far apart, that their energy and
+/// forces are nothing.
+///
+/// # Errors
+/// For an invalid network or state.
+pub fn charge_warning(settings: &LatticeSettings, begun: &Begun) -> Result<Option<String>> {
+    let Some(screening) = settings.screening else {
+        return Ok(None);
+    };
+    let alone = Motion {
+        charges: settings.motion()?.charges,
+        ..Motion::default()
+    };
+    let mut accelerations = vec![0.0; begun.state.positions.len()];
+    let mut largest = 0.0_f64;
+    for force in alone.forces(&begun.network, &begun.state)? {
+        let positions = &begun.state.positions;
+        largest = largest.max(
+            force
+                .accelerate(&begun.network, positions, &mut accelerations)
+                .abs(),
+        );
+    }
+    for acceleration in accelerations {
+        largest = largest.max(acceleration.abs());
+    }
+    let nothing = NO_INTERACTION * screening.kt;
+    // NaN is no small number: charges that meet are told of by the run.
+    Ok((largest <= nothing).then(|| {
+        format!(
+            "the charges of neighbouring squares do not act on each other at the start (their energy and forces are below \
+             {NO_INTERACTION} kT): {} charges with a Debye length of {} Å and {} Å per half-diagonal; check these numbers",
+            settings.charges.len(),
+            screening.debye_length_angstrom,
+            settings.half_diagonal_angstrom.unwrap_or(f64::NAN)
+        )
+    }))
 }
 
 impl LatticeSettings {

@@ -2,6 +2,8 @@
 
 mod animate;
 mod bench;
+mod divergence;
+mod elastic;
 mod replay;
 mod run;
 mod square;
@@ -29,6 +31,8 @@ pub struct LatticeArgs {
 enum LatticeVerb {
     Run(run::RunArgs),
     Sweep(sweep::SweepArgs),
+    Elastic(elastic::ElasticArgs),
+    Divergence(divergence::DivergenceArgs),
     Animate(animate::AnimateArgs),
     Square(square::SquareArgs),
     Replay(replay::ReplayArgs),
@@ -41,6 +45,8 @@ impl LatticeArgs {
         match (&self.verb, &self.from) {
             (Some(LatticeVerb::Run(args)), _) => args.run(front),
             (Some(LatticeVerb::Sweep(args)), _) => args.run(front),
+            (Some(LatticeVerb::Elastic(args)), _) => args.run(),
+            (Some(LatticeVerb::Divergence(args)), _) => args.run(),
             (Some(LatticeVerb::Animate(args)), _) => args.run(front),
             (Some(LatticeVerb::Square(args)), _) => args.run(front),
             (Some(LatticeVerb::Replay(args)), _) => args.run(),
@@ -48,7 +54,7 @@ impl LatticeArgs {
             (Some(LatticeVerb::Bench(args)), _) => args.run(),
             (None, Some(body)) => square::square(body, Axis::Auto, Size::Corners, None, front),
             (None, None) => bail!(
-                "give a subcommand: lattice run, sweep, animate, square, replay, respond or bench"
+                "give a subcommand: lattice run, sweep, elastic, divergence, animate, square, replay, respond or bench"
             ),
         }
     }

@@ -7,9 +7,10 @@ use crate::reply::Reply;
 use anyhow::Result;
 use clap::{ArgGroup, Args};
 use protomer_linkage_verbs::lattice::directory::read_settings;
+use protomer_linkage_verbs::lattice::potential_table::PotentialTable;
 use protomer_linkage_verbs::lattice::run::run_lattice;
 use protomer_linkage_verbs::lattice::settings::LatticeSettings;
-use protomer_linkage_verbs::lattice::start::{begin_unless, is_stopped, time_step};
+use protomer_linkage_verbs::lattice::start::{begin_unless, charge_warning, is_stopped, time_step};
 use protomer_results::{End, Execution};
 use std::path::PathBuf;
 
@@ -20,6 +21,14 @@ pub struct LatticeFlags {
     /// Squares along an edge: rows and columns at once.
     #[arg(long, conflicts_with_all = ["rows", "columns"])]
     ns: Option<usize>,
+    /// Potential of the opening of every joint: a table with the columns angle_rad or angle_deg (0 and 180°:
+    /// closed, 90°: open), and energy (reduced units) or energy_kt.
+    #[arg(long, value_name = "CSV")]
+    angle_potential: Option<PathBuf>,
+    /// Potential per square of the opening of the whole crystal: a table as for --angle-potential (0 and 90°:
+    /// closed, 45°: open).
+    #[arg(long, value_name = "CSV")]
+    opening_potential: Option<PathBuf>,
     #[command(flatten)]
     flags: SettingsArgs<LatticeSettings>,
 }
@@ -50,6 +59,14 @@ impl LatticeFlags {
         }
         if self.flags.has("time") {
             settings.steps = None;
+        }
+        for (path, table) in [
+            (&self.angle_potential, &mut settings.angle_potential),
+            (&self.opening_potential, &mut settings.opening_potential),
+        ] {
+            if let Some(path) = path {
+                *table = Some(PotentialTable::read(path)?);
+            }
         }
         settings.check()?;
         Ok(settings)
@@ -89,6 +106,7 @@ impl RunArgs {
             begun => begun?,
         };
         let step = time_step(&settings, &begun)?;
+        let charges = charge_warning(&settings, &begun)?;
         front.say(&format!(
             "{} squares, {} rods, {} steps of {step}",
             begun.network.squares.len(),
@@ -96,11 +114,14 @@ impl RunArgs {
             settings.total_steps(step)
         ));
         let end = run_lattice(&settings, directory, &execution)?;
-        let warning = match &end {
-            End::Finished(result) => result.energy_warning(&settings),
-            End::Stopped => None,
-        };
-        let notes = warning.map(|warning| format!("warning: {warning}"));
+        let mut warnings: Vec<String> = charges.into_iter().collect();
+        if let End::Finished(result) = &end {
+            warnings.extend(result.energy_warning(&settings));
+            warnings.extend(result.table_warning());
+        }
+        let notes = warnings
+            .into_iter()
+            .map(|warning| format!("warning: {warning}"));
         Ok(Reply::of_end(end, stopped).with_notes(notes))
     }
 }

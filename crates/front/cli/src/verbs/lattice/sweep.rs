@@ -31,6 +31,9 @@ pub struct SweepArgs {
     /// Intervals over which the exponent is averaged [default: 200].
     #[arg(long, requires = "lyapunov")]
     lyapunov_intervals: Option<usize>,
+    /// Phases are locked while all their differences are below this angle, rad [default: 0.5].
+    #[arg(long, allow_negative_numbers = true)]
+    locked_within: Option<f64>,
     #[command(flatten)]
     settings: LatticeFlags,
 }
@@ -89,6 +92,9 @@ impl SweepArgs {
             }
             Some(seeds) => sweep.seeds = (1..=seeds).collect(),
             None => {}
+        }
+        if self.locked_within.is_some() {
+            sweep.locked_within = self.locked_within;
         }
         if self.lyapunov {
             let lyapunov = sweep.lyapunov.get_or_insert_default();

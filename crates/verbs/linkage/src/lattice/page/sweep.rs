@@ -10,7 +10,7 @@ use protomer_results::keys::read_toml;
 use std::path::Path;
 
 /// The figures of a sweep: file, title.
-const SWEEP_FIGURES: [(&str, &str); 9] = [
+const SWEEP_FIGURES: [(&str, &str); 12] = [
     ("poisson.svg", "Poisson's ratio against rod length"),
     ("synchronisation.svg", "Synchronisation against rod length"),
     (
@@ -25,6 +25,12 @@ const SWEEP_FIGURES: [(&str, &str); 9] = [
         "lyapunov.svg",
         "Maximal Lyapunov exponent against rod length",
     ),
+    ("orbits.svg", "Phase space of the checkerboard mode"),
+    (
+        "correlation.svg",
+        "Correlation of the sides to which squares close",
+    ),
+    ("domains.svg", "Domains against rod length"),
     ("indices.svg", "Synchronisation indices between squares"),
 ];
 
@@ -68,7 +74,15 @@ fn results(directory: &Path) -> Section {
         let note = "There are no figures yet: they are drawn when all runs are done.";
         parts.push(Part::Paragraph(note.into()));
     }
-    parts.extend(["lattice.csv", "runs.csv", "crossings.csv"].map(Part::file));
+    parts.extend(
+        [
+            "lattice.csv",
+            "runs.csv",
+            "crossings.csv",
+            "correlation.csv",
+        ]
+        .map(Part::file),
+    );
     Section::new("Results", parts)
 }
 

@@ -11,6 +11,9 @@
 //! | `checkerboard` | r0 | fluctuation of the checkerboard mode's share of the rotational energy |
 //! | `crossings` | time | angular velocity of the checkerboard mode where it passes the open state |
 //! | `lyapunov` | r0 | maximal Lyapunov exponent |
+//! | `correlation` | distance | correlation of the sides to which squares close |
+//! | `domains` | r0 | number and size of the domains, and the time from which phases are locked |
+//! | `orbits` | θ_c | angular velocity of the checkerboard mode |
 
 use super::answer::LatticeSweep;
 use super::plan::axes;
@@ -73,6 +76,11 @@ const POISSON: [Quantity; 3] = [
     Quantity::pooled("poisson_ratio_yx", "ν_{yx}, load along y"),
     Quantity::new("r_squared", "r²"),
 ];
+const DOMAINS: [Quantity; 3] = [
+    Quantity::new("domains", "domains"),
+    Quantity::new("largest_domain", "share of the largest"),
+    Quantity::new("locking_time", "locking time"),
+];
 const CHECKERBOARD: [Quantity; 2] = [
     Quantity::new("checkerboard_deviation", "σ of its share"),
     Quantity::new("checkerboard_fraction", "mean share"),
@@ -87,6 +95,7 @@ const SPREAD: [Quantity; 2] = [
 /// # Errors
 /// If a figure cannot be drawn or written.
 pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()> {
+    let domains = "Domains against rod length";
     let lyapunov = "Maximal Lyapunov exponent against rod length";
     let synchronisation = "Synchronisation against rod length";
     let poisson = "Poisson's ratio against rod length";
@@ -95,6 +104,9 @@ pub fn write(sweep: &LatticeSweep, data: &[Data], directory: &Path) -> Result<()
         ("phase_differences", phase_differences(sweep, data)),
         ("strains", strains(sweep, data)),
         ("crossings", crossings(sweep, data)),
+        ("correlation", correlations(sweep, data)),
+        ("orbits", orbits(sweep, data)),
+        ("domains", against_r0(sweep, domains, &DOMAINS)),
         ("lyapunov", against_r0(sweep, lyapunov, &LYAPUNOV)),
         (
             "synchronisation",
@@ -242,6 +254,58 @@ fn crossings(sweep: &LatticeSweep, data: &[Data]) -> Figure {
             y: Axis::linear("|ω_{c}| at θ_{c} = π/4"),
             series,
         }],
+    }
+}
+
+fn correlations(sweep: &LatticeSweep, data: &[Data]) -> Figure {
+    let mut series = Vec::new();
+    for (row, data) in shown(sweep, data) {
+        let mut points = Vec::new();
+        for (distance, y) in data.correlation.values().into_iter().enumerate() {
+            points.push(Point {
+                x: distance as f64,
+                y,
+                error: None,
+            });
+        }
+        series.push(Series {
+            name: name(row, sweep),
+            points,
+            line: true,
+            ..Series::default()
+        });
+    }
+    Figure {
+        title: "Correlation of the sides to which squares close".into(),
+        caption: caption(sweep),
+        x: Axis::linear("distance (squares)"),
+        panels: vec![Panel {
+            y: Axis::linear("⟨u u'⟩ / ⟨u^{2}⟩"),
+            series,
+        }],
+    }
+}
+
+fn orbits(sweep: &LatticeSweep, data: &[Data]) -> Figure {
+    let mut panels = Vec::new();
+    for (row, data) in shown(sweep, data) {
+        let mut all: Vec<[f64; 2]> = Vec::new();
+        for orbit in &data.orbits {
+            all.extend(orbit);
+        }
+        panels.push(Panel {
+            y: Axis::linear("ω_{c}"),
+            series: vec![scatter(name(row, sweep), thinned(&all).collect())],
+        });
+    }
+    Figure {
+        title: "Phase space of the checkerboard mode".into(),
+        caption: format!(
+            "all runs, rows of the log every {} steps; {} × {} squares",
+            sweep.settings.log_every, sweep.settings.rows, sweep.settings.columns
+        ),
+        x: Axis::linear("θ_{c} (rad)"),
+        panels,
     }
 }
 

@@ -3,7 +3,7 @@
 //! figures are those of the others.
 //!
 //! ```text
-//! DIR/run.toml  run.json  lattice.csv  runs.csv  crossings.csv  lattice.json  *.svg  *.png
+//! DIR/run.toml  run.json  lattice.csv  runs.csv  crossings.csv  correlation.csv  lattice.json  *.svg  *.png
 //! DIR/r0_0.2_kappa_0/seed_1/   a run directory each, with lyapunov.json if that is measured
 //! ```
 
@@ -31,7 +31,10 @@ use protomer_results::{
     Campaign, End, Execution, Layout, ResultKind, ResultsDirectory, Work, conduct, log, settings,
 };
 use std::path::{Path, PathBuf};
-use table::{conditions_to_csv, crossings_to_csv, runs_to_csv};
+use table::{conditions_to_csv, correlations_to_csv, crossings_to_csv, runs_to_csv};
+
+/// Phases are locked while all differences are below this angle, rad.
+const LOCKED_WITHIN: f64 = 0.5;
 
 /// The directory of a sweep.
 const LAYOUT: Layout = Layout {
@@ -42,6 +45,7 @@ const LAYOUT: Layout = Layout {
         "lattice.csv",
         "runs.csv",
         "crossings.csv",
+        "correlation.csv",
         "lattice.json",
         "report.html",
     ],
@@ -158,6 +162,7 @@ fn collect(
     tasks: &[Task],
     outcomes: &[Outcome],
 ) -> Result<(LatticeSweep, Vec<Series>)> {
+    let bound = axes(settings).locked_within.unwrap_or(LOCKED_WITHIN);
     let mut runs = Vec::with_capacity(tasks.len());
     let mut by_condition: Vec<Condition> = Vec::new();
     for (task, outcome) in tasks.iter().zip(outcomes) {
@@ -169,8 +174,8 @@ fn collect(
         match outcome {
             Outcome::Done(outcome) => {
                 let rows: Vec<LogRow> = log::read(&task.directory.join("log.csv"))?;
-                let series = Series::of_run(task, &rows)?;
-                let row = RunRow::new(task, outcome, &rows, &series)?;
+                let (series, coherence) = Series::of_run(task, &rows, bound)?;
+                let row = RunRow::new(task, outcome, &rows, &series, coherence)?;
                 condition.add(row.clone(), series)?;
                 runs.push(row);
             }
@@ -240,6 +245,10 @@ fn write_results(sweep: &LatticeSweep, series: &[Series], directory: &Path) -> R
         (
             "crossings.csv",
             crossings_to_csv(&sweep.conditions, series)?,
+        ),
+        (
+            "correlation.csv",
+            correlations_to_csv(&sweep.conditions, series)?,
         ),
     ];
     for (name, text) in tables {

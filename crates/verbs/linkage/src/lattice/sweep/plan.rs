@@ -26,6 +26,7 @@ pub fn axes(settings: &LatticeSettings) -> SweepAxes {
         kappa: values_or(axes.kappa, settings.kappa),
         seeds: values_or(axes.seeds, settings.seed),
         lyapunov: axes.lyapunov,
+        locked_within: axes.locked_within,
     }
 }
 

@@ -7,7 +7,10 @@ use crate::lattice::run::LatticeResult;
 use crate::lattice::start::network;
 use crate::lattice::trajectory::read_states;
 use anyhow::Result;
+use protomer_kernel::statistics::RunningMoments;
 use protomer_linkage::analysis::crossings::{Crossing, crossings};
+use protomer_linkage::analysis::domains::{Domains, SideCorrelation, sides};
+use protomer_linkage::analysis::locking::Locking;
 use protomer_linkage::analysis::synchronisation::{
     Synchronisation, root_mean_square_difference, staggered,
 };
@@ -37,6 +40,17 @@ pub struct RunOutcome {
     pub exponent: Option<Exponent>,
 }
 
+/// Coherence of the frames of one run; NaN without frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coherence {
+    /// Time from which all phases are locked; NaN if they are not at the end.
+    pub locking_time: f64,
+    /// Mean number of domains.
+    pub domains: f64,
+    /// Mean share of the squares in the largest domain.
+    pub largest_domain: f64,
+}
+
 /// The time series of a run or, once merged, of all runs of a condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
@@ -46,6 +60,10 @@ pub struct Series {
     pub strains: Vec<[f64; 2]>,
     /// Averages of exp i(θ_a - θ_b).
     pub synchronisation: Synchronisation,
+    /// Correlation of the sides to which squares close, against their distance.
+    pub correlation: SideCorrelation,
+    /// Pairs of the amplitude of the checkerboard mode and its rate, run by run.
+    pub orbits: Vec<Vec<[f64; 2]>>,
     /// Passages of the checkerboard mode through the open state, run by run.
     pub crossings: Vec<Vec<Crossing>>,
 }
@@ -53,40 +71,66 @@ pub struct Series {
 impl Series {
     /// The time series of a condition without any completed run.
     pub(super) fn empty(task: &Task) -> Result<Self> {
-        let squares = network(&task.settings)?.squares.len();
+        let network = network(&task.settings)?;
+        let squares = network.squares.len();
         Ok(Self {
             phase_differences: Vec::new(),
             strains: Vec::new(),
             synchronisation: Synchronisation::new(squares),
+            correlation: SideCorrelation::new(&network),
+            orbits: Vec::new(),
             crossings: Vec::new(),
         })
     }
 
     /// Reads the log and the trajectory of a run.
-    pub(super) fn of_run(task: &Task, rows: &[LogRow]) -> Result<Self> {
+    pub(super) fn of_run(task: &Task, rows: &[LogRow], bound: f64) -> Result<(Self, Coherence)> {
         let network = network(&task.settings)?;
         let mut synchronisation = Synchronisation::new(network.squares.len());
         let mut phase_differences = Vec::new();
+        let mut correlation = SideCorrelation::new(&network);
+        let mut locking = Locking::within(bound);
+        let (mut count, mut largest) = (RunningMoments::default(), RunningMoments::default());
         if task.settings.trajectory_every > 0 {
             for (time, positions) in read_states(&task.directory.join("trajectory.gsd"))? {
                 let angles = staggered(&network, &positions);
                 synchronisation.push(&angles)?;
                 phase_differences.push([time, root_mean_square_difference(&angles)]);
+                locking.push(time, &angles);
+                let sides = sides(&network, &positions);
+                correlation.push(&sides)?;
+                let domains = Domains::of(&network, &sides);
+                count.push(domains.count as f64);
+                largest.push(domains.largest as f64 / sides.len() as f64);
             }
         }
         let (mut amplitudes, mut strains) = (Vec::new(), Vec::new());
+        let mut orbit = Vec::with_capacity(rows.len());
         for (number, row) in rows.iter().enumerate() {
             amplitudes.push([row.time, row.checkerboard]);
+            orbit.push([row.checkerboard, row.checkerboard_rate]);
             if number > 0 {
                 strains.push([row.step_strain_xx, row.step_strain_yy]);
             }
         }
-        Ok(Self {
+        let mean = |moments: &RunningMoments| match moments.count() {
+            0 => f64::NAN,
+            _ => moments.mean(),
+        };
+        let coherence = Coherence {
+            locking_time: locking.since().unwrap_or(f64::NAN),
+            domains: mean(&count),
+            largest_domain: mean(&largest),
+        };
+        let series = Self {
             phase_differences,
             strains,
             synchronisation,
+            correlation,
+            orbits: vec![orbit],
             crossings: vec![crossings(&amplitudes, FRAC_PI_4)],
-        })
+        };
+        Ok((series, coherence))
     }
 
     /// Merges a run into the mean over `runs` others. Phase differences are a running mean over
@@ -99,6 +143,8 @@ impl Series {
         }
         self.strains.extend(other.strains);
         self.synchronisation.merge(&other.synchronisation)?;
+        self.correlation.merge(&other.correlation)?;
+        self.orbits.extend(other.orbits);
         self.crossings.extend(other.crossings);
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The tables of a sweep: one row per run, and one row per r0 and κ.
 
 use super::plan::Task;
-use super::series::{RunOutcome, Series};
+use super::series::{Coherence, RunOutcome, Series};
 use crate::lattice::log::LogRow;
 use anyhow::Result;
 use protomer_io::csv::{Cell, Table};
@@ -61,6 +61,13 @@ pub struct RunRow {
     pub lyapunov_exponent: f64,
     /// Standard error of the Lyapunov exponent.
     pub lyapunov_error: f64,
+    /// Time from which all differences of (-1)^(i+j) θ stay below the bound to the end (eq. 37 of the
+    /// preprint); NaN if they do not at the end.
+    pub locking_time: f64,
+    /// Mean number of domains: squares that rods join and that close to the same side.
+    pub domains: f64,
+    /// Mean share of the squares in the largest domain.
+    pub largest_domain: f64,
     /// Reason why the run could not be completed; its numbers are then NaN.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub failure: Option<String>,
@@ -90,6 +97,9 @@ impl RunRow {
             crossing_speed: f64::NAN,
             lyapunov_exponent: f64::NAN,
             lyapunov_error: f64::NAN,
+            locking_time: f64::NAN,
+            domains: f64::NAN,
+            largest_domain: f64::NAN,
             failure: Some(reason.to_owned()),
         }
     }
@@ -103,6 +113,7 @@ impl RunRow {
         outcome: &RunOutcome,
         rows: &[LogRow],
         series: &Series,
+        coherence: Coherence,
     ) -> Result<Self> {
         let result = &outcome.result;
         let of_rotation = MeanAndDeviation::of(rows.iter().map(|row| row.checkerboard_fraction));
@@ -142,6 +153,9 @@ impl RunRow {
             crossing_speed: crossings.mean,
             lyapunov_exponent: exponent.unwrap_or(f64::NAN),
             lyapunov_error: exponent_error.unwrap_or(f64::NAN),
+            locking_time: coherence.locking_time,
+            domains: coherence.domains,
+            largest_domain: coherence.largest_domain,
             failure: None,
         })
     }
@@ -276,6 +290,17 @@ pub struct ConditionRow {
     pub crossing_speed: Estimate,
     /// Mean of [`RunRow::lyapunov_exponent`].
     pub lyapunov_exponent: Estimate,
+    /// Mean of [`RunRow::locking_time`] over the runs that are locked at the end.
+    pub locking_time: Estimate,
+    /// Share of the runs whose phases are locked at the end.
+    pub locked_share: f64,
+    /// Mean of [`RunRow::domains`].
+    pub domains: Estimate,
+    /// Mean of [`RunRow::largest_domain`].
+    pub largest_domain: Estimate,
+    /// Distance in squares at which the correlation of the sides of all runs together falls to 1/e;
+    /// NaN where it does not within the lattice.
+    pub correlation_length: f64,
 }
 
 impl ConditionRow {
@@ -329,8 +354,23 @@ impl ConditionRow {
             crossing_rate: estimate(|run| run.crossing_rate),
             crossing_speed: estimate(|run| run.crossing_speed),
             lyapunov_exponent: estimate(|run| run.lyapunov_exponent),
+            locking_time: estimate(|run| run.locking_time),
+            locked_share: locked_share(runs),
+            domains: estimate(|run| run.domains),
+            largest_domain: estimate(|run| run.largest_domain),
+            correlation_length: series.correlation.length().unwrap_or(f64::NAN),
         })
     }
+}
+
+/// Share of the runs with frames that are locked at the end; NaN if none has frames.
+fn locked_share(runs: &[RunRow]) -> f64 {
+    let with_frames = runs.iter().filter(|run| run.domains.is_finite()).count();
+    let locked = runs
+        .iter()
+        .filter(|run| run.locking_time.is_finite())
+        .count();
+    nan_unless(with_frames > 0, locked as f64 / with_frames as f64)
 }
 
 /// Fields of a row with their names.
@@ -365,8 +405,12 @@ macro_rules! columns {
 
 impl ConditionRow {
     /// The estimates by the names of their columns, in the order of the table.
-    pub(super) fn estimates(&self) -> [(&'static str, Estimate); 15] {
-        columns!(self, [collision_rate], [])
+    pub(super) fn estimates(&self) -> [(&'static str, Estimate); 18] {
+        columns!(
+            self,
+            [collision_rate],
+            [locking_time, domains, largest_domain]
+        )
     }
 }
 
@@ -385,6 +429,8 @@ pub fn conditions_to_csv(rows: &[ConditionRow]) -> Result<String> {
         cells.push(row.pooled_partial_synchronisation.into());
         cells.push(row.energy_error.into());
         cells.push(row.failed_runs.into());
+        cells.push(row.locked_share.into());
+        cells.push(row.correlation_length.into());
         table.push(cells)?;
     }
     Ok(table.to_csv()?)
@@ -401,6 +447,8 @@ fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
         "pooled_partial_synchronisation",
         "energy_error",
         "failed_runs",
+        "locked_share",
+        "correlation_length",
     ];
     heading.extend(pooled.map(str::to_owned));
     heading
@@ -408,8 +456,12 @@ fn heading_of_conditions(rows: &[ConditionRow]) -> Vec<String> {
 
 impl RunRow {
     /// The values by the names of their columns, in the order of the table.
-    pub(super) fn values(&self) -> [(&'static str, f64); 17] {
-        columns!(self, [collision_rate, energy_error], [lyapunov_error])
+    pub(super) fn values(&self) -> [(&'static str, f64); 20] {
+        columns!(
+            self,
+            [collision_rate, energy_error],
+            [lyapunov_error, locking_time, domains, largest_domain]
+        )
     }
 }
 
@@ -434,6 +486,27 @@ pub fn runs_to_csv(rows: &[RunRow]) -> Result<String> {
         }
         cells.push(Cell::Text(row.failure.clone().unwrap_or_default()));
         table.push(cells)?;
+    }
+    Ok(table.to_csv()?)
+}
+
+/// A table with one row per condition and distance.
+///
+/// # Errors
+/// Never for the rows built here, which all have the same length.
+pub fn correlations_to_csv(conditions: &[ConditionRow], series: &[Series]) -> Result<String> {
+    let mut table = Table::new(["r0", "kappa", "distance_squares", "correlation"]);
+    for (condition, series) in conditions.iter().zip(series) {
+        for (distance, correlation) in series.correlation.values().into_iter().enumerate() {
+            if correlation.is_finite() {
+                table.push([
+                    condition.r0.into(),
+                    condition.kappa.into(),
+                    distance.into(),
+                    correlation.into(),
+                ])?;
+            }
+        }
     }
     Ok(table.to_csv()?)
 }
