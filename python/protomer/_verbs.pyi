@@ -1499,6 +1499,26 @@ class _Lattice:
     ) -> Result:
         """The square that represents a body with a symmetry axis, as part of a configuration."""
 
+    def joint(
+        self,
+        body: Path | str,
+        *,
+        salt: str | Sequence[str] | None = None,
+        salt_molar: float | Sequence[float] | NDArray[np.float64] | None = None,
+        rod: str | float | Sequence[str | float],
+        axis: Literal["auto", "x", "y", "z"] | None = None,
+        size: Literal["corners", "outside", "area"] | None = None,
+        turned_over: bool = False,
+        openings: int | str | None = None,
+        directions: int | str | None = None,
+        output: Path | str | None = None,
+        threads: int | str | None = None,
+        force: bool = False,
+        progress: Callable[[int, int, str], None] | None = None,
+    ) -> Result:
+        """The potential of mean force of two copies of a body that a rod ties at their corners, against
+        the angle between them: a table for --angle-potential."""
+
     def replay(
         self,
         file: Path | str,

@@ -273,6 +273,13 @@ const EXAMPLES: &[(&str, [&str; 2])] = &[
         ],
     ),
     (
+        "lattice joint",
+        [
+            "lattice joint bodies/square.body --salt 100mM --rod 8A -o joint.csv",
+            "lattice joint bodies/square.body --salt 20mM --rod 8A --turned-over",
+        ],
+    ),
+    (
         "lattice animate",
         [
             "lattice animate coherent",

@@ -82,6 +82,8 @@ pub struct BodySquare {
     /// Change of the outline when it is turned by 90° (root mean square, in parts of its mean
     /// radius).
     pub deviation_from_fourfold: f64,
+    /// Direction from the centre to corner 2, a unit vector in the frame of the body.
+    pub corner: [f64; 3],
     /// Distance from the centre to a corner, Å, as chosen.
     pub half_diagonal_angstrom: f64,
     /// Measure from which the half-diagonal was taken.
@@ -166,6 +168,7 @@ impl BodySquare {
             moments_differ,
             symmetry_order: outline.strongest_order(),
             deviation_from_fourfold: outline.change_by_quarter_turn() / mean,
+            corner: view.direction(corner).into(),
             half_diagonal_angstrom,
             size,
             corner_reach_angstrom,
@@ -253,6 +256,12 @@ impl View {
             centre: solid.mass_properties.centroid,
             axes: plane_across(&axis),
         }
+    }
+
+    /// The direction at an angle, in the frame of the body.
+    fn direction(&self, angle: f64) -> Vec3 {
+        let [cosine, sine] = direction(angle);
+        self.axes[0] * cosine + self.axes[1] * sine
     }
 
     fn flatten(&self, point: &Vec3) -> Vector {

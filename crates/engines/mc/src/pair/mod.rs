@@ -26,6 +26,7 @@
 //! | [`profile`] | the potential of mean force |
 //! | `region` | poses around one, and coordinates for them |
 //! | [`bound_state`] | the association constant of one bound pose |
+//! | [`tied`] | the potential of mean force of two bodies tied at a corner |
 //! | [`wells`] | bound poses: local minima of the energy, each once |
 //! | [`deep_wells`] | wells that decide the association constant, integrated one by one, and the sampled rest |
 //!
@@ -46,6 +47,7 @@ mod proposal;
 mod radial;
 pub(crate) mod region;
 mod replicas;
+pub mod tied;
 pub mod wells;
 
 pub use crate::energy::terms::{EnergyParts, PairPotential, Term, Terms};

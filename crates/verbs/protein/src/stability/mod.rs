@@ -11,6 +11,7 @@ pub mod energy_tables;
 pub mod equilibrium;
 pub mod inspect;
 pub mod interaction;
+pub mod joint;
 pub mod live;
 pub mod model;
 pub mod pair;

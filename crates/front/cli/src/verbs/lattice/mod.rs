@@ -4,6 +4,7 @@ mod animate;
 mod bench;
 mod divergence;
 mod elastic;
+mod joint;
 mod replay;
 mod run;
 mod square;
@@ -35,6 +36,7 @@ enum LatticeVerb {
     Divergence(divergence::DivergenceArgs),
     Animate(animate::AnimateArgs),
     Square(square::SquareArgs),
+    Joint(joint::JointArgs),
     Replay(replay::ReplayArgs),
     Respond(replay::RespondArgs),
     Bench(bench::BenchArgs),
@@ -49,12 +51,13 @@ impl LatticeArgs {
             (Some(LatticeVerb::Divergence(args)), _) => args.run(),
             (Some(LatticeVerb::Animate(args)), _) => args.run(front),
             (Some(LatticeVerb::Square(args)), _) => args.run(front),
+            (Some(LatticeVerb::Joint(args)), _) => args.run(front),
             (Some(LatticeVerb::Replay(args)), _) => args.run(),
             (Some(LatticeVerb::Respond(args)), _) => args.run(),
             (Some(LatticeVerb::Bench(args)), _) => args.run(),
             (None, Some(body)) => square::square(body, Axis::Auto, Size::Corners, None, front),
             (None, None) => bail!(
-                "give a subcommand: lattice run, sweep, elastic, divergence, animate, square, replay, respond or bench"
+                "give a subcommand: lattice run, sweep, elastic, divergence, animate, square, joint, replay, respond or bench"
             ),
         }
     }

@@ -1,0 +1,75 @@
+//! `protomer lattice joint`: the potential of the angle between two tied bodies.
+
+use crate::flags::settings::choice;
+use crate::front::Front;
+use crate::reply::Reply;
+use anyhow::Result;
+use clap::Args;
+use protomer_common::output_file::write_once;
+use protomer_common::quantity;
+use protomer_linkage_verbs::lattice::square_of_body::{Axis, Size, square_of_body};
+use protomer_protein_verbs::bodies::body_file;
+use protomer_protein_verbs::stability::interaction::InteractionSettings;
+use protomer_protein_verbs::stability::joint::{JointSettings, joint};
+use std::path::PathBuf;
+
+/// The potential of mean force of two copies of a body that a rod ties at their corners, against the
+/// angle between them: a table for --angle-potential.
+#[derive(Debug, Args)]
+pub struct JointArgs {
+    /// Body file.
+    body: PathBuf,
+    /// Salt concentration.
+    #[arg(long)]
+    salt: String,
+    /// Length of the rod between the corners.
+    #[arg(long, allow_hyphen_values = true)]
+    rod: String,
+    /// Axis of projection.
+    #[arg(long, value_parser = choice::<Axis>(), default_value = "auto")]
+    axis: Axis,
+    /// Definition of the half-diagonal, at whose end the rod is tied.
+    #[arg(long, value_parser = choice::<Size>(), default_value = "corners")]
+    size: Size,
+    /// Turn every other body over, so that neighbours face opposite ways.
+    #[arg(long)]
+    turned_over: bool,
+    /// Angles from 0 to 180°.
+    #[arg(long, default_value_t = 61)]
+    openings: usize,
+    /// Directions of the rod over which is averaged, an even number.
+    #[arg(long, default_value_t = 360)]
+    directions: usize,
+    /// Write the table to this file instead of stdout.
+    #[arg(short, long)]
+    output: Option<PathBuf>,
+}
+
+impl JointArgs {
+    pub fn run(&self, front: &Front) -> Result<Reply> {
+        let (body, _) = body_file::read(&self.body)?;
+        let square = square_of_body(&body, self.axis, self.size)?.square;
+        let salt_molar = quantity::salt_molar(&self.salt)?;
+        front.warn(quantity::salt_warning([salt_molar]));
+        let settings = JointSettings {
+            axis: square.axis,
+            corner: square.corner,
+            half_diagonal_angstrom: square.half_diagonal_angstrom,
+            rod_angstrom: quantity::length_angstrom(&self.rod)?,
+            is_turned_over: self.turned_over,
+            openings: self.openings,
+            directions: self.directions,
+            salt_molar,
+            medium: InteractionSettings::default(),
+        };
+        let answer = joint(&body, &settings)?;
+        let table = answer.to_csv()?;
+        match &self.output {
+            Some(path) => {
+                write_once(path, &table, front.force())?;
+                Ok(Reply::of(answer))
+            }
+            None => Ok(Reply::data(answer).showing(table.trim_end().to_owned())),
+        }
+    }
+}
