@@ -4,15 +4,17 @@
 #   bash tests/validation/rhua_elastic.sh PROTOMER OUTPUT
 #
 # 4 x 4 squares at kT = 0.1 under stresses of -0.02, 0 and 0.02 along x, for rods of 2 % to 2 half-diagonals; a JSON file for each
-# length, and a table. About ten minutes on one core; JOBS runs side by side.
+# length, and a table. About ten minutes on one core; JOBS runs side by side, TIME shortens all.
 set -euo pipefail
 protomer=$1 output=$2
 mkdir -p "$output"
 runs() {
     for r0 in 0.02 0.05 0.13636363636363635 0.35 0.5 1 2; do
-        time=${TIME:-3000}
-        [ "$r0" = 0.05 ] && time=1500
-        [ "$r0" = 0.02 ] && time=400
+        case $r0 in
+            0.02) time=${TIME:-400} ;;
+            0.05) time=${TIME:-1500} ;;
+            *) time=${TIME:-3000} ;;
+        esac
         for stress in -0.02 0 0.02; do
             echo "$r0 $stress $time"
         done
