@@ -4,13 +4,16 @@
 //! The opening of a joint is φ = 90° + b with the bend b of [`tied`]: 90° where the arms point at each
 //! other (open), 0 and 180° where sides meet (closed).
 
-use super::interaction::InteractionSettings;
+use super::effective::range::LEAST_GAP_ANGSTROM;
+use super::effective::{EffectiveStore, SoluteModel};
+use super::interaction::ScreenedCoulomb;
 use anyhow::{Context, Result, bail};
 use protomer_body::Body;
 use protomer_common::answer::Answer;
 use protomer_common::range::Range;
 use protomer_io::csv::Table;
 use protomer_mc::BodyType;
+use protomer_mc::charges::ChargeCloud;
 use protomer_mc::pair::tied::{self, Tie, TiedPoint};
 use protomer_mc::pair::{BodyPair, Charged, Core, Terms};
 use serde::Serialize;
@@ -39,10 +42,11 @@ pub struct JointSettings {
     pub openings: usize,
     /// Number of directions of the rod.
     pub directions: usize,
-    /// Salt, mol/L.
-    pub salt_molar: f64,
     /// The medium.
-    pub medium: InteractionSettings,
+    pub interaction: ScreenedCoulomb,
+    /// Whether the charges are effective ones: those that give the potential around bodies of low permittivity
+    /// that salt does not enter.
+    pub is_effective: bool,
 }
 
 /// The mean force at one opening.
@@ -65,9 +69,6 @@ pub struct JointPoint {
 pub struct JointAnswer {
     /// Name of the body.
     pub body: String,
-    /// Salt, mol/L.
-    #[serde(rename = "salt_M")]
-    pub salt_molar: f64,
     /// Debye length, Å.
     pub debye_length_angstrom: f64,
     /// Distance from the centre of the body to the corner, Å.
@@ -78,6 +79,8 @@ pub struct JointAnswer {
     pub r0: f64,
     /// Whether neighbours face opposite ways.
     pub is_turned_over: bool,
+    /// Whether the charges are effective ones.
+    pub is_effective: bool,
     /// Points in the order of the openings.
     pub points: Vec<JointPoint>,
 }
@@ -100,10 +103,18 @@ pub fn joint(body: &Body, settings: &JointSettings) -> Result<JointAnswer> {
             );
         }
     }
-    let interaction = settings.medium.interaction(Some(settings.salt_molar))?;
     let kind =
         Arc::new(BodyType::from_body(body).with_context(|| format!("the body {}", body.name))?);
-    let charged = Charged::new(interaction.yukawa()?, &kind.charges, &kind.charges)?;
+    let yukawa = settings.interaction.yukawa()?;
+    let cloud = match settings.is_effective {
+        true => {
+            let store = EffectiveStore::default();
+            let effective = store.of(body, &settings.interaction, &SoluteModel::default())?;
+            ChargeCloud::new(&effective.charges)
+        }
+        false => kind.charges.clone(),
+    };
+    let charged = Charged::new(yukawa, &cloud, &cloud)?;
     let pair = BodyPair {
         first: Arc::clone(&kind),
         second: kind,
@@ -128,11 +139,8 @@ pub fn joint(body: &Body, settings: &JointSettings) -> Result<JointAnswer> {
     let points: Vec<JointPoint> = mean_force.into_iter().map(point).collect();
     let answer = JointAnswer {
         body: body.name.clone(),
-        salt_molar: settings.salt_molar,
-        debye_length_angstrom: interaction
-            .yukawa()?
-            .inverse_debye_length_per_angstrom
-            .recip(),
+        debye_length_angstrom: yukawa.inverse_debye_length_per_angstrom.recip(),
+        is_effective: settings.is_effective,
         half_diagonal_angstrom: settings.half_diagonal_angstrom,
         rod_angstrom: settings.rod_angstrom,
         r0: settings.rod_angstrom / settings.half_diagonal_angstrom,
@@ -167,6 +175,16 @@ impl JointAnswer {
         points.filter_map(|point| {
             let energy = point.energy_kt?;
             Some((point.angle_deg, energy, point.error_kt.unwrap_or(f64::NAN)))
+        })
+    }
+
+    /// The warning of effective charges, which do not hold near contact.
+    pub fn warning(&self) -> Option<String> {
+        self.is_effective.then(|| {
+            format!(
+                "effective charges hold where surfaces are {LEAST_GAP_ANGSTROM} Å apart or more, and the average has directions \
+                 of the rod in which they are nearer; compare with --interaction bare"
+            )
         })
     }
 

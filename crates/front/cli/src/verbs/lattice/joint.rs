@@ -1,17 +1,27 @@
 //! `protomer lattice joint`: the potential of the angle between two tied bodies.
 
+use crate::flags::medium::ConditionArgs;
 use crate::flags::settings::choice;
 use crate::front::Front;
 use crate::reply::Reply;
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use protomer_common::output_file::write_once;
 use protomer_common::quantity;
 use protomer_linkage_verbs::lattice::square_of_body::{Axis, Size, square_of_body};
 use protomer_protein_verbs::bodies::body_file;
-use protomer_protein_verbs::stability::interaction::InteractionSettings;
 use protomer_protein_verbs::stability::joint::{JointSettings, joint};
 use std::path::PathBuf;
+
+/// Charges that act between the bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Charges {
+    /// The charges of the bodies, screened by salt.
+    Bare,
+    /// Effective charges: those that give the potential around bodies of low permittivity that salt
+    /// does not enter.
+    Effective,
+}
 
 /// The potential of mean force of two copies of a body that a rod ties at their corners, against the
 /// angle between them: a table for --angle-potential.
@@ -19,9 +29,6 @@ use std::path::PathBuf;
 pub struct JointArgs {
     /// Body file.
     body: PathBuf,
-    /// Salt concentration.
-    #[arg(long)]
-    salt: String,
     /// Length of the rod between the corners.
     #[arg(long, allow_hyphen_values = true)]
     rod: String,
@@ -40,6 +47,11 @@ pub struct JointArgs {
     /// Directions of the rod over which is averaged, an even number.
     #[arg(long, default_value_t = 360)]
     directions: usize,
+    /// Charges of the bodies.
+    #[arg(long, value_enum, default_value_t = Charges::Bare)]
+    interaction: Charges,
+    #[command(flatten)]
+    condition: ConditionArgs,
     /// Write the table to this file instead of stdout.
     #[arg(short, long)]
     output: Option<PathBuf>,
@@ -49,8 +61,7 @@ impl JointArgs {
     pub fn run(&self, front: &Front) -> Result<Reply> {
         let (body, _) = body_file::read(&self.body)?;
         let square = square_of_body(&body, self.axis, self.size)?.square;
-        let salt_molar = quantity::salt_molar(&self.salt)?;
-        front.warn(quantity::salt_warning([salt_molar]));
+        front.warn(quantity::salt_warning(self.condition.salt));
         let settings = JointSettings {
             axis: square.axis,
             corner: square.corner,
@@ -59,17 +70,22 @@ impl JointArgs {
             is_turned_over: self.turned_over,
             openings: self.openings,
             directions: self.directions,
-            salt_molar,
-            medium: InteractionSettings::default(),
+            interaction: self.condition.interaction()?,
+            is_effective: self.interaction == Charges::Effective,
         };
         let answer = joint(&body, &settings)?;
         let table = answer.to_csv()?;
+        let warning = answer
+            .warning()
+            .map(|warning| format!("warning: {warning}"));
         match &self.output {
             Some(path) => {
                 write_once(path, &table, front.force())?;
-                Ok(Reply::of(answer))
+                Ok(Reply::of(answer).with_notes(warning))
             }
-            None => Ok(Reply::data(answer).showing(table.trim_end().to_owned())),
+            None => Ok(Reply::data(answer)
+                .showing(table.trim_end().to_owned())
+                .with_notes(warning)),
         }
     }
 }
