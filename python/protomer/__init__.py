@@ -29,7 +29,7 @@ from ._verbs import __all__ as _verb_names
 from ._assembly import Assembly, Frame, Trajectory
 from ._body import Body
 from . import dynamics, structure
-from ._sets import VoxelSet
+from ._sets import VoxelSet, VoxelStream
 from ._log import read_log
 from .simulation import AssemblySimulation, ContactDynamics, HardBodies, Simulation
 from .results import *  # noqa: F403
@@ -55,6 +55,7 @@ __all__ = [
     "Trajectory",
     "UnknownNameError",
     "VoxelSet",
+    "VoxelStream",
     "__version__",
     "dynamics",
     "read_log",

@@ -28,6 +28,17 @@ def call(words: Sequence[str], progress: Callable[[int, int, str], None] | None 
 def verbs() -> list[dict[str, Any]]: ...
 def main(words: Sequence[str]) -> int: ...
 def take_apart(words: Sequence[str]) -> tuple[list[str], list[tuple[str, str | None]], list[str]]: ...
+def parts(
+    labels: Sequence[str],
+    clusters: Sequence[str],
+    *,
+    numbers: bool,
+    least_samples: int,
+    number_classes: int,
+    by_cluster: bool,
+    seed: int,
+    fractions: tuple[float, float, float],
+) -> tuple[list[int], list[int], list[int]]: ...
 def read_assembly(
     path: str | os.PathLike[str],
 ) -> tuple[

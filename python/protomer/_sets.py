@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -50,6 +51,8 @@ class VoxelSet:
     target
         `"number"` or `"class"`; by default numbers if all labels are numbers, classes otherwise. Labels that count
         classes, such as 0 and 1, need `target="class"`
+    labels
+        Labels by the name of the sample instead of those of the set
 
     Raises
     ------
@@ -58,7 +61,8 @@ class VoxelSet:
     KeyError
         For a channel that the set does not have; it lists those that exist
     ConfigError
-        For `target="number"` of a set with a label that is no number; it names the sample
+        For `target="number"` of a set with a label that is no number, and for a sample that `labels` lacks; it names
+        the sample
 
     Examples
     --------
@@ -72,6 +76,7 @@ class VoxelSet:
         channels: list[str] | None = None,
         transform: Callable[[Grid], Any] | None = None,
         target: Literal["number", "class"] | None = None,
+        labels: Mapping[str, str | float] | None = None,
     ) -> None:
         self._path = os.fspath(path)
         self._transform = transform
@@ -85,7 +90,7 @@ class VoxelSet:
         self._implied = set(known["implied_channels"])
         samples = known["samples"]
         self.names: list[str] = list(samples["name"])
-        self.labels: list[str] = list(samples["label"])
+        self.labels: list[str] = list(samples["label"]) if labels is None else self._joined(labels)
         self.clusters: list[str] = list(samples["cluster"])
         numbers = [_number(label) for label in self.labels]
         if target is None:
@@ -111,6 +116,12 @@ class VoxelSet:
             self.classes = sorted(set(self.labels))
             places = {label: place for place, label in enumerate(self.classes)}
             self._targets = [places[label] for label in self.labels]
+
+    def _joined(self, labels: Mapping[str, str | float]) -> list[str]:
+        for name in self.names:
+            if name not in labels:
+                raise _protomer.ConfigError(f"{self._path}: there is no label for {name}; give one for each sample")
+        return [str(labels[name]) for name in self.names]
 
     def _open(self) -> None:
         try:
@@ -156,3 +167,175 @@ class VoxelSet:
 
     def __repr__(self) -> str:
         return f"VoxelSet({self._path!r}, {len(self)} samples of {self.size}³, {', '.join(self.channels)})"
+
+
+Part = Literal["training", "validation", "test"]
+
+
+@functools.cache
+def _class_for_torch() -> type[VoxelStream] | None:
+    """The class that `torch.utils.data.DataLoader` takes for a stream; none without torch."""
+    try:
+        # Lazily: torch takes seconds to load, and nothing else here needs it.
+        from torch.utils.data import IterableDataset
+    except ImportError:
+        return None
+    return type("VoxelStream", (VoxelStream, IterableDataset), {"__module__": __name__})
+
+
+def _restored(state: dict[str, Any]) -> VoxelStream:
+    """A stream in another process, whose class is made there anew."""
+    stream = object.__new__(_class_for_torch() or VoxelStream)
+    stream.__dict__.update(state)
+    return stream
+
+
+class VoxelStream:
+    """Batches of a set of voxels, or of one part of its split: pairs of dense grids (B, C, z, y, x) and targets (B,).
+
+    With torch installed it is a `torch.utils.data.IterableDataset`; give it to a loader with `batch_size=None`, as it
+    makes the batches itself. Without torch it is an iterable of arrays. Grids are read and made dense when their batch
+    is due. The order depends on `seed` and the epoch alone: workers of a loader share the batches among them, and together
+    they give the batches that one process would, in the same order.
+
+    Parameters
+    ----------
+    samples
+        The set, or its path
+    part
+        `"training"`, `"validation"` or `"test"` of the split that `protomer.train` makes with the same arguments; all
+        samples if left out. Samples that `train` leaves out because they cannot be read are in their part here
+    batch
+        Samples per batch; the last batch may have fewer
+    shuffle
+        Whether every epoch has an order of its own; by default for the training part only
+    seed
+        Seed of the order
+    split_seed, fractions, split_by, least_samples, number_classes
+        As for `protomer.train`
+    shard
+        The number of this process and how many there are, such as rank and world size: each takes its share of the
+        batches
+
+    Raises
+    ------
+    ConfigError
+        For a part that cannot be made, such as one of too few clusters
+    KeyError
+        For a part that does not exist
+
+    Examples
+    --------
+    >>> training = pm.VoxelStream("set.zarr", "training", batch=8)                        # doctest: +SKIP
+    >>> loader = torch.utils.data.DataLoader(training, batch_size=None, num_workers=2)    # doctest: +SKIP
+    >>> for epoch in range(20):                                                           # doctest: +SKIP
+    ...     training.set_epoch(epoch)
+    ...     for grids, targets in loader: ...
+    """
+
+    def __new__(cls, *_arguments: Any, **_named: Any) -> VoxelStream:
+        # A class of its own for torch, because a loader asks for the type.
+        return object.__new__((_class_for_torch() or cls) if cls is VoxelStream else cls)
+
+    def __init__(
+        self,
+        samples: VoxelSet | Path | str,
+        part: Part | None = None,
+        *,
+        batch: int = 8,
+        shuffle: bool | None = None,
+        seed: int = 1,
+        split_seed: int = 1,
+        fractions: tuple[float, float, float] = (0.7, 0.15, 0.15),
+        split_by: Literal["cluster", "sample"] = "cluster",
+        least_samples: int = 10,
+        number_classes: int = 5,
+        shard: tuple[int, int] = (0, 1),
+    ) -> None:
+        self.set: VoxelSet = samples if isinstance(samples, VoxelSet) else VoxelSet(samples)
+        """The set."""
+        if batch < 1:
+            raise _protomer.ConfigError(f"batch must be 1 or more, not {batch}")
+        index, count = shard
+        if not 0 <= index < count:
+            raise _protomer.ConfigError(f"shard {index} of {count} does not exist; count from 0")
+        if split_by not in ("cluster", "sample"):
+            unknown("unit of the split", split_by, ["cluster", "sample"])
+        self.part: Part | None = part
+        self.batch = batch
+        self.shuffle = part == "training" if shuffle is None else shuffle
+        self._seed, self._epoch, self._shard = seed, 0, (index, count)
+        if part is None:
+            samples_of_part = range(len(self.set))
+        else:
+            names = ["training", "validation", "test"]
+            if part not in names:
+                unknown("part", part, names)
+            parts = _protomer.parts(
+                self.set.labels,
+                self.set.clusters,
+                numbers=self.set.target == "number",
+                least_samples=least_samples,
+                number_classes=number_classes,
+                by_cluster=split_by == "cluster",
+                seed=split_seed,
+                fractions=fractions,
+            )
+            samples_of_part = parts[names.index(part)]
+        self.samples: NDArray[np.int64] = np.array(samples_of_part, dtype=np.int64)
+        """The samples of the part, as numbers in the set."""
+
+    def set_epoch(self, epoch: int) -> None:
+        """Takes the order of an epoch; call it before each pass over a shuffled stream."""
+        self._epoch = epoch
+
+    def order(self) -> NDArray[np.int64]:
+        """The samples in the order of this epoch, as numbers in the set."""
+        if not self.shuffle:
+            return self.samples
+        return np.random.default_rng([self._seed, self._epoch]).permutation(self.samples)
+
+    def __len__(self) -> int:
+        """The number of batches of this shard."""
+        index, count = self._shard
+        return len(range(index, -(-len(self.samples) // self.batch), count))
+
+    def __iter__(self) -> Iterator[tuple[Any, NDArray[Any]]]:
+        order = self.order()
+        starts = range(0, len(order), self.batch)
+        (index, count), (worker, workers) = self._shard, _worker()
+        # A loader takes a batch from each of its workers in turn: dealt out in the same way, the order is kept.
+        for start in starts[index::count][worker::workers]:
+            yield self._batch(order[start : start + self.batch])
+
+    def _batch(self, samples: NDArray[np.int64]) -> tuple[Any, NDArray[Any]]:
+        pairs = [self.set[int(sample)] for sample in samples]
+        grids = [grid for grid, _ in pairs]
+        kind = np.float32 if self.set.target == "number" else np.int64
+        return _stacked(grids), np.array([target for _, target in pairs], dtype=kind)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.__dict__,)
+
+    def __repr__(self) -> str:
+        part = self.part or "all samples"
+        return f"VoxelStream({part}, {len(self.samples)} samples in batches of {self.batch}, {self.set!r})"
+
+
+def _worker() -> tuple[int, int]:
+    """The number of this worker of a loader, and how many there are."""
+    if _class_for_torch() is None:
+        return 0, 1
+    from torch.utils.data import get_worker_info
+
+    information = get_worker_info()
+    return (0, 1) if information is None else (information.id, information.num_workers)
+
+
+def _stacked(grids: list[Any]) -> Any:
+    """Grids as one array; tensors, of a transformation, as one tensor."""
+    if isinstance(grids[0], (np.ndarray, np.generic, int, float)):
+        return np.stack(grids)
+    import torch
+
+    return torch.stack(grids)

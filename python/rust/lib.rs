@@ -4,6 +4,8 @@
 mod assembly;
 mod body;
 mod errors;
+#[cfg(feature = "learning")]
+mod sets;
 mod simulation;
 mod verbs;
 
@@ -21,6 +23,9 @@ mod _protomer {
         CheckpointError, ConfigError, ConvergenceError, GeometryError, ParseError, ProtomerError,
         StoppedError,
     };
+    #[cfg(feature = "learning")]
+    #[pymodule_export]
+    use crate::sets::parts;
     #[pymodule_export]
     use crate::simulation::LiveSimulation;
     #[pymodule_export]
