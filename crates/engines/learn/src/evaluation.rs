@@ -2,6 +2,7 @@
 //! clusters, and whether it could be chance.
 
 use crate::Result;
+use crate::advantage::{Advantage, PairedLosses};
 use crate::baselines::{Baseline, baselines};
 use crate::bootstrap::{Interval, LEVEL, RESAMPLINGS, bootstrap};
 use crate::error::refuse;
@@ -9,10 +10,13 @@ use crate::number_classes::NumberClasses;
 use crate::number_scores::{NumberIntervals, NumberScores, TrueNumbers};
 use crate::permutation::{PermutationTest, permutation_test};
 use crate::predictions::TestPredictions;
-use crate::scores::Scores;
+use crate::scores::{Scores, losses_nats};
 use crate::split::family_weights;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+
+/// The baseline that names one class with certainty.
+const MAJORITY: &str = "majority";
 
 /// Intervals that hold 95 % of the values in draws of clusters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -38,6 +42,8 @@ pub struct Evaluation {
     pub intervals: Intervals,
     /// Test of whether the predictions could be right by chance.
     pub permutation: PermutationTest,
+    /// Comparison with the best baseline.
+    pub advantage: Advantage,
     /// Clusters of the test part.
     pub test_clusters: usize,
 }
@@ -51,6 +57,8 @@ pub struct NumberEvaluation {
     pub baselines: Vec<(&'static str, NumberScores)>,
     /// 95 % intervals.
     pub intervals: NumberIntervals,
+    /// Comparison with the best baseline.
+    pub advantage: Advantage,
 }
 
 impl TestPredictions<'_> {
@@ -107,7 +115,10 @@ impl TestPredictions<'_> {
             scores_of_baselines.push((baseline, scores));
         }
         let clusters = self.clusters();
+        let advantage =
+            of_test.advantage(self, &scores_of_baselines, &clusters, exchanges, seed)?;
         Ok(Evaluation {
+            advantage,
             scores: of_test.score(self.probabilities, &of_test.weights)?,
             baselines: scores_of_baselines,
             intervals: of_test.intervals(self.probabilities, &prior, &clusters, seed)?,
@@ -140,11 +151,30 @@ impl TestPredictions<'_> {
         };
         let predicted = classes.predicted(self.probabilities);
         let mut baselines = Vec::new();
+        let mut best: Option<(&str, Vec<f64>, f64)> = None;
         for (baseline, _) in &evaluation.baselines {
             let predicted = classes.predicted(&baseline.probabilities);
-            baselines.push((baseline.name, NumberScores::of(&predicted, &truth)?));
+            let scores = NumberScores::of(&predicted, &truth)?;
+            let is_better = best.as_ref().is_none_or(|best| scores.rms_error < best.2);
+            // The majority names one class, which is no prediction of a number.
+            if is_better && baseline.name != MAJORITY {
+                best = Some((baseline.name, predicted, scores.rms_error));
+            }
+            baselines.push((baseline.name, scores));
         }
+        let Some((name, of_best, _)) = best else {
+            return refuse("there is no baseline for numbers");
+        };
+        let clusters = self.clusters();
+        let losses = |predicted: &[f64]| truth.squares_over_variance(predicted);
+        let paired = PairedLosses {
+            network: &losses(&predicted),
+            baseline: &losses(&of_best),
+            weights: &weights,
+            clusters: &clusters,
+        };
         Ok(NumberEvaluation {
+            advantage: Advantage::of(name, paired, evaluation.permutation.exchanges, seed)?,
             scores: NumberScores::of(&predicted, &truth)?,
             baselines,
             intervals: truth.intervals(&predicted, &self.clusters(), seed)?,
@@ -182,6 +212,31 @@ struct Truth {
 }
 
 impl Truth {
+    /// The comparison with the baseline of the smallest log-loss.
+    fn advantage(
+        &self,
+        predictions: &TestPredictions,
+        baselines: &[(Baseline, Scores)],
+        clusters: &[&str],
+        exchanges: usize,
+        seed: u64,
+    ) -> Result<Advantage> {
+        // The majority is certain of one class: where that is wrong, its loss has no meaning.
+        let graded = baselines.iter().filter(|(one, _)| one.name != MAJORITY);
+        let best = graded.min_by(|(_, a), (_, b)| a.log_loss_nats.total_cmp(&b.log_loss_nats));
+        let Some((best, _)) = best else {
+            return refuse("there is no baseline");
+        };
+        let losses = |probabilities: &[f64]| losses_nats(probabilities, &self.labels, self.classes);
+        let paired = PairedLosses {
+            network: &losses(predictions.probabilities),
+            baseline: &losses(&best.probabilities),
+            weights: &self.weights,
+            clusters,
+        };
+        Advantage::of(best.name, paired, exchanges, seed)
+    }
+
     fn score(&self, probabilities: &[f64], weights: &[f64]) -> Result<Scores> {
         Scores::of(probabilities, &self.labels, self.classes, Some(weights))
     }

@@ -26,6 +26,7 @@
 //! | [`number_scores`] | how near predicted numbers come to the true ones |
 //! | [`baselines`], [`logistic`] | what is predicted without a network |
 //! | [`bootstrap`], [`permutation`] | intervals over clusters; could it be chance? |
+//! | [`advantage`] | whether the network is better than the best baseline |
 //! | [`predictions`], [`evaluation`] | all of this for the test part |
 //! | [`ablation`] | what each channel brings |
 //! | [`trial`], [`halving`] | a search for settings: what is drawn, and who goes on |
@@ -36,6 +37,7 @@
 //! leave as tensors.
 
 pub mod ablation;
+pub mod advantage;
 pub mod augmentation;
 pub mod baselines;
 pub mod block;

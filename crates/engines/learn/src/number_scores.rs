@@ -113,6 +113,22 @@ impl NumberScores {
 }
 
 impl TrueNumbers<'_> {
+    /// The squared error of each sample over the variance about the mean of the training part: their
+    /// weighted mean is one less the variance explained.
+    pub(crate) fn squares_over_variance(&self, predicted: &[f64]) -> Vec<f64> {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (number, weight) in self.numbers.iter().zip(self.weights) {
+            sum += weight * (number - self.training_mean).powi(2);
+            total += weight;
+        }
+        // Numbers that are all the same have no variance to share: their errors stay as they are.
+        let variance = if sum > 0.0 { sum / total } else { 1.0 };
+        let pairs = predicted.iter().zip(self.numbers);
+        pairs
+            .map(|(predicted, number)| (predicted - number).powi(2) / variance)
+            .collect()
+    }
+
     /// 95 % intervals of the scores over draws of clusters, one cluster given per sample.
     ///
     /// # Errors

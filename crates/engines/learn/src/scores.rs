@@ -166,6 +166,22 @@ impl Scores {
     }
 }
 
+/// The cross entropy of each sample, nats.
+///
+/// ```
+/// use protomer_learn::scores::losses_nats;
+/// assert_eq!(losses_nats(&[0.5, 0.5, 0.0, 1.0], &[0, 1], 2), [2f64.ln(), 0.0]);
+/// ```
+pub fn losses_nats(probabilities: &[f64], labels: &[usize], classes: usize) -> Vec<f64> {
+    let rows = labels
+        .iter()
+        .zip(probabilities.chunks_exact(classes.max(1)));
+    let of_label = rows.map(|(label, p)| p.get(*label).copied().unwrap_or_default());
+    of_label
+        .map(|p| 0.0 - p.max(SMALLEST_PROBABILITY).ln())
+        .collect()
+}
+
 /// The class of the largest probability, the first of equals.
 ///
 /// ```

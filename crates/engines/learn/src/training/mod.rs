@@ -59,6 +59,7 @@ use std::ops::ControlFlow;
 ///     split: &split,
 ///     network: &control.network(experiment, Form::Short),
 ///     settings: &TrainingSettings { epochs: 1, ..TrainingSettings::default() },
+///     start_from: None,
 ///     device: Device::Cpu,
 /// };
 /// let trained = training.run(None, &mut ())?;
@@ -78,6 +79,8 @@ pub struct Training<'a> {
     pub network: &'a NetworkSettings,
     /// Settings of the training.
     pub settings: &'a TrainingSettings,
+    /// The network whose weights the training starts from; fresh weights if there is none.
+    pub start_from: Option<&'a Model>,
     /// Device on which to compute.
     pub device: Device,
 }
@@ -177,6 +180,7 @@ pub fn train(
         split,
         network,
         settings,
+        start_from: None,
         device: Device::Cpu,
     };
     training.run(None, observer)
@@ -196,7 +200,9 @@ impl Training<'_> {
     /// Trains, from the beginning or from a checkpoint of the same training. With a checkpoint,
     /// `epochs` and `patience` may be new.
     ///
-    /// The head's bias starts at (1 - τ) ln(share of the class). The loss is Σ w l / (B w̄) over
+    /// With `start_from`, blocks start from the weights of that network, and its scaling is kept. So does
+    /// the head, if it tells the same classes apart. Otherwise the head's bias starts at (1 - τ) ln(share
+    /// of the class). The loss is Σ w l / (B w̄) over
     /// the B samples of a batch, with w one over the size of a sample's family and w̄ its mean over
     /// the training part. Samples that cannot be read are left out.
     ///

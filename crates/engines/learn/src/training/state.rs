@@ -53,13 +53,19 @@ impl State {
         let (usable, mut quarantined) = screen(training.source, &training.split.training);
         quarantined.extend(screen(training.source, &training.split.validation).1);
         check_classes(training, &usable, &quarantined)?;
-        let card = card(training, &usable, weights)?;
+        let mut card = card(training, &usable, weights)?;
         let network = Network::new(training.network, training.settings.seed, &training.device)?;
-        let mut bias = Vec::with_capacity(card.log_prior.len());
-        for log_prior in &card.log_prior {
-            bias.push(((1.0 - training.settings.logit_adjustment) * log_prior) as f32);
+        let has_head = match training.start_from {
+            Some(model) => adopt(model, &network, &mut card)?,
+            None => false,
+        };
+        if !has_head {
+            let mut bias = Vec::with_capacity(card.log_prior.len());
+            for log_prior in &card.log_prior {
+                bias.push(((1.0 - training.settings.logit_adjustment) * log_prior) as f32);
+            }
+            network.set_head_bias(&bias)?;
         }
-        network.set_head_bias(&bias)?;
         let progress = Progress {
             fingerprint: fingerprint(training),
             settings: training.settings.clone(),
@@ -303,6 +309,35 @@ fn card(training: &Training, usable: &[usize], weights: &[f64]) -> Result<ModelC
         temperature: 1.0,
         made_with: source.made_with().cloned(),
     })
+}
+
+/// Takes over the scaling of a trained network, the weights of its blocks, and those of its head if it
+/// tells the same classes apart. Returns whether it does.
+fn adopt(model: &Model, network: &Network, card: &mut ModelCard) -> Result<bool> {
+    let (theirs, ours) = (&model.card, network.settings());
+    if theirs.network.blocks != ours.blocks || theirs.network.pooling != ours.pooling {
+        return refuse(
+            "the weights are those of a network of other blocks or another pooling; omit the flags of \
+             the network",
+        );
+    }
+    if theirs.channels != card.channels || theirs.scaling.channels != card.scaling.channels {
+        return refuse(format!(
+            "the weights are those of a network that sees {} of a set with {}; here it is {} of {}",
+            theirs.channels.join(", "),
+            theirs.scaling.channels.join(", "),
+            card.channels.join(", "),
+            card.scaling.channels.join(", ")
+        ));
+    }
+    card.scaling = theirs.scaling.clone();
+    let has_head = theirs.classes == card.classes;
+    for (name, weights) in model.network.parameters() {
+        if has_head || !name.starts_with("head.") {
+            network.set_parameter(name, &weights.as_detached_tensor())?;
+        }
+    }
+    Ok(has_head)
 }
 
 fn adam(training: &Training, network: &Network) -> Result<Adam> {

@@ -110,6 +110,7 @@ fn run(
         split: &split,
         network: &network,
         settings,
+        start_from: None,
         device: Device::Cpu,
     };
     training.run(checkpoint, observer)

@@ -622,3 +622,94 @@ fn directories_without_a_network_for_sets_are_refused() {
         "{said}"
     );
 }
+
+/// Labels from a table: the set stays as it is, the training records the table, and `predict` scores by
+/// its labels.
+#[test]
+fn labels_come_from_a_table() {
+    let place = Place::new();
+    let bytes = || -> Vec<Vec<u8>> {
+        let files = ["zarr.json", "offsets/zarr.json"];
+        let of_file = |file: &str| std::fs::read(place.path("set.zarr").join(file)).unwrap();
+        files.into_iter().map(of_file).collect()
+    };
+    let before = bytes();
+    let blobs = Control::Charge.samples(Variant::Usual, 90, SIZE, 1);
+    let own: Vec<String> = blobs
+        .descriptions
+        .into_iter()
+        .map(|known| known.name)
+        .collect();
+    let table = |label: &dyn Fn(usize) -> String| {
+        let rows = own.iter().enumerate();
+        let rows = rows.map(|(number, name)| format!("{name},{}\n", label(number)));
+        format!("name,label\n{}", rows.collect::<String>())
+    };
+    let of_place = |number: usize| ["even", "odd"][number % 2].to_owned();
+    std::fs::write(place.path("labels.csv"), table(&of_place)).unwrap();
+    place.train("--labels labels.csv -o run");
+    assert_eq!(bytes(), before, "the set has changed");
+    let metrics = json(&place.path("run/metrics.json"));
+    assert_eq!(metrics["classes"], serde_json::json!(["even", "odd"]));
+    let settings = std::fs::read_to_string(place.path("run/settings.toml")).unwrap();
+    let hash = protomer_io::atomic::sha256_hex(table(&of_place).as_bytes());
+    assert!(
+        settings.contains(&format!("sha256 = \"{hash}\"")),
+        "{settings}"
+    );
+
+    // The labels stay with the training, though the table is lost.
+    std::fs::remove_file(place.path("labels.csv")).unwrap();
+    let report = place.predict("run set.zarr");
+    assert_eq!(report["is_training_set"], true);
+    assert_eq!(report["scores"]["accuracy"], metrics["accuracy"]);
+
+    // Another table is another training.
+    let changed = |number: usize| ["odd", "even"][number % 2].to_owned();
+    std::fs::write(place.path("labels.csv"), table(&changed)).unwrap();
+    let refused = place.run(
+        "train set.zarr --labels labels.csv --least-samples 8 --widths 4 --groups 0 --epochs 3 \
+         --permutations 20 --fractions 0.5,0.2,0.3 -o run",
+    );
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(
+        !refused.status.success() && said.contains("sha256"),
+        "{said}"
+    );
+    // Its labels are scored on what the network has not seen.
+    let other = place.predict("run set.zarr --labels labels.csv");
+    assert_eq!(other["is_training_set"], false);
+    assert_eq!(other["scores"]["samples"], metrics["samples"]["test"]);
+    let rows = |report: &Value| report["samples"].as_array().unwrap().clone();
+    for (theirs, ours) in rows(&other).iter().zip(rows(&report)) {
+        assert_ne!(theirs["label"], ours["label"]);
+        assert_eq!(theirs["predicted"], ours["predicted"]);
+        assert_eq!(theirs["unscored"].is_null(), ours["part"] == "test");
+    }
+
+    // Numbers, found by the name of the column.
+    let numbers = table(&|number| format!("{}", number * number)).replacen("label", "number", 1);
+    std::fs::write(place.path("numbers.csv"), numbers).unwrap();
+    place.train("--labels numbers.csv -o numbers");
+    assert!(json(&place.path("numbers/metrics.json"))["numbers"].is_object());
+
+    for (words, expected) in [
+        ("train set.zarr --labels nowhere.csv", "nowhere.csv"),
+        (
+            "train set.zarr --labels labels.csv --label-column tm",
+            "no column 'tm'",
+        ),
+        ("train set.zarr --label-column tm", "add --labels TABLE"),
+        (
+            "train --control charge --labels labels.csv",
+            "a control makes its own labels",
+        ),
+    ] {
+        let refused = place.run(&format!("{words} -o refused"));
+        let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(
+            !refused.status.success() && said.contains(expected),
+            "{said}"
+        );
+    }
+}

@@ -33,7 +33,7 @@ pub fn page(directory: &Path, settings: &TrainSettings) -> Result<Page> {
             paragraph("There are no scores yet: they are written at the end."),
         )),
         Some(metrics) => {
-            let mut html = scores(metrics) + &table_of_baselines(metrics);
+            let mut html = sentence(metrics) + &scores(metrics) + &table_of_baselines(metrics);
             html += &figures::of_file(directory, "learning_curve.svg", "Learning curve", &curve)?;
             let predictions = data::of_file(directory, "predictions.csv")?;
             if let Some(numbers) = &metrics.numbers {
@@ -115,6 +115,17 @@ fn problems(metrics: Option<&Metrics>, record: Option<&Record>) -> Vec<String> {
     problems
 }
 
+/// The comparison with the best baseline, and the classes that the test part lacks.
+fn sentence(metrics: &Metrics) -> String {
+    // A control has a verdict of its own, on whether it came out as expected.
+    let verdict = metrics.verdict.iter().filter(|_| metrics.control.is_none());
+    let verdict = verdict.map(|verdict| format!("Verdict: {verdict}."));
+    let absent = metrics.absent_classes();
+    let absent = absent.map(|absent| format!("About the test part: {absent}."));
+    let sentences = verdict.chain(absent);
+    sentences.map(|text| paragraph(&text)).collect()
+}
+
 fn scores(metrics: &Metrics) -> String {
     let interval = |interval: &Interval| {
         format!(
@@ -124,6 +135,8 @@ fn scores(metrics: &Metrics) -> String {
         )
     };
     let rounded = |value: f64| significant(value, 4);
+    let calibration = metrics.calibration();
+    let calibration = calibration.map(|(name, value)| (name, rounded(value)));
     definitions(&[
         (
             "balanced accuracy",
@@ -155,10 +168,9 @@ fn scores(metrics: &Metrics) -> String {
             "Matthews' correlation",
             rounded(metrics.matthews_correlation),
         ),
-        (
-            "expected calibration error",
-            rounded(metrics.expected_calibration_error),
-        ),
+        calibration[0].clone(),
+        calibration[1].clone(),
+        calibration[2].clone(),
         (
             "epochs",
             format!(
@@ -315,8 +327,19 @@ pub fn describe(settings: &TrainSettings) -> Vec<(&'static str, String)> {
             )
         }
     };
+    let labels = match &settings.labels {
+        None => "those of the set".to_owned(),
+        Some(table) => {
+            let name = table.path.file_name().unwrap_or_default().to_string_lossy();
+            format!(
+                "the column {} of {name} (SHA-256 {})",
+                table.column, table.sha256
+            )
+        }
+    };
     vec![
         ("samples", source),
+        ("labels", labels),
         ("target", format!("{:?}", settings.target).to_lowercase()),
         ("channels", settings.training.channels.join(", ")),
         (
@@ -368,9 +391,9 @@ fn conditions(settings: &TrainSettings, metrics: Option<&Metrics>) -> Section {
             );
         }
     }
-    let joined = metrics.and_then(Metrics::joined_labels);
-    let joined = joined.map_or_else(String::new, |joined| {
-        paragraph(&format!("In this training {joined}."))
-    });
+    let cautions = metrics.map(Metrics::cautions).unwrap_or_default();
+    let joined = cautions.iter();
+    let joined = joined.map(|caution| paragraph(&format!("In this training {caution}.")));
+    let joined: String = joined.collect();
     Section::new("Conditions", definitions(&rows) + &joined + &left_out)
 }

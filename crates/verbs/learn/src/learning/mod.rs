@@ -1,5 +1,6 @@
 //! Networks: training, search for settings, prediction.
 
+pub mod labels;
 pub mod predict;
 pub mod train;
 pub mod tune;

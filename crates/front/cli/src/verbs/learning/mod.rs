@@ -4,6 +4,7 @@
 //! compiled only for them: 120 of 267 crates (`cargo tree -p protomer-cli -e no-dev`, with and
 //! without `--no-default-features`).
 
+mod labels;
 mod predict;
 mod train;
 mod tune;

@@ -1,5 +1,6 @@
 //! `protomer predict`: a trained network applied to a set.
 
+use super::labels::LabelArgs;
 use crate::flags::device::DeviceArgs;
 use crate::front::Front;
 use crate::reply::Reply;
@@ -24,6 +25,8 @@ pub struct PredictArgs {
     #[arg(short, long)]
     output: Option<PathBuf>,
     #[command(flatten)]
+    labels: LabelArgs,
+    #[command(flatten)]
     device: DeviceArgs,
 }
 
@@ -38,7 +41,8 @@ impl PredictArgs {
         }
         FileKind::Results(ResultKind::VoxelSet).require(&self.set)?;
         let execution = front.execution_without_signals();
-        let end = predict(&self.run, &self.set, &self.device.open()?, &execution)?;
+        let (labels, device) = (self.labels.read()?, self.device.open()?);
+        let end = predict(&self.run, &self.set, labels.as_ref(), &device, &execution)?;
         let End::Finished(report) = end else {
             return Ok(Reply::stopped("stopped; nothing was written".into()));
         };

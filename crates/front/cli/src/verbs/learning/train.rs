@@ -1,6 +1,7 @@
 //! `protomer train`: one network, or a control, in its directory; and the flags that `tune` shares
 //! with it.
 
+use super::labels::LabelArgs;
 use crate::flags::choices::learning::{LearningTarget, Scaling};
 use crate::flags::device::DeviceArgs;
 use crate::flags::execution::ExecutionArgs;
@@ -15,10 +16,12 @@ use protomer_learn::controls::{Control, Form};
 use protomer_learn::network::GlobalPooling;
 use protomer_learn::split::Fractions;
 use protomer_learn::targets::Target;
-use protomer_learn::{BlockSettings, Device};
+use protomer_learn::{BlockSettings, Device, View};
+use protomer_learn_verbs::learning::labels::excluded_names;
 use protomer_learn_verbs::learning::train::{
     ControlRun, Job, Metrics, SplitBy, TrainSettings, channels_of, open_set, run_control, run_job,
 };
+use protomer_learn_verbs::voxels::samples::VoxelSet;
 use protomer_protein_verbs::file_kind::FileKind;
 use protomer_results::{End, Execution, ResultKind};
 use std::path::{Path, PathBuf};
@@ -60,6 +63,24 @@ pub struct TaskArgs {
 }
 
 impl TaskArgs {
+    /// The set under the labels of the table, if there is one, which then decides the target unless a
+    /// flag does.
+    pub fn label<'a>(
+        &self,
+        labels: &LabelArgs,
+        settings: &mut TrainSettings,
+        set: &'a VoxelSet,
+    ) -> Result<View<'a>> {
+        let is_new = settings.labels.is_none();
+        let Some(table) = labels.note(settings)? else {
+            return Ok(View::new(set));
+        };
+        if is_new && self.target.is_none() {
+            settings.target = table.target();
+        }
+        table.join(set, &excluded_names(set)?)
+    }
+
     /// Overrides settings with the flags.
     pub fn override_in(&self, settings: &mut TrainSettings) -> Result<()> {
         override_with(&mut settings.target, self.target.map(Into::into));
@@ -192,6 +213,10 @@ pub struct TrainArgs {
     /// flags override them.
     #[arg(long, conflicts_with = "control")]
     config: Option<PathBuf>,
+    /// Directory of another training: its weights are where this one starts, and its blocks, channels
+    /// and scaling the defaults.
+    #[arg(long, value_name = "DIR", conflicts_with = "control")]
+    weights_from: Option<PathBuf>,
     /// Train on every subset of the channels as well.
     #[arg(long)]
     ablate: bool,
@@ -201,6 +226,8 @@ pub struct TrainArgs {
     /// Directory of the results.
     #[arg(short, long)]
     output: PathBuf,
+    #[command(flatten)]
+    labels: LabelArgs,
     #[command(flatten)]
     task: TaskArgs,
     #[command(flatten)]
@@ -229,18 +256,10 @@ impl TrainArgs {
         };
         let control = metrics.control.as_ref();
         let has_missed = control.is_some_and(|control| !control.reached);
-        let mut warnings: Vec<String> = metrics
-            .single_cluster_classes
-            .iter()
-            .map(|class| {
-                format!(
-                    "warning: all samples of the class {class} belong to one cluster, so a split by \
-                     cluster cannot both train and test it"
-                )
-            })
+        let cautions = metrics.cautions().into_iter();
+        let warnings: Vec<String> = cautions
+            .map(|caution| format!("warning: {caution}"))
             .collect();
-        let joined = metrics.joined_labels();
-        warnings.extend(joined.map(|joined| format!("warning: {joined}")));
         Ok(Reply::of(metrics)
             .with_notes(warnings)
             .partial_if(has_missed))
@@ -271,6 +290,7 @@ impl TrainArgs {
         device: &Device,
         execution: &Execution,
     ) -> Result<End<Metrics>> {
+        self.labels.refuse("a control makes its own labels")?;
         let control = Control::named(name).map_err(|error| anyhow!(error))?;
         let form = if self.short { Form::Short } else { Form::Full };
         let seed = self.network.seed.unwrap_or(1);
@@ -303,12 +323,22 @@ impl TrainArgs {
                 ..TrainSettings::read(path)?
             },
         };
+        if let Some(directory) = &self.weights_from {
+            if self.ablate {
+                bail!(
+                    "--weights-from starts from a network of certain channels, so there is no --ablate \
+                     of them; omit one of the two"
+                );
+            }
+            settings.start_from(directory)?;
+        }
+        let labelled = self.task.label(&self.labels, &mut settings, &set)?;
         self.task.override_in(&mut settings)?;
         self.network.override_in(&mut settings)?;
         let job = Job {
             settings,
             ablation_seeds: self.seeds(),
         };
-        run_job(&job, &set, &self.output, device, execution)
+        run_job(&job, &labelled, &self.output, device, execution)
     }
 }

@@ -1,6 +1,7 @@
 //! `protomer tune`: a random search for the shape of the network, with early stopping of
 //! the worst trials.
 
+use super::labels::LabelArgs;
 use super::train::TaskArgs;
 use crate::flags::device::DeviceArgs;
 use crate::flags::execution::ExecutionArgs;
@@ -45,6 +46,8 @@ pub struct TuneArgs {
     #[command(flatten)]
     scheduler: SchedulerArgs,
     #[command(flatten)]
+    labels: LabelArgs,
+    #[command(flatten)]
     task: TaskArgs,
     #[command(flatten)]
     device: DeviceArgs,
@@ -59,7 +62,9 @@ impl TuneArgs {
         let execution = self.execution.execution(front)?;
         FileKind::Results(ResultKind::VoxelSet).require(&self.set)?;
         let (source, set) = open_set(&self.set)?;
-        let settings = self.settings(source, &set)?;
+        let mut settings = self.settings(source, &set)?;
+        let set = self.task.label(&self.labels, &mut settings.base, &set)?;
+        self.task.override_in(&mut settings.base)?;
         let directory = &self.output;
         if !self.shard.is_whole() {
             let end = tune_shard(&settings, &set, directory, self.shard, &device, &execution)?;
@@ -83,9 +88,8 @@ impl TuneArgs {
 
     fn settings(&self, source: Source, set: &VoxelSet) -> Result<TuneSettings> {
         let mut base = TrainSettings::of_set(source, channels_of(set))?;
-        self.task.override_in(&mut base)?;
         base.training.seed = self.seed;
-        base.split_seed = base.split_seed.or(Some(self.seed));
+        base.split_seed = Some(self.seed);
         Ok(TuneSettings {
             trials: self.trials,
             epochs: self.epochs,

@@ -88,6 +88,9 @@ pub struct VoxelizeArgs {
         requires = "bodies",
         help_heading = "Bodies", value_parser = range::MESH_DENSITY.number())]
     density: f64,
+    /// Exit with 1 if structures are left out; the set is written all the same.
+    #[arg(long)]
+    strict: bool,
     /// Process only a part of the manifest, such as 2/8; `protomer merge` joins the parts.
     #[arg(long, value_parser = Shard::parse, default_value = "1/1")]
     shard: Shard,
@@ -129,7 +132,10 @@ impl VoxelizeArgs {
             return Ok(Reply::of(report).with_notes(notes).ending(Outcome::Stopped));
         }
         let complaint = complaint(&report);
-        let reply = Reply::of(report).with_notes(notes);
+        let is_incomplete = self.strict && !report.excluded.is_empty();
+        let reply = Reply::of(report)
+            .with_notes(notes)
+            .partial_if(is_incomplete);
         // A set without samples is useless; a part without samples may be fine, and
         // `protomer merge` checks again.
         Ok(match complaint {

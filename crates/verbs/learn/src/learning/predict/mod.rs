@@ -18,10 +18,13 @@ mod trained;
 mod truth;
 
 pub use fit::Difference;
+use report::LabelledSet;
 pub use report::{NotScored, PredictReport, SamplePrediction, SetScores};
 pub use trained::Trained;
+use truth::is_same;
 pub use truth::{Part, Truth, Unscored};
 
+use crate::learning::labels::{LabelTable, excluded_names};
 use crate::learning::train::open_set;
 use anyhow::{Result, bail};
 use protomer_learn::scaling::Quarantined;
@@ -33,7 +36,9 @@ use std::path::Path;
 /// Samples between two checks for an interrupt: a multiple of the batch size.
 const CHUNK: usize = 64;
 
-/// Predicts the class of every sample of a set, on a device.
+/// Predicts the class of every sample of a set, on a device. The true labels are those of the table,
+/// if there is one; otherwise those that a training on this set took from a table; otherwise those of
+/// the set.
 ///
 /// # Errors
 /// If the directory does not hold a finished training on a set, the voxels do not fit the
@@ -45,7 +50,8 @@ const CHUNK: usize = 64;
 /// use protomer_results::Execution;
 /// use std::path::Path;
 /// let device = DeviceChoice::Cpu.open()?;
-/// let end = predict(Path::new("run"), Path::new("set.zarr"), &device, &Execution::default())?;
+/// let (run, set) = (Path::new("run"), Path::new("set.zarr"));
+/// let end = predict(run, set, None, &device, &Execution::default())?;
 /// if let Some(report) = end.finished() {
 ///     println!("{} samples predicted", report.samples.len());
 /// }
@@ -54,6 +60,7 @@ const CHUNK: usize = 64;
 pub fn predict(
     run: &Path,
     set_path: &Path,
+    labels: Option<&LabelTable>,
     device: &Device,
     execution: &Execution,
 ) -> Result<End<PredictReport>> {
@@ -61,7 +68,26 @@ pub fn predict(
     trained.model = trained.model.to_device(device)?;
     let (source, set) = open_set(set_path)?;
     let differences = fit::differences(&trained.model.card, &set, set_path)?;
-    let truth = Truth::of(&trained, &source, &set)?;
+    let own = trained.settings.labels.as_ref();
+    // The table of the training itself brings nothing new.
+    let is_own = |table: &&LabelTable| own.is_some_and(|own| own.is_same(&table.source));
+    let labels = labels.filter(|table| !is_own(table));
+    let table = match (labels, &trained.labels) {
+        (Some(table), _) => Some(table.join(&set, &excluded_names(&set)?)?),
+        (None, Some(own)) if is_same(&trained.settings.source, &source) => {
+            Some(own.relabelled(&set))
+        }
+        (None, _) => None,
+    };
+    let labelled: &dyn SampleSource = match &table {
+        Some(view) => view,
+        None => &set,
+    };
+    // Other labels than those of the training know nothing of its parts.
+    let truth = match labels {
+        Some(_) => Truth::of_other(&trained, labelled),
+        None => Truth::of(&trained, &source, labelled)?,
+    };
     let samples = set.descriptions().len() as u64;
     execution.progress.begin(samples, "samples");
     let how = PredictionSettings {
@@ -83,7 +109,10 @@ pub fn predict(
         run,
         set_path,
         &trained,
-        &set,
+        &LabelledSet {
+            samples: labelled,
+            files: set.files(),
+        },
         &truth,
         predictions,
         differences,

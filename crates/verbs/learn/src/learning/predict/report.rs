@@ -4,7 +4,6 @@ use super::fit::Difference;
 use super::trained::Trained;
 use super::truth::{Part, Truth, Unscored};
 use crate::learning::train::decimals_of;
-use crate::voxels::samples::VoxelSet;
 use anyhow::{Result, bail};
 use protomer_common::answer::Answer;
 use protomer_io::csv::{Cell, Table};
@@ -104,6 +103,14 @@ pub struct PredictReport {
     pub differences: Vec<Difference>,
 }
 
+/// A set under the labels that predictions are held against.
+pub(super) struct LabelledSet<'a> {
+    /// The samples.
+    pub samples: &'a dyn SampleSource,
+    /// The file of each sample, as the manifest names it.
+    pub files: &'a [String],
+}
+
 impl PredictReport {
     /// Combines the known classes with the predictions.
     ///
@@ -113,7 +120,7 @@ impl PredictReport {
         run: &Path,
         path: &Path,
         trained: &Trained,
-        set: &VoxelSet,
+        set: &LabelledSet<'_>,
         truth: &Truth,
         predictions: Predictions,
         differences: Vec<Difference>,
@@ -123,12 +130,12 @@ impl PredictReport {
         let mut samples = Vec::with_capacity(predictions.samples.len());
         let probabilities = predictions.probabilities.chunks(card.classes.len().max(1));
         for (sample, p) in predictions.samples.iter().zip(probabilities) {
-            let Some(description) = set.descriptions().get(*sample) else {
+            let Some(description) = set.samples.descriptions().get(*sample) else {
                 bail!("there is no sample {sample}");
             };
             samples.push(SamplePrediction {
                 name: description.name.clone(),
-                file: set.files().get(*sample).cloned().unwrap_or_default(),
+                file: set.files.get(*sample).cloned().unwrap_or_default(),
                 label: description.label.clone(),
                 class: truth.classes.get(*sample).copied().flatten().map(class),
                 part: truth.parts.get(*sample).copied().flatten(),
@@ -151,7 +158,7 @@ impl PredictReport {
             channels: card.channels.clone(),
             samples,
             not_scored,
-            scores: scores(card, set, truth, &predictions)?,
+            scores: scores(card, set.samples, truth, &predictions)?,
             left_out: predictions.quarantined,
             differences,
         })
@@ -264,7 +271,7 @@ fn count(samples: &[SamplePrediction]) -> Vec<NotScored> {
 /// samples in any other set.
 fn scores(
     card: &ModelCard,
-    set: &VoxelSet,
+    set: &dyn SampleSource,
     truth: &Truth,
     predictions: &Predictions,
 ) -> Result<Option<SetScores>> {

@@ -1,5 +1,6 @@
 //! Loads the network of a directory, or says what to do if there is none.
 
+use crate::learning::labels::{LABELS, LabelTable};
 use crate::learning::train::{MODEL, Metrics, SETTINGS, Source, TrainSettings, TrainedOn};
 use anyhow::{Context, Result, bail};
 use protomer_learn::targets::number;
@@ -16,6 +17,8 @@ pub struct Trained {
     /// The structures that the network has seen; `None` if it was trained by an earlier version,
     /// which did not record them.
     pub training_structures: Option<TrainedOn>,
+    /// The labels of the training, if they came from a table.
+    pub labels: Option<LabelTable>,
 }
 
 impl Trained {
@@ -71,7 +74,12 @@ impl Trained {
             .with_context(|| format!("cannot read {}", path.display()))?;
         let model = Model::from_bytes(&bytes)
             .with_context(|| format!("{} is damaged; train again with --force", path.display()))?;
+        let labels = match settings.labels {
+            Some(_) => Some(LabelTable::read(&directory.join(LABELS), None)?),
+            None => None,
+        };
         Ok(Self {
+            labels,
             settings,
             model,
             training_structures: TrainedOn::read(directory)?,

@@ -4,7 +4,7 @@ use super::trained::Trained;
 use crate::learning::train::{Prepared, Source, TrainedOn};
 use anyhow::Result;
 use protomer_learn::SampleSource;
-use protomer_learn::novelty::{Familiar, Seen};
+use protomer_learn::novelty::Familiar;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -124,8 +124,8 @@ impl Truth {
 
     /// Keeps the labels that are classes under the target of the training. Samples seen in
     /// training are not scored.
-    fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
-        let training_samples = trained.training_structures.as_ref().map(seen);
+    pub(super) fn of_other(trained: &Trained, set: &dyn SampleSource) -> Self {
+        let training_samples = trained.training_structures.as_ref().map(TrainedOn::seen);
         let (mut classes, mut unscored) = (Vec::new(), Vec::new());
         for (sample, description) in set.descriptions().iter().enumerate() {
             let class = trained.class_of(&description.label);
@@ -169,17 +169,8 @@ impl From<Familiar> for Unscored {
     }
 }
 
-/// The samples of a training.
-fn seen(trained_on: &TrainedOn) -> Seen {
-    let mut training_samples = Seen::default();
-    for sample in trained_on.samples() {
-        training_samples.add(&sample.sha256, &sample.cluster);
-    }
-    training_samples
-}
-
 /// A set that has been moved is still the same set.
-fn is_same(trained: &Source, present: &Source) -> bool {
+pub(super) fn is_same(trained: &Source, present: &Source) -> bool {
     match (trained, present) {
         (
             Source::Set {

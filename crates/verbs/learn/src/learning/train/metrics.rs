@@ -6,6 +6,7 @@ use anyhow::{Context, Result};
 use protomer_io::atomic::{write_atomically, write_bytes};
 use protomer_io::csv::{Cell, Table};
 use protomer_learn::ablation::{Ablation, AblationRun};
+use protomer_learn::advantage::Advantage;
 use protomer_learn::evaluation::{Evaluation, Intervals, NumberEvaluation};
 use protomer_learn::number_classes::NumberClasses;
 use protomer_learn::number_scores::{NumberIntervals, NumberScores};
@@ -121,15 +122,32 @@ pub struct Metrics {
     /// test them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub single_cluster_classes: Vec<String>,
+    /// Samples of the test part that the training which the weights started from had seen, or whose
+    /// cluster it had: their scores are too good.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub seen_before: usize,
     /// Scores of the predicted numbers, if it is a number that is predicted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub numbers: Option<NumberMetrics>,
+    /// Comparison with the best baseline: of log-losses, or of squared errors if it is a number that is
+    /// predicted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advantage: Option<Advantage>,
+    /// The comparison in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<String>,
     /// All subsets of the channels, if requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ablation: Option<Ablation>,
     /// The verdict, for a control.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub control: Option<super::control_report::ControlReport>,
+}
+
+/// For serde: whether a count is left out.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// Scores of predicted numbers on the test part.
@@ -144,6 +162,9 @@ pub struct NumberMetrics {
     pub baselines: BTreeMap<String, NumberScores>,
     /// 95 % intervals.
     pub bootstrap_95: NumberIntervals,
+    /// Comparison with the best baseline, in shares of the variance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub advantage: Option<Advantage>,
 }
 
 impl NumberMetrics {
@@ -248,13 +269,18 @@ impl Predictions<'_> {
             baselines,
             intervals,
             permutation,
+            advantage,
             test_clusters,
         } = evaluation;
+        let advantage = match &numbers {
+            Some(numbers) => numbers.advantage.clone(),
+            None => Some(advantage),
+        };
         let mut scores_of_baselines = BTreeMap::new();
         for (baseline, scores) in baselines {
             scores_of_baselines.insert(baseline.name.to_owned(), BaselineScores::of(&scores));
         }
-        Ok(Metrics {
+        let mut metrics = Metrics {
             version: env!("CARGO_PKG_VERSION").into(),
             classes: self.classes.to_vec(),
             channels: self.channels.to_vec(),
@@ -289,10 +315,15 @@ impl Predictions<'_> {
             quarantined: self.quarantined.to_vec(),
             other_labels: self.other_labels.to_vec(),
             single_cluster_classes: self.single_cluster_classes.to_vec(),
+            seen_before: 0,
             numbers,
+            advantage,
+            verdict: None,
             ablation: None,
             control: None,
-        })
+        };
+        metrics.verdict = metrics.words_of_verdict();
+        Ok(metrics)
     }
 
     fn number_metrics(
@@ -305,6 +336,7 @@ impl Predictions<'_> {
             scores,
             baselines,
             intervals,
+            advantage,
         } = predictions.evaluate_numbers(
             evaluation,
             &numbers.of_samples,
@@ -319,6 +351,7 @@ impl Predictions<'_> {
                 .map(|(name, baseline)| (name.to_owned(), baseline))
                 .collect(),
             bootstrap_95: intervals,
+            advantage: Some(advantage),
         })
     }
 

@@ -13,6 +13,7 @@
 //! | `source` | the source of the samples |
 //! | `prepared` | a set ready for training |
 //! | `run` | one training: the loop, checkpoints, results |
+//! | `weights` | the trained network that a training starts from |
 //! | `trained_on` | which structures a network has seen |
 //! | `job` | a training with its ablation; a control with its experiments |
 //! | `metrics` | scores compared with baselines |
@@ -33,6 +34,7 @@ mod source;
 mod summary;
 mod told;
 mod trained_on;
+mod weights;
 
 pub(crate) use ablation::summary as ablation_summary;
 pub use control_report::{ControlReport, ExperimentReport};
@@ -47,3 +49,4 @@ pub use source::{channels_of, open_set, samples_of};
 pub(crate) use summary::decimals_of;
 pub use told::ScoreRow;
 pub use trained_on::{Seen, TRAINED_ON, TrainedOn};
+pub use weights::{Start, WeightSource};

@@ -5,6 +5,8 @@ use super::metrics::{Metrics, Predictions};
 use super::prepared::{Numbers, Prepared};
 use super::settings::{Source, TrainSettings};
 use super::trained_on::{TRAINED_ON, TrainedOn};
+use super::weights::{Start, WeightSource};
+use crate::learning::labels::{self, LABELS};
 use anyhow::{Context, Error, Result, bail};
 use protomer_common::range;
 use protomer_io::atomic::write_bytes;
@@ -16,7 +18,7 @@ use protomer_learn::sample::SampleSource;
 use protomer_learn::scores::Scores;
 use protomer_learn::split::{Split, family_weights};
 use protomer_learn::training::{
-    EpochRecord, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
+    EpochRecord, Model, Observer, Outcome, PredictionSettings, StepReport, Trained, Training,
     TrainingSettings, epochs_done,
 };
 use protomer_results::{
@@ -50,6 +52,7 @@ const LAYOUT: Layout = Layout {
         PREDICTED_NUMBERS,
         CHECKPOINT,
         TRAINED_ON,
+        LABELS,
         "ablation.csv",
         "ablation",
         "report.html",
@@ -74,13 +77,14 @@ pub fn check(settings: &TrainSettings, prepared: &Prepared) -> Result<()> {
         bail!("epochs is 0; give 1 or more");
     }
     let network = settings.network(prepared.classes.names.len());
-    Ok(training(prepared, &network, &settings.training, Device::Cpu).check()?)
+    Ok(training(prepared, &network, &settings.training, None, Device::Cpu).check()?)
 }
 
 fn training<'a>(
     prepared: &'a Prepared,
     network: &'a NetworkSettings,
     settings: &'a TrainingSettings,
+    start_from: Option<&'a Model>,
     device: Device,
 ) -> Training<'a> {
     let Prepared {
@@ -95,6 +99,7 @@ fn training<'a>(
         split,
         network,
         settings,
+        start_from,
         device,
     }
 }
@@ -107,6 +112,8 @@ pub struct TrainingRun<'a> {
     training: TrainingSettings,
     device: Device,
     identity: String,
+    /// The network that the weights start from.
+    start: Option<Start>,
 }
 
 /// The state of a training.
@@ -164,6 +171,11 @@ impl<'a> TrainingRun<'a> {
             device,
             // The digest of the set is among the settings.
             identity: settings::identity(settings, "")?,
+            start: settings
+                .weights_from
+                .as_ref()
+                .map(WeightSource::read)
+                .transpose()?,
         })
     }
 
@@ -173,9 +185,24 @@ impl<'a> TrainingRun<'a> {
         self
     }
 
+    /// Whether a training with these metrics has come to the end of the settings: all epochs, or as many
+    /// without a smaller validation loss as the patience allows.
+    fn ends_with(&self, metrics: &Metrics) -> bool {
+        let since_best = metrics.epochs - metrics.best_epoch.min(metrics.epochs);
+        let patience = self.training.patience.map(|patience| patience.max(1));
+        metrics.epochs >= self.training.epochs || patience.is_some_and(|most| since_best >= most)
+    }
+
     fn engine(&self) -> Training<'_> {
         let device = self.device.clone();
-        training(self.prepared, &self.network, &self.training, device)
+        let start_from = self.start.as_ref().map(|start| &start.model);
+        training(
+            self.prepared,
+            &self.network,
+            &self.training,
+            start_from,
+            device,
+        )
     }
 
     /// The network after the best epoch so far, with the history of its training.
@@ -274,17 +301,19 @@ impl Run for TrainingRun<'_> {
 
     fn answer(&self, epochs: &mut Epochs, directory: &Path) -> Result<Metrics> {
         let trained = self.trained(epochs)?;
-        write_results(self.settings, self.prepared, trained, directory)
+        let earlier = self.start.as_ref().map(|start| &start.trained_on);
+        write_results(self.settings, self.prepared, trained, earlier, directory)
     }
 
     fn details(&self, _epochs: &mut Epochs, _directory: &Path) -> Result<Value> {
         Ok(Value::Null)
     }
 
-    /// Reads the metrics. They are written last: their presence marks a finished training, whatever
-    /// the record states.
+    /// Reads the metrics. They are written last: their presence marks a training that was finished,
+    /// whatever the record states. It may be asked to go on since.
     fn finished(&self, directory: &Path, _record: Option<&Record>) -> Result<Option<Metrics>> {
-        Metrics::read(directory)
+        let metrics = Metrics::read(directory)?;
+        Ok(metrics.filter(|metrics| self.ends_with(metrics)))
     }
 
     /// Keeps the progress even if training failed.
@@ -345,18 +374,33 @@ pub(super) fn train_holding(
     check(settings, &prepared)?;
     let run = TrainingRun::new(settings, &prepared, device.clone())?;
     let held = ResultsDirectory::enter(path, &LAYOUT, settings, &run.identity, execution)?;
+    if settings.labels.is_some() && !path.join(LABELS).exists() {
+        // The labels stay with the training: the table may be lost, and predict scores by them.
+        labels::write(set, path)?;
+    }
     let end = drive(&run, path, execution)?;
     // Earlier versions did not write this file.
     if matches!(end, End::Finished(_)) && TrainedOn::read(path)?.is_none() {
-        note_samples(settings, &prepared, path)?;
+        let earlier = run.start.as_ref().map(|start| &start.trained_on);
+        note_samples(settings, &prepared, earlier, path)?;
     }
     Ok((end, held))
 }
 
 /// Records the structures that the network has seen. A control has none.
-fn note_samples(settings: &TrainSettings, prepared: &Prepared, path: &Path) -> Result<()> {
+fn note_samples(
+    settings: &TrainSettings,
+    prepared: &Prepared,
+    earlier: Option<&TrainedOn>,
+    path: &Path,
+) -> Result<()> {
+    let earlier = earlier.map_or_else(Vec::new, |earlier| earlier.samples().cloned().collect());
     match settings.source {
-        Source::Set { .. } => TrainedOn::of(prepared).write(path),
+        Source::Set { .. } => TrainedOn {
+            earlier,
+            ..TrainedOn::of(prepared)
+        }
+        .write(path),
         Source::Control { .. } => Ok(()),
     }
 }
@@ -367,6 +411,7 @@ fn write_results(
     settings: &TrainSettings,
     prepared: &Prepared,
     trained: Trained,
+    earlier: Option<&TrainedOn>,
     path: &Path,
 ) -> Result<Metrics> {
     let Prepared {
@@ -416,7 +461,15 @@ fn write_results(
         permutations: settings.permutations,
         seed: settings.training.seed,
     };
-    let metrics = predictions.metrics()?;
+    let mut metrics = predictions.metrics()?;
+    metrics.seen_before = earlier.map_or(0, |earlier| {
+        let seen = earlier.seen();
+        let is_familiar = |sample: &&usize| {
+            let cluster = &descriptions[**sample].cluster;
+            seen.familiar(view.file_sha256(**sample), cluster).is_some()
+        };
+        split.test.iter().filter(is_familiar).count()
+    });
     predictions.write_csv(&path.join(PREDICTIONS))?;
     // The metrics are written below, last of all.
     let bytes = model.to_bytes()?;
@@ -429,7 +482,7 @@ fn write_results(
     if let Some(numbers) = numbers {
         write_numbers(settings, numbers, split, &predicted.probabilities, path)?;
     }
-    note_samples(settings, prepared, path)?;
+    note_samples(settings, prepared, earlier, path)?;
     metrics.write(path)?;
     Ok(metrics)
 }

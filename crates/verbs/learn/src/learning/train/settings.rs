@@ -1,5 +1,7 @@
 //! The settings of a training: `settings.toml`.
 
+use super::weights::WeightSource;
+use crate::learning::labels::LabelSource;
 use anyhow::Result;
 use protomer_learn::block::BlockSettings;
 use protomer_learn::controls::{Control, Experiment, Form, Plan, Variant};
@@ -122,6 +124,12 @@ pub struct TrainSettings {
     pub pooling: GlobalPooling,
     /// The source of the samples.
     pub source: Source,
+    /// The table that the labels come from; by default those of the set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub labels: Option<LabelSource>,
+    /// The trained network that the weights start from; by default fresh ones.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weights_from: Option<WeightSource>,
     /// Shares of the parts.
     pub fractions: Fractions,
     /// Channels, scaling and the loop.
@@ -131,12 +139,35 @@ pub struct TrainSettings {
 }
 
 impl Settings for TrainSettings {
-    /// Excludes the path of the set: a set is identified by its content.
+    /// Excludes the paths of the set and of the table of labels, which are identified by their
+    /// content, and the end of the training: it may go on for more epochs.
     fn essential(&self) -> Self {
+        // The defaults, so that the identity of a training with default epochs is what it was before
+        // they could be raised.
+        let TrainingSettings {
+            epochs, patience, ..
+        } = TrainingSettings::default();
         Self {
             source: self.source.without_path(),
+            labels: self.labels.as_ref().map(LabelSource::without_path),
+            weights_from: self.weights_from.as_ref().map(WeightSource::without_path),
+            training: TrainingSettings {
+                epochs,
+                patience,
+                ..self.training.clone()
+            },
             ..self.clone()
         }
+    }
+
+    fn objection(&self, present: &Self) -> Option<String> {
+        let (wanted, done) = (self.training.epochs, present.training.epochs);
+        (wanted < done).then(|| {
+            format!(
+                "is a training of {done} epochs, which is more than {wanted}; ask for at least as many, or \
+                 train in another directory"
+            )
+        })
     }
 }
 
@@ -178,6 +209,8 @@ impl TrainSettings {
             rotations: false,
             pooling: GlobalPooling::AverageAndMaximum,
             source,
+            labels: None,
+            weights_from: None,
             fractions: Fractions::default(),
             training: TrainingSettings {
                 channels,
@@ -217,6 +250,8 @@ impl TrainSettings {
                 size,
                 seed,
             },
+            labels: None,
+            weights_from: None,
             fractions,
             training: control.training(experiment, form, seed),
             blocks: network.blocks,

@@ -15,6 +15,9 @@ impl Answer for Metrics {
     /// The scores as text. The accuracy is never shown without that of the majority class.
     fn text(&self) -> String {
         let mut parts = vec![head(self)];
+        // A control has a verdict of its own, on whether it came out as expected.
+        let verdict = self.verdict.as_ref().filter(|_| self.control.is_none());
+        parts.extend(verdict.map(|verdict| format!("verdict: {verdict}")));
         parts.extend(self.numbers.as_ref().map(numbers));
         parts.extend([scores(self), intervals(self), calibration(self)]);
         parts.extend((self.classes.len() <= MOST_CLASSES_SHOWN).then(|| confusion(self)));
@@ -37,17 +40,8 @@ fn head(metrics: &Metrics) -> String {
         "test part: {} samples in {} clusters, {classes} classes",
         samples.test, samples.test_clusters
     );
-    let absent = metrics
-        .classes
-        .iter()
-        .zip(&metrics.confusion_matrix)
-        .filter(|(_, row)| row.iter().sum::<f64>() == 0.0);
-    let absent: Vec<&str> = absent.map(|(class, _)| class.as_str()).collect();
-    if !absent.is_empty() {
-        head += &format!(
-            "; it has none of {}, about which these scores say nothing",
-            absent.join(", ")
-        );
+    if let Some(absent) = metrics.absent_classes() {
+        head += &format!("; {absent}");
     }
     if let Some(joined) = metrics.joined_labels() {
         head += &format!("\n{joined}");

@@ -1,6 +1,8 @@
 //! What the terminal and the page both say about a training, written once.
 
 use super::metrics::{BaselineScores, Metrics, simplest_first};
+use protomer_learn::advantage::Verdict;
+use protomer_learn::bootstrap::Interval;
 use protomer_learn::targets::{LabelCount, OTHER};
 
 /// The baseline that names one class with certainty.
@@ -53,6 +55,96 @@ impl Metrics {
         }
     }
 
+    /// The comparison with the best baseline in words; `None` in a training of an earlier version.
+    pub(super) fn words_of_verdict(&self) -> Option<String> {
+        let advantage = self.advantage.as_ref()?;
+        let (baseline, is_prior) = match (advantage.baseline.as_str(), &self.numbers) {
+            ("prior", Some(_)) => ("the mean of the training part".to_owned(), true),
+            ("prior", None) => ("the shares of the classes".to_owned(), true),
+            (name, _) => (name.replace('_', " "), false),
+        };
+        let Interval {
+            estimate,
+            low: least,
+            high: most,
+        } = advantage.gain;
+        let unit = match self.numbers {
+            Some(_) => "of the variance",
+            None => "nats",
+        };
+        let range = format!(
+            "{:+.3} {unit} for the network, 95 % {:+.3} to {:+.3}, {}",
+            estimate,
+            least,
+            most,
+            p_words(advantage.p_value)
+        );
+        Some(match (advantage.verdict(), is_prior) {
+            (Verdict::Better, _) => {
+                format!("the network predicts better than the best baseline, {baseline} ({range})")
+            }
+            (Verdict::Worse, true) => {
+                format!("{baseline} alone predict better ({range}): the network has learnt nothing")
+            }
+            (Verdict::Worse, false) => {
+                format!("{baseline} alone does better ({range}): the grid adds nothing here")
+            }
+            (Verdict::Undecided, true) => format!(
+                "no better than {baseline} ({range}): nothing was learnt that these {} clusters of the \
+                 test part can show",
+                self.samples.test_clusters
+            ),
+            (Verdict::Undecided, false) => format!(
+                "no better than {baseline} alone ({range}): the grid adds nothing that these {} clusters \
+                 of the test part can show",
+                self.samples.test_clusters
+            ),
+        })
+    }
+
+    /// The classes that the test part has none of; `None` if there are none.
+    pub fn absent_classes(&self) -> Option<String> {
+        let classes = self.classes.iter().zip(&self.confusion_matrix);
+        let absent = classes.filter(|(_, row)| row.iter().sum::<f64>() == 0.0);
+        let absent: Vec<&str> = absent.map(|(class, _)| class.as_str()).collect();
+        (!absent.is_empty()).then(|| {
+            format!(
+                "it has none of {}, about which these scores say nothing",
+                absent.join(", ")
+            )
+        })
+    }
+
+    /// Classes and labels that the split or their counts did not allow, a sentence each.
+    pub fn cautions(&self) -> Vec<String> {
+        let confined = self.single_cluster_classes.iter().map(|class| {
+            format!(
+                "all samples of the class {class} belong to one cluster, so a split by cluster cannot \
+                 both train and test it"
+            )
+        });
+        let seen = (self.seen_before > 0).then(|| {
+            format!(
+                "{} of {} samples of the test part, or relatives of theirs, were in the training that the \
+                 weights come from, so these scores are too good; predict scores new ones only",
+                self.seen_before, self.samples.test
+            )
+        });
+        confined.chain(self.joined_labels()).chain(seen).collect()
+    }
+
+    /// Calibration error, Brier score and temperature.
+    pub fn calibration(&self) -> [(&'static str, f64); 3] {
+        [
+            (
+                "expected calibration error",
+                self.expected_calibration_error,
+            ),
+            ("Brier score", self.brier),
+            ("temperature", self.temperature),
+        ]
+    }
+
     /// The labels that became one class, and the flag that keeps them apart; `None` if there are
     /// none.
     pub fn joined_labels(&self) -> Option<String> {
@@ -73,12 +165,9 @@ impl Metrics {
     /// The permutation test: its number, and the question that it answers. The gain over the prior
     /// answers another one, so its size and this number need not agree.
     pub fn permutation_test(&self) -> String {
-        let p = match self.permutation_p < 0.001 {
-            true => "< 0.001".into(),
-            false => format!("= {:.3}", self.permutation_p),
-        };
+        let p = p_words(self.permutation_p);
         format!(
-            "p {p} that predictions go with the labels of the test part by chance ({} exchanges of \
+            "{p} that predictions go with the labels of the test part by chance ({} exchanges of \
              labels; those of {:.0} % of the samples can move); it does not test the gain over the \
              prior",
             self.permutations,
@@ -87,9 +176,17 @@ impl Metrics {
     }
 }
 
+fn p_words(p: f64) -> String {
+    match p < 0.001 {
+        true => "p < 0.001".into(),
+        false => format!("p = {p:.3}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use protomer_learn::advantage::Advantage;
     use serde_json::json;
 
     /// The metrics of a training of two classes.
@@ -136,6 +233,37 @@ mod tests {
         assert_eq!((rows[1].log_loss_nats, rows[1].gained_nats), (None, None));
         assert_eq!(rows[2].gained_nats, Some(0.0));
         assert!((rows[3].gained_nats.unwrap() - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_verdict_says_what_the_grid_adds() {
+        let mut metrics = metrics();
+        assert_eq!(metrics.words_of_verdict(), None);
+        let mut told = |baseline: &str, low, high, p_value| {
+            metrics.advantage = Some(Advantage {
+                baseline: baseline.into(),
+                gain: Interval {
+                    estimate: 0.5 * (low + high),
+                    low,
+                    high,
+                },
+                p_value,
+            });
+            metrics.words_of_verdict().unwrap()
+        };
+        assert_eq!(
+            told("composition", -0.3, -0.1, 1.0),
+            "composition alone does better (-0.200 nats for the network, 95 % -0.300 to -0.100, p = \
+             1.000): the grid adds nothing here"
+        );
+        assert!(told("size_and_charge", 0.1, 0.3, 0.0004).starts_with(
+            "the network predicts better than the best baseline, size and charge (+0.200 nats for \
+             the network, 95 % +0.100 to +0.300, p < 0.001)"
+        ));
+        assert!(told("size", -0.1, 0.3, 0.2).contains("these 2 clusters"));
+        // The interval alone does not decide.
+        assert!(told("size", 0.01, 0.3, 0.2).starts_with("no better than size alone"));
+        assert!(told("prior", -0.3, 0.1, 0.7).contains("nothing was learnt"));
     }
 
     #[test]

@@ -19,6 +19,9 @@ pub struct TrainedOn {
     pub training: Vec<Seen>,
     /// The samples on which epoch and temperature were chosen.
     pub validation: Vec<Seen>,
+    /// The samples of the training that the weights started from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub earlier: Vec<Seen>,
 }
 
 /// A structure seen by a network.
@@ -51,6 +54,7 @@ impl TrainedOn {
         Self {
             training: part(&prepared.split.training),
             validation: part(&prepared.split.validation),
+            earlier: Vec::new(),
         }
     }
 
@@ -89,8 +93,9 @@ impl TrainedOn {
         Ok(write_bytes(&directory.join(TRAINED_ON), &bytes)?)
     }
 
-    /// The samples of both parts.
+    /// The samples of both parts, and of the training that the weights started from.
     pub fn samples(&self) -> impl Iterator<Item = &Seen> {
-        self.training.iter().chain(&self.validation)
+        let own = self.training.iter().chain(&self.validation);
+        own.chain(&self.earlier)
     }
 }
